@@ -1,0 +1,182 @@
+//! A dense row-major matrix over any scalar, and blocks of it.
+
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};
+use std::ops::{Index, IndexMut};
+
+/// A dense matrix, stored row by row.
+#[derive(Clone, Debug)]
+pub struct Matrix<S> {
+    rows: usize,
+    columns: usize,
+    data: Vec<S>,
+}
+
+impl<S: Scalar> Matrix<S> {
+    /// A matrix of zeros.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, data: vec![S::zero(); rows * columns] }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Row `i`.
+    #[inline]
+    pub fn row(&self, i: usize) -> &[S] {
+        &self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    /// Row `i`, to be written.
+    #[inline]
+    pub fn row_mut(&mut self, i: usize) -> &mut [S] {
+        &mut self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    /// Row `i` to be written and row `k < i` to be read.
+    #[inline]
+    pub(crate) fn row_mut_and_above(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
+        let (above, from_i) = self.data.split_at_mut(i * self.columns);
+        (&mut from_i[..self.columns], &above[k * self.columns..(k + 1) * self.columns])
+    }
+
+    /// Row `i` to be written and row `k > i` to be read.
+    #[inline]
+    pub(crate) fn row_mut_and_below(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
+        let (to_k, from_k) = self.data.split_at_mut(k * self.columns);
+        (&mut to_k[i * self.columns..(i + 1) * self.columns], &from_k[..self.columns])
+    }
+
+    /// All entries, row by row.
+    pub fn as_slice(&self) -> &[S] {
+        &self.data
+    }
+
+    /// The whole matrix as a block.
+    pub fn view(&self) -> Block<'_, S> {
+        self.block(0, 0, self.rows, self.columns)
+    }
+
+    /// The block of `rows` x `columns` entries that starts at (`top`, `left`).
+    pub(crate) fn block(&self, top: usize, left: usize, rows: usize, columns: usize) -> Block<'_, S> {
+        Block { matrix: self, top, left, rows, columns }
+    }
+
+    pub(crate) fn fill_zero(&mut self) {
+        self.data.fill(S::zero());
+    }
+
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.data.copy_from_slice(&other.data);
+    }
+}
+
+impl<S> Index<(usize, usize)> for Matrix<S> {
+    type Output = S;
+    #[inline]
+    fn index(&self, (i, j): (usize, usize)) -> &S {
+        &self.data[i * self.columns + j]
+    }
+}
+
+impl<S> IndexMut<(usize, usize)> for Matrix<S> {
+    #[inline]
+    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut S {
+        &mut self.data[i * self.columns + j]
+    }
+}
+
+/// A rectangular part of a [`Matrix`], to be read. Indices out of range panic, as those of a slice do.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<'a, S> {
+    matrix: &'a Matrix<S>,
+    top: usize,
+    left: usize,
+    rows: usize,
+    columns: usize,
+}
+
+impl<'a, S: Scalar> Block<'a, S> {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Row `i`.
+    pub fn row(&self, i: usize) -> &'a [S] {
+        &self.matrix.row(self.top + i)[self.left..self.left + self.columns]
+    }
+
+    /// The rows, from the first to the last.
+    pub fn iter_rows(&self) -> impl Iterator<Item = &'a [S]> {
+        let block = *self;
+        (0..self.rows).map(move |i| block.row(i))
+    }
+}
+
+impl<'a> Block<'a, f64> {
+    /// The same numbers as a view of nalgebra, without a copy.
+    pub fn as_nalgebra(&self) -> DMatrixView<'a, f64, Dyn, Dyn> {
+        let columns = self.matrix.columns;
+        let start = self.top * columns + self.left;
+        let end = start + (self.rows.max(1) - 1) * columns + self.columns;
+        DMatrixView::from_slice_with_strides_generic(
+            &self.matrix.data[start..end],
+            Dyn::from_usize(self.rows),
+            Dyn::from_usize(self.columns),
+            Dyn::from_usize(columns),
+            Dyn::from_usize(1),
+        )
+    }
+
+    /// A copy as a matrix of nalgebra.
+    pub fn to_nalgebra(&self) -> DMatrix<f64> {
+        self.as_nalgebra().into_owned()
+    }
+}
+
+impl<S> Index<(usize, usize)> for Block<'_, S> {
+    type Output = S;
+    #[inline]
+    fn index(&self, (i, j): (usize, usize)) -> &S {
+        assert!(i < self.rows && j < self.columns, "({i}, {j}) is outside {} x {}", self.rows, self.columns);
+        &self.matrix[(self.top + i, self.left + j)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Matrix;
+
+    #[test]
+    fn blocks_and_nalgebra_see_the_same_entries() {
+        let mut m = Matrix::<f64>::zeros(4, 6);
+        for i in 0..4 {
+            for j in 0..6 {
+                m[(i, j)] = (10 * i + j) as f64;
+            }
+        }
+        let block = m.block(2, 3, 2, 3);
+        assert_eq!(block.row(1), &[33.0, 34.0, 35.0]);
+        let seen = block.as_nalgebra();
+        assert_eq!(seen.shape(), (2, 3));
+        for i in 0..2 {
+            for j in 0..3 {
+                assert_eq!(seen[(i, j)], block[(i, j)]);
+            }
+        }
+        assert_eq!(m.view().to_nalgebra()[(3, 5)], 35.0);
+    }
+}

@@ -1,0 +1,183 @@
+//! The scalar type that the whole pipeline is generic over.
+//!
+//! Every formula of the library is written once, for any [`Scalar`]: `f64` and `f32` compute values, num-dual's
+//! numbers carry derivatives through the same code, [`Count`] counts what the code does. A scalar offers ring
+//! operations, a division, a few functions, and comparison only in the form [`less`](Scalar::less) /
+//! [`select`](Scalar::select): generic code cannot branch on a value, so every scalar walks the same path.
+
+mod count;
+mod dual;
+mod real;
+
+pub use count::{Count, Operations, count};
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A number that robot dynamics can be computed with.
+///
+/// Implemented for `f64`, `f32`, [`Count`], and for num-dual's numbers of static size: `Dual`, `Dual2`, `Dual3`,
+/// `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec`, each over any scalar, so that nested
+/// ones work too. Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
+/// [`plus`](Scalar::plus), which cost a dual number much less than an operation between two of them.
+///
+/// ```
+/// use costate::scalar::Scalar;
+/// use num_dual::Dual64;
+///
+/// fn energy<S: Scalar>(angle: S, rate: S) -> S {
+///     let (_, cos) = angle.sin_cos();
+///     (rate * rate).times(0.5) - cos.times(9.81)
+/// }
+/// let e = energy(Dual64::from_re(0.3).derivative(), Dual64::from_re(2.0));
+/// assert_eq!(e.re, energy(0.3, 2.0));
+/// assert!((e.eps - 9.81 * 0.3_f64.sin()).abs() < 1e-15);
+/// ```
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + 'static
+{
+    /// Outcome of a comparison: one truth value, or one per lane.
+    type Mask: Copy;
+
+    /// The constant `value`, with derivatives zero.
+    fn from_f64(value: f64) -> Self;
+
+    /// The constant 0.
+    #[inline]
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+
+    /// The constant 1.
+    #[inline]
+    fn one() -> Self {
+        Self::from_f64(1.0)
+    }
+
+    /// `factor * self` for a constant.
+    fn times(self, factor: f64) -> Self;
+
+    /// `self + term` for a constant.
+    fn plus(self, term: f64) -> Self;
+
+    /// `1 / self`.
+    fn recip(self) -> Self;
+
+    /// Square root.
+    fn sqrt(self) -> Self;
+
+    /// Sine and cosine, in this order.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Exponential function.
+    fn exp(self) -> Self;
+
+    /// `exp(self) - 1` without cancellation near 0.
+    fn exp_m1(self) -> Self;
+
+    /// `self < other`; false where one of them is not a number.
+    fn less(self, other: Self) -> Self::Mask;
+
+    /// `if_true` where the mask holds, `if_false` elsewhere. Both are computed by the caller.
+    fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+
+    /// Whether the mask holds in every lane.
+    ///
+    /// For the checks at the edge of the library (non-finite input, singular mass matrix), never for the choice
+    /// between two formulas. A scalar that only records or counts answers `true`.
+    fn all(mask: Self::Mask) -> bool;
+
+    /// Absolute value, by `select`; its derivative at 0 is that of `self`.
+    #[inline]
+    fn abs(self) -> Self {
+        Self::select(self.less(Self::zero()), -self, self)
+    }
+
+    /// Hyperbolic tangent `-m / (m + 2)`, `m = exp(-2 |x|) - 1`, with the sign of `x`.
+    ///
+    /// Overflow-free: exact limits +-1 with derivatives 0 for large arguments, full relative accuracy near 0.
+    #[inline]
+    fn tanh(self) -> Self {
+        let m = self.abs().times(-2.0).exp_m1();
+        let t = -m / m.plus(2.0);
+        Self::select(self.less(Self::zero()), -t, t)
+    }
+
+    /// Hyperbolic tangent and its slope `1 - tanh^2 = 4 e / (1 + e)^2`, `e = exp(-2 |x|)`: no cancellation.
+    #[inline]
+    fn tanh_and_slope(self) -> (Self, Self) {
+        let e = self.abs().times(-2.0).exp();
+        let root = e.plus(1.0).recip();
+        (self.tanh(), (e * root * root).times(4.0))
+    }
+
+    /// Whether the value is neither infinite nor not-a-number (in every lane; derivatives are not looked at).
+    #[inline]
+    fn is_finite(self) -> bool {
+        let limit = Self::from_f64(f64::INFINITY);
+        Self::all(self.less(limit)) && Self::all((-limit).less(self))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Scalar;
+    use num_dual::{Dual3_64, Dual64, DualSVec64, HyperDual64};
+
+    #[test]
+    fn tanh_is_accurate_and_free_of_overflow() {
+        for x in [1e-300, 1e-12, 1e-3, 0.3, 1.0, 5.0, 19.0, 400.0, 711.0, 1e6, 1e300] {
+            for x in [x, -x] {
+                let (ours, exact) = (Scalar::tanh(x), f64::tanh(x));
+                assert!((ours - exact).abs() <= 4e-16 * exact.abs(), "tanh({x}) = {ours}, not {exact}");
+            }
+        }
+        assert_eq!(Scalar::tanh(0.0), 0.0);
+        assert!(Scalar::tanh(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn tanh_of_dual_numbers_keeps_its_derivatives() {
+        for x in [-800.0, -2.0, 0.0, 0.7, 711.0, 1e8] {
+            let t = f64::tanh(x);
+            let d1 = 1.0 - t * t;
+            let d2 = -2.0 * t * d1;
+            let d3 = -2.0 * d1 * (1.0 - 3.0 * t * t);
+            let y = Scalar::tanh(Dual3_64::from_re(x).derivative());
+            let worst = (y.v1 - d1).abs().max((y.v2 - d2).abs()).max((y.v3 - d3).abs());
+            assert!(worst < 2e-15, "derivatives of tanh at {x}: {y}");
+        }
+        assert!(
+            num_dual::DualNum::tanh(&Dual64::from_re(711.0)).re.is_nan(),
+            "num-dual's own tanh overflows"
+        );
+    }
+
+    #[test]
+    fn finite_is_judged_by_the_value() {
+        assert!(1e308.is_finite() && !Scalar::is_finite(f64::NAN) && !Scalar::is_finite(f64::NEG_INFINITY));
+        assert!(
+            Scalar::is_finite(Dual64::from_re(3.0)) && !Scalar::is_finite(Dual64::from_re(f64::INFINITY))
+        );
+    }
+
+    #[test]
+    fn select_takes_the_derivatives_along() {
+        let a = HyperDual64::new(1.0, 2.0, 3.0, 4.0);
+        let b = HyperDual64::new(5.0, 6.0, 7.0, 8.0);
+        let smaller = Scalar::select(b.less(a), b, a);
+        assert_eq!((smaller.eps1, smaller.eps2, smaller.eps1eps2), (2.0, 3.0, 4.0));
+        let x = DualSVec64::<2>::from_re(-3.0).derivative(1);
+        assert_eq!(Scalar::abs(x).eps.0.unwrap()[1], -1.0);
+    }
+}

@@ -1,0 +1,59 @@
+//! `f64` and `f32`.
+
+use super::Scalar;
+
+macro_rules! impl_scalar_for_float {
+    ($float:ident) => {
+        impl Scalar for $float {
+            type Mask = bool;
+
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
+            #[inline]
+            fn times(self, factor: f64) -> Self {
+                self * factor as $float
+            }
+            #[inline]
+            fn plus(self, term: f64) -> Self {
+                self + term as $float
+            }
+            #[inline]
+            fn recip(self) -> Self {
+                $float::recip(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                $float::sqrt(self)
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                $float::sin_cos(self)
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                $float::exp(self)
+            }
+            #[inline]
+            fn exp_m1(self) -> Self {
+                $float::exp_m1(self)
+            }
+            #[inline]
+            fn less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline]
+            fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
+                if mask { if_true } else { if_false }
+            }
+            #[inline]
+            fn all(mask: bool) -> bool {
+                mask
+            }
+        }
+    };
+}
+
+impl_scalar_for_float!(f64);
+impl_scalar_for_float!(f32);

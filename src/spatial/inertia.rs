@@ -1,0 +1,188 @@
+//! Inertia of a rigid body about the origin of a frame.
+
+use super::vector::{Force, Motion, Vec3};
+use crate::scalar::Scalar;
+
+/// A symmetric 3 x 3 matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Symmetric3<S> {
+    /// First diagonal entry.
+    pub xx: S,
+    /// Second diagonal entry.
+    pub yy: S,
+    /// Third diagonal entry.
+    pub zz: S,
+    /// Entry (x, y).
+    pub xy: S,
+    /// Entry (x, z).
+    pub xz: S,
+    /// Entry (y, z).
+    pub yz: S,
+}
+
+impl<S: Scalar> Symmetric3<S> {
+    /// Matrix times vector.
+    #[inline(always)]
+    pub fn apply(&self, a: Vec3<S>) -> Vec3<S> {
+        Vec3::new(
+            self.xx * a.x + self.xy * a.y + self.xz * a.z,
+            self.xy * a.x + self.yy * a.y + self.yz * a.z,
+            self.xz * a.x + self.yz * a.y + self.zz * a.z,
+        )
+    }
+
+    /// `Rz J Rz'` for the rotation about z with this sine and cosine.
+    ///
+    /// With `e = s (J_xx - J_yy) + 2 c J_xy`: `J_xx - s e`, `J_yy + s e`, `c e - J_xy`, eight products in all.
+    #[inline(always)]
+    pub fn turned_about_z(&self, sin: S, cos: S) -> Self {
+        let e = sin * (self.xx - self.yy) + cos * (self.xy + self.xy);
+        Self {
+            xx: self.xx - sin * e,
+            yy: self.yy + sin * e,
+            zz: self.zz,
+            xy: cos * e - self.xy,
+            xz: cos * self.xz - sin * self.yz,
+            yz: sin * self.xz + cos * self.yz,
+        }
+    }
+
+    /// As [`turned_about_z`](Self::turned_about_z) for constant sine and cosine.
+    #[inline(always)]
+    pub fn turned_about_z_constant(&self, [sin, cos]: [f64; 2]) -> Self {
+        let e = (self.xx - self.yy).times(sin) + self.xy.times(2.0 * cos);
+        Self {
+            xx: self.xx - e.times(sin),
+            yy: self.yy + e.times(sin),
+            zz: self.zz,
+            xy: e.times(cos) - self.xy,
+            xz: self.xz.times(cos) - self.yz.times(sin),
+            yz: self.xz.times(sin) + self.yz.times(cos),
+        }
+    }
+
+    /// `Rx J Rx'` for the rotation about x with this constant sine and cosine.
+    #[inline(always)]
+    pub fn turned_about_x_constant(&self, [sin, cos]: [f64; 2]) -> Self {
+        let e = (self.yy - self.zz).times(sin) + self.yz.times(2.0 * cos);
+        Self {
+            xx: self.xx,
+            yy: self.yy - e.times(sin),
+            zz: self.zz + e.times(sin),
+            xy: self.xy.times(cos) - self.xz.times(sin),
+            xz: self.xy.times(sin) + self.xz.times(cos),
+            yz: e.times(cos) - self.yz,
+        }
+    }
+}
+
+/// Inertia of a body whose mass is a constant of the model: `(m, h, J)` with first moment `h = m c` (kg m) and
+/// inertia matrix `J` about the origin of the frame (kg m^2).
+#[derive(Clone, Copy, Debug)]
+pub struct Inertia<S> {
+    /// Mass (kg).
+    pub mass: f64,
+    /// First moment (kg m).
+    pub first_moment: Vec3<S>,
+    /// Inertia matrix about the origin (kg m^2).
+    pub matrix: Symmetric3<S>,
+}
+
+impl<S: Scalar> Inertia<S> {
+    /// Momentum of the body in the motion: `(J w + h x v; m v - h x w)`.
+    #[inline(always)]
+    pub fn apply(&self, motion: Motion<S>) -> Force<S> {
+        let (w, v, h) = (motion.angular, motion.linear, self.first_moment);
+        Force { moment: self.matrix.apply(w) + h.cross(v), force: v.times(self.mass) - h.cross(w) }
+    }
+
+    /// Adds another body in the same frame, but for its mass.
+    #[inline(always)]
+    pub fn add_moments(&mut self, other: &Self) {
+        self.first_moment = self.first_moment + other.first_moment;
+        let (a, b) = (&mut self.matrix, &other.matrix);
+        a.xx += b.xx;
+        a.yy += b.yy;
+        a.zz += b.zz;
+        a.xy += b.xy;
+        a.xz += b.xz;
+        a.yz += b.yz;
+    }
+}
+
+/// Inertia of a link: the constants of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstantInertia {
+    /// Mass (kg).
+    pub mass: f64,
+    /// First moment (kg m).
+    pub first_moment: [f64; 3],
+    /// xx, yy, zz, xy, xz, yz of the inertia matrix about the origin (kg m^2).
+    pub matrix: [f64; 6],
+}
+
+impl ConstantInertia {
+    /// The same as scalars.
+    #[inline(always)]
+    pub fn lift<S: Scalar>(&self) -> Inertia<S> {
+        let [xx, yy, zz, xy, xz, yz] = self.matrix.map(S::from_f64);
+        Inertia {
+            mass: self.mass,
+            first_moment: Vec3::constant(self.first_moment),
+            matrix: Symmetric3 { xx, yy, zz, xy, xz, yz },
+        }
+    }
+
+    /// Momentum of the link, as [`Inertia::apply`].
+    #[inline(always)]
+    pub fn apply<S: Scalar>(&self, motion: Motion<S>) -> Force<S> {
+        let [xx, yy, zz, xy, xz, yz] = self.matrix;
+        let (w, v, h) = (motion.angular, motion.linear, self.first_moment);
+        let turned = Vec3::new(
+            w.dot_constant([xx, xy, xz]),
+            w.dot_constant([xy, yy, yz]),
+            w.dot_constant([xz, yz, zz]),
+        );
+        Force { moment: turned - v.cross_constant(h), force: v.times(self.mass) + w.cross_constant(h) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Matrix3;
+
+    fn body() -> ConstantInertia {
+        ConstantInertia {
+            mass: 2.5,
+            first_moment: [0.3, -0.2, 0.9],
+            matrix: [1.0, 1.3, 0.8, -0.1, 0.05, 0.2],
+        }
+    }
+
+    fn dense(j: &Symmetric3<f64>) -> Matrix3<f64> {
+        Matrix3::new(j.xx, j.xy, j.xz, j.xy, j.yy, j.yz, j.xz, j.yz, j.zz)
+    }
+
+    #[test]
+    fn turning_is_the_congruence_with_the_rotation() {
+        let (s, c) = 0.7_f64.sin_cos();
+        let j = body().lift::<f64>().matrix;
+        let rz = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
+        let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
+        let z = rz * dense(&j) * rz.transpose();
+        assert!((dense(&j.turned_about_z(s, c)) - z).amax() < 1e-15);
+        assert!((dense(&j.turned_about_z_constant([s, c])) - z).amax() < 1e-15);
+        let x = rx * dense(&j) * rx.transpose();
+        assert!((dense(&j.turned_about_x_constant([s, c])) - x).amax() < 1e-15);
+    }
+
+    #[test]
+    fn constant_and_lifted_inertia_give_the_same_momentum() {
+        let motion =
+            Motion { angular: Vec3::constant([0.2, 1.1, -0.7]), linear: Vec3::constant([3.0, -0.4, 0.6]) };
+        let (a, b) = (body().apply::<f64>(motion), body().lift().apply(motion));
+        assert!((a.moment - b.moment).dot(a.moment - b.moment) < 1e-30);
+        assert!((a.force - b.force).dot(a.force - b.force) < 1e-30);
+    }
+}

@@ -1,0 +1,185 @@
+//! Three-vectors over any scalar, spatial motion and force vectors.
+
+use crate::scalar::Scalar;
+use std::ops::{Add, Neg, Sub};
+
+/// A vector of three scalars.
+#[derive(Clone, Copy, Debug)]
+pub struct Vec3<S> {
+    /// Along the first axis.
+    pub x: S,
+    /// Along the second axis.
+    pub y: S,
+    /// Along the third axis.
+    pub z: S,
+}
+
+impl<S: Scalar> Vec3<S> {
+    /// From its components.
+    #[inline(always)]
+    pub fn new(x: S, y: S, z: S) -> Self {
+        Self { x, y, z }
+    }
+
+    /// The zero vector.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self::new(S::zero(), S::zero(), S::zero())
+    }
+
+    /// A constant vector.
+    #[inline(always)]
+    pub fn constant([x, y, z]: [f64; 3]) -> Self {
+        Self::new(S::from_f64(x), S::from_f64(y), S::from_f64(z))
+    }
+
+    /// `self . other`.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> S {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// `self . constant`.
+    #[inline(always)]
+    pub fn dot_constant(self, [x, y, z]: [f64; 3]) -> S {
+        self.x.times(x) + self.y.times(y) + self.z.times(z)
+    }
+
+    /// `self x other`.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y * other.z - self.z * other.y,
+            self.z * other.x - self.x * other.z,
+            self.x * other.y - self.y * other.x,
+        )
+    }
+
+    /// `self x constant`.
+    #[inline(always)]
+    pub fn cross_constant(self, [x, y, z]: [f64; 3]) -> Self {
+        Self::new(
+            self.y.times(z) - self.z.times(y),
+            self.z.times(x) - self.x.times(z),
+            self.x.times(y) - self.y.times(x),
+        )
+    }
+
+    /// `factor self` for a constant.
+    #[inline(always)]
+    pub fn times(self, factor: f64) -> Self {
+        Self::new(self.x.times(factor), self.y.times(factor), self.z.times(factor))
+    }
+
+    /// `self + constant`.
+    #[inline(always)]
+    pub fn plus(self, [x, y, z]: [f64; 3]) -> Self {
+        Self::new(self.x.plus(x), self.y.plus(y), self.z.plus(z))
+    }
+
+    /// `e_z x self`.
+    #[inline(always)]
+    pub fn ez_cross(self) -> Self {
+        Self::new(-self.y, self.x, S::zero())
+    }
+
+    /// `self x e_z`.
+    #[inline(always)]
+    pub fn cross_ez(self) -> Self {
+        Self::new(self.y, -self.x, S::zero())
+    }
+}
+
+impl<S: Scalar> Add for Vec3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl<S: Scalar> Sub for Vec3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl<S: Scalar> Neg for Vec3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y, -self.z)
+    }
+}
+
+/// A spatial motion vector: velocity of a rigid body, seen and referred to a frame that rides on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<S> {
+    /// Angular velocity (rad/s).
+    pub angular: Vec3<S>,
+    /// Velocity of the body point at the origin of the frame (m/s).
+    pub linear: Vec3<S>,
+}
+
+impl<S: Scalar> Motion<S> {
+    /// No motion.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { angular: Vec3::zero(), linear: Vec3::zero() }
+    }
+}
+
+/// A spatial force vector: momentum or force on a rigid body, about the origin of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Force<S> {
+    /// Angular momentum or moment about the origin of the frame.
+    pub moment: Vec3<S>,
+    /// Linear momentum or force.
+    pub force: Vec3<S>,
+}
+
+impl<S: Scalar> Force<S> {
+    /// No force.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { moment: Vec3::zero(), force: Vec3::zero() }
+    }
+
+    /// Power of the force in the motion: the scalar product of the two kinds of vectors.
+    #[inline(always)]
+    pub fn dot(self, motion: Motion<S>) -> S {
+        self.moment.dot(motion.angular) + self.force.dot(motion.linear)
+    }
+}
+
+impl<S: Scalar> Add for Force<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { moment: self.moment + other.moment, force: self.force + other.force }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Vec3;
+
+    #[test]
+    fn products_agree_with_nalgebra() {
+        let (a, b) = ([1.0, -2.0, 0.5], [0.25, 3.0, -1.5]);
+        let (na, nb) = (nalgebra::Vector3::from(a), nalgebra::Vector3::from(b));
+        let (ours_a, ours_b) = (Vec3::<f64>::constant(a), Vec3::constant(b));
+        let same = |ours: Vec3<f64>, theirs: nalgebra::Vector3<f64>| {
+            assert_eq!([ours.x, ours.y, ours.z], [theirs.x, theirs.y, theirs.z]);
+        };
+        same(ours_a.cross(ours_b), na.cross(&nb));
+        same(ours_a.cross_constant(b), na.cross(&nb));
+        same(ours_a.ez_cross(), nalgebra::Vector3::z().cross(&na));
+        same(ours_a.cross_ez(), na.cross(&nalgebra::Vector3::z()));
+        same((ours_a - -ours_b + ours_b).times(2.0), (na + nb * 2.0) * 2.0);
+        assert_eq!(ours_a.dot(ours_b), na.dot(&nb));
+        assert_eq!(ours_a.dot_constant(b), na.dot(&nb));
+    }
+}
