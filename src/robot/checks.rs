@@ -1,0 +1,140 @@
+//! Physical checks: what no robot can be is an error, what no real robot is becomes a warning.
+
+use super::error::{RobotError, Warning};
+use super::joint::{Joint, JointKind, JointSpec};
+use super::link::LinkInertia;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Relative rounding that published figures are allowed.
+const ROUNDING: f64 = 1e-9;
+
+/// Mass, centre of mass and inertia of one link; `link` names it in the error.
+pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
+    let not_finite = |what| RobotError::NonFiniteInertia { link: link.into(), what };
+    if !inertia.mass.is_finite() {
+        return Err(not_finite("the mass"));
+    }
+    if inertia.com.iter().any(|x| !x.is_finite()) {
+        return Err(not_finite("the centre of mass"));
+    }
+    if inertia.inertia.iter().any(|x| !x.is_finite()) {
+        return Err(not_finite("the inertia"));
+    }
+    if inertia.mass < 0.0 {
+        return Err(RobotError::NegativeMass { link: link.into(), mass: inertia.mass });
+    }
+    let [smallest, _, largest] = inertia.principal_moments();
+    if smallest < -ROUNDING * largest.abs().max(smallest.abs()) {
+        return Err(RobotError::IndefiniteInertia { link: link.into(), moment: smallest });
+    }
+    Ok(())
+}
+
+/// Whether the principal moments could be those of a rigid body; the warning if not.
+pub(super) fn triangle_inequality(link: &str, inertia: &LinkInertia) -> Option<Warning> {
+    let moments @ [a, b, c] = inertia.principal_moments();
+    (a + b < c * (1.0 - ROUNDING)).then(|| Warning::TriangleInequality { link: link.into(), moments })
+}
+
+/// Everything about one joint that can be judged by itself.
+pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
+    let name = || spec.name.clone();
+    let length = spec.axis.norm();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(RobotError::BadAxis { joint: name() });
+    }
+    if !spec.placement.is_rigid() {
+        return Err(RobotError::BadPlacement { joint: name() });
+    }
+    inertia(spec.link_name(), &spec.inertia)?;
+    let not_negative = "it must be finite and not negative";
+    let (friction, spring, limits) = (&spec.friction, &spec.spring, &spec.limits);
+    let checks = [
+        ("the armature", spec.armature, spec.armature >= 0.0 && spec.armature.is_finite(), not_negative),
+        (
+            "the viscous friction",
+            friction.viscous,
+            friction.viscous >= 0.0 && friction.viscous.is_finite(),
+            not_negative,
+        ),
+        (
+            "the Coulomb friction",
+            friction.coulomb,
+            friction.coulomb >= 0.0 && friction.coulomb.is_finite(),
+            not_negative,
+        ),
+        (
+            "the Coulomb transition velocity",
+            friction.coulomb_velocity,
+            friction.coulomb_velocity > 0.0 && friction.coulomb_velocity.is_finite(),
+            "it must be finite and positive",
+        ),
+        ("the spring stiffness", spring.stiffness, spring.stiffness.is_finite(), "it must be finite"),
+        ("the rest position of the spring", spring.rest, spring.rest.is_finite(), "it must be finite"),
+        ("the lower limit", limits.lower, limits.lower <= limits.upper, "it must not exceed the upper limit"),
+        ("the velocity limit", limits.velocity, limits.velocity >= 0.0, "it must not be negative"),
+        ("the effort limit", limits.effort, limits.effort >= 0.0, "it must not be negative"),
+    ];
+    match checks.into_iter().find(|(_, _, ok, _)| !ok) {
+        Some((what, value, _, rule)) => Err(RobotError::BadValue { joint: name(), what, value, rule }),
+        None => Ok(()),
+    }
+}
+
+/// Symmetric and positive semidefinite.
+pub(super) fn armature(matrix: &DMatrix<f64>) -> Result<(), RobotError> {
+    let n = matrix.nrows();
+    let bad = |problem: String| Err(RobotError::BadArmature { problem, n });
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return bad("has an entry that is not finite".into());
+    }
+    let size = matrix.amax();
+    if (matrix - matrix.transpose()).amax() > ROUNDING * size {
+        return bad("is not symmetric".into());
+    }
+    let diagonal = matrix.diagonal();
+    let is_diagonal = (matrix - DMatrix::from_diagonal(&diagonal)).iter().all(|x| *x == 0.0);
+    let smallest =
+        if is_diagonal { diagonal.min() } else { SymmetricEigen::new(matrix.clone()).eigenvalues.min() };
+    if smallest < -ROUNDING * size {
+        return bad(format!("has the negative eigenvalue {smallest:.3e}"));
+    }
+    Ok(())
+}
+
+/// Everything that needs the whole tree: joints that move nothing, massless links, odd inertias.
+pub(super) fn robot(
+    joints: &[Joint],
+    armature: &DMatrix<f64>,
+    virtual_links: &[bool],
+    warnings: &mut Vec<Warning>,
+) -> Result<(), RobotError> {
+    let n = joints.len();
+    let mut moves_mass: Vec<bool> = joints.iter().map(|j| !j.inertia.is_massless()).collect();
+    let mut is_last = vec![true; n];
+    for i in (0..n).rev() {
+        if let Some(parent) = joints[i].parent {
+            moves_mass[parent] |= moves_mass[i];
+            is_last[parent] = false;
+        }
+    }
+    for (i, joint) in joints.iter().enumerate() {
+        let link = &joint.inertia;
+        if !moves_mass[i] && armature[(i, i)] == 0.0 {
+            return Err(RobotError::MovesNothing { joint: joint.name.clone() });
+        }
+        if link.is_massless() && !virtual_links[i] {
+            warnings.push(Warning::MasslessLink { link: joint.link.clone() });
+        }
+        warnings.extend(triangle_inequality(&joint.link, link));
+        let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));
+        if is_last[i]
+            && joint.kind == JointKind::Revolute
+            && armature[(i, i)] == 0.0
+            && about_axis <= 1e-14 * link.inertia_about_origin().amax()
+        {
+            warnings.push(Warning::OnAxis { joint: joint.name.clone() });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,318 @@
+//! What can be wrong with the description of a robot.
+
+use std::path::{Path, PathBuf};
+
+/// Why a robot was refused. Every message names the culprit and says what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// Any of the other errors, with the file and, where known, the line.
+    #[error("{}{error}", position(path, *line))]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// Line of the culprit, from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        error: Box<RobotError>,
+    },
+    /// The file cannot be read.
+    #[error("cannot be read ({reason}); check the path and the permissions")]
+    Unreadable {
+        /// The operating system's reason.
+        reason: String,
+    },
+    /// Neither .urdf nor .toml.
+    #[error("unknown kind of robot file; use a name that ends in .urdf or .toml")]
+    UnknownFormat,
+    /// The text breaks the rules of its format.
+    #[error("{message}")]
+    Malformed {
+        /// What is wrong and what was expected.
+        message: String,
+    },
+    /// Nothing moves.
+    #[error("robot '{robot}' has no moving joint; describe at least one revolute or prismatic joint")]
+    NoJoints {
+        /// The robot.
+        robot: String,
+    },
+    /// A name given twice.
+    #[error("two {kind}s are called '{name}'; give each its own name")]
+    DuplicateName {
+        /// `"joint"` or `"link"`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// The parent does not exist.
+    #[error(
+        "joint '{joint}' stands on '{parent}', which does not exist; correct the name or add the missing {kind}"
+    )]
+    UnknownParent {
+        /// The joint.
+        joint: String,
+        /// What it names as its parent.
+        parent: String,
+        /// `"joint"` or `"link"`.
+        kind: &'static str,
+    },
+    /// The child link does not exist.
+    #[error(
+        "joint '{joint}' moves link '{child}', which does not exist; correct the name or add the missing link"
+    )]
+    UnknownChild {
+        /// The joint.
+        joint: String,
+        /// The link it names.
+        child: String,
+    },
+    /// A link moved by two joints.
+    #[error(
+        "link '{link}' is moved by two joints, '{first}' and '{second}'; a tree gives each link one parent: \
+         open the loop by removing one of them"
+    )]
+    TwoParents {
+        /// The link.
+        link: String,
+        /// First joint in the file.
+        first: String,
+        /// Second joint.
+        second: String,
+    },
+    /// Joints that stand on each other in a circle.
+    #[error("joints stand on each other in a circle: {}; let one of them stand on the world", joints.join(" -> "))]
+    Cycle {
+        /// The joints, each standing on the next, the last on the first.
+        joints: Vec<String>,
+    },
+    /// More than one link without a parent.
+    #[error(
+        "links '{first}' and '{second}' both have no parent joint; join them by a joint (a fixed one merges them)"
+    )]
+    SeveralRoots {
+        /// First root link.
+        first: String,
+        /// Another one.
+        second: String,
+    },
+    /// A joint that copies another one.
+    #[error(
+        "joint '{joint}' mimics joint '{master}', a constraint that a tree of independent joints cannot hold; \
+         make it independent (remove <mimic>) or fixed"
+    )]
+    Mimic {
+        /// The joint.
+        joint: String,
+        /// The joint it copies.
+        master: String,
+    },
+    /// A kind of joint that is not offered.
+    #[error(
+        "joint '{joint}' is of type '{kind}'; use revolute, continuous, prismatic, fixed, floating or planar"
+    )]
+    UnsupportedJoint {
+        /// The joint.
+        joint: String,
+        /// Its type.
+        kind: String,
+    },
+    /// An axis without direction.
+    #[error(
+        "the axis of joint '{joint}' has length zero or is not finite; give it a direction such as 0 0 1"
+    )]
+    BadAxis {
+        /// The joint.
+        joint: String,
+    },
+    /// A placement that is not a rigid motion.
+    #[error(
+        "the placement of joint '{joint}' is not a finite right-handed rotation and translation; correct it"
+    )]
+    BadPlacement {
+        /// The joint.
+        joint: String,
+    },
+    /// A value out of its range.
+    #[error("{what} of joint '{joint}' is {value}; {rule}")]
+    BadValue {
+        /// The joint.
+        joint: String,
+        /// Which value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        rule: &'static str,
+    },
+    /// Mass, centre of mass or inertia not finite.
+    #[error("{what} of link '{link}' is not finite; correct it")]
+    NonFiniteInertia {
+        /// The link.
+        link: String,
+        /// Which figure.
+        what: &'static str,
+    },
+    /// A mass below zero.
+    #[error("the mass of link '{link}' is {mass} kg; a mass is zero or positive")]
+    NegativeMass {
+        /// The link.
+        link: String,
+        /// The mass (kg).
+        mass: f64,
+    },
+    /// An inertia matrix that is not positive semidefinite.
+    #[error(
+        "the inertia of link '{link}' about its centre of mass has the negative principal moment {moment} kg m^2; \
+         check signs and reference point of the matrix"
+    )]
+    IndefiniteInertia {
+        /// The link.
+        link: String,
+        /// Smallest principal moment (kg m^2).
+        moment: f64,
+    },
+    /// A joint that moves nothing.
+    #[error(
+        "joint '{joint}' moves no mass at all, so the mass matrix is singular in every pose; \
+         give its links a mass, give it armature (rotor inertia), or make it fixed"
+    )]
+    MovesNothing {
+        /// The joint.
+        joint: String,
+    },
+    /// An armature matrix that does not fit.
+    #[error(
+        "the armature matrix {problem}; it must be {n} x {n}, symmetric and positive semidefinite, in joint order"
+    )]
+    BadArmature {
+        /// What is wrong.
+        problem: String,
+        /// Number of joints.
+        n: usize,
+    },
+    /// Warnings, where strict checking was asked for.
+    #[error("refused by strict checking: {}", warnings.join("; "))]
+    Strict {
+        /// The warnings that became errors.
+        warnings: Vec<String>,
+    },
+}
+
+/// `path:line: `, or what is known of it.
+fn position(path: &Path, line: Option<usize>) -> String {
+    match (path.as_os_str().is_empty(), line) {
+        (false, Some(line)) => format!("{}:{line}: ", path.display()),
+        (false, None) => format!("{}: ", path.display()),
+        (true, Some(line)) => format!("line {line}: "),
+        (true, None) => String::new(),
+    }
+}
+
+impl RobotError {
+    /// The joint or link that is at fault, where one is.
+    pub fn culprit(&self) -> Option<&str> {
+        match self {
+            Self::InFile { error, .. } => error.culprit(),
+            Self::UnknownParent { joint, .. }
+            | Self::UnknownChild { joint, .. }
+            | Self::Mimic { joint, .. }
+            | Self::UnsupportedJoint { joint, .. }
+            | Self::BadAxis { joint }
+            | Self::BadPlacement { joint }
+            | Self::BadValue { joint, .. }
+            | Self::MovesNothing { joint } => Some(joint),
+            Self::TwoParents { second, .. } => Some(second),
+            Self::Cycle { joints } => joints.first().map(String::as_str),
+            Self::SeveralRoots { second, .. } => Some(second),
+            Self::NonFiniteInertia { link, .. }
+            | Self::NegativeMass { link, .. }
+            | Self::IndefiniteInertia { link, .. } => Some(link),
+            Self::DuplicateName { name, .. } => Some(name),
+            _ => None,
+        }
+    }
+}
+
+/// Something odd that does not stop the computation.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A link that has neither mass nor inertia, though it moves.
+    MasslessLink {
+        /// The link.
+        link: String,
+    },
+    /// Principal moments that no rigid body has.
+    TriangleInequality {
+        /// The link.
+        link: String,
+        /// Principal moments (kg m^2), rising.
+        moments: [f64; 3],
+    },
+    /// Mass on the axis of the last joint only: M is singular in every pose.
+    OnAxis {
+        /// The joint.
+        joint: String,
+    },
+    /// `<dynamics>` of a URDF that was left out.
+    FrictionIgnored {
+        /// The joint.
+        joint: String,
+        /// `damping` in the file.
+        damping: f64,
+        /// `friction` in the file.
+        friction: f64,
+    },
+    /// A joint of several degrees of freedom, expanded.
+    Expanded {
+        /// The joint.
+        joint: String,
+        /// `"floating"` or `"planar"`.
+        kind: &'static str,
+    },
+    /// Anything else worth saying about the file.
+    Note {
+        /// The whole sentence.
+        text: String,
+    },
+}
+
+impl Warning {
+    /// Whether it says that the robot is not a physical one; strict checking refuses these.
+    pub fn is_physical(&self) -> bool {
+        matches!(self, Self::MasslessLink { .. } | Self::TriangleInequality { .. } | Self::OnAxis { .. })
+    }
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::MasslessLink { link } => write!(f, "link '{link}' moves but has neither mass nor inertia"),
+            Self::TriangleInequality { link, moments: [a, b, c] } => write!(
+                f,
+                "no rigid body has the principal moments of link '{link}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
+                 the largest exceeds the sum of the others"
+            ),
+            Self::OnAxis { joint } => write!(
+                f,
+                "joint '{joint}' only turns mass that lies on its axis, so the mass matrix is singular in every pose: \
+                 give its link an inertia or give it armature"
+            ),
+            Self::FrictionIgnored { joint, damping, friction } => write!(
+                f,
+                "<dynamics damping=\"{damping}\" friction=\"{friction}\"> of joint '{joint}' is left out; \
+                 ask for it with --friction"
+            ),
+            Self::Expanded { joint, kind: "floating" } => write!(
+                f,
+                "floating joint '{joint}' became three prismatic (x, y, z) and three revolute joints (z, y, x), \
+                 singular where the second angle is +-pi/2"
+            ),
+            Self::Expanded { joint, kind } => {
+                write!(f, "{kind} joint '{joint}' became two prismatic and one revolute joint")
+            }
+            Self::Note { text } => f.write_str(text),
+        }
+    }
+}

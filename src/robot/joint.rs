@@ -1,0 +1,218 @@
+//! Joints and what rides on them.
+
+use super::link::{LinkInertia, Placement};
+use nalgebra::Vector3;
+
+/// What a joint does. Every joint has one degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about its axis; q in rad.
+    Revolute,
+    /// Slides along its axis; q in m.
+    Prismatic,
+}
+
+impl JointKind {
+    /// `"revolute"` or `"prismatic"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            JointKind::Revolute => "revolute",
+            JointKind::Prismatic => "prismatic",
+        }
+    }
+}
+
+/// A linear joint spring: adds `1/2 stiffness (q - rest)^2` to the potential energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spring {
+    /// N m/rad or N/m.
+    pub stiffness: f64,
+    /// Position without force (rad or m).
+    pub rest: f64,
+}
+
+/// Joint friction `D = -viscous v - coulomb tanh(v / coulomb_velocity)`.
+///
+/// The second term is Coulomb friction made smooth: the sign function has no derivative at rest, so none is offered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// N m s/rad or N s/m.
+    pub viscous: f64,
+    /// Limit of the smooth Coulomb term (N m or N).
+    pub coulomb: f64,
+    /// Velocity at which the smooth Coulomb term reaches tanh(1) = 76 % of its limit (rad/s or m/s).
+    pub coulomb_velocity: f64,
+}
+
+impl Friction {
+    /// Transition velocity of the smooth Coulomb law where a file gives none (rad/s or m/s).
+    pub const DEFAULT_COULOMB_VELOCITY: f64 = 0.01;
+
+    /// No friction.
+    pub fn none() -> Self {
+        Self { viscous: 0.0, coulomb: 0.0, coulomb_velocity: Self::DEFAULT_COULOMB_VELOCITY }
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.viscous == 0.0 && self.coulomb == 0.0
+    }
+}
+
+impl Default for Friction {
+    fn default() -> Self {
+        Self::none()
+    }
+}
+
+/// Limits of a joint; infinite where there is none. They are carried, never enforced, by the dynamics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Smallest q (rad or m).
+    pub lower: f64,
+    /// Largest q (rad or m).
+    pub upper: f64,
+    /// Largest |v| (rad/s or m/s).
+    pub velocity: f64,
+    /// Largest |u| (N m or N).
+    pub effort: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        let infinity = f64::INFINITY;
+        Self { lower: -infinity, upper: infinity, velocity: infinity, effort: infinity }
+    }
+}
+
+/// A joint of a [`Robot`](super::Robot) and the link that it moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Its name, unique in the robot.
+    pub name: String,
+    /// Revolute or prismatic.
+    pub kind: JointKind,
+    /// Index of the joint that moves the link it stands on; `None` where it stands on the world.
+    pub parent: Option<usize>,
+    /// The joint frame in the parent's joint frame (or the world) at q = 0.
+    pub placement: Placement,
+    /// Unit axis in the joint frame.
+    pub axis: Vector3<f64>,
+    /// Name of the moved link: that of the file, or else of the joint.
+    pub link: String,
+    /// Inertia of the moved link, in the joint frame.
+    pub inertia: LinkInertia,
+    /// Spring.
+    pub spring: Spring,
+    /// Friction.
+    pub friction: Friction,
+    /// Limits.
+    pub limits: Limits,
+}
+
+/// Description of one joint, to be given to [`RobotBuilder::joint`](super::RobotBuilder::joint).
+///
+/// Starts as a joint on the world, its frame at the origin, axis z, with a massless link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointSpec {
+    pub(crate) name: String,
+    pub(crate) kind: JointKind,
+    pub(crate) parent: Option<String>,
+    pub(crate) placement: Placement,
+    pub(crate) axis: Vector3<f64>,
+    pub(crate) link: Option<String>,
+    pub(crate) inertia: LinkInertia,
+    pub(crate) armature: f64,
+    pub(crate) spring: Spring,
+    pub(crate) friction: Friction,
+    pub(crate) limits: Limits,
+    /// The link is massless on purpose (one of the joints that a floating or planar joint became).
+    pub(crate) virtual_link: bool,
+}
+
+impl JointSpec {
+    /// A revolute joint.
+    pub fn revolute(name: impl Into<String>) -> Self {
+        Self::new(name.into(), JointKind::Revolute)
+    }
+
+    /// A prismatic joint.
+    pub fn prismatic(name: impl Into<String>) -> Self {
+        Self::new(name.into(), JointKind::Prismatic)
+    }
+
+    pub(crate) fn new(name: String, kind: JointKind) -> Self {
+        Self {
+            name,
+            kind,
+            parent: None,
+            placement: Placement::identity(),
+            axis: Vector3::z(),
+            link: None,
+            inertia: LinkInertia::massless(),
+            armature: 0.0,
+            spring: Spring::default(),
+            friction: Friction::none(),
+            limits: Limits::default(),
+            virtual_link: false,
+        }
+    }
+
+    /// Stands on the link that the joint `parent` moves.
+    pub fn on(mut self, parent: impl Into<String>) -> Self {
+        self.parent = Some(parent.into());
+        self
+    }
+
+    /// The joint frame in the parent's joint frame (or the world) at q = 0.
+    pub fn placed(mut self, placement: Placement) -> Self {
+        self.placement = placement;
+        self
+    }
+
+    /// Direction of the axis in the joint frame; any length but 0.
+    pub fn axis(mut self, axis: [f64; 3]) -> Self {
+        self.axis = Vector3::from(axis);
+        self
+    }
+
+    /// Inertia of the moved link, in the joint frame.
+    pub fn carrying(mut self, inertia: LinkInertia) -> Self {
+        self.inertia = inertia;
+        self
+    }
+
+    /// Name of the moved link, for messages; the joint's name unless set.
+    pub fn link(mut self, name: impl Into<String>) -> Self {
+        self.link = Some(name.into());
+        self
+    }
+
+    pub(crate) fn link_name(&self) -> &str {
+        self.link.as_deref().unwrap_or(&self.name)
+    }
+
+    /// Rotor inertia seen at the joint, gear ratio squared included (kg m^2, or kg for a prismatic joint).
+    pub fn armature(mut self, armature: f64) -> Self {
+        self.armature = armature;
+        self
+    }
+
+    /// Joint spring.
+    pub fn spring(mut self, spring: Spring) -> Self {
+        self.spring = spring;
+        self
+    }
+
+    /// Joint friction.
+    pub fn friction(mut self, friction: Friction) -> Self {
+        self.friction = friction;
+        self
+    }
+
+    /// Limits.
+    pub fn limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
+        self
+    }
+}
