@@ -1,0 +1,92 @@
+//! What can be differentiated.
+
+use crate::scalar::Scalar;
+
+/// A function from n to m numbers, written once for any [`Scalar`].
+///
+/// The workspace is what the function needs besides its arguments; `()` if nothing. It is built once for each
+/// scalar type, so that a function with buffers does not allocate when it is evaluated.
+///
+/// ```
+/// use costate::derivative::{Function, Hessian};
+/// use costate::scalar::Scalar;
+/// use std::convert::Infallible;
+///
+/// /// x y^2 + sin x
+/// struct Example;
+///
+/// impl Function for Example {
+///     type Workspace<S: Scalar> = ();
+///     type Error = Infallible;
+///     fn inputs(&self) -> usize { 2 }
+///     fn outputs(&self) -> usize { 1 }
+///     fn workspace<S: Scalar>(&self) {}
+///     fn evaluate<S: Scalar>(&self, _: &mut (), x: &[S], y: &mut [S]) -> Result<(), Infallible> {
+///         let (sin, _) = x[0].sin_cos();
+///         y[0] = x[0] * x[1] * x[1] + sin;
+///         Ok(())
+///     }
+/// }
+///
+/// let mut hessian = Hessian::new(Example);
+/// let second = hessian.evaluate(&[0.0, 3.0])?;
+/// assert_eq!(second.entry(0, 0, 1), 6.0);   // d2/dx dy = 2 y
+/// assert_eq!(second.jacobian()[(0, 0)], 10.0); // d/dx = y^2 + cos x
+/// # Ok::<(), costate::derivative::DerivativeError<Infallible>>(())
+/// ```
+pub trait Function {
+    /// Buffers for one scalar type.
+    type Workspace<S: Scalar>;
+    /// Why an evaluation may fail.
+    type Error: std::error::Error;
+
+    /// Number of inputs, n.
+    fn inputs(&self) -> usize;
+
+    /// Number of outputs, m.
+    fn outputs(&self) -> usize;
+
+    /// Builds the buffers.
+    fn workspace<S: Scalar>(&self) -> Self::Workspace<S>;
+
+    /// Evaluates the m outputs `y` at the n inputs `x`.
+    ///
+    /// # Errors
+    /// Whatever the function has to say.
+    fn evaluate<S: Scalar>(
+        &self,
+        workspace: &mut Self::Workspace<S>,
+        x: &[S],
+        y: &mut [S],
+    ) -> Result<(), Self::Error>;
+}
+
+/// Why a derivative was not computed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DerivativeError<E: std::error::Error> {
+    /// An argument of the wrong length.
+    #[error("{what} has {found} entries, not {expected}")]
+    WrongLength {
+        /// The argument.
+        what: &'static str,
+        /// Length it must have.
+        expected: usize,
+        /// Length it has.
+        found: usize,
+    },
+    /// The function itself failed.
+    #[error(transparent)]
+    Function(#[from] E),
+}
+
+/// `slice` must have `expected` entries.
+pub(super) fn check_length<E: std::error::Error>(
+    what: &'static str,
+    slice: &[f64],
+    expected: usize,
+) -> Result<(), DerivativeError<E>> {
+    if slice.len() == expected {
+        return Ok(());
+    }
+    Err(DerivativeError::WrongLength { what, expected, found: slice.len() })
+}

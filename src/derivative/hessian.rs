@@ -1,0 +1,122 @@
+//! Second derivatives by hyper-dual numbers.
+
+use super::function::{DerivativeError, Function, check_length};
+use crate::matrix::Matrix;
+use num_dual::HyperDual64;
+
+/// Computes `f(x)`, `f_x` and all second derivatives by one hyper-dual evaluation for each pair i <= j.
+pub struct Hessian<F: Function> {
+    function: F,
+    workspace: F::Workspace<HyperDual64>,
+    x: Vec<HyperDual64>,
+    y: Vec<HyperDual64>,
+    value: Vec<f64>,
+    jacobian: Matrix<f64>,
+    /// Row k: the pairs (i, j), i <= j, of output k at `j (j + 1) / 2 + i`.
+    tensor: Matrix<f64>,
+    contracted: Matrix<f64>,
+}
+
+/// Value, Jacobian and second derivatives at one point; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct SecondDerivatives<'a> {
+    value: &'a [f64],
+    jacobian: &'a Matrix<f64>,
+    tensor: &'a Matrix<f64>,
+}
+
+impl<'a> SecondDerivatives<'a> {
+    /// `f(x)`, m.
+    pub fn value(&self) -> &'a [f64] {
+        self.value
+    }
+
+    /// `df_k/dx_j`, m x n.
+    pub fn jacobian(&self) -> &'a Matrix<f64> {
+        self.jacobian
+    }
+
+    /// `d2 f_k / dx_i dx_j`, i and j in any order.
+    pub fn entry(&self, k: usize, i: usize, j: usize) -> f64 {
+        self.tensor[(k, pair(i.min(j), i.max(j)))]
+    }
+}
+
+/// Position of the pair i <= j.
+fn pair(i: usize, j: usize) -> usize {
+    j * (j + 1) / 2 + i
+}
+
+impl<F: Function> Hessian<F> {
+    /// Builds the buffers.
+    pub fn new(function: F) -> Self {
+        let (n, m) = (function.inputs(), function.outputs());
+        Self {
+            workspace: function.workspace(),
+            x: vec![HyperDual64::from_re(0.0); n],
+            y: vec![HyperDual64::from_re(0.0); m],
+            value: vec![0.0; m],
+            jacobian: Matrix::zeros(m, n),
+            tensor: Matrix::zeros(m, n * (n + 1) / 2),
+            contracted: Matrix::zeros(n, n),
+            function,
+        }
+    }
+
+    /// The function, to change its parameters (not its sizes).
+    pub fn function_mut(&mut self) -> &mut F {
+        &mut self.function
+    }
+
+    /// Value, Jacobian and the whole tensor `d2 f_k / dx_i dx_j` at x (n).
+    ///
+    /// # Errors
+    /// A wrong length, or the function's own error.
+    pub fn evaluate(&mut self, x: &[f64]) -> Result<SecondDerivatives<'_>, DerivativeError<F::Error>> {
+        let n = self.x.len();
+        check_length("x", x, n)?;
+        self.x.iter_mut().zip(x).for_each(|(number, &x)| *number = HyperDual64::from_re(x));
+        for j in 0..n {
+            self.x[j].eps2 = 1.0;
+            for i in 0..=j {
+                self.x[i].eps1 = 1.0;
+                self.function.evaluate(&mut self.workspace, &self.x, &mut self.y)?;
+                self.x[i].eps1 = 0.0;
+                for (k, y) in self.y.iter().enumerate() {
+                    self.value[k] = y.re;
+                    self.jacobian[(k, j)] = y.eps2;
+                    self.tensor[(k, pair(i, j))] = y.eps1eps2;
+                }
+            }
+            self.x[j].eps2 = 0.0;
+        }
+        Ok(SecondDerivatives { value: &self.value, jacobian: &self.jacobian, tensor: &self.tensor })
+    }
+
+    /// `sum_k y_k d2 f_k / dx dx` (n x n) at x (n) for the weights y (m); for one output and y = 1 its Hessian.
+    ///
+    /// # Errors
+    /// A wrong length, or the function's own error.
+    pub fn contracted(&mut self, x: &[f64], y: &[f64]) -> Result<&Matrix<f64>, DerivativeError<F::Error>> {
+        check_length("y", y, self.y.len())?;
+        self.evaluate(x)?;
+        for j in 0..self.x.len() {
+            for i in 0..=j {
+                let entry = y.iter().enumerate().map(|(k, y)| y * self.tensor[(k, pair(i, j))]).sum();
+                self.contracted[(i, j)] = entry;
+                self.contracted[(j, i)] = entry;
+            }
+        }
+        Ok(&self.contracted)
+    }
+
+    /// The contracted matrix of the last call of [`contracted`](Self::contracted).
+    pub fn last_contracted(&self) -> &Matrix<f64> {
+        &self.contracted
+    }
+
+    /// The derivatives of the last evaluation.
+    pub fn last(&self) -> SecondDerivatives<'_> {
+        SecondDerivatives { value: &self.value, jacobian: &self.jacobian, tensor: &self.tensor }
+    }
+}

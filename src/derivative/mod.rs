@@ -1,0 +1,29 @@
+//! Automatic differentiation of any function that is generic over [`Scalar`].
+//!
+//! | what | how | evaluations |
+//! |---|---|---|
+//! | [`Directional`] | one dual number | 1 |
+//! | [`Jacobian`] (gradient: one output) | dual numbers with C derivatives | n / C, rounded up |
+//! | [`Hessian`], contracted or whole | hyper-dual numbers, pairs i <= j | n (n + 1) / 2 |
+//! | [`NestedHessian`], contracted | dual numbers in dual numbers | n times n / C |
+//!
+//! [`Routes`] sets the library's own derivatives beside these.
+
+mod directional;
+mod function;
+mod hessian;
+mod jacobian;
+mod nested;
+mod routes;
+
+pub use directional::Directional;
+pub use function::{DerivativeError, Function};
+pub use hessian::{Hessian, SecondDerivatives};
+pub use jacobian::{FirstDerivatives, Jacobian};
+pub use nested::NestedHessian;
+pub use routes::{Differences, Routes, StateReport, relative_difference};
+
+/// Number of derivatives that a dual number carries at once where nobody says otherwise.
+///
+/// Chosen by the bench `derivatives`: the fastest of 1, 2, 4, 6, 8, 12 for a 6 and a 12-dof robot.
+pub const CHUNK: usize = 6;

@@ -1,0 +1,73 @@
+//! Second derivatives by dual numbers in dual numbers.
+
+use super::CHUNK;
+use super::function::{DerivativeError, Function, check_length};
+use crate::matrix::Matrix;
+use num_dual::{Dual, DualSVec64};
+
+/// Computes `sum_k y_k d2 f_k / dx dx` by differentiating the dual-number Jacobian with dual numbers.
+///
+/// The outer number carries direction i, the inner one `C` directions j. Each entry is computed in both orders, so
+/// the result is symmetric only up to rounding: a judge of symmetry too.
+pub struct NestedHessian<F: Function, const C: usize = CHUNK> {
+    function: F,
+    workspace: F::Workspace<Dual<DualSVec64<C>>>,
+    x: Vec<Dual<DualSVec64<C>>>,
+    y: Vec<Dual<DualSVec64<C>>>,
+    contracted: Matrix<f64>,
+}
+
+impl<F: Function> NestedHessian<F> {
+    /// Builds the buffers, for [`CHUNK`] derivatives at once.
+    pub fn new(function: F) -> Self {
+        Self::chunked(function)
+    }
+}
+
+impl<F: Function, const C: usize> NestedHessian<F, C> {
+    /// Builds the buffers, for `C` inner derivatives at once.
+    pub fn chunked(function: F) -> Self {
+        let (n, m) = (function.inputs(), function.outputs());
+        let zero = Dual::from_re(DualSVec64::from_re(0.0));
+        Self {
+            workspace: function.workspace(),
+            x: vec![zero; n],
+            y: vec![zero; m],
+            contracted: Matrix::zeros(n, n),
+            function,
+        }
+    }
+
+    /// The function, to change its parameters (not its sizes).
+    pub fn function_mut(&mut self) -> &mut F {
+        &mut self.function
+    }
+
+    /// `sum_k y_k d2 f_k / dx dx` (n x n) at x (n) for the weights y (m).
+    ///
+    /// # Errors
+    /// A wrong length, or the function's own error.
+    pub fn contracted(&mut self, x: &[f64], y: &[f64]) -> Result<&Matrix<f64>, DerivativeError<F::Error>> {
+        let n = self.x.len();
+        check_length("x", x, n)?;
+        check_length("y", y, self.y.len())?;
+        for start in (0..n).step_by(C) {
+            for (j, (dual, &x)) in self.x.iter_mut().zip(x).enumerate() {
+                *dual = Dual::from_re(DualSVec64::from_re(x));
+                if (start..start + C).contains(&j) {
+                    dual.re = dual.re.derivative(j - start);
+                }
+            }
+            for i in 0..n {
+                self.x[i].eps = DualSVec64::from_re(1.0);
+                self.function.evaluate(&mut self.workspace, &self.x, &mut self.y)?;
+                self.x[i].eps = DualSVec64::from_re(0.0);
+                for j in start..n.min(start + C) {
+                    let second = |k: usize| self.y[k].eps.eps.0.map_or(0.0, |eps| eps[j - start]);
+                    self.contracted[(i, j)] = y.iter().enumerate().map(|(k, y)| y * second(k)).sum();
+                }
+            }
+        }
+        Ok(&self.contracted)
+    }
+}

@@ -1,0 +1,197 @@
+//! The library's own derivatives beside automatic ones: every route against every other.
+
+use super::function::{DerivativeError, Function};
+use super::{Hessian, Jacobian, NestedHessian};
+use crate::error::EvalError;
+use crate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use crate::matrix::Block;
+use crate::robot::Robot;
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// `max |a - b| / max |b|` over all entries; 0 where both are 0 throughout.
+pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>) -> f64 {
+    let (a, b) = (a.as_nalgebra(), b.as_nalgebra());
+    let difference = (a - b).amax();
+    if difference == 0.0 { 0.0 } else { difference / b.amax() }
+}
+
+/// Largest relative difference between two routes to F_x and to y'F_xx.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Differences {
+    /// Names of the two routes.
+    pub routes: (&'static str, &'static str),
+    /// For F_x.
+    pub f_x: f64,
+    /// For y'F_xx.
+    pub y_f_xx: f64,
+}
+
+/// What the routes say of each other at one state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateReport {
+    /// Condition number of M in the 2-norm.
+    pub condition: f64,
+    /// Every pair of routes.
+    pub differences: [Differences; 3],
+    /// For each route of [`Routes::NAMES`]: largest asymmetry of J F_x (friction off), relative to its largest entry.
+    pub jacobian_asymmetry: [f64; 3],
+    /// For each route: largest asymmetry of y'F_xx, relative to its largest entry.
+    pub hessian_asymmetry: [f64; 3],
+    /// `|dH/dt|` along u = D = 0 relative to `sum |H_x,i F_i|`, gradient of H by dual numbers through H.
+    pub energy_drift: f64,
+}
+
+impl StateReport {
+    /// The largest of all figures: what must be small.
+    pub fn worst(&self) -> f64 {
+        let pairs = self.differences.iter().flat_map(|d| [d.f_x, d.y_f_xx]);
+        let asymmetries = self.jacobian_asymmetry.iter().chain(&self.hessian_asymmetry).copied();
+        pairs.chain(asymmetries).chain([self.energy_drift]).fold(0.0, worse)
+    }
+}
+
+/// The larger of two figures; not-a-number is the worst.
+pub(super) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+/// H(q, p) as a function of 2n inputs.
+struct TotalEnergy(Robot);
+
+impl Function for TotalEnergy {
+    type Workspace<S: Scalar> = Hamiltonian<S>;
+    type Error = EvalError;
+
+    fn inputs(&self) -> usize {
+        2 * self.0.len()
+    }
+
+    fn outputs(&self) -> usize {
+        1
+    }
+
+    fn workspace<S: Scalar>(&self) -> Hamiltonian<S> {
+        Hamiltonian::new(&self.0)
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        energy: &mut Hamiltonian<S>,
+        x: &[S],
+        h: &mut [S],
+    ) -> Result<(), EvalError> {
+        let (q, p) = x.split_at(self.0.len());
+        h[0] = energy.hamiltonian(q, p)?;
+        Ok(())
+    }
+}
+
+/// Analytic derivatives, dual numbers and hyper-dual numbers on one robot.
+///
+/// | route | F_x | y'F_xx |
+/// |---|---|---|
+/// | analytic | hand-derived | one dual pass through the hand-derived F_x |
+/// | dual | dual numbers through F | dual numbers in dual numbers through F |
+/// | hyperdual | hyper-dual numbers through F | hyper-dual numbers through F |
+pub struct Routes {
+    analytic: SecondOrder<f64>,
+    dual: Jacobian<PhaseVelocity>,
+    nested: NestedHessian<PhaseVelocity>,
+    hyperdual: Hessian<PhaseVelocity>,
+    conservative: Hamiltonian<f64>,
+    conservative_dual: Jacobian<PhaseVelocity>,
+    conservative_hyperdual: Hessian<PhaseVelocity>,
+    energy: Jacobian<TotalEnergy>,
+}
+
+impl Routes {
+    /// Names of the routes, in the order of every array.
+    pub const NAMES: [&'static str; 3] = ["analytic", "dual", "hyperdual"];
+
+    /// Builds every workspace.
+    pub fn new(robot: &Robot) -> Self {
+        let conservative = robot.without_friction();
+        let function = || PhaseVelocity::new(robot);
+        Self {
+            analytic: SecondOrder::new(robot),
+            dual: Jacobian::new(function()),
+            nested: NestedHessian::new(function()),
+            hyperdual: Hessian::new(function()),
+            conservative: Hamiltonian::new(&conservative),
+            conservative_dual: Jacobian::new(PhaseVelocity::new(&conservative)),
+            conservative_hyperdual: Hessian::new(PhaseVelocity::new(&conservative)),
+            energy: Jacobian::new(TotalEnergy(conservative)),
+        }
+    }
+
+    /// Compares at x = (q, p) with actuation u and costate y (2n).
+    ///
+    /// # Errors
+    /// Those of [`Hamiltonian`].
+    pub fn compare(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+    ) -> Result<StateReport, DerivativeError<EvalError>> {
+        let (q, p) = x.split_at(u.len());
+        for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
+        {
+            function.u.copy_from_slice(u);
+        }
+        let second = self.analytic.contracted_hessian(q, p, u, y)?;
+        let mass_matrix = second.linearisation().mass_matrix().view().to_nalgebra();
+        let first = self.dual.evaluate(x)?;
+        let nested = self.nested.contracted(x, y)?;
+        self.hyperdual.contracted(x, y)?;
+        let by_hyperdual = self.hyperdual.last_contracted();
+        let f_x =
+            [second.linearisation().matrix(), first.jacobian.view(), self.hyperdual.last().jacobian().view()];
+        let y_f_xx = [second.matrix(), nested.view(), by_hyperdual.view()];
+        let pair = |a: usize, b: usize| Differences {
+            routes: (Self::NAMES[a], Self::NAMES[b]),
+            f_x: relative_difference(f_x[a], f_x[b]),
+            y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b]),
+        };
+        let differences = [pair(0, 1), pair(0, 2), pair(1, 2)];
+        let hessian_asymmetry = y_f_xx.map(|h| asymmetry(&h.to_nalgebra()));
+        let analytic = self.conservative.jacobian(q, p, &vec![0.0; u.len()])?;
+        let rate = analytic.f().to_vec();
+        let analytic = analytic.matrix().to_nalgebra();
+        let dual = self.conservative_dual.evaluate(x)?.jacobian.view().to_nalgebra();
+        let hyperdual = self.conservative_hyperdual.evaluate(x)?.jacobian().view().to_nalgebra();
+        Ok(StateReport {
+            condition: condition(mass_matrix),
+            differences,
+            jacobian_asymmetry: [analytic, dual, hyperdual].map(|f_x| asymmetry(&times_j(&f_x))),
+            hessian_asymmetry,
+            energy_drift: drift(self.energy.evaluate(x)?.jacobian.row(0), &rate),
+        })
+    }
+}
+
+/// `|sum_i g_i f_i| / sum_i |g_i f_i|`.
+fn drift(gradient: &[f64], rate: &[f64]) -> f64 {
+    let terms = || gradient.iter().zip(rate).map(|(g, f)| g * f);
+    let (sum, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
+    if sum == 0.0 { 0.0 } else { sum.abs() / size }
+}
+
+/// `J F_x` with `J = [0 1; -1 0]`.
+fn times_j(f_x: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = f_x.nrows() / 2;
+    DMatrix::from_fn(2 * n, 2 * n, |i, j| if i < n { f_x[(n + i, j)] } else { -f_x[(i - n, j)] })
+}
+
+/// `max |a - a'| / max |a|`.
+fn asymmetry(a: &DMatrix<f64>) -> f64 {
+    let difference = (a - a.transpose()).amax();
+    if difference == 0.0 { 0.0 } else { difference / a.amax() }
+}
+
+/// Largest over smallest eigenvalue of a symmetric positive definite matrix.
+fn condition(mass_matrix: DMatrix<f64>) -> f64 {
+    let values = SymmetricEigen::new(mass_matrix).eigenvalues;
+    values.max() / values.min()
+}

@@ -1,0 +1,88 @@
+//! The part without friction and actuation: `x' = J grad H`, and Hess H.
+
+use crate::error::EvalError;
+use crate::kernels::{Factor, KernelOne};
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+
+/// `v = M^-1 p`, L_q and the blocks from which F_x and Hess H are put together.
+#[derive(Clone, Debug)]
+pub(super) struct Conservative<S> {
+    pub kernel: KernelOne<S>,
+    pub factor: Factor<S>,
+    /// `v = M^-1 p`.
+    pub v: Vec<S>,
+    /// `W = M^-1 P = -F^q,q`.
+    pub w: Matrix<S>,
+    /// `M^-1 = F^q,p`.
+    pub inverse: Matrix<S>,
+    /// `L_qq - P' M^-1 P = F^p,q`, exactly symmetric.
+    pub reduced: Matrix<S>,
+    half: Matrix<S>,
+}
+
+impl<S: Scalar> Conservative<S> {
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.len();
+        let square = Matrix::zeros(n, n);
+        Self {
+            kernel: KernelOne::new(tree),
+            factor: Factor::new(tree),
+            v: vec![S::zero(); n],
+            w: square.clone(),
+            inverse: square.clone(),
+            reduced: square.clone(),
+            half: square,
+        }
+    }
+
+    /// M(q) and its factors.
+    pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.kernel.set_position(tree, q);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
+        self.factor.factor(self.kernel.mass_matrix()).map_err(singular)
+    }
+
+    /// `v = M^-1 p` (17).
+    pub fn solve_velocity(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        self.factor(tree, q)?;
+        self.v.copy_from_slice(p);
+        self.factor.solve(&mut self.v);
+        Ok(())
+    }
+
+    /// v and L_q (17).
+    pub fn first_order(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        self.solve_velocity(tree, q, p)?;
+        self.kernel.set_velocity(tree, &self.v);
+        Ok(())
+    }
+
+    /// W, M^-1 and `L_qq - P' M^-1 P` (21), after [`first_order`](Self::first_order).
+    ///
+    /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
+    pub fn second_order(&mut self, tree: &Tree) {
+        let n = tree.len();
+        self.kernel.second_order(tree);
+        self.half.copy_from(self.kernel.coupling());
+        self.factor.solve_first_half(&mut self.half);
+        self.factor.divide_by_pivots(&self.half, &mut self.w);
+        self.reduced.copy_from(self.kernel.stiffness());
+        for k in 0..n {
+            let (y, z) = (self.half.row(k), self.w.row(k));
+            for (i, &y) in y.iter().enumerate() {
+                for (entry, &z) in self.reduced.row_mut(i)[..=i].iter_mut().zip(z) {
+                    *entry -= y * z;
+                }
+            }
+        }
+        for i in 0..n {
+            for j in 0..i {
+                self.reduced[(j, i)] = self.reduced[(i, j)];
+            }
+        }
+        self.factor.solve_second_half(&mut self.w);
+        self.factor.inverse(&mut self.inverse);
+    }
+}

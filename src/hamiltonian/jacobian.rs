@@ -1,0 +1,100 @@
+//! The Jacobian of the phase velocities.
+
+use super::Hamiltonian;
+use crate::error::EvalError;
+use crate::matrix::{Block, Matrix};
+use crate::scalar::Scalar;
+
+/// F and F_x at one state; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct Linearisation<'a, S> {
+    pub(super) f: &'a [S],
+    pub(super) f_x: &'a Matrix<S>,
+    pub(super) mass_matrix: &'a Matrix<S>,
+}
+
+impl<'a, S: Scalar> Linearisation<'a, S> {
+    fn n(&self) -> usize {
+        self.f.len() / 2
+    }
+
+    /// `dx/dt`, length 2n.
+    pub fn f(&self) -> &'a [S] {
+        self.f
+    }
+
+    /// `v = M^-1 p`, length n.
+    pub fn velocity(&self) -> &'a [S] {
+        &self.f[..self.n()]
+    }
+
+    /// Mass matrix M, n x n.
+    pub fn mass_matrix(&self) -> &'a Matrix<S> {
+        self.mass_matrix
+    }
+
+    /// F_x as one matrix, 2n x 2n, rows and columns in the order (q, p).
+    pub fn matrix(&self) -> Block<'a, S> {
+        self.f_x.view()
+    }
+
+    /// `F^q,q = -M^-1 P` (21a), n x n.
+    pub fn qq(&self) -> Block<'a, S> {
+        self.f_x.block(0, 0, self.n(), self.n())
+    }
+
+    /// `F^q,p = M^-1` (21b), n x n.
+    pub fn qp(&self) -> Block<'a, S> {
+        self.f_x.block(0, self.n(), self.n(), self.n())
+    }
+
+    /// `F^p,q = L_qq - P' M^-1 P + D_v F^q,q` (21c), (22), n x n.
+    pub fn pq(&self) -> Block<'a, S> {
+        self.f_x.block(self.n(), 0, self.n(), self.n())
+    }
+
+    /// `F^p,p = (M^-1 P)' + D_v M^-1` (21d), n x n.
+    pub fn pp(&self) -> Block<'a, S> {
+        self.f_x.block(self.n(), self.n(), self.n(), self.n())
+    }
+}
+
+impl<S: Scalar> Hamiltonian<S> {
+    /// F and its Jacobian F_x in x = (q, p) (21)-(24), from one sweep. `F_u = (0; 1)` is constant.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn jacobian(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order(&self.tree, q, p)?;
+        self.flow.second_order(&self.tree);
+        self.rate_of_change(u);
+        self.assemble();
+        Ok(self.linearisation())
+    }
+
+    /// Puts F_x together from the blocks of the conservative part and the slopes of friction.
+    pub(super) fn assemble(&mut self) {
+        let n = self.tree.len();
+        let (w, inverse, reduced) = (&self.flow.w, &self.flow.inverse, &self.flow.reduced);
+        for (i, joint) in self.tree.joints().iter().enumerate() {
+            let (left, right) = self.f_x.row_mut(i).split_at_mut(n);
+            left.iter_mut().zip(w.row(i)).for_each(|(entry, &w)| *entry = -w);
+            right.copy_from_slice(inverse.row(i));
+            let (left, right) = self.f_x.row_mut(n + i).split_at_mut(n);
+            left.copy_from_slice(reduced.row(i));
+            for (j, entry) in right.iter_mut().enumerate() {
+                *entry = w[(j, i)];
+            }
+            if !joint.friction.is_none() {
+                let slope = self.friction[i].first;
+                left.iter_mut().zip(w.row(i)).for_each(|(entry, &w)| *entry -= slope * w);
+                right.iter_mut().zip(inverse.row(i)).for_each(|(entry, &inverse)| *entry += slope * inverse);
+            }
+        }
+    }
+
+    pub(super) fn linearisation(&self) -> Linearisation<'_, S> {
+        Linearisation { f: &self.f, f_x: &self.f_x, mass_matrix: self.flow.kernel.mass_matrix() }
+    }
+}

@@ -1,0 +1,185 @@
+//! The Hamiltonian state equation, its Jacobian and its contracted Hessian.
+//!
+//! State x = (q, p) with conjugate momentum p = M v. With D the friction and u the actuation of the joints,
+//!
+//! ```text
+//! F^q = M^-1 p = v      F^p = L_q(q, v) + D(v)      dx/dt = F(x) + (0, u)                        (17), (19)
+//! ```
+//!
+//! [`Hamiltonian`] computes F and F_x for any scalar, [`SecondOrder`] adds y'F_xx, [`PhaseVelocity`] is F as a
+//! function that can be differentiated automatically.
+
+mod conservative;
+mod function;
+mod jacobian;
+mod legendre;
+mod second_order;
+
+pub use function::PhaseVelocity;
+pub use jacobian::Linearisation;
+pub use legendre::LegendreJacobian;
+pub use second_order::{ContractedHessian, SecondOrder};
+
+use crate::error::EvalError;
+use crate::kernels::{FrictionDerivatives, friction};
+use crate::matrix::Matrix;
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+use conservative::Conservative;
+
+/// Workspace for the Hamiltonian state equation of one robot; no call allocates.
+///
+/// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s) and u (N m, N) have n entries, in the order of
+/// [`Robot::joints`]. All of its functions fail with [`EvalError::WrongLength`], [`EvalError::NonFinite`] or, where
+/// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`].
+#[derive(Clone, Debug)]
+pub struct Hamiltonian<S> {
+    tree: Tree,
+    flow: Conservative<S>,
+    friction: Vec<FrictionDerivatives<S>>,
+    f: Vec<S>,
+    f_x: Matrix<S>,
+}
+
+/// Kinetic and potential energy (J).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy<S> {
+    /// `1/2 p' M^-1 p`.
+    pub kinetic: S,
+    /// V: weight, zero with all masses at the height of the world's origin, and springs.
+    pub potential: S,
+}
+
+impl<S: Scalar> Hamiltonian<S> {
+    /// Builds the workspace: all that is ever allocated.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(Tree::from(robot))
+    }
+
+    /// As [`new`](Self::new), from a model that was turned already.
+    pub fn from_tree(tree: Tree) -> Self {
+        let n = tree.len();
+        let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
+        Self {
+            flow: Conservative::new(&tree),
+            friction: vec![none; n],
+            f: vec![S::zero(); 2 * n],
+            f_x: Matrix::zeros(2 * n, 2 * n),
+            tree,
+        }
+    }
+
+    /// Number of joints, n.
+    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
+    pub fn len(&self) -> usize {
+        self.tree.len()
+    }
+
+    /// The model.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// `dx/dt = (M^-1 p, L_q + D + u)` (17), (19); length 2n.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn phase_velocity(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order(&self.tree, q, p)?;
+        self.rate_of_change(u);
+        Ok(&self.f)
+    }
+
+    /// Kinetic and potential energy (J); their sum is H(q, p).
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
+        self.check(&[("q", q), ("p", p)])?;
+        self.flow.solve_velocity(&self.tree, q, p)?;
+        let twice = self.flow.v.iter().zip(p).fold(S::zero(), |sum, (&v, &p)| sum + v * p);
+        Ok(Energy { kinetic: twice.times(0.5), potential: self.flow.kernel.potential(&self.tree) })
+    }
+
+    /// `H(q, p) = 1/2 p' M^-1 p + V(q)` (J).
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn hamiltonian(&mut self, q: &[S], p: &[S]) -> Result<S, EvalError> {
+        self.energy(q, p).map(|energy| energy.kinetic + energy.potential)
+    }
+
+    /// Potential energy V(q) (J): weight and springs.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn potential(&mut self, q: &[S]) -> Result<S, EvalError> {
+        self.check(&[("q", q)])?;
+        self.flow.kernel.set_position(&self.tree, q);
+        Ok(self.flow.kernel.potential(&self.tree))
+    }
+
+    /// Mass matrix M(q), armature included, n x n.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.check(&[("q", q)])?;
+        self.flow.kernel.set_position(&self.tree, q);
+        Ok(self.flow.kernel.mass_matrix())
+    }
+
+    /// `M^-1`, n x n, exactly symmetric.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn inverse_mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.check(&[("q", q)])?;
+        self.flow.factor(&self.tree, q)?;
+        self.flow.factor.inverse(&mut self.flow.inverse);
+        Ok(&self.flow.inverse)
+    }
+
+    /// `x <- M^-1 x`, length n.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn solve_mass_matrix(&mut self, q: &[S], x: &mut [S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("x", x)])?;
+        self.flow.factor(&self.tree, q)?;
+        self.flow.factor.solve(x);
+        Ok(())
+    }
+
+    /// Fills f from the stage reached: `(v, L_q + D + u)`.
+    fn rate_of_change(&mut self, u: &[S]) {
+        let n = self.tree.len();
+        let (f_q, f_p) = self.f.split_at_mut(n);
+        f_q.copy_from_slice(&self.flow.v);
+        let gradient = self.flow.kernel.gradient();
+        for (i, joint) in self.tree.joints().iter().enumerate() {
+            f_p[i] = gradient[i] + u[i];
+            if !joint.friction.is_none() {
+                self.friction[i] = friction(&joint.friction, self.flow.v[i]);
+                f_p[i] += self.friction[i].value;
+            }
+        }
+    }
+
+    /// Every argument has n finite entries.
+    fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.len()))
+    }
+}
+
+/// `values` has `expected` finite entries; entries beyond n belong to the joints again.
+fn check<S: Scalar>(tree: &Tree, what: &'static str, values: &[S], expected: usize) -> Result<(), EvalError> {
+    if values.len() != expected {
+        return Err(EvalError::WrongLength { what, expected, found: values.len() });
+    }
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.len()).into() }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,172 @@
+//! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
+
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+
+/// `M = L' D L` with unit lower triangular L, no pivoting (Featherstone's branch-induced sparsity).
+///
+/// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different branches, the
+/// pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
+#[derive(Clone, Debug)]
+pub struct Factor<S> {
+    starts: Vec<usize>,
+    columns: Vec<usize>,
+    lower: Vec<S>,
+    inverse_pivots: Vec<S>,
+    work: Matrix<S>,
+}
+
+impl<S: Scalar> Factor<S> {
+    /// Symbolic factorisation and buffers.
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.len();
+        let mut filled = vec![vec![false; n]; n];
+        for k in 0..n {
+            tree.path(k).iter().for_each(|&i| filled[k][i] = true);
+        }
+        tree.armature().iter().for_each(|&(i, j, _)| filled[i][j] = true);
+        for k in (0..n).rev() {
+            let row: Vec<usize> = (0..k).filter(|&i| filled[k][i]).collect();
+            for (a, &i) in row.iter().enumerate() {
+                row[..a].iter().for_each(|&j| filled[i][j] = true);
+            }
+        }
+        let (mut starts, mut columns) = (vec![0], Vec::new());
+        for (k, row) in filled.iter().enumerate() {
+            columns.extend((0..k).filter(|&i| row[i]));
+            starts.push(columns.len());
+        }
+        Self {
+            lower: vec![S::zero(); columns.len()],
+            inverse_pivots: vec![S::one(); n],
+            work: Matrix::zeros(n, n),
+            starts,
+            columns,
+        }
+    }
+
+    /// Row k of L: columns (rising) and values.
+    #[inline]
+    fn row(&self, k: usize) -> (&[usize], &[S]) {
+        let range = self.starts[k]..self.starts[k + 1];
+        (&self.columns[range.clone()], &self.lower[range])
+    }
+
+    /// Factors the n x n matrix.
+    ///
+    /// # Errors
+    /// The joint whose pivot is not above the rounding of the matrix, `4 n eps M_kk`: M is singular to working
+    /// precision. The factorisation runs to its end all the same.
+    pub fn factor(&mut self, mass_matrix: &Matrix<S>) -> Result<(), usize> {
+        let n = self.inverse_pivots.len();
+        let rounding = 4.0 * n as f64 * f64::EPSILON;
+        let mut singular = None;
+        self.work.copy_from(mass_matrix);
+        for k in (0..n).rev() {
+            let pivot = self.work[(k, k)];
+            if !S::all(mass_matrix[(k, k)].times(rounding).less(pivot)) {
+                singular = Some(k);
+            }
+            let inverse = pivot.recip();
+            self.inverse_pivots[k] = inverse;
+            let (start, end) = (self.starts[k], self.starts[k + 1]);
+            let columns = &self.columns[start..end];
+            for (a, &i) in columns.iter().enumerate().rev() {
+                let (row_k, row_i) = (self.work.row(k)[i], i);
+                let scaled = row_k * inverse;
+                self.lower[start + a] = scaled;
+                let (target, source) = self.work.row_mut_and_below(row_i, k);
+                for &j in &columns[..=a] {
+                    target[j] -= scaled * source[j];
+                }
+            }
+        }
+        singular.map_or(Ok(()), Err)
+    }
+
+    /// `x <- M^-1 x`, length n.
+    pub fn solve(&self, x: &mut [S]) {
+        let n = self.inverse_pivots.len();
+        for k in (0..n).rev() {
+            let (columns, values) = self.row(k);
+            let from = x[k];
+            for (&i, &l) in columns.iter().zip(values) {
+                x[i] -= l * from;
+            }
+        }
+        for k in 0..n {
+            let (columns, values) = self.row(k);
+            let mut sum = x[k] * self.inverse_pivots[k];
+            for (&i, &l) in columns.iter().zip(values) {
+                sum -= l * x[i];
+            }
+            x[k] = sum;
+        }
+    }
+
+    /// `Y <- L'^-1 Y` for a matrix with n rows: the first half of a solution.
+    pub fn solve_first_half(&self, y: &mut Matrix<S>) {
+        for k in (0..self.inverse_pivots.len()).rev() {
+            let (columns, values) = self.row(k);
+            for (&i, &l) in columns.iter().zip(values) {
+                let (target, source) = y.row_mut_and_below(i, k);
+                for (t, &s) in target.iter_mut().zip(source) {
+                    *t -= l * s;
+                }
+            }
+        }
+    }
+
+    /// `Z = D^-1 Y`.
+    pub fn divide_by_pivots(&self, y: &Matrix<S>, z: &mut Matrix<S>) {
+        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
+            for (z, &y) in z.row_mut(k).iter_mut().zip(y.row(k)) {
+                *z = y * inverse;
+            }
+        }
+    }
+
+    /// `Z <- L^-1 Z`: the second half of a solution.
+    pub fn solve_second_half(&self, z: &mut Matrix<S>) {
+        for k in 0..self.inverse_pivots.len() {
+            let (columns, values) = self.row(k);
+            for (&i, &l) in columns.iter().zip(values) {
+                let (target, source) = z.row_mut_and_above(k, i);
+                for (t, &s) in target.iter_mut().zip(source) {
+                    *t -= l * s;
+                }
+            }
+        }
+    }
+
+    /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.
+    pub fn inverse(&mut self, inverse: &mut Matrix<S>) {
+        let n = self.inverse_pivots.len();
+        for k in 0..n {
+            let range = self.starts[k]..self.starts[k + 1];
+            self.work.row_mut(k).fill(S::zero());
+            self.work[(k, k)] = S::one();
+            for (&i, &l) in self.columns[range.clone()].iter().zip(&self.lower[range]) {
+                let (target, source) = self.work.row_mut_and_above(k, i);
+                for (t, &s) in target[..=i].iter_mut().zip(source) {
+                    *t -= l * s;
+                }
+            }
+        }
+        inverse.fill_zero();
+        for k in 0..n {
+            for i in k..n {
+                let scaled = self.work[(i, k)] * self.inverse_pivots[k];
+                for j in k..=i {
+                    inverse[(i, j)] += scaled * self.work[(j, k)];
+                }
+            }
+        }
+        for i in 0..n {
+            for j in 0..i {
+                inverse[(j, i)] = inverse[(i, j)];
+            }
+        }
+    }
+}

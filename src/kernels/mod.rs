@@ -1,0 +1,109 @@
+//! What everything is computed from: the Hessian of the Lagrangian, and the factorisation of the mass matrix.
+
+mod dissipation;
+mod factor;
+mod hessian;
+mod position;
+mod velocity;
+
+pub use dissipation::{FrictionDerivatives, friction};
+pub use factor::Factor;
+
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
+use num_dual::{Dual, DualNum};
+
+/// Kernel one: value, gradient and Hessian of the Lagrangian `L(q, v) = 1/2 v' M v - V`, contracted first.
+///
+/// Three stages, each building on the one before:
+/// [`set_position`](KernelOne::set_position) gives M and the potential,
+/// [`set_velocity`](KernelOne::set_velocity) gives p = L_v and L_q,
+/// [`second_order`](KernelOne::second_order) gives P = L_vq and L_qq.
+///
+/// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every entry for
+/// a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
+///
+/// ```text
+/// M_ij = S_i . F_j     P_ij = S_i . G_j     P_ji = psi_i . F_j     L_qq,ij = psi_i . G_j + gamma_i . F_j
+/// p_i  = S_i . H_i     L_q,i = H_i . psi_i + F_i . a_g
+/// ```
+///
+/// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish;
+/// F_j and G_j are carried up the chain. Armature is added to M and p, springs to L_q and L_qq.
+#[derive(Clone, Debug)]
+pub struct KernelOne<S> {
+    transforms: Vec<Transform<S>>,
+    gravity: Vec<Vec3<S>>,
+    composites: Vec<Inertia<S>>,
+    velocities: Vec<Motion<S>>,
+    momenta: Vec<Force<S>>,
+    /// F_j seen from each frame on the path of j, paths laid end to end.
+    carried: Vec<Force<S>>,
+    q: Vec<S>,
+    mass_matrix: Matrix<S>,
+    momentum: Vec<S>,
+    gradient: Vec<S>,
+    coupling: Matrix<S>,
+    stiffness: Matrix<S>,
+}
+
+impl<S: Scalar> KernelOne<S> {
+    /// Buffers for this tree.
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.len();
+        let transform = |i: usize| position::transform(&tree.joints()[i], S::zero());
+        Self {
+            transforms: (0..n).map(transform).collect(),
+            gravity: vec![Vec3::zero(); n],
+            composites: tree.joints().iter().map(|joint| joint.inertia.lift()).collect(),
+            velocities: vec![Motion::zero(); n],
+            momenta: vec![Force::zero(); n],
+            carried: vec![Force::zero(); tree.pairs()],
+            q: vec![S::zero(); n],
+            mass_matrix: Matrix::zeros(n, n),
+            momentum: vec![S::zero(); n],
+            gradient: vec![S::zero(); n],
+            coupling: Matrix::zeros(n, n),
+            stiffness: Matrix::zeros(n, n),
+        }
+    }
+
+    /// Mass matrix M, armature included, n x n, symmetric (kg m^2, kg m, kg).
+    pub fn mass_matrix(&self) -> &Matrix<S> {
+        &self.mass_matrix
+    }
+
+    /// Conjugate momentum p = M v, n.
+    pub fn momentum(&self) -> &[S] {
+        &self.momentum
+    }
+
+    /// `L_q = 1/2 v' M,q v - V,q` at fixed v, n.
+    pub fn gradient(&self) -> &[S] {
+        &self.gradient
+    }
+
+    /// `P = d(M v)/dq` at fixed v, n x n: `P_ij = sum_l M_il,j v_l` (21a).
+    pub fn coupling(&self) -> &Matrix<S> {
+        &self.coupling
+    }
+
+    /// `L_qq = 1/2 v' M,ij v - V,ij`, n x n, symmetric (21c).
+    pub fn stiffness(&self) -> &Matrix<S> {
+        &self.stiffness
+    }
+}
+
+impl<S: Scalar + DualNum> KernelOne<Dual<S>> {
+    /// The mass matrix, momentum and gradient without their derivatives, as if computed in S.
+    pub(crate) fn copy_values(&self, values: &mut KernelOne<S>) {
+        values.momentum.iter_mut().zip(&self.momentum).for_each(|(value, dual)| *value = dual.re);
+        values.gradient.iter_mut().zip(&self.gradient).for_each(|(value, dual)| *value = dual.re);
+        for i in 0..values.momentum.len() {
+            let row = values.mass_matrix.row_mut(i);
+            row.iter_mut().zip(self.mass_matrix.row(i)).for_each(|(value, dual)| *value = dual.re);
+        }
+    }
+}

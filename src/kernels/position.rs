@@ -1,0 +1,104 @@
+//! First stage of kernel one: transforms, composite inertias, mass matrix, potential.
+
+use super::KernelOne;
+use crate::robot::{JointFrame, JointKind, Tree};
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Inertia, JointPosition, Transform, Vec3};
+
+/// The transform of a joint at position q.
+#[inline(always)]
+pub(super) fn transform<S: Scalar>(joint: &JointFrame, q: S) -> Transform<S> {
+    let position = match joint.kind {
+        JointKind::Revolute => {
+            let angle = if joint.offset == 0.0 { q } else { q.plus(joint.offset) };
+            let (sin, cos) = angle.sin_cos();
+            JointPosition::Turned { sin, cos }
+        }
+        JointKind::Prismatic => JointPosition::Slid { distance: q },
+    };
+    Transform { fixed: joint.screw, joint: position }
+}
+
+/// `F = IC S`: momentum of the composite body for unit velocity of its joint.
+#[inline(always)]
+pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) -> Force<S> {
+    let (h, j) = (composite.first_moment, &composite.matrix);
+    match kind {
+        JointKind::Revolute => {
+            Force { moment: Vec3::new(j.xz, j.yz, j.zz), force: Vec3::new(-h.y, h.x, S::zero()) }
+        }
+        JointKind::Prismatic => Force {
+            moment: Vec3::new(h.y, -h.x, S::zero()),
+            force: Vec3::constant([0.0, 0.0, composite.mass]),
+        },
+    }
+}
+
+/// `S . f`: the component of a force that the joint sees.
+#[inline(always)]
+pub(super) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
+    match kind {
+        JointKind::Revolute => force.moment.z,
+        JointKind::Prismatic => force.force.z,
+    }
+}
+
+impl<S: Scalar> KernelOne<S> {
+    /// Computes M at q (rad, m; length n): `M_ij = S_i . F_j` (62), plus armature.
+    pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
+        self.q.copy_from_slice(q);
+        self.place(tree);
+        for j in 0..tree.len() {
+            let joint = &tree.joints()[j];
+            let path = tree.path(j);
+            let carried = &mut self.carried[tree.path_start(j)..][..path.len()];
+            let mut force = unit_momentum(joint.kind, &self.composites[j]);
+            for (k, &i) in path.iter().enumerate() {
+                carried[k] = force;
+                let entry = along_joint(tree.joints()[i].kind, &force);
+                self.mass_matrix[(i, j)] = entry;
+                self.mass_matrix[(j, i)] = entry;
+                if k + 1 < path.len() {
+                    force = self.transforms[i].force_up(force);
+                }
+            }
+        }
+        for &(i, j, value) in tree.armature() {
+            let on_one_path = tree.path(i).contains(&j);
+            let entry = if on_one_path { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
+            self.mass_matrix[(i, j)] = entry;
+            self.mass_matrix[(j, i)] = entry;
+        }
+    }
+
+    /// Transforms, gravity and composite inertias, each in its body frame.
+    fn place(&mut self, tree: &Tree) {
+        for (i, joint) in tree.joints().iter().enumerate() {
+            self.transforms[i] = transform(joint, self.q[i]);
+            let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| self.gravity[p]);
+            self.gravity[i] = self.transforms[i].vector_down(outer);
+            self.composites[i] = joint.inertia.lift();
+            self.composites[i].mass = joint.subtree_mass;
+        }
+        for (i, joint) in tree.joints().iter().enumerate().rev() {
+            if let Some(parent) = joint.parent {
+                let moved = self.transforms[i].inertia_up(&self.composites[i]);
+                self.composites[parent].add_moments(&moved);
+            }
+        }
+    }
+
+    /// Potential energy V (J) at the position set last: weight (zero at the origin of the world) and springs.
+    pub fn potential(&self, tree: &Tree) -> S {
+        let gravity = Vec3::constant(tree.gravity());
+        let mut potential = S::zero();
+        for (i, joint) in tree.joints().iter().enumerate() {
+            if joint.parent.is_none() {
+                potential -= gravity.dot(self.transforms[i].inertia_up(&self.composites[i]).first_moment);
+            }
+            let stretch = self.q[i].plus(-joint.spring.rest);
+            potential += (stretch * stretch).times(0.5 * joint.spring.stiffness);
+        }
+        potential
+    }
+}

@@ -1,0 +1,36 @@
+//! Exact first and second derivatives of robot dynamics, for optimisers.
+//!
+//! A robot (URDF, TOML, Denavit-Hartenberg table or code) goes in; the Hamiltonian state equation, its analytic
+//! Jacobian and its costate-contracted Hessian come out, through one pipeline that is generic over the scalar:
+//! `f64` runs hand-derived algebra, num-dual's numbers judge it, [`scalar::Count`] counts its operations.
+//!
+//! ```
+//! use costate::hamiltonian::Hamiltonian;
+//! use costate::robot::Robot;
+//!
+//! # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+//! let robot = Robot::from_file("robots/two_link.toml")?;
+//! let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
+//! let (q, p, u) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0]);
+//! let linear = hamiltonian.jacobian(&q, &p, &u)?;
+//! println!("dx/dt = {:?}\nF_x = {}", linear.f(), linear.matrix().as_nalgebra());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`],
+//! [`hamiltonian`], [`derivative`]. Formulas are numbered as in G. Bessonnet, P. Sardain, "Optimal dynamics of
+//! actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
+
+#![deny(unsafe_code)]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
+
+pub mod derivative;
+mod error;
+pub mod hamiltonian;
+pub mod kernels;
+pub mod matrix;
+pub mod robot;
+pub mod scalar;
+pub mod spatial;
+
+pub use error::EvalError;

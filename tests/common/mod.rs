@@ -1,0 +1,80 @@
+//! Reference files: one state a line, see `tests/fixtures/README.md`.
+#![allow(dead_code, reason = "every test file uses its own part")]
+
+use costate::derivative::{Hessian, Jacobian, NestedHessian};
+use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use costate::matrix::Block;
+use costate::robot::Robot;
+use serde_json::Value;
+use std::path::Path;
+
+/// One state and what an independent computation says of it.
+pub struct Reference {
+    pub line: Value,
+}
+
+impl Reference {
+    pub fn read(path: &Path) -> Vec<Self> {
+        let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        text.lines().map(|line| Self { line: serde_json::from_str(line).unwrap() }).collect()
+    }
+
+    /// All numbers under a key, row by row.
+    pub fn numbers(&self, key: &str) -> Vec<f64> {
+        fn flatten(value: &Value, numbers: &mut Vec<f64>) {
+            match value {
+                Value::Array(values) => values.iter().for_each(|value| flatten(value, numbers)),
+                value => numbers.push(value.as_f64().unwrap()),
+            }
+        }
+        let mut numbers = Vec::new();
+        flatten(&self.line[key], &mut numbers);
+        numbers
+    }
+
+    /// `max |a - b| / max |b| <= 1e-10` for the array under `key`.
+    pub fn agrees(&self, key: &str, found: &[f64], context: &str) {
+        let expected = self.numbers(key);
+        assert_eq!(found.len(), expected.len(), "{context}: length of {key}");
+        let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let worst = found.iter().zip(&expected).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(worst <= 1e-10 * size, "{context}: {key} is off by {:.2e}", worst / size);
+    }
+}
+
+pub fn flat(block: Block<'_, f64>) -> Vec<f64> {
+    block.iter_rows().flatten().copied().collect()
+}
+
+/// Every route to every Hamiltonian quantity against the references of one robot file.
+pub fn check_file(robot_path: &Path, references: &[Reference]) {
+    let robot = Robot::from_file(robot_path).unwrap();
+    let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
+    let mut second = SecondOrder::<f64>::new(&robot);
+    for (number, reference) in references.iter().enumerate() {
+        let context = format!("{} state {}", robot.name(), number + 1);
+        let [q, v, p, u, y] = ["q", "v", "p", "u", "y"].map(|key| reference.numbers(key));
+        reference.agrees("p", hamiltonian.momentum(&q, &v).unwrap(), &context);
+        reference.agrees("v", hamiltonian.velocity(&q, &p).unwrap(), &context);
+        let energy = hamiltonian.energy(&q, &p).unwrap();
+        reference.agrees("energy", &[energy.kinetic, energy.potential], &context);
+        reference.agrees("f", hamiltonian.phase_velocity(&q, &p, &u).unwrap(), &context);
+        let linear = hamiltonian.jacobian(&q, &p, &u).unwrap();
+        reference.agrees("f_x", &flat(linear.matrix()), &context);
+        reference.agrees("M", linear.mass_matrix().as_slice(), &context);
+        let contracted = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+        reference.agrees("f", contracted.linearisation().f(), &context);
+        reference.agrees("f_x", &flat(contracted.linearisation().matrix()), &context);
+        reference.agrees("y_f_xx", &flat(contracted.matrix()), &context);
+        let x = [q, p].concat();
+        let function = || PhaseVelocity::new(&robot).under(&u);
+        let mut dual: Jacobian<_> = Jacobian::new(function());
+        reference.agrees("f_x", dual.evaluate(&x).unwrap().jacobian.as_slice(), &context);
+        let mut nested = NestedHessian::new(function());
+        reference.agrees("y_f_xx", nested.contracted(&x, &y).unwrap().as_slice(), &context);
+        let mut hyperdual = Hessian::new(function());
+        reference.agrees("y_f_xx", hyperdual.contracted(&x, &y).unwrap().as_slice(), &context);
+        reference.agrees("f_x", hyperdual.last().jacobian().as_slice(), &context);
+        reference.agrees("f", hyperdual.last().value(), &context);
+    }
+}
