@@ -1,1 +1,86 @@
-fn main() {}
+//! `costate`: exact derivatives of robot dynamics from a robot file.
+
+mod check;
+mod eval;
+mod info;
+mod report;
+
+use clap::{Args, Parser, Subcommand};
+use costate::robot::{LoadOptions, Robot, RobotError};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Exact first and second derivatives of robot dynamics.
+#[derive(Parser)]
+#[command(version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// List the joints, masses and warnings of a robot
+    Info(info::Arguments),
+    /// Evaluate states: JSON lines in, JSON lines out
+    ///
+    /// In, one object a line: `q` and `p` or `v` (n numbers each; `p` wins), optional `u` (n, zeros) and
+    /// `y` (2n, the costate). Out: `q`, `v`, `p`, `f`, `f_x`, `M`, `energy`, and `y_f_xx` where `y` was given.
+    /// A bad line gives `{"line":k,"error":…}` in its place and exit status 2 at the end.
+    Eval(eval::Arguments),
+    /// Set every route to the derivatives beside every other
+    ///
+    /// Exit status 1 where a figure exceeds its tolerance.
+    Check(check::Arguments),
+}
+
+/// The robot, and how to read it.
+#[derive(Args)]
+struct RobotArguments {
+    /// Robot file: .urdf or .toml
+    robot: PathBuf,
+    /// Refuse robots that are not physical (massless links, violated triangle inequality)
+    #[arg(long)]
+    strict: bool,
+    /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
+    #[arg(long)]
+    friction: bool,
+}
+
+impl RobotArguments {
+    fn load(&self) -> Result<Robot, RobotError> {
+        let options = LoadOptions { strict: self.strict, friction: self.friction };
+        Robot::from_file_with(&self.robot, options)
+    }
+
+    /// Loads the robot and says on stderr what is odd about it.
+    fn load_and_warn(&self) -> Result<Robot, RobotError> {
+        let robot = self.load()?;
+        robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+        Ok(robot)
+    }
+}
+
+/// Exit status of a command that ran but has bad news.
+type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Info(arguments) => info::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The reader of our output went away, which is its right.
+fn is_broken_pipe(error: &(dyn std::error::Error + 'static)) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+}
