@@ -18,6 +18,12 @@ impl<S: Scalar> Matrix<S> {
         Self { rows, columns, data: vec![S::zero(); rows * columns] }
     }
 
+    /// A matrix of as many rows of `columns` entries as `entries` fill, row by row.
+    pub fn from_rows(columns: usize, entries: &[S]) -> Self {
+        let rows = entries.len() / columns.max(1);
+        Self { rows, columns, data: entries[..rows * columns].to_vec() }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows

@@ -58,8 +58,10 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         robot.name(),
         robot.len()
     )?;
-    let mut table =
-        Table::new(&["joint", "name", "type", "parent", "axis", "mass kg", "armature", "friction", "limits"]);
+    let mut table = Table::new(
+        &["joint", "name", "type", "parent", "axis", "mass kg", "armature", "friction", "limits"],
+        5,
+    );
     for (i, joint) in robot.joints().iter().enumerate() {
         let [x, y, z]: [f64; 3] = joint.axis.into();
         let limits = joint.limits;

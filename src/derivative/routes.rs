@@ -9,11 +9,17 @@ use crate::robot::Robot;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// `max |a - b| / max |b|` over all entries; 0 where both are 0 throughout.
-pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>) -> f64 {
+/// `max |a - b| / max |b|` over all entries.
+///
+/// A quantity can vanish though its terms do not (second derivatives of a pendulum at a right angle): where `max |b|` is
+/// below `natural / 1000`, the difference is set in relation to that instead.
+pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -> f64 {
     let (a, b) = (a.as_nalgebra(), b.as_nalgebra());
-    let difference = (a - b).amax();
-    if difference == 0.0 { 0.0 } else { difference / b.amax() }
+    in_relation((a - b).amax(), b.amax(), natural)
+}
+
+fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
+    if difference == 0.0 { 0.0 } else { difference / size.max(1e-3 * natural) }
 }
 
 /// Largest relative difference between two routes to F_x and to y'F_xx.
@@ -23,7 +29,7 @@ pub struct Differences {
     pub routes: (&'static str, &'static str),
     /// For F_x.
     pub f_x: f64,
-    /// For y'F_xx.
+    /// For y'F_xx; natural size `max |y| max |F_x|`.
     pub y_f_xx: f64,
 }
 
@@ -38,7 +44,8 @@ pub struct StateReport {
     pub jacobian_asymmetry: [f64; 3],
     /// For each route: largest asymmetry of y'F_xx, relative to its largest entry.
     pub hessian_asymmetry: [f64; 3],
-    /// `|dH/dt|` along u = D = 0 relative to `sum |H_x,i F_i|`, gradient of H by dual numbers through H.
+    /// `|dH/dt|` along u = D = 0 relative to `sum |H_x,i F_i|` (natural size `max |F| max |F_x|`), gradient of H by dual
+    /// numbers through H.
     pub energy_drift: f64,
 }
 
@@ -149,13 +156,15 @@ impl Routes {
         let f_x =
             [second.linearisation().matrix(), first.jacobian.view(), self.hyperdual.last().jacobian().view()];
         let y_f_xx = [second.matrix(), nested.view(), by_hyperdual.view()];
+        let size_of_f_x = f_x[0].as_nalgebra().amax();
+        let natural = size_of_f_x * largest(y);
         let pair = |a: usize, b: usize| Differences {
             routes: (Self::NAMES[a], Self::NAMES[b]),
-            f_x: relative_difference(f_x[a], f_x[b]),
-            y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b]),
+            f_x: relative_difference(f_x[a], f_x[b], 0.0),
+            y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b], natural),
         };
         let differences = [pair(0, 1), pair(0, 2), pair(1, 2)];
-        let hessian_asymmetry = y_f_xx.map(|h| asymmetry(&h.to_nalgebra()));
+        let hessian_asymmetry = y_f_xx.map(|h| asymmetry(&h.to_nalgebra(), natural));
         let analytic = self.conservative.jacobian(q, p, &vec![0.0; u.len()])?;
         let rate = analytic.f().to_vec();
         let analytic = analytic.matrix().to_nalgebra();
@@ -164,18 +173,23 @@ impl Routes {
         Ok(StateReport {
             condition: condition(mass_matrix),
             differences,
-            jacobian_asymmetry: [analytic, dual, hyperdual].map(|f_x| asymmetry(&times_j(&f_x))),
+            jacobian_asymmetry: [analytic, dual, hyperdual].map(|f_x| asymmetry(&times_j(&f_x), 0.0)),
             hessian_asymmetry,
-            energy_drift: drift(self.energy.evaluate(x)?.jacobian.row(0), &rate),
+            energy_drift: drift(self.energy.evaluate(x)?.jacobian.row(0), &rate, size_of_f_x),
         })
     }
 }
 
-/// `|sum_i g_i f_i| / sum_i |g_i f_i|`.
-fn drift(gradient: &[f64], rate: &[f64]) -> f64 {
+/// `|sum_i g_i f_i| / sum_i |g_i f_i|`, natural size `max |F| max |F_x|`, see [`relative_difference`].
+fn drift(gradient: &[f64], rate: &[f64], size_of_f_x: f64) -> f64 {
     let terms = || gradient.iter().zip(rate).map(|(g, f)| g * f);
-    let (sum, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
-    if sum == 0.0 { 0.0 } else { sum.abs() / size }
+    let natural = largest(rate) * size_of_f_x;
+    in_relation(terms().sum::<f64>().abs(), terms().map(f64::abs).sum(), natural)
+}
+
+/// Largest absolute value.
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
 }
 
 /// `J F_x` with `J = [0 1; -1 0]`.
@@ -184,10 +198,9 @@ fn times_j(f_x: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(2 * n, 2 * n, |i, j| if i < n { f_x[(n + i, j)] } else { -f_x[(i - n, j)] })
 }
 
-/// `max |a - a'| / max |a|`.
-fn asymmetry(a: &DMatrix<f64>) -> f64 {
-    let difference = (a - a.transpose()).amax();
-    if difference == 0.0 { 0.0 } else { difference / a.amax() }
+/// `max |a - a'| / max |a|`, see [`relative_difference`].
+fn asymmetry(a: &DMatrix<f64>, natural: f64) -> f64 {
+    in_relation((a - a.transpose()).amax(), a.amax(), natural)
 }
 
 /// Largest over smallest eigenvalue of a symmetric positive definite matrix.

@@ -41,7 +41,8 @@ impl<S: Scalar> Conservative<S> {
     pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.kernel.set_position(tree, q);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        self.factor.factor(self.kernel.mass_matrix()).map_err(singular)
+        let size_of = |k| self.kernel.size_of_entry(tree, k);
+        self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
     }
 
     /// `v = M^-1 p` (17).

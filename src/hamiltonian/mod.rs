@@ -178,7 +178,7 @@ fn check<S: Scalar>(tree: &Tree, what: &'static str, values: &[S], expected: usi
     if values.len() != expected {
         return Err(EvalError::WrongLength { what, expected, found: values.len() });
     }
-    match values.iter().position(|value| !value.is_finite()) {
+    match values.iter().position(|value| S::CHECKED && !value.is_finite()) {
         Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.len()).into() }),
         None => Ok(()),
     }

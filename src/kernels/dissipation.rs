@@ -46,7 +46,7 @@ mod tests {
             let hand = friction(&law, v);
             let dual = friction(&law, Dual2_64::from_re(v).derivative()).value;
             for (hand, dual) in [(hand.value, dual.re), (hand.first, dual.v1), (hand.second, dual.v2)] {
-                assert!((hand - dual).abs() <= 1e-13 * dual.abs(), "at {v}: {hand} is not {dual}");
+                assert!((hand - dual).abs() <= 1e-14 * dual.abs(), "at {v}: {hand} is not {dual}");
             }
             assert!(hand.value * v <= 0.0, "friction never drives");
         }

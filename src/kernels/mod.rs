@@ -10,7 +10,7 @@ pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
 
 use crate::matrix::Matrix;
-use crate::robot::Tree;
+use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 use num_dual::{Dual, DualNum};
@@ -73,6 +73,16 @@ impl<S: Scalar> KernelOne<S> {
     /// Mass matrix M, armature included, n x n, symmetric (kg m^2, kg m, kg).
     pub fn mass_matrix(&self) -> &Matrix<S> {
         &self.mass_matrix
+    }
+
+    /// What the rounding of `M_kk` is in proportion to: for a revolute joint the inertia of all it moves about any axis
+    /// through its origin, since M_kk may be what is left of a rotation of that.
+    pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
+        let inertia = &self.composites[k].matrix;
+        match tree.joints()[k].kind {
+            JointKind::Revolute => self.mass_matrix[(k, k)] + inertia.xx + inertia.yy,
+            JointKind::Prismatic => self.mass_matrix[(k, k)],
+        }
     }
 
     /// Conjugate momentum p = M v, n.

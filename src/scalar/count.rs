@@ -1,6 +1,6 @@
 //! A scalar that counts what the pipeline does with it.
 
-use super::Scalar;
+use super::{Scalar, real_tanh_and_slope};
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -171,6 +171,7 @@ impl MulAssign for Count {
 
 impl Scalar for Count {
     type Mask = bool;
+    const CHECKED: bool = false;
 
     fn from_f64(value: f64) -> Self {
         Self::constant(value)
@@ -197,6 +198,9 @@ impl Scalar for Count {
     fn exp_m1(self) -> Self {
         self.function(self.value.exp_m1(), |o| o.exp += 1)
     }
+    fn tanh_and_slope(self) -> (Self, Self) {
+        real_tanh_and_slope(self)
+    }
     fn less(self, other: Self) -> bool {
         if !(self.constant && other.constant) {
             tally(|o| o.less += 1);
@@ -207,12 +211,8 @@ impl Scalar for Count {
         let chosen = if mask { if_true } else { if_false };
         Self { constant: if_true.constant && if_false.constant, ..chosen }
     }
-    fn all(_mask: bool) -> bool {
-        true
-    }
-    /// Always `true`: a count is taken whatever the values.
-    fn is_finite(self) -> bool {
-        true
+    fn all(mask: bool) -> bool {
+        mask
     }
 }
 
@@ -230,8 +230,8 @@ mod tests {
             (sin / cos + x.recip() + x.sqrt() + Scalar::tanh(x)).value()
         });
         assert!((value - (6.0_f64.tan() + 0.5 + 2.0_f64.sqrt() + 2.0_f64.tanh())).abs() < 1e-14);
-        assert_eq!((o.mul, o.div, o.sqrt, o.sincos, o.exp, o.less), (3, 3, 1, 1, 1, 2));
-        assert_eq!(o.add, 2 + 3 + 1);
+        assert_eq!((o.mul, o.div, o.sqrt, o.sincos, o.exp, o.less), (2 + 4, 2 + 2, 1, 1, 2, 2));
+        assert_eq!(o.add, 2 + 3 + 2);
     }
 
     #[test]

@@ -14,6 +14,53 @@ fn primitive<T: DualNum>(value: f64) -> T::Primitive {
     T::Primitive::from_f64(value).unwrap_or_else(T::Primitive::nan)
 }
 
+/// `t = tanh x` and its first four derivatives: `s = 1 - t^2`, `-2 t s`, `2 s (2 t^2 - s)`, `8 t s (2 s - t^2)`.
+#[inline]
+fn tanh_derivatives<T: Scalar>(x: T) -> [T; 5] {
+    let (t, s) = x.tanh_and_slope();
+    let (tt, ts) = (t * t, t * s);
+    [t, s, ts.times(-2.0), (s * (tt + tt - s)).times(2.0), (ts * (s + s - tt)).times(8.0)]
+}
+
+/// The chain rule: `f(x)` from f and its first three derivatives at the value of x.
+trait ChainRule<T> {
+    fn chain(self, f: [T; 4]) -> Self;
+}
+
+macro_rules! impl_chain_rule {
+    ($dual:ident $(, $size:ident)*; |$x:ident, $f1:ident, $f2:ident, $f3:ident| $($part:expr),*) => {
+        impl<T: DualNum + Scalar, $(const $size: usize),*> ChainRule<T> for $dual<T, $(Const<$size>),*> {
+            #[inline]
+            fn chain(self, [f0, $f1, $f2, $f3]: [T; 4]) -> Self {
+                let $x = self;
+                Self::new(f0, $($part),*)
+            }
+        }
+    };
+}
+
+impl_chain_rule!(Dual; |x, f1, _f2, _f3| x.eps * f1);
+impl_chain_rule!(Dual2; |x, f1, f2, _f3| x.v1 * f1, x.v2 * f1 + x.v1 * x.v1 * f2);
+impl_chain_rule!(Dual3; |x, f1, f2, f3|
+    x.v1 * f1,
+    x.v2 * f1 + x.v1 * x.v1 * f2,
+    x.v3 * f1 + (x.v1 * x.v2 * f2).times(3.0) + x.v1 * x.v1 * x.v1 * f3);
+impl_chain_rule!(HyperDual; |x, f1, f2, _f3| x.eps1 * f1, x.eps2 * f1, x.eps1eps2 * f1 + x.eps1 * x.eps2 * f2);
+impl_chain_rule!(HyperHyperDual; |x, f1, f2, f3|
+    x.eps1 * f1,
+    x.eps2 * f1,
+    x.eps3 * f1,
+    x.eps1eps2 * f1 + x.eps1 * x.eps2 * f2,
+    x.eps1eps3 * f1 + x.eps1 * x.eps3 * f2,
+    x.eps2eps3 * f1 + x.eps2 * x.eps3 * f2,
+    x.eps1eps2eps3 * f1
+        + (x.eps1 * x.eps2eps3 + x.eps2 * x.eps1eps3 + x.eps3 * x.eps1eps2) * f2
+        + x.eps1 * x.eps2 * x.eps3 * f3);
+impl_chain_rule!(DualVec, N; |x, f1, _f2, _f3| x.eps * f1);
+impl_chain_rule!(Dual2Vec, N; |x, f1, f2, _f3| x.v1 * f1, x.v2 * f1 + x.v1.tr_mul(&x.v1) * f2);
+impl_chain_rule!(HyperDualVec, M, N; |x, f1, f2, _f3|
+    x.eps1 * f1, x.eps2 * f1, x.eps1eps2 * f1 + &x.eps1 * &x.eps2 * f2);
+
 macro_rules! forward_to_num_dual {
     () => {
         #[inline]
@@ -47,6 +94,11 @@ macro_rules! forward_to_num_dual {
         #[inline]
         fn exp_m1(self) -> Self {
             DualNum::exp_m1(&self)
+        }
+        #[inline]
+        fn tanh_and_slope(self) -> (Self, Self) {
+            let [f0, f1, f2, f3, f4] = tanh_derivatives(self.re);
+            (self.chain([f0, f1, f2, f3]), self.chain([f1, f2, f3, f4]))
         }
         #[inline]
         fn less(self, other: Self) -> Self::Mask {
@@ -99,3 +151,31 @@ macro_rules! impl_scalar_as_a_whole {
 impl_scalar_as_a_whole!(DualVec, N);
 impl_scalar_as_a_whole!(Dual2Vec, N);
 impl_scalar_as_a_whole!(HyperDualVec, M, N);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_dual::{Derivative, Dual2SVec64, HyperDualSVec64, HyperHyperDual64};
+
+    /// Where num-dual's tanh works it is the judge of the chain rules here.
+    #[test]
+    fn chain_rules_agree_with_num_dual() {
+        let x = HyperHyperDual64::new(0.6, 0.3, -0.7, 1.1, 0.2, -0.4, 0.9, 1.3);
+        let (ours, theirs) = (Scalar::tanh(x), DualNum::tanh(&x));
+        assert!(
+            (ours.eps1eps2eps3 - theirs.eps1eps2eps3).abs() < 1e-14
+                && (ours.eps2eps3 - theirs.eps2eps3).abs() < 1e-14
+        );
+        let mut x = Dual2SVec64::<2>::from_re(0.6);
+        x.v1 = Derivative::some(nalgebra::RowVector2::new(0.3, -0.7));
+        x.v2 = Derivative::some(nalgebra::Matrix2::new(0.1, 0.2, 0.2, -0.5));
+        let (ours, theirs) = (Scalar::tanh(x), DualNum::tanh(&x));
+        assert!((ours.v2.0.unwrap() - theirs.v2.0.unwrap()).amax() < 1e-14);
+        let mut x = HyperDualSVec64::<2, 3>::from_re(-0.4);
+        x.eps1 = Derivative::some(nalgebra::Vector2::new(0.3, -0.7));
+        x.eps2 = Derivative::some(nalgebra::RowVector3::new(0.1, 0.2, -0.5));
+        let (ours, theirs) = (Scalar::tanh(x), DualNum::tanh(&x));
+        assert!((ours.eps1eps2.0.unwrap() - theirs.eps1eps2.0.unwrap()).amax() < 1e-14);
+        assert!((ours.eps2.0.unwrap() - theirs.eps2.0.unwrap()).amax() < 1e-14);
+    }
+}

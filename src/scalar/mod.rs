@@ -49,6 +49,11 @@ pub trait Scalar:
     /// Outcome of a comparison: one truth value, or one per lane.
     type Mask: Copy;
 
+    /// Whether values are checked at the edge of the library (finite input, regular mass matrix).
+    ///
+    /// `false` for a scalar that only counts or records: what it computes holds for any input.
+    const CHECKED: bool = true;
+
     /// The constant `value`, with derivatives zero.
     fn from_f64(value: f64) -> Self;
 
@@ -93,8 +98,7 @@ pub trait Scalar:
 
     /// Whether the mask holds in every lane.
     ///
-    /// For the checks at the edge of the library (non-finite input, singular mass matrix), never for the choice
-    /// between two formulas. A scalar that only records or counts answers `true`.
+    /// For the checks at the edge of the library, never for the choice between two formulas.
     fn all(mask: Self::Mask) -> bool;
 
     /// Absolute value, by `select`; its derivative at 0 is that of `self`.
@@ -103,22 +107,17 @@ pub trait Scalar:
         Self::select(self.less(Self::zero()), -self, self)
     }
 
-    /// Hyperbolic tangent `-m / (m + 2)`, `m = exp(-2 |x|) - 1`, with the sign of `x`.
+    /// Hyperbolic tangent `t` and its slope `1 - t^2`, both to full relative accuracy, free of overflow.
     ///
-    /// Overflow-free: exact limits +-1 with derivatives 0 for large arguments, full relative accuracy near 0.
+    /// With `m = exp(-2 |x|) - 1` and `e = exp(-2 |x|)`: `|t| = -m / (m + 2)`, slope `4 e / (1 + e)^2`. Derivatives
+    /// follow from `t' = 1 - t^2`, so that they too are 0, not rounding, where they should be (t'' at 0, all at large
+    /// arguments); num-dual's own tanh = sinh / cosh is not a number beyond 710.
+    fn tanh_and_slope(self) -> (Self, Self);
+
+    /// Hyperbolic tangent, see [`tanh_and_slope`](Scalar::tanh_and_slope).
     #[inline]
     fn tanh(self) -> Self {
-        let m = self.abs().times(-2.0).exp_m1();
-        let t = -m / m.plus(2.0);
-        Self::select(self.less(Self::zero()), -t, t)
-    }
-
-    /// Hyperbolic tangent and its slope `1 - tanh^2 = 4 e / (1 + e)^2`, `e = exp(-2 |x|)`: no cancellation.
-    #[inline]
-    fn tanh_and_slope(self) -> (Self, Self) {
-        let e = self.abs().times(-2.0).exp();
-        let root = e.plus(1.0).recip();
-        (self.tanh(), (e * root * root).times(4.0))
+        self.tanh_and_slope().0
     }
 
     /// Whether the value is neither infinite nor not-a-number (in every lane; derivatives are not looked at).
@@ -127,6 +126,16 @@ pub trait Scalar:
         let limit = Self::from_f64(f64::INFINITY);
         Self::all(self.less(limit)) && Self::all((-limit).less(self))
     }
+}
+
+/// [`Scalar::tanh_and_slope`] from the exponential functions, for numbers without derivatives.
+#[inline]
+fn real_tanh_and_slope<S: Scalar>(x: S) -> (S, S) {
+    let twice = x.abs().times(-2.0);
+    let (m, e) = (twice.exp_m1(), twice.exp());
+    let t = -m / m.plus(2.0);
+    let root = e.plus(1.0).recip();
+    (S::select(x.less(S::zero()), -t, t), (e * root * root).times(4.0))
 }
 
 #[cfg(test)]
@@ -156,7 +165,12 @@ mod tests {
             let y = Scalar::tanh(Dual3_64::from_re(x).derivative());
             let worst = (y.v1 - d1).abs().max((y.v2 - d2).abs()).max((y.v3 - d3).abs());
             assert!(worst < 2e-15, "derivatives of tanh at {x}: {y}");
+            let (_, slope) = Scalar::tanh_and_slope(Dual3_64::from_re(x).derivative());
+            let d4 = 8.0 * t * d1 * (2.0 - 3.0 * t * t);
+            let worst = (slope.re - d1).abs().max((slope.v1 - d2).abs()).max((slope.v2 - d3).abs());
+            assert!(worst.max((slope.v3 - d4).abs()) < 4e-15, "derivatives of the slope at {x}: {slope}");
         }
+        assert_eq!(Scalar::tanh(HyperDual64::new(0.0, 0.3, 0.7, 0.0)).eps1eps2, 0.0);
         assert!(
             num_dual::DualNum::tanh(&Dual64::from_re(711.0)).re.is_nan(),
             "num-dual's own tanh overflows"

@@ -1,6 +1,6 @@
 //! `f64` and `f32`.
 
-use super::Scalar;
+use super::{Scalar, real_tanh_and_slope};
 
 macro_rules! impl_scalar_for_float {
     ($float:ident) => {
@@ -38,6 +38,10 @@ macro_rules! impl_scalar_for_float {
             #[inline]
             fn exp_m1(self) -> Self {
                 $float::exp_m1(self)
+            }
+            #[inline]
+            fn tanh_and_slope(self) -> (Self, Self) {
+                real_tanh_and_slope(self)
             }
             #[inline]
             fn less(self, other: Self) -> bool {

@@ -1,0 +1,147 @@
+//! Every scalar runs the whole pipeline, and its real part is the `f64` result.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::robot::Robot;
+use costate::scalar::{Count, Scalar};
+use num_dual::{
+    Dual, Dual2, Dual2_64, Dual2SVec64, Dual3_64, Dual32, Dual64, DualNum, DualSVec64, DualStruct,
+    HyperDual64, HyperDualSVec64, HyperHyperDual64,
+};
+
+/// q = 0 and a general state; friction, springs and a full armature matrix in the robot.
+fn robots() -> Vec<Robot> {
+    let friction = "name = 'rough'\narmature = [[0.3, 0.1, 0.0], [0.1, 0.4, 0.05], [0.0, 0.05, 0.2]]\n";
+    let joint = |name: &str, rest: &str| {
+        format!(
+            "[[joint]]\nname = '{name}'\nmass = 2.0\ncom = [0.3, 0.1, 0.0]\ninertia = {{ xx = 0.1, yy = 0.2, zz = 0.25 }}\n\
+             friction = {{ viscous = 0.4, coulomb = 1.5, coulomb_velocity = 0.2 }}\n\
+             spring = {{ stiffness = 3.0, rest = 0.5 }}\n{rest}\n"
+        )
+    };
+    let text = [
+        friction.to_string(),
+        joint("a", "axis = [0.0, 1.0, 0.0]"),
+        joint("b", "placement = { xyz = [0.4, 0.0, 0.1], rpy = [0.3, -0.2, 1.0] }"),
+        joint(
+            "c",
+            "type = 'prismatic'\nparent = 'a'\nplacement = { xyz = [0.0, 0.2, 0.0], rpy = [1.0, 0.5, 0.0] }",
+        ),
+    ];
+    let rough = costate::robot::file::parse(&text.concat(), Default::default()).unwrap();
+    let panda = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/panda.urdf")).unwrap();
+    vec![rough, panda]
+}
+
+fn states(n: usize) -> [Vec<f64>; 2] {
+    let general = (0..2 * n).map(|i| 0.7 - 0.31 * i as f64).collect();
+    [vec![0.0; 2 * n], general]
+}
+
+/// F, F_x, energy, p of a state, all entries one after the other.
+fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<S> {
+    let n = robot.len();
+    let lift = |x: &[f64]| x.iter().map(|&x| S::from_f64(x)).collect::<Vec<_>>();
+    let (q, p, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
+    let mut hamiltonian = Hamiltonian::<S>::new(robot);
+    let mut all = hamiltonian.phase_velocity(&q, &p, &u).unwrap().to_vec();
+    let linear = hamiltonian.jacobian(&q, &p, &u).unwrap();
+    all.extend(linear.matrix().iter_rows().flatten());
+    all.extend_from_slice(linear.mass_matrix().as_slice());
+    let energy = hamiltonian.energy(&q, &p).unwrap();
+    all.extend([energy.kinetic, energy.potential]);
+    all.extend_from_slice(hamiltonian.momentum(&q, &p).unwrap());
+    all.extend_from_slice(hamiltonian.inverse_mass_matrix(&q).unwrap().as_slice());
+    all
+}
+
+fn real_part_is_the_result_in_f64<S: Scalar>(name: &str, re: impl Fn(&S) -> f64, unit: f64) {
+    for robot in robots() {
+        for state in states(robot.len()) {
+            let expected = pipeline::<f64>(&robot, &state);
+            let found: Vec<f64> = pipeline::<S>(&robot, &state).iter().map(&re).collect();
+            let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (found, expected) in found.iter().zip(&expected) {
+                let allowed = 64.0 * unit * expected.abs().max(1e-2 * size);
+                assert!(
+                    (found - expected).abs() <= allowed,
+                    "{name} on {}: {found} {expected}",
+                    robot.name()
+                );
+            }
+        }
+    }
+}
+
+fn dual_number<D: Scalar + DualStruct<Real = f64>>(name: &str) {
+    real_part_is_the_result_in_f64::<D>(name, DualStruct::re, f64::EPSILON);
+}
+
+#[test]
+fn numbers_of_num_dual() {
+    dual_number::<Dual64>("Dual");
+    dual_number::<Dual2_64>("Dual2");
+    dual_number::<Dual3_64>("Dual3");
+    dual_number::<HyperDual64>("HyperDual");
+    dual_number::<HyperHyperDual64>("HyperHyperDual");
+    dual_number::<DualSVec64<4>>("DualSVec");
+    dual_number::<Dual2SVec64<3>>("Dual2SVec");
+    dual_number::<HyperDualSVec64<2, 3>>("HyperDualSVec");
+}
+
+#[test]
+fn nested_numbers() {
+    dual_number::<Dual<Dual64>>("Dual of Dual");
+    dual_number::<Dual<HyperDual64>>("Dual of HyperDual");
+    dual_number::<Dual2<Dual64>>("Dual2 of Dual");
+    dual_number::<Dual<DualSVec64<3>>>("Dual of DualSVec");
+    dual_number::<Dual<Dual<Dual64>>>("Dual of Dual of Dual");
+}
+
+#[test]
+fn counted_and_single_precision_numbers() {
+    real_part_is_the_result_in_f64::<Count>("Count", |x| x.value(), f64::EPSILON);
+    let single = f64::from(f32::EPSILON);
+    real_part_is_the_result_in_f64::<f32>("f32", |&x| f64::from(x), 40.0 * single);
+    real_part_is_the_result_in_f64::<Dual32>("Dual32", |x| f64::from(x.re), 40.0 * single);
+}
+
+/// The contracted Hessian itself can be differentiated: its derivative along p, beside a central difference.
+#[test]
+fn the_dual_pass_nests() {
+    fn trace<S: Scalar + DualNum>(robot: &Robot, state: &[f64], direction: S) -> S {
+        let n = robot.len();
+        let lift = |x: &f64| <S as Scalar>::from_f64(*x);
+        let q: Vec<S> = state[..n].iter().map(lift).collect();
+        let mut p: Vec<S> = state[n..].iter().map(lift).collect();
+        p[0] += direction;
+        let y: Vec<S> = (0..2 * n).map(|i| lift(&(1.0 - 0.2 * i as f64))).collect();
+        let u = vec![<S as Scalar>::from_f64(0.0); n];
+        let mut second = SecondOrder::<S>::new(robot);
+        let hessian = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+        (0..2 * n).fold(u[0], |sum, i| sum + hessian.matrix()[(i, i)])
+    }
+    for robot in robots() {
+        let [_, state] = states(robot.len());
+        let dual = trace(&robot, &state, Dual64::new(0.0, 1.0));
+        assert_eq!(dual.re, trace(&robot, &state, 0.0));
+        let h = 1e-5;
+        let central = (trace(&robot, &state, h) - trace(&robot, &state, -h)) / (2.0 * h);
+        assert!((dual.eps - central).abs() <= 1e-6 * central.abs().max(1.0), "{} {central}", dual.eps);
+    }
+}
+
+/// Rotations made by library constructors would lose their derivative at angle 0; ours must not.
+#[test]
+fn derivatives_survive_at_angle_zero() {
+    let robot = &robots()[1];
+    let mut dual = Hamiltonian::<Dual64>::new(robot);
+    let mut q = [Dual64::from_re(0.0); 7];
+    q[1].eps = 1.0;
+    let at_zero = dual.mass_matrix(&q).unwrap()[(0, 0)].eps;
+    let mut plain = Hamiltonian::<f64>::new(robot);
+    let mut m = |x: f64| plain.mass_matrix(&[0.0, x, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap()[(0, 0)];
+    let central = (m(1e-5) - m(-1e-5)) / 2e-5;
+    assert!(at_zero.abs() > 1e-3 && (at_zero - central).abs() < 1e-8, "{at_zero} {central}");
+}
