@@ -34,3 +34,8 @@ pub mod scalar;
 pub mod spatial;
 
 pub use error::EvalError;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

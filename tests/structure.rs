@@ -211,7 +211,7 @@ proptest! {
             let z = Placement { rotation: about_z(joint.theta), translation: Vector3::new(0.0, 0.0, joint.d) };
             let before = if i == 0 { spec(0) } else { spec(i).on(name(i - 1)) };
             placed = placed.joint(before.placed(x.then(&z)).carrying(body));
-            let next = (i + 1 < n).then(|| row(i + 1)).unwrap_or_default();
+            let next = if i + 1 < n { row(i + 1) } else { dh::DhRow::default() };
             let far = Placement { rotation: about_x(next.alpha), translation: Vector3::new(next.a, 0.0, 0.0) };
             let seen = Placement {
                 rotation: far.rotation.transpose(),

@@ -1,6 +1,6 @@
 //! Robots in TOML: what is refused, with the line and the reason, and what is loaded.
 
-#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::robot::RobotError as E;
 use costate::robot::{JointKind, LoadOptions, Robot, Warning, file::parse};

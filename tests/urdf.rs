@@ -1,6 +1,6 @@
 //! URDF files: what becomes of what is loaded.
 
-#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 #[path = "common/urdf.rs"]
 mod texts;

@@ -38,7 +38,6 @@ fn as_json(robot: &Robot) -> serde_json::Value {
             "type": joint.kind.name(),
             "parent": parent(robot, joint),
             "axis": joint.axis.as_slice(),
-            "mass": joint.inertia.mass,
         })
     };
     json!({

@@ -13,6 +13,15 @@ pub struct Directional<F: Function> {
     derivative: Vec<f64>,
 }
 
+/// Value and derivative along one direction; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct AlongDirection<'a> {
+    /// `f(x)`, m.
+    pub value: &'a [f64],
+    /// `sum_j d_j df/dx_j`, m.
+    pub derivative: &'a [f64],
+}
+
 impl<F: Function> Directional<F> {
     /// Builds the buffers.
     pub fn new(function: F) -> Self {
@@ -36,7 +45,11 @@ impl<F: Function> Directional<F> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[f64], d: &[f64]) -> Result<(&[f64], &[f64]), DerivativeError<F::Error>> {
+    pub fn evaluate(
+        &mut self,
+        x: &[f64],
+        d: &[f64],
+    ) -> Result<AlongDirection<'_>, DerivativeError<F::Error>> {
         check_length("x", x, self.x.len())?;
         check_length("d", d, self.x.len())?;
         for ((dual, &x), &d) in self.x.iter_mut().zip(x).zip(d) {
@@ -47,6 +60,6 @@ impl<F: Function> Directional<F> {
             self.value[k] = y.re;
             self.derivative[k] = y.eps;
         }
-        Ok((&self.value, &self.derivative))
+        Ok(AlongDirection { value: &self.value, derivative: &self.derivative })
     }
 }

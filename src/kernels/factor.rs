@@ -22,9 +22,7 @@ impl<S: Scalar> Factor<S> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let mut filled = vec![vec![false; n]; n];
-        for (k, row) in filled.iter_mut().enumerate() {
-            tree.path(k).iter().for_each(|&i| row[i] = true);
-        }
+        (0..n).for_each(|i| tree.subtree(i).iter().for_each(|&k| filled[k][i] = true));
         tree.armature().iter().for_each(|&(i, j, _)| filled[i][j] = true);
         for k in (0..n).rev() {
             let row: Vec<usize> = (0..k).filter(|&i| filled[k][i]).collect();

@@ -2,7 +2,7 @@
 
 use super::KernelOne;
 use super::position::along_joint;
-use super::velocity::axis_rate;
+use super::velocity::AxisRate;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Vec3};
@@ -12,29 +12,29 @@ impl<S: Scalar> KernelOne<S> {
     ///
     /// `P_ij = S_i . G_j`, `P_ji = psi_i . F_j`, `L_qq,ij = psi_i . G_j + gamma_i . F_j` for i <= j in tree order.
     pub fn second_order(&mut self, tree: &Tree) {
-        for j in 0..tree.len() {
-            let path = tree.path(j);
-            let carried = &self.carried[tree.path_start(j)..][..path.len()];
-            let mut rate = self.momentum_rate(tree, j);
-            for (k, &i) in path.iter().enumerate() {
-                let kind = tree.joints()[i].kind;
-                let psi = axis_rate(kind, &self.velocities[i]);
-                self.coupling[(i, j)] = along_joint(kind, &rate);
-                if i != j {
-                    self.coupling[(j, i)] = carried[k].dot(psi);
+        for (i, joint) in tree.joints().iter().enumerate().rev() {
+            self.rates[i] = self.momentum_rate(joint.kind, i);
+            for &child in tree.children(i) {
+                let transform = self.transforms[child];
+                for &j in tree.subtree(child) {
+                    self.rates[j] = transform.force_up(self.rates[j]);
                 }
-                let mut entry = rate.dot(psi);
+            }
+            let (kind, gravity) = (joint.kind, self.gravity[i]);
+            let psi = AxisRate::new(kind, &self.velocities[i]);
+            for (carried, &j) in self.carried[tree.pairs_of(i)].iter().zip(tree.subtree(i)) {
+                let rate = &self.rates[j];
+                let mut entry = psi.power(rate);
                 if kind == JointKind::Revolute {
-                    entry += carried[k].force.dot(self.gravity[i].cross_ez());
+                    entry += carried.force.x * gravity.y - carried.force.y * gravity.x;
                 }
                 self.stiffness[(i, j)] = entry;
                 self.stiffness[(j, i)] = entry;
-                if k + 1 < path.len() {
-                    rate = self.transforms[i].force_up(rate);
+                if i != j {
+                    self.coupling[(j, i)] = psi.power(carried);
                 }
+                self.coupling[(i, j)] = along_joint(kind, rate);
             }
-        }
-        for (i, joint) in tree.joints().iter().enumerate() {
             if joint.spring.stiffness != 0.0 {
                 self.stiffness[(i, i)] = self.stiffness[(i, i)].plus(-joint.spring.stiffness);
             }
@@ -43,16 +43,30 @@ impl<S: Scalar> KernelOne<S> {
 
     /// `G_j = IC_j psi_j + S_j x* H_j`.
     #[inline(always)]
-    fn momentum_rate(&self, tree: &Tree, j: usize) -> Force<S> {
-        let kind = tree.joints()[j].kind;
-        let carried_along = self.composites[j].apply(axis_rate(kind, &self.velocities[j]));
-        let momentum = &self.momenta[j];
-        let turned = match kind {
-            JointKind::Revolute => {
-                Force { moment: momentum.moment.ez_cross(), force: momentum.force.ez_cross() }
-            }
-            JointKind::Prismatic => Force { moment: momentum.force.ez_cross(), force: Vec3::zero() },
-        };
-        carried_along + turned
+    fn momentum_rate(&self, kind: JointKind, j: usize) -> Force<S> {
+        let (composite, momentum) = (&self.composites[j], &self.momenta[j]);
+        let (h, i, mass) = (composite.first_moment, &composite.matrix, composite.mass);
+        match AxisRate::new(kind, &self.velocities[j]) {
+            AxisRate::Revolute { angular: [a, b], linear: [c, d] } => Force {
+                moment: Vec3::new(
+                    i.xx * a + i.xy * b - h.z * d - momentum.moment.y,
+                    i.xy * a + i.yy * b + h.z * c + momentum.moment.x,
+                    i.xz * a + i.yz * b + h.x * d - h.y * c,
+                ),
+                force: Vec3::new(
+                    c.times(mass) + h.z * b - momentum.force.y,
+                    d.times(mass) - h.z * a + momentum.force.x,
+                    h.y * a - h.x * b,
+                ),
+            },
+            AxisRate::Prismatic { linear: [c, d] } => Force {
+                moment: Vec3::new(
+                    -(h.z * d) - momentum.force.y,
+                    h.z * c + momentum.force.x,
+                    h.x * d - h.y * c,
+                ),
+                force: Vec3::new(c.times(mass), d.times(mass), S::zero()),
+            },
+        }
     }
 }

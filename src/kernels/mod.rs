@@ -30,8 +30,8 @@ use num_dual::{Dual, DualNum};
 /// p_i  = S_i . H_i     L_q,i = H_i . psi_i + F_i . a_g
 /// ```
 ///
-/// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish;
-/// F_j and G_j are carried up the chain. Armature is added to M and p, springs to L_q and L_qq.
+/// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish: measured
+/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together. Armature is added to M and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S> {
     transforms: Vec<Transform<S>>,
@@ -39,8 +39,10 @@ pub struct KernelOne<S> {
     composites: Vec<Inertia<S>>,
     velocities: Vec<Motion<S>>,
     momenta: Vec<Force<S>>,
-    /// F_j seen from each frame on the path of j, paths laid end to end.
+    /// F_j seen from frame i, for every pair `i <= j` in the order of the tree.
     carried: Vec<Force<S>>,
+    /// G_j seen from the frame of the ancestor reached last.
+    rates: Vec<Force<S>>,
     q: Vec<S>,
     mass_matrix: Matrix<S>,
     momentum: Vec<S>,
@@ -61,6 +63,7 @@ impl<S: Scalar> KernelOne<S> {
             velocities: vec![Motion::zero(); n],
             momenta: vec![Force::zero(); n],
             carried: vec![Force::zero(); tree.pairs()],
+            rates: vec![Force::zero(); n],
             q: vec![S::zero(); n],
             mass_matrix: Matrix::zeros(n, n),
             momentum: vec![S::zero(); n],

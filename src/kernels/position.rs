@@ -48,24 +48,31 @@ impl<S: Scalar> KernelOne<S> {
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
         self.q.copy_from_slice(q);
         self.place(tree);
-        for j in 0..tree.len() {
-            let joint = &tree.joints()[j];
-            let path = tree.path(j);
-            let carried = &mut self.carried[tree.path_start(j)..][..path.len()];
-            let mut force = unit_momentum(joint.kind, &self.composites[j]);
-            for (k, &i) in path.iter().enumerate() {
-                carried[k] = force;
-                let entry = along_joint(tree.joints()[i].kind, &force);
+        for (i, joint) in tree.joints().iter().enumerate().rev() {
+            let here = tree.pairs_of(i);
+            let (near, far) = self.carried.split_at_mut(here.end);
+            let mut slots = near[here.clone()].iter_mut();
+            if let Some(own) = slots.next() {
+                *own = unit_momentum(joint.kind, &self.composites[i]);
+            }
+            for &child in tree.children(i) {
+                let beyond = tree.pairs_of(child);
+                let transform = self.transforms[child];
+                let forces = &far[beyond.start - here.end..beyond.end - here.end];
+                // The forces come first: a zip takes one of its first before it finds the second at its end.
+                for (force, slot) in forces.iter().zip(slots.by_ref()) {
+                    *slot = transform.force_up(*force);
+                }
+            }
+            for (force, &j) in self.carried[here].iter().zip(tree.subtree(i)) {
+                let entry = along_joint(joint.kind, force);
                 self.mass_matrix[(i, j)] = entry;
                 self.mass_matrix[(j, i)] = entry;
-                if k + 1 < path.len() {
-                    force = self.transforms[i].force_up(force);
-                }
             }
         }
         for &(i, j, value) in tree.armature() {
-            let on_one_path = tree.path(i).contains(&j);
-            let entry = if on_one_path { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
+            let on_one_branch = tree.subtree(j).contains(&i);
+            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
             self.mass_matrix[(i, j)] = entry;
             self.mass_matrix[(j, i)] = entry;
         }

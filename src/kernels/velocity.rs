@@ -4,16 +4,47 @@ use super::KernelOne;
 use super::position::along_joint;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
-use crate::spatial::{Motion, Vec3};
+use crate::spatial::{Force, Inertia, Motion, Vec3};
 
-/// `psi = v x S = dS/dt`: its parts have no z component.
-#[inline(always)]
-pub(super) fn axis_rate<S: Scalar>(kind: JointKind, velocity: &Motion<S>) -> Motion<S> {
-    match kind {
-        JointKind::Revolute => {
-            Motion { angular: velocity.angular.cross_ez(), linear: velocity.linear.cross_ez() }
+/// `psi = v x S = dS/dt`: its parts have no z component, and a prismatic axis does not turn anything.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum AxisRate<S> {
+    /// `(w x e_z; v x e_z)`.
+    Revolute { angular: [S; 2], linear: [S; 2] },
+    /// `(0; w x e_z)`.
+    Prismatic { linear: [S; 2] },
+}
+
+impl<S: Scalar> AxisRate<S> {
+    #[inline(always)]
+    pub fn new(kind: JointKind, velocity: &Motion<S>) -> Self {
+        let across = |a: Vec3<S>| [a.y, -a.x];
+        match kind {
+            JointKind::Revolute => {
+                Self::Revolute { angular: across(velocity.angular), linear: across(velocity.linear) }
+            }
+            JointKind::Prismatic => Self::Prismatic { linear: across(velocity.angular) },
         }
-        JointKind::Prismatic => Motion { angular: Vec3::zero(), linear: velocity.angular.cross_ez() },
+    }
+
+    /// `psi . f`.
+    #[inline(always)]
+    pub fn power(&self, f: &Force<S>) -> S {
+        match *self {
+            Self::Revolute { angular: [a, b], linear: [c, d] } => {
+                a * f.moment.x + b * f.moment.y + c * f.force.x + d * f.force.y
+            }
+            Self::Prismatic { linear: [c, d] } => c * f.force.x + d * f.force.y,
+        }
+    }
+}
+
+/// `a_g . F_j = -V_,j`: what gravity, seen from the body frame, does on the composite body.
+#[inline(always)]
+fn weight<S: Scalar>(kind: JointKind, composite: &Inertia<S>, gravity: Vec3<S>) -> S {
+    match kind {
+        JointKind::Revolute => composite.first_moment.x * gravity.y - composite.first_moment.y * gravity.x,
+        JointKind::Prismatic => gravity.z.times(composite.mass),
     }
 }
 
@@ -43,12 +74,14 @@ impl<S: Scalar> KernelOne<S> {
     /// `p_i = S_i . H_i` (+ armature), `L_q,i = H_i . psi_i + F_i . a_g` (- spring force).
     fn first_derivatives(&mut self, tree: &Tree, v: &[S]) {
         for (i, joint) in tree.joints().iter().enumerate() {
-            let momentum = self.momenta[i];
-            self.momentum[i] = along_joint(joint.kind, &momentum);
-            let weight = self.carried[tree.path_start(i)].force.dot(self.gravity[i]);
-            let centrifugal = momentum.dot(axis_rate(joint.kind, &self.velocities[i]));
-            let stretch = self.q[i].plus(-joint.spring.rest);
-            self.gradient[i] = centrifugal + weight - stretch.times(joint.spring.stiffness);
+            let momentum = &self.momenta[i];
+            self.momentum[i] = along_joint(joint.kind, momentum);
+            let centrifugal = AxisRate::new(joint.kind, &self.velocities[i]).power(momentum);
+            let mut gradient = centrifugal + weight(joint.kind, &self.composites[i], self.gravity[i]);
+            if joint.spring.stiffness != 0.0 {
+                gradient -= self.q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
+            }
+            self.gradient[i] = gradient;
         }
         for &(i, j, value) in tree.armature() {
             self.momentum[i] += v[j].times(value);

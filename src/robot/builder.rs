@@ -1,8 +1,9 @@
 //! From descriptions of joints to a checked [`Robot`].
 
 use super::checks;
-use super::error::{RobotError, Warning};
+use super::error::RobotError;
 use super::joint::{Joint, JointSpec};
+use super::warning::Warning;
 use super::{LoadOptions, Robot};
 use nalgebra::{DMatrix, Vector3};
 

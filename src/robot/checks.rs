@@ -1,8 +1,9 @@
 //! Physical checks: what no robot can be is an error, what no real robot is becomes a warning.
 
-use super::error::{RobotError, Warning};
+use super::error::RobotError;
 use super::joint::{Joint, JointKind, JointSpec};
 use super::link::LinkInertia;
+use super::warning::Warning;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Relative rounding that published figures are allowed.

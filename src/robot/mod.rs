@@ -8,16 +8,19 @@ mod checks;
 pub mod dh;
 mod error;
 pub mod file;
+mod frames;
 mod joint;
 mod link;
 mod tree;
 pub mod urdf;
+mod warning;
 
 pub use builder::RobotBuilder;
-pub use error::{RobotError, Warning};
+pub use error::RobotError;
 pub use joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 pub use link::{LinkInertia, Placement};
 pub use tree::{JointFrame, Tree};
+pub use warning::Warning;
 
 use nalgebra::{DMatrix, Vector3};
 use std::path::Path;

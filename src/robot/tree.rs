@@ -5,10 +5,11 @@
 //! the gamma of its first child, as in the modified Denavit-Hartenberg convention; q then carries a constant offset.
 //! Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
 
-use super::link::snap;
+use super::frames::TurnedFrames;
 use super::{Friction, JointKind, Robot, Spring};
 use crate::spatial::{ConstantInertia, FixedScrew};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// Constants of one joint and its link, in turned frames.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +39,9 @@ pub struct Tree {
     joints: Vec<JointFrame>,
     gravity: [f64; 3],
     armature: Vec<(usize, usize, f64)>,
-    path_starts: Vec<usize>,
-    paths: Vec<usize>,
+    children: Vec<Vec<usize>>,
+    subtree_starts: Vec<usize>,
+    subtrees: Vec<usize>,
 }
 
 impl Tree {
@@ -69,19 +71,24 @@ impl Tree {
         &self.armature
     }
 
-    /// Joint `j`, its parent, and so on down to the world: the indices `i <= j` of tree order.
-    pub fn path(&self, j: usize) -> &[usize] {
-        &self.paths[self.path_starts[j]..self.path_starts[j + 1]]
+    /// The joints that stand on the link of joint `i`.
+    pub fn children(&self, i: usize) -> &[usize] {
+        &self.children[i]
     }
 
-    /// Where the path of joint `j` starts among all paths laid end to end.
-    pub(crate) fn path_start(&self, j: usize) -> usize {
-        self.path_starts[j]
+    /// Joint `i` and all joints beyond it, `j >= i` in tree order: i, then the subtree of each child, in turn.
+    pub fn subtree(&self, i: usize) -> &[usize] {
+        &self.subtrees[self.pairs_of(i)]
     }
 
-    /// Length of all paths together: the number of ancestor pairs `i <= j`.
+    /// Positions of the pairs `(i, j)`, j in the subtree of i, among all pairs `i <= j` of tree order.
+    pub(crate) fn pairs_of(&self, i: usize) -> Range<usize> {
+        self.subtree_starts[i]..self.subtree_starts[i + 1]
+    }
+
+    /// Number of pairs `i <= j` in tree order.
     pub fn pairs(&self) -> usize {
-        self.paths.len()
+        self.subtrees.len()
     }
 
     /// Whether no joint has friction.
@@ -104,29 +111,31 @@ impl From<&Robot> for Tree {
         for i in 0..n {
             turned.place(i);
         }
-        let (mut path_starts, mut paths) = (vec![0], Vec::new());
         let mut subtree_mass: Vec<f64> = robot.joints().iter().map(|joint| joint.inertia.mass).collect();
-        for (j, joint) in robot.joints().iter().enumerate().rev() {
-            if let Some(parent) = joint.parent {
-                subtree_mass[parent] += subtree_mass[j];
-            }
+        let mut children = vec![Vec::new(); n];
+        let mut nested: Vec<Vec<usize>> = vec![Vec::new(); n];
+        for (j, joint) in robot.joints().iter().enumerate() {
+            joint.parent.into_iter().for_each(|parent| children[parent].push(j));
         }
-        for j in 0..n {
-            let mut at = Some(j);
-            while let Some(i) = at {
-                paths.push(i);
-                at = robot.joints()[i].parent;
-            }
-            path_starts.push(paths.len());
+        for i in (0..n).rev() {
+            let beyond = children[i].iter().flat_map(|&c| nested[c].iter().copied());
+            nested[i] = std::iter::once(i).chain(beyond).collect();
+            subtree_mass[i] += children[i].iter().map(|&c| subtree_mass[c]).sum::<f64>();
         }
+        let ends = nested.iter().scan(0, |end, subtree| {
+            *end += subtree.len();
+            Some(*end)
+        });
+        let subtree_starts = std::iter::once(0).chain(ends).collect();
         let joints = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
         Self {
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             joints,
             gravity: (turned.world * robot.gravity()).into(),
             armature: nonzero_lower(robot.armature()),
-            path_starts,
-            paths,
+            children,
+            subtree_starts,
+            subtrees: nested.concat(),
         }
     }
 }
@@ -136,130 +145,12 @@ fn nonzero_lower(matrix: &DMatrix<f64>) -> Vec<(usize, usize, f64)> {
     lower.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0).collect()
 }
 
-/// The frames while they are being turned; `x_turned = turn x_original`.
-struct TurnedFrames<'a> {
-    robot: &'a Robot,
-    world: Matrix3<f64>,
-    world_is_fixed: bool,
-    turns: Vec<Matrix3<f64>>,
-    is_fixed: Vec<bool>,
-    screws: Vec<FixedScrew>,
-    offsets: Vec<f64>,
-}
-
-impl<'a> TurnedFrames<'a> {
-    fn new(robot: &'a Robot) -> Self {
-        let n = robot.len();
-        let is_fixed = robot.joints().iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
-        Self {
-            robot,
-            world: Matrix3::identity(),
-            world_is_fixed: false,
-            turns: Vec::with_capacity(n),
-            is_fixed,
-            screws: Vec::with_capacity(n),
-            offsets: vec![0.0; n],
-        }
-    }
-
-    /// Turns frame `i`; those before it have been turned.
-    fn place(&mut self, i: usize) {
-        let joint = &self.robot.joints()[i];
-        let axes = axes_with_z_along(joint.axis);
-        let outer = joint.parent.map_or(self.world, |p| self.turns[p]);
-        let rotation = (outer * joint.placement.rotation * axes).map(snap);
-        let mut translation = outer * joint.placement.translation;
-        let may_turn_parent = !joint.parent.map_or(self.world_is_fixed, |p| self.is_fixed[p]);
-        let Screw { mut gamma, alpha, delta } = decompose(&rotation, &translation, may_turn_parent);
-        if let Some(turn) = gamma {
-            let back = about_z([-turn[0], turn[1]]);
-            translation = back * translation;
-            if may_turn_parent {
-                match joint.parent {
-                    None => self.world = back * self.world,
-                    Some(parent) => {
-                        self.turns[parent] = back * self.turns[parent];
-                        self.offsets[parent] += turn[0].atan2(turn[1]);
-                    }
-                }
-                gamma = None;
-            }
-        }
-        match joint.parent {
-            None => self.world_is_fixed = true,
-            Some(parent) => self.is_fixed[parent] = true,
-        }
-        self.screws.push(FixedScrew { gamma, alpha, translation: translation.map(snap).into() });
-        self.turns.push(about_z(delta) * axes.transpose());
-    }
-
-    fn joint(&self, i: usize, subtree_mass: f64) -> JointFrame {
-        let joint = &self.robot.joints()[i];
-        let turn = self.turns[i];
-        let link = &joint.inertia;
-        let j = turn * link.inertia_about_origin() * turn.transpose();
-        JointFrame {
-            kind: joint.kind,
-            parent: joint.parent,
-            screw: self.screws[i],
-            offset: self.offsets[i],
-            inertia: ConstantInertia {
-                mass: link.mass,
-                first_moment: (turn * link.com * link.mass).into(),
-                matrix: [j[(0, 0)], j[(1, 1)], j[(2, 2)], j[(0, 1)], j[(0, 2)], j[(1, 2)]],
-            },
-            subtree_mass,
-            spring: joint.spring,
-            friction: joint.friction,
-        }
-    }
-}
-
-/// A rotation as `Rz(gamma) Rx(alpha) Rz(delta)`, each by its sine and cosine.
-struct Screw {
-    gamma: Option<[f64; 2]>,
-    alpha: [f64; 2],
-    delta: [f64; 2],
-}
-
-/// The third column of `Rz(gamma) Rx(alpha) Rz(delta)` is `(sin gamma sin alpha, -cos gamma sin alpha, cos alpha)`.
-/// Parallel axes leave gamma free: the common perpendicular is then laid along x if the parent may be turned.
-fn decompose(r: &Matrix3<f64>, translation: &Vector3<f64>, may_turn_parent: bool) -> Screw {
-    let horizontal = r[(0, 2)].hypot(r[(1, 2)]);
-    let gamma = if horizontal > 0.0 {
-        (r[(0, 2)] != 0.0).then(|| [r[(0, 2)] / horizontal, -r[(1, 2)] / horizontal])
-    } else {
-        let (x, y) = (translation.x, translation.y);
-        (may_turn_parent && y != 0.0).then(|| [y / x.hypot(y), x / x.hypot(y)])
-    };
-    let unturned = gamma.map_or(*r, |[sin, cos]| about_z([-sin, cos]) * r);
-    let unit = |sin: f64, cos: f64| [sin / sin.hypot(cos), cos / sin.hypot(cos)].map(snap);
-    Screw {
-        gamma,
-        alpha: unit(-unturned[(1, 2)], unturned[(2, 2)]),
-        delta: unit(-unturned[(0, 1)], unturned[(0, 0)]),
-    }
-}
-
-fn about_z([sin, cos]: [f64; 2]) -> Matrix3<f64> {
-    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
-}
-
-/// A right-handed frame (its axes are the columns) with z along the unit vector `axis`.
-pub(super) fn axes_with_z_along(axis: Vector3<f64>) -> Matrix3<f64> {
-    let helper = match axis.iamin() {
-        0 => Vector3::x(),
-        1 => Vector3::y(),
-        _ => Vector3::z(),
-    };
-    let x = (helper - axis * axis.dot(&helper)).normalize();
-    Matrix3::from_columns(&[x, axis.cross(&x), axis])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::frames::about_z;
     use crate::robot::{JointSpec, LinkInertia, Placement};
+    use nalgebra::{Matrix3, Vector3};
 
     /// Position of each turned frame in the turned world at q, by 4 x 4 products.
     fn positions(tree: &Tree, q: &[f64]) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
@@ -323,11 +214,9 @@ mod tests {
             .build()
             .unwrap();
         let tree = Tree::from(&robot);
-        assert_eq!(tree.path(2), [2, 1, 0]);
-        assert_eq!((tree.pairs(), tree.joints()[0].subtree_mass), (1 + 2 + 3 + 2 + 3 + 3, 12.0));
+        assert_eq!((tree.subtree(0), tree.subtree(3)), (&[0, 1, 2, 3, 4, 5][..], &[3, 4, 5][..]));
+        assert_eq!((tree.pairs(), tree.joints()[0].subtree_mass), (6 + 2 + 1 + 3 + 1 + 1, 12.0));
         let q = [0.7, -0.4, 2.0, -1.1, 0.0, 30.0];
-        let turned = TurnedFrames::new(&robot);
-        assert_eq!(turned.turns.len(), 0);
         let ours = positions(&tree, &q);
         let world = tree.gravity();
         let mut frames: Vec<Placement> = Vec::new();
@@ -353,14 +242,6 @@ mod tests {
             assert!((found.norm() - expected.norm()).abs() < 1e-14, "joint {i}");
             let height = -found.dot(&Vector3::from(world)) / 9.81;
             assert!((height - expected.z).abs() < 1e-14, "height of joint {i}");
-        }
-    }
-
-    #[test]
-    fn frames_along_any_axis_are_right_handed() {
-        for axis in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.6, 0.0, -0.8]] {
-            let axes = axes_with_z_along(Vector3::from(axis));
-            assert!((axes.determinant() - 1.0).abs() < 1e-15 && axes.column(2) == Vector3::from(axis));
         }
     }
 }

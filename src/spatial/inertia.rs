@@ -37,9 +37,10 @@ impl<S: Scalar> Symmetric3<S> {
     #[inline(always)]
     pub fn turned_about_z(&self, sin: S, cos: S) -> Self {
         let e = sin * (self.xx - self.yy) + cos * (self.xy + self.xy);
+        let moved = sin * e;
         Self {
-            xx: self.xx - sin * e,
-            yy: self.yy + sin * e,
+            xx: self.xx - moved,
+            yy: self.yy + moved,
             zz: self.zz,
             xy: cos * e - self.xy,
             xz: cos * self.xz - sin * self.yz,
@@ -51,9 +52,10 @@ impl<S: Scalar> Symmetric3<S> {
     #[inline(always)]
     pub fn turned_about_z_constant(&self, [sin, cos]: [f64; 2]) -> Self {
         let e = (self.xx - self.yy).times(sin) + self.xy.times(2.0 * cos);
+        let moved = e.times(sin);
         Self {
-            xx: self.xx - e.times(sin),
-            yy: self.yy + e.times(sin),
+            xx: self.xx - moved,
+            yy: self.yy + moved,
             zz: self.zz,
             xy: e.times(cos) - self.xy,
             xz: self.xz.times(cos) - self.yz.times(sin),
@@ -65,10 +67,11 @@ impl<S: Scalar> Symmetric3<S> {
     #[inline(always)]
     pub fn turned_about_x_constant(&self, [sin, cos]: [f64; 2]) -> Self {
         let e = (self.yy - self.zz).times(sin) + self.yz.times(2.0 * cos);
+        let moved = e.times(sin);
         Self {
             xx: self.xx,
-            yy: self.yy - e.times(sin),
-            zz: self.zz + e.times(sin),
+            yy: self.yy - moved,
+            zz: self.zz + moved,
             xy: self.xy.times(cos) - self.xz.times(sin),
             xz: self.xy.times(sin) + self.xz.times(cos),
             yz: e.times(cos) - self.yz,

@@ -1,5 +1,6 @@
 //! Reference files: one state a line, see `tests/fixtures/README.md`.
 #![allow(dead_code, reason = "every test file uses its own part")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::derivative::{Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};

@@ -124,7 +124,7 @@ impl Case {
     /// Parent of joint `i`: one of those before it, or the world; chains are as likely as branches.
     pub fn parent(&self, i: usize) -> Option<usize> {
         let choice = self.parts[i].parent;
-        if choice % 2 == 0 { i.checked_sub(1) } else { (choice % (i + 1)).checked_sub(1) }
+        if choice.is_multiple_of(2) { i.checked_sub(1) } else { (choice % (i + 1)).checked_sub(1) }
     }
 
     pub fn specs(&self) -> Vec<JointSpec> {

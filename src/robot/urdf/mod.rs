@@ -7,14 +7,16 @@
 
 mod element;
 mod source;
+mod text;
 mod tree;
 
 use self::element::at;
 use self::source::Source;
 use self::tree::{Seat, Seats};
-use super::error::{RobotError, Warning};
+use super::error::RobotError;
 use super::joint::{Friction, JointKind, JointSpec, Limits};
 use super::link::LinkInertia;
+use super::warning::Warning;
 use super::{LoadOptions, Robot, checks};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::HashMap;

@@ -5,7 +5,9 @@
 //! mesh, a transmission or a simulator's extension can make a robot fail.
 
 use super::element::{Element, Lines, at};
-use crate::robot::error::{RobotError, Warning};
+use super::text::{escaped, roll_pitch_yaw};
+use crate::robot::error::RobotError;
+use crate::robot::warning::Warning;
 use roxmltree::{Document, Error, Node, ParsingOptions};
 use std::fmt::Write;
 
@@ -279,33 +281,4 @@ impl<'a> Reduction<'a> {
         self.text += "/>";
         Ok(())
     }
-}
-
-/// The angles of a unit quaternion (x, y, z, w), exact near pitch = +-pi/2 too: yaw is computed given roll.
-fn roll_pitch_yaw([x, y, z, w]: [f64; 4]) -> [f64; 3] {
-    let r = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-    ];
-    let roll = r[2][1].atan2(r[2][2]);
-    let pitch = (-r[2][0]).atan2(r[0][0].hypot(r[1][0]));
-    let (sin, cos) = roll.sin_cos();
-    let yaw = (sin * r[0][2] - cos * r[0][1]).atan2(cos * r[1][1] - sin * r[1][2]);
-    [roll, pitch, yaw]
-}
-
-/// The text as an attribute value.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            c => out.push(c),
-        }
-    }
-    out
 }

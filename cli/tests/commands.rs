@@ -1,0 +1,196 @@
+//! The commands as a user calls them.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Runs `costate` at the root of the repository with this standard input.
+fn costate(arguments: &[&str], input: &[u8]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_costate"));
+    command.args(arguments).current_dir(root());
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    // A command that refuses its arguments does not read.
+    let _ = child.stdin.take().unwrap().write_all(input);
+    child.wait_with_output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn json_lines(output: &Output) -> Vec<Value> {
+    stdout(output).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// All numbers of a nested array.
+fn flat(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(flat).collect(),
+        value => vec![value.as_f64().unwrap()],
+    }
+}
+
+#[test]
+fn info_as_json_and_as_a_table() {
+    let output = costate(&["info", "robots/cart_pole.toml", "--json"], b"");
+    assert!(output.status.success() && output.stderr.is_empty());
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&info["robot"], &info["n"]), (&json!("cart_pole"), &json!(2)));
+    let joints = info["joints"].as_array().unwrap();
+    assert_eq!((&joints[0]["type"], &joints[0]["parent"]), (&json!("prismatic"), &Value::Null));
+    assert_eq!((&joints[1]["type"], &joints[1]["parent"]), (&json!("revolute"), &joints[0]["name"]));
+    assert_eq!(flat(&joints[0]["axis"]), [1.0, 0.0, 0.0]);
+    assert_eq!(info["warnings"], json!([]));
+    let puma: Value =
+        serde_json::from_slice(&costate(&["info", "robots/puma560.toml", "--json"], b"").stdout).unwrap();
+    assert!(puma["warnings"][0].as_str().unwrap().contains("principal moments"));
+    let table = stdout(&costate(&["info", "robots/ur5.urdf"], b""));
+    assert!(table.contains("wrist_3_joint") && table.contains("6 degrees of freedom"), "{table}");
+}
+
+/// Every route, every fixture: the references hold for what comes out of the command.
+#[test]
+fn eval_agrees_with_the_references_by_every_route() {
+    for (robot, fixture) in [
+        ("robots/ur5.urdf", "ur5"),
+        ("robots/biped.toml", "biped"),
+        ("robots/manutec_r3.toml", "manutec_r3"),
+        ("tests/fixtures/friction_tree.toml", "friction_tree"),
+    ] {
+        let states = format!("tests/fixtures/{fixture}.jsonl");
+        let text = std::fs::read_to_string(root().join(&states)).unwrap();
+        for route in ["analytic", "dual", "hyperdual"] {
+            let output = costate(&["eval", robot, "--states", &states, "--route", route], b"");
+            assert!(output.status.success(), "{}", stderr(&output));
+            let answers = json_lines(&output);
+            assert_eq!(answers.len(), text.lines().count());
+            for (answer, line) in answers.iter().zip(text.lines()) {
+                let expected: Value = serde_json::from_str(line).unwrap();
+                for key in ["q", "v", "p", "f", "f_x", "y_f_xx", "M", "energy"] {
+                    let (found, expected) = (flat(&answer[key]), flat(&expected[key]));
+                    assert_eq!(found.len(), expected.len(), "{fixture} {route} {key}");
+                    let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+                    for (found, expected) in found.iter().zip(&expected) {
+                        assert!((found - expected).abs() <= 1e-10 * size, "{fixture} {route} {key}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn velocities_or_momenta_and_defaults() {
+    let input = br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"note":"ignored"}
+{"q":[0.1,0.2],"p":[0.3,0.4],"v":[9,9],"u":[0,0]}
+{"q":[0.1,0.2],"p":[0.3,0.4],"u":[1.0,2.0],"y":null}
+"#;
+    let answers = json_lines(&costate(&["eval", "robots/two_link.toml"], input));
+    assert_eq!(
+        flat(&answers[0]["v"]).iter().map(|v| (v * 1e12).round() / 1e12).collect::<Vec<_>>(),
+        [1.0, -0.5]
+    );
+    assert_eq!(flat(&answers[1]["p"]), [0.3, 0.4]);
+    let (without, with) = (flat(&answers[1]["f"]), flat(&answers[2]["f"]));
+    assert!((with[2] - without[2] - 1.0).abs() < 1e-15 && (with[3] - without[3] - 2.0).abs() < 1e-15);
+    assert!(answers.iter().all(|answer| answer.get("y_f_xx").is_none()));
+    assert_eq!(answers[0]["f_x"].as_array().unwrap().len(), 4);
+}
+
+/// A bad line gets an error in its place; the good ones around it are evaluated.
+#[test]
+fn bad_lines_between_good_ones() {
+    let good = r#"{"q":[0.1,0.2],"p":[0.3,0.4]}"#;
+    let bad = [
+        ("{\"q\":[0.1,0.2],", "JSON"),
+        ("[1, 2]", "JSON"),
+        (r#"{"p":[0.3,0.4]}"#, "`q` is missing"),
+        (r#"{"q":[0.1,0.2]}"#, "`p` and `v` are missing"),
+        (r#"{"q":[0.1],"p":[0.3,0.4]}"#, "`q` has 1 numbers, not 2"),
+        (r#"{"q":[0.1,0.2],"p":[0.3,0.4],"y":[1,2]}"#, "`y` has 2 numbers, not 4"),
+        (r#"{"q":[0.1,"x"],"p":[0.3,0.4]}"#, "`q[1]` is not a number"),
+        (r#"{"q":[0.1,NaN],"p":[0.3,0.4]}"#, "JSON"),
+        (r#"{"q":[0.1,1e999],"p":[0.3,0.4]}"#, "JSON"),
+        (r#"{"q":[0.1,0.2],"p":[1e200,0.4]}"#, "overflows"),
+        ("\u{fffd}\u{0}", "JSON"),
+    ];
+    let mut input = format!("{good}\n");
+    for (line, _) in bad {
+        input += &format!("{line}\n{good}\n");
+    }
+    input += "\n";
+    let output = costate(&["eval", "robots/two_link.toml"], input.as_bytes());
+    assert_eq!(output.status.code(), Some(2));
+    let answers = json_lines(&output);
+    assert_eq!(answers.len(), 2 * bad.len() + 1);
+    let complaints = stderr(&output);
+    for (k, (line, words)) in bad.into_iter().enumerate() {
+        let (answer, number) = (&answers[2 * k + 1], 2 * k + 2);
+        assert_eq!(answer["line"], json!(number));
+        assert!(answer["error"].as_str().unwrap().contains(words), "{line}: {answer}");
+        assert!(complaints.contains(&format!("line {number}: ")), "{complaints}");
+        assert_eq!(answers[2 * k], answers[0]);
+    }
+    let bytes = costate(&["eval", "robots/two_link.toml"], b"\xff\xfe\n{\"q\":[0,0],\"p\":[0,0]}\n");
+    assert_eq!((bytes.status.code(), json_lines(&bytes).len()), (Some(2), 2));
+}
+
+#[test]
+fn a_singular_state_is_a_bad_line_that_names_the_joint() {
+    let robot = std::env::temp_dir().join(format!("costate-needle-{}.toml", std::process::id()));
+    let text = "name = 'needle'\n[[joint]]\nname = 'a'\nmass = 1.0\ncom = [1.0, 0.0, 0.0]\n\
+                [[joint]]\nname = 'spin'\nmass = 1.0\nplacement = { xyz = [1.0, 0.0, 0.0] }\n";
+    std::fs::write(&robot, text).unwrap();
+    let output = costate(&["eval", robot.to_str().unwrap()], br#"{"q":[0,0],"p":[0,0]}"#);
+    std::fs::remove_file(&robot).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(json_lines(&output)[0]["error"].as_str().unwrap().contains("singular at joint 'spin'"));
+    assert!(stderr(&output).contains("warning: joint 'spin'"));
+}
+
+#[test]
+fn check_passes_and_fails_by_its_tolerance() {
+    let output = costate(&["check", "robots/ur5.urdf", "--samples", "5"], b"");
+    let table = stdout(&output);
+    assert!(output.status.success() && table.contains("PASS"), "{table}");
+    for row in ["F_x", "y'F_xx", "asymmetry of J F_x", "asymmetry of y'F_xx", "energy drift", "hyperdual"] {
+        assert!(table.contains(row), "{row}");
+    }
+    let output = costate(&["check", "robots/biped.toml", "--samples", "5", "--tolerance", "1e-25"], b"");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("FAIL"));
+    let again =
+        |seed| stdout(&costate(&["check", "robots/panda.urdf", "--samples", "3", "--seed", seed], b""));
+    assert_eq!(again("7"), again("7"));
+    assert_ne!(again("7"), again("8"));
+    let friction = costate(&["check", "tests/fixtures/friction_tree.toml", "--samples", "20"], b"");
+    assert!(friction.status.success(), "{}", stdout(&friction));
+}
+
+#[test]
+fn robots_are_refused_with_path_line_and_reason() {
+    let output = costate(&["info", "robots/nowhere.urdf"], b"");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        output.stdout.is_empty() && stderr(&output).starts_with("error: robots/nowhere.urdf: cannot be read")
+    );
+    assert!(stderr(&costate(&["info", "README.md"], b"")).contains(".urdf or .toml"));
+    let strict = costate(&["info", "robots/puma560.toml", "--strict"], b"");
+    assert_eq!(strict.status.code(), Some(2));
+    assert!(stderr(&strict).contains("strict") && stderr(&strict).contains("waist"));
+    let states = costate(&["eval", "robots/ur5.urdf", "--states", "nowhere.jsonl"], b"");
+    assert!(stderr(&states).contains("nowhere.jsonl: cannot be read"));
+    assert_eq!(costate(&["check", "robots/ur5.urdf", "--tolerance", "0"], b"").status.code(), Some(2));
+}

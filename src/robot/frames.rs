@@ -1,0 +1,140 @@
+//! Turning the frames of a robot so that every placement becomes a fixed screw.
+
+use super::link::snap;
+use super::tree::JointFrame;
+use super::{JointKind, Robot};
+use crate::spatial::{ConstantInertia, FixedScrew};
+use nalgebra::{Matrix3, Vector3};
+
+/// The frames while they are being turned; `x_turned = turn x_original`.
+pub(super) struct TurnedFrames<'a> {
+    robot: &'a Robot,
+    pub(super) world: Matrix3<f64>,
+    world_is_fixed: bool,
+    turns: Vec<Matrix3<f64>>,
+    is_fixed: Vec<bool>,
+    screws: Vec<FixedScrew>,
+    offsets: Vec<f64>,
+}
+
+impl<'a> TurnedFrames<'a> {
+    pub(super) fn new(robot: &'a Robot) -> Self {
+        let n = robot.len();
+        let is_fixed = robot.joints().iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
+        Self {
+            robot,
+            world: Matrix3::identity(),
+            world_is_fixed: false,
+            turns: Vec::with_capacity(n),
+            is_fixed,
+            screws: Vec::with_capacity(n),
+            offsets: vec![0.0; n],
+        }
+    }
+
+    /// Turns frame `i`; those before it have been turned.
+    pub(super) fn place(&mut self, i: usize) {
+        let joint = &self.robot.joints()[i];
+        let axes = axes_with_z_along(joint.axis);
+        let outer = joint.parent.map_or(self.world, |p| self.turns[p]);
+        let rotation = (outer * joint.placement.rotation * axes).map(snap);
+        let mut translation = outer * joint.placement.translation;
+        let may_turn_parent = !joint.parent.map_or(self.world_is_fixed, |p| self.is_fixed[p]);
+        let Screw { mut gamma, alpha, delta } = decompose(&rotation, &translation, may_turn_parent);
+        if let Some(turn) = gamma {
+            let back = about_z([-turn[0], turn[1]]);
+            translation = back * translation;
+            if may_turn_parent {
+                match joint.parent {
+                    None => self.world = back * self.world,
+                    Some(parent) => {
+                        self.turns[parent] = back * self.turns[parent];
+                        self.offsets[parent] += turn[0].atan2(turn[1]);
+                    }
+                }
+                gamma = None;
+            }
+        }
+        match joint.parent {
+            None => self.world_is_fixed = true,
+            Some(parent) => self.is_fixed[parent] = true,
+        }
+        self.screws.push(FixedScrew { gamma, alpha, translation: translation.map(snap).into() });
+        self.turns.push(about_z(delta) * axes.transpose());
+    }
+
+    pub(super) fn joint(&self, i: usize, subtree_mass: f64) -> JointFrame {
+        let joint = &self.robot.joints()[i];
+        let turn = self.turns[i];
+        let link = &joint.inertia;
+        let j = turn * link.inertia_about_origin() * turn.transpose();
+        JointFrame {
+            kind: joint.kind,
+            parent: joint.parent,
+            screw: self.screws[i],
+            offset: self.offsets[i],
+            inertia: ConstantInertia {
+                mass: link.mass,
+                first_moment: (turn * link.com * link.mass).into(),
+                matrix: [j[(0, 0)], j[(1, 1)], j[(2, 2)], j[(0, 1)], j[(0, 2)], j[(1, 2)]],
+            },
+            subtree_mass,
+            spring: joint.spring,
+            friction: joint.friction,
+        }
+    }
+}
+
+/// A rotation as `Rz(gamma) Rx(alpha) Rz(delta)`, each by its sine and cosine.
+struct Screw {
+    gamma: Option<[f64; 2]>,
+    alpha: [f64; 2],
+    delta: [f64; 2],
+}
+
+/// The third column of `Rz(gamma) Rx(alpha) Rz(delta)` is `(sin gamma sin alpha, -cos gamma sin alpha, cos alpha)`.
+/// Parallel axes leave gamma free: the common perpendicular is then laid along x if the parent may be turned.
+fn decompose(r: &Matrix3<f64>, translation: &Vector3<f64>, may_turn_parent: bool) -> Screw {
+    let horizontal = r[(0, 2)].hypot(r[(1, 2)]);
+    let gamma = if horizontal > 0.0 {
+        (r[(0, 2)] != 0.0).then(|| [r[(0, 2)] / horizontal, -r[(1, 2)] / horizontal])
+    } else {
+        let (x, y) = (translation.x, translation.y);
+        (may_turn_parent && y != 0.0).then(|| [y / x.hypot(y), x / x.hypot(y)])
+    };
+    let unturned = gamma.map_or(*r, |[sin, cos]| about_z([-sin, cos]) * r);
+    let unit = |sin: f64, cos: f64| [sin / sin.hypot(cos), cos / sin.hypot(cos)].map(snap);
+    Screw {
+        gamma,
+        alpha: unit(-unturned[(1, 2)], unturned[(2, 2)]),
+        delta: unit(-unturned[(0, 1)], unturned[(0, 0)]),
+    }
+}
+
+pub(super) fn about_z([sin, cos]: [f64; 2]) -> Matrix3<f64> {
+    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+}
+
+/// A right-handed frame (its axes are the columns) with z along the unit vector `axis`.
+fn axes_with_z_along(axis: Vector3<f64>) -> Matrix3<f64> {
+    let helper = match axis.iamin() {
+        0 => Vector3::x(),
+        1 => Vector3::y(),
+        _ => Vector3::z(),
+    };
+    let x = (helper - axis * axis.dot(&helper)).normalize();
+    Matrix3::from_columns(&[x, axis.cross(&x), axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_along_any_axis_are_right_handed() {
+        for axis in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.6, 0.0, -0.8]] {
+            let axes = axes_with_z_along(Vector3::from(axis));
+            assert!((axes.determinant() - 1.0).abs() < 1e-15 && axes.column(2) == Vector3::from(axis));
+        }
+    }
+}
