@@ -42,7 +42,7 @@ struct RobotArguments {
     /// Refuse robots that are not physical (massless links, violated triangle inequality)
     #[arg(long)]
     strict: bool,
-    /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
+    /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction
     #[arg(long)]
     friction: bool,
 }

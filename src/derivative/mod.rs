@@ -1,4 +1,4 @@
-//! Automatic differentiation of any function that is generic over [`Scalar`].
+//! Automatic differentiation of any function that is generic over [`Scalar`](crate::scalar::Scalar).
 //!
 //! | what | how | evaluations |
 //! |---|---|---|

@@ -1,6 +1,6 @@
 //! Robots: trees of revolute and prismatic joints, from code or from a file.
 //!
-//! A [`Robot`] is built by a [`RobotBuilder`], from Denavit-Hartenberg tables ([`dh`]), from a TOML file ([`file`])
+//! A [`Robot`] is built by a [`RobotBuilder`], from Denavit-Hartenberg tables ([`dh`]), from a TOML file ([`mod@file`])
 //! or from a URDF ([`urdf`]). [`Tree`] is the same robot with its frames turned the way the kernels want them.
 
 mod builder;
