@@ -4,8 +4,8 @@
 //! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state, one core.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
-use costate::derivative::{Hessian, Jacobian, NestedHessian};
-use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::robot::Robot;
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
 use std::hint::black_box;

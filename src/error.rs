@@ -27,10 +27,19 @@ pub enum EvalError {
     /// The mass matrix has no inverse in working precision.
     #[error(
         "the mass matrix is singular at joint '{joint}': with the joints beyond it free, nothing resists its motion; \
-         give the links beyond it a mass or the joint armature"
+         give the links beyond it a mass or the joint armature, or leave this pose if it is special \
+         (a floating joint made of six is singular where its second angle is +-pi/2)"
     )]
     SingularMassMatrix {
         /// The joint whose pivot vanished.
         joint: String,
     },
+}
+
+/// `slice` must have `expected` entries.
+pub(crate) fn check_length<T>(what: &'static str, slice: &[T], expected: usize) -> Result<(), EvalError> {
+    if slice.len() == expected {
+        return Ok(());
+    }
+    Err(EvalError::WrongLength { what, expected, found: slice.len() })
 }

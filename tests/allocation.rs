@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-use costate::derivative::{Hessian, Jacobian, NestedHessian};
-use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::robot::Robot;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

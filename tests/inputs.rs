@@ -3,9 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use costate::EvalError;
-use costate::derivative::{DerivativeError, Jacobian};
-use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
-use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes};
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::kernels::KernelOne;
+use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
 use nalgebra::Matrix3;
 
 fn panda() -> Robot {
@@ -28,6 +29,20 @@ fn wrong_lengths_are_named() {
     assert!(refused.to_string().contains("y has 7 entries, not 14"));
     let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot));
     assert!(matches!(dual.evaluate(&right), Err(DerivativeError::WrongLength { what: "x", .. })));
+    let mut routes = Routes::new(&robot);
+    assert!(matches!(
+        routes.compare(&right, &right, &[0.0; 14]),
+        Err(DerivativeError::WrongLength { what: "x", .. })
+    ));
+    assert!(matches!(
+        routes.compare(&[0.0; 14], &wrong, &[0.0; 14]),
+        Err(DerivativeError::WrongLength { what: "u", .. })
+    ));
+    let tree = Tree::from(&robot);
+    let mut kernel = KernelOne::<f64>::new(&tree);
+    assert_eq!(kernel.set_position(&tree, &wrong).unwrap_err(), error("q"));
+    assert_eq!(kernel.set_velocity(&tree, &wrong).unwrap_err(), error("v"));
+    assert!(robot.with_gravity([0.0, f64::NAN, 0.0]).is_err());
     dual.function_mut().u.pop();
     assert!(matches!(
         dual.evaluate(&[0.0; 14]),
@@ -109,6 +124,30 @@ fn large_angles_lose_only_the_digits_they_lack() {
     assert!((&found - &near).amax() <= 1e-7 * near.amax());
 }
 
+/// Joints whose axes are parallel but for a tiny angle: nothing is lost by the turning of frames.
+#[test]
+fn nearly_parallel_axes() {
+    for tilt in [1e-15, 3e-15, 1e-12, 1e-9, 1e-7, 1e-4] {
+        let body = LinkInertia::about_com(1.0, [0.3, 0.1, 0.2], Matrix3::identity() * 0.1);
+        let placed = |angle: f64| Placement::from_xyz_rpy([0.4, 0.2, 0.3], [angle, 0.0, 0.5]);
+        let arm = |angle: f64| {
+            let first = JointSpec::revolute("a").placed(placed(0.4)).carrying(body);
+            let second = JointSpec::revolute("b").on("a").placed(placed(angle)).carrying(body);
+            Robot::builder("arm").joint(first).joint(second).build().unwrap()
+        };
+        let m = |robot: &Robot| {
+            Hamiltonian::<f64>::new(robot).mass_matrix(&[0.3, -0.8]).unwrap().as_slice().to_vec()
+        };
+        let (parallel, tilted, twice) = (m(&arm(0.0)), m(&arm(tilt)), m(&arm(2.0 * tilt)));
+        for ((a, b), c) in parallel.iter().zip(&tilted).zip(&twice) {
+            assert!(
+                (b - a).abs() <= tilt + 1e-15 && (c - 2.0 * b + a).abs() <= tilt * tilt + 2e-15,
+                "{tilt}: {a} {b} {c}"
+            );
+        }
+    }
+}
+
 /// Masses of 1e-6 and 1e6 kg in one chain, gravity off: routes still agree within the condition of M.
 #[test]
 fn extreme_masses() {
@@ -127,7 +166,7 @@ fn extreme_masses() {
         let (q, v) = ([0.3, -0.7, 1.1], [0.5, 0.2, -0.4]);
         let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
         let x = [q.to_vec(), p].concat();
-        let report = costate::derivative::Routes::new(&robot).compare(&x, &[0.0; 3], &[0.5; 6]).unwrap();
+        let report = Routes::new(&robot).compare(&x, &[0.0; 3], &[0.5; 6]).unwrap();
         assert!(report.worst() <= 1e-12 * (report.condition / 1000.0).max(1.0), "{report:?}");
     }
 }

@@ -88,7 +88,7 @@ fn puma_560_gives_the_published_answers() {
     let p = hamiltonian.momentum(&q, &v).unwrap().to_vec();
     let l_q = hamiltonian.phase_velocity(&q, &p, &[0.0; 6]).unwrap()[6..].to_vec();
     let at_rest = hamiltonian.phase_velocity(&q, &[0.0; 6], &[0.0; 6]).unwrap()[6..].to_vec();
-    let coupling = hamiltonian.momentum_jacobian(&q, &v).unwrap().in_q;
+    let coupling = hamiltonian.momentum_jacobian(&q, &v).unwrap().dp_dq;
     for (i, published) in [-4.6344, 8.7257, -1.9268, 0.0023, 0.0191, 0.0004].into_iter().enumerate() {
         let pv: f64 = coupling.row(i).iter().zip(&v).map(|(p, v)| p * v).sum();
         near(pv - l_q[i] + at_rest[i], published, &format!("C v {}", i + 1));

@@ -5,8 +5,8 @@
 #[path = "common/random_robot.rs"]
 mod random_robot;
 
-use costate::derivative::{Directional, Hessian, Jacobian, Routes, relative_difference};
-use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use costate::derivative::{Directional, Hessian, Jacobian, PhaseVelocity, Routes, relative_difference};
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::matrix::{Block, Matrix};
 use proptest::prelude::*;
 use random_robot::{Case, cases, difference, tolerance};

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::robot::RobotError as E;
-use costate::robot::{JointKind, LoadOptions, Robot, Warning, file::parse};
+use costate::robot::{JointKind, LoadOptions, Placement, Robot, Warning, file::parse};
 
 const BODY: &str = "mass = 2.0\ncom = [0.3, 0.0, 0.0]\ninertia = { xx = 0.1, yy = 0.2, zz = 0.25 }";
 
@@ -47,13 +47,15 @@ refuses! {
     duplicate: two("", "").replace("'b'", "'a'"), Some(9), E::DuplicateName { kind: "joint", .. }, ["'a'"];
     cycle: two("parent = 'b'", "parent = 'a'"), Some(3), E::Cycle { .. }, ["a -> b", "world"];
     its_own_parent: two("parent = 'a'", ""), Some(3), E::Cycle { .. }, ["a"];
+    called_world: two("", "").replace("'a'", "'world'"), Some(3), E::Malformed { .. }, ["'world'", "another name"];
+    no_name: "[[joint]]\nmass = 1.0", Some(1), E::Malformed { .. }, ["missing field `name`; add it"];
     negative_mass: two("", "").replacen("2.0", "-2.0", 1), Some(3), E::NegativeMass { .. }, ["'a'", "-2 kg"];
     mass_nan: two("", "").replacen("2.0", "nan", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "mass"];
     com_infinite: two("", "").replacen("0.3", "inf", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "centre"];
     indefinite: two("", "").replacen("zz = 0.25", "zz = 0.25, xy = 3.0", 1), Some(3), E::IndefiniteInertia { .. }, ["'a'"];
     no_axis: two("axis = [0.0, 0.0, 0.0]", ""), Some(3), E::BadAxis { .. }, ["'a'", "0 0 1"];
     placement_nan: two("placement = { xyz = [nan, 0.0, 0.0] }", ""), Some(3), E::BadPlacement { .. }, ["'a'"];
-    gravity_nan: two("", "").replacen("[[", "gravity = [0.0, nan, 0.0]\n[[", 1), None, E::Malformed { .. }, ["gravity"];
+    gravity_nan: two("", "").replacen("[[", "gravity = [0.0, nan, 0.0]\n[[", 1), Some(2), E::BadGravity, ["gravity"];
     negative_friction: two("friction = { viscous = -1.0 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "-1"];
     zero_transition: two("friction = { coulomb = 1.0, coulomb_velocity = 0.0 }", ""), Some(3), E::BadValue { .. }, ["'a'"];
     negative_armature: two("armature = -0.1", ""), Some(3), E::BadValue { .. }, ["armature", "'a'"];
@@ -61,10 +63,10 @@ refuses! {
     last_link_massless: two("", "").replace(&format!("'b'\n{BODY}"), "'b'"), Some(9), E::MovesNothing { .. }, ["'b'", "armature", "fixed"];
     dh_without_convention: two("dh = { a = 1.0 }", ""), Some(3), E::Malformed { .. }, ["dh", "modified-dh", "'a'"];
     axis_in_a_dh_table: two("axis = [1.0, 0.0, 0.0]", "").replacen("[[", "convention = 'modified-dh'\n[[", 1), Some(4), E::Malformed { .. }, ["axis", "placements"];
-    armature_ragged: two("", "").replacen("[[", "armature = [[1.0, 0.0], [0.0]]\n[[", 1), None, E::BadArmature { n: 2, .. }, ["row of 1"];
-    armature_size: two("", "").replacen("[[", "armature = [[1.0]]\n[[", 1), None, E::BadArmature { n: 2, .. }, ["1 x 1", "2 x 2"];
-    armature_skew: two("", "").replacen("[[", "armature = [[1.0, 0.5], [0.0, 1.0]]\n[[", 1), None, E::BadArmature { .. }, ["symmetric"];
-    armature_indefinite: two("", "").replacen("[[", "armature = [[1.0, 2.0], [2.0, 1.0]]\n[[", 1), None, E::BadArmature { .. }, ["eigenvalue"];
+    armature_ragged: two("", "").replacen("[[", "armature = [[1.0, 0.0], [0.0]]\n[[", 1), Some(2), E::BadArmature { n: 2, .. }, ["row of 1"];
+    armature_size: two("", "").replacen("[[", "armature = [[1.0]]\n[[", 1), Some(2), E::BadArmature { n: 2, .. }, ["1 x 1", "2 x 2"];
+    armature_skew: two("", "").replacen("[[", "armature = [[1.0, 0.5], [0.0, 1.0]]\n[[", 1), Some(2), E::BadArmature { .. }, ["symmetric"];
+    armature_indefinite: two("", "").replacen("[[", "armature = [[1.0, 2.0], [2.0, 1.0]]\n[[", 1), Some(2), E::BadArmature { .. }, ["eigenvalue"];
 }
 
 #[test]
@@ -117,6 +119,53 @@ fn every_key_arrives() {
     assert_eq!((a.limits.lower, a.limits.upper, a.limits.effort), (f64::NEG_INFINITY, 2.0, 9.0));
     assert_eq!((b.inertia.inertia[(0, 0)], robot.gravity().x), (0.1, 1.0));
     assert!((b.inertia.inertia[(2, 2)] - (0.25 - 2.0 * 0.09)).abs() < 1e-15);
+}
+
+/// A branched standard table with a prismatic joint, beside the placements it stands for.
+#[test]
+fn standard_tables_branch() {
+    let table = format!(
+        "name = 't'\nconvention = 'standard-dh'\n\
+         [[joint]]\nname = 'a'\ndh = {{ alpha = 0.3, a = 0.5, d = 0.2, theta = 0.1 }}\n{BODY}\n\
+         [[joint]]\nname = 'b'\ntype = 'prismatic'\ndh = {{ alpha = -0.4, a = 0.1, d = 0.7, theta = 0.6 }}\n{BODY}\n\
+         [[joint]]\nname = 'c'\nparent = 'a'\ndh = {{ a = 0.2, theta = -1.0 }}\n{BODY}\n"
+    );
+    let robot = parse(&table, LoadOptions::default()).unwrap();
+    let about = |x: f64, z: f64| Placement::from_xyz_rpy([0.0; 3], [x, 0.0, z]);
+    let along = |x: f64, z: f64| Placement::from_xyz_rpy([x, 0.0, z], [0.0; 3]);
+    let far = along(0.5, 0.0).then(&about(0.3, 0.0));
+    let expected = [
+        about(0.0, 0.1).then(&along(0.0, 0.2)),
+        far.then(&about(0.0, 0.6)).then(&along(0.0, 0.7)),
+        far.then(&about(0.0, -1.0)),
+    ];
+    for (joint, expected) in robot.joints().iter().zip(expected) {
+        let found = joint.placement;
+        assert!((found.rotation - expected.rotation).amax() < 1e-15, "{}", joint.name);
+        assert!((found.translation - expected.translation).amax() < 1e-15, "{}", joint.name);
+    }
+    assert_eq!(robot.joints()[2].parent, Some(0));
+    assert!(
+        (robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15,
+        "0.3 in frame 3, which stands 0.2 further"
+    );
+}
+
+/// Rows of the armature matrix are in the order of the file, which parents may change.
+#[test]
+fn the_armature_matrix_follows_reordered_joints() {
+    let joint =
+        |name: &str, parent: &str| format!("[[joint]]\nname = '{name}'\nparent = '{parent}'\n{BODY}\n");
+    let text = [
+        "name = 'r'\narmature = [[1.0, 0.2], [0.2, 3.0]]\n".into(),
+        joint("hand", "arm"),
+        joint("arm", "world"),
+    ];
+    let robot = parse(&text.concat(), LoadOptions::default()).unwrap();
+    assert_eq!(
+        (robot.joints()[0].name.as_str(), robot.armature()[(0, 0)], robot.armature()[(1, 0)]),
+        ("arm", 3.0, 0.2)
+    );
 }
 
 #[test]

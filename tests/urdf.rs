@@ -193,7 +193,7 @@ fn joint_types_axes_and_limits() {
     assert_eq!(prismatic.axis, Vector3::new(0.0, -0.6, 0.8));
     let no_velocity = load(&elbow("revolute", "<limit lower=\"-1\" effort=\"3\"/>"));
     assert_eq!(all(&no_velocity.joints()[0]), [-1.0, 0.0, 3.0, inf]);
-    assert!(notes(&no_velocity).contains("joint 'elbow' has no velocity"), "{}", notes(&no_velocity));
+    assert!(notes(&no_velocity).contains("unlimited: joints elbow"), "{}", notes(&no_velocity));
     let stuck = load(&elbow("revolute", "<limit effort=\"3\" velocity=\"4\"/>"));
     assert_eq!(all(&stuck.joints()[0]), [0.0, 0.0, 3.0, 4.0]);
     assert!(notes(&stuck).contains("neither lower nor upper"), "{}", notes(&stuck));
@@ -218,10 +218,7 @@ fn friction_on_request() {
     let text = elbow("revolute", "<dynamics damping=\"0.5\" friction=\"0.1\"/>");
     let ignored = load(&text);
     assert!(ignored.joints()[0].friction.is_none());
-    assert_eq!(
-        ignored.warnings(),
-        [Warning::FrictionIgnored { joint: "elbow".into(), damping: 0.5, friction: 0.1 }]
-    );
+    assert_eq!(ignored.warnings(), [Warning::FrictionIgnored { joints: vec!["elbow".into()] }]);
     let options = LoadOptions { friction: true, ..LoadOptions::default() };
     let loaded = parse(&text, options).unwrap();
     let coulomb_velocity = Friction::DEFAULT_COULOMB_VELOCITY;
@@ -251,6 +248,30 @@ fn what_is_not_dynamics_is_not_read() {
     assert_eq!(load(&default_namespace), plain);
     let left = load(&default_namespace.replace("<material/>", "<xacro:finger name=\"f\"/>"));
     assert!(notes(&left).contains("'finger' in line 10"), "{}", notes(&left));
+}
+
+/// What XML forbids and the usual readers of URDF do not mind.
+#[test]
+fn published_oddities_do_no_harm() {
+    let text = more("");
+    for odd in [
+        format!("\n  \n<?xml version=\"1.0\"?>\n{text}"),
+        format!("<?xml verison=\"1.0\" encoding=\"latin-1\"?>{text}"),
+        format!("<!-- ---- links ---- -->\n<!-- <robot> --->{text}<!-- the end -->"),
+        text.replace("<link name=\"base\"/>", "<link name=\"base\"/><s:x/><!-- <robot> -->"),
+    ] {
+        assert_eq!(load(&odd).len(), 1, "{odd}");
+    }
+    let swapped = load(&elbow("revolute", "<limit lower=\"1\" upper=\"-1\" effort=\"2\" velocity=\"3\"/>"));
+    assert!(notes(&swapped).contains("no limit of position"), "{}", notes(&swapped));
+    assert_eq!(swapped.joints()[0].limits.lower, f64::NEG_INFINITY);
+    let (line, error) = refused(&format!("<!--\n-->\n{}", elbow("hinge", "")));
+    assert!(line == Some(8) && error.to_string().contains("hinge"), "{line:?} {error}");
+    let path = std::env::temp_dir().join(format!("costate-latin-{}.urdf", std::process::id()));
+    std::fs::write(&path, [b"<!-- 90\xb0 -->".as_slice(), text.as_bytes()].concat()).unwrap();
+    let latin = Robot::from_file(&path);
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(latin.unwrap().len(), 1);
 }
 
 #[test]

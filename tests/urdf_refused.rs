@@ -73,15 +73,14 @@ refuses! {
     axis_infinite: elbow("continuous", "<axis xyz=\"0 inf 0\"/>"), line 8, E::BadAxis { .. }, ["elbow"];
     axis_zero_of_planar: elbow("planar", "<axis xyz=\"0 0 0\"/>"), line 8, E::BadAxis { .. }, ["elbow"];
     limit_is_text: elbow("revolute", "<limit lower=\"-pi\"/>"), line 8, E::Malformed { .. }, ["<limit>", "elbow", "'-pi'"];
-    limits_swapped: elbow("revolute", "<limit lower=\"1\" upper=\"-1\"/>"), line 6, E::BadValue { .. }, ["elbow", "lower limit"];
-    limits_swapped_1_2: elbow("revolute", "<limit lower=\"1\" upper=\"-1\"/>").replace("bench\"", "bench\" version=\"1.2\""),
-        line 6, E::BadValue { .. }, ["elbow", "lower limit"];
     damping_is_text: elbow("revolute", "<dynamics damping=\"much\"/>"), line 8, E::Malformed { .. }, ["<dynamics>", "elbow"];
     mimic: elbow("revolute", "<mimic joint=\"knee\"/>"), line 8, E::Mimic { .. }, ["elbow", "knee"];
     angles_and_quaternion: elbow("fixed", "<origin rpy=\"0 0 1\" quat_xyzw=\"0 0 0 1\"/>").replace("bench\"", "bench\" version=\"1.1\""),
         line 8, E::Malformed { .. }, ["<origin>", "elbow", "quat_xyzw"];
-    moves_nothing: arm(""), line 6, E::MovesNothing { .. }, ["elbow"];
-    floats_nothing: one_joint("floating", "", "", ""), line 6, E::MovesNothing { .. }, ["elbow_x"];
+    moves_nothing: more("<link name=\"tip\"/>\n<joint name=\"spin\" type=\"revolute\"><parent link=\"arm\"/><child link=\"tip\"/></joint>"),
+        line 11, E::MovesNothing { .. }, ["spin", "fixed"];
+    kinematics_only: arm(""), line 6, E::KinematicsOnly { .. }, ["elbow", "kinematics only", "<inertial>"];
+    floats_nothing: one_joint("floating", "", "", ""), line 6, E::KinematicsOnly { .. }, ["elbow_x"];
 
     // The tree.
     two_parents: more("<joint name=\"wrist\" type=\"fixed\"><parent link=\"base\"/><child link=\"arm\"/></joint>"),

@@ -39,8 +39,8 @@ fn states<S: Scalar>(n: usize, mut lift: impl FnMut(f64) -> S) -> States<S> {
 }
 
 fn body_frames<S: Scalar>(kernel: &mut KernelOne<S>, tree: &Tree, q: &[S], v: &[S]) {
-    kernel.set_position(tree, q);
-    kernel.set_velocity(tree, v);
+    kernel.set_position(tree, q).unwrap();
+    kernel.set_velocity(tree, v).unwrap();
     kernel.second_order(tree);
 }
 
@@ -58,9 +58,9 @@ fn check<S: Scalar, const LANES: usize>(
         let pairs = [
             ("M", body.mass_matrix().as_slice(), common.mass_matrix.as_slice()),
             ("p", body.momentum(), common.momentum.as_slice()),
-            ("L_q", body.gradient(), common.gradient.as_slice()),
-            ("P", body.coupling().as_slice(), common.coupling.as_slice()),
-            ("L_qq", body.stiffness().as_slice(), common.stiffness.as_slice()),
+            ("L_q", body.l_q(), common.gradient.as_slice()),
+            ("P", body.l_vq().as_slice(), common.coupling.as_slice()),
+            ("L_qq", body.l_qq().as_slice(), common.stiffness.as_slice()),
         ];
         for (what, body, common) in pairs {
             let [body, common] = [body, common].map(|a| a.iter().map(|&x| parts(x)).collect::<Vec<_>>());

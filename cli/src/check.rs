@@ -2,9 +2,10 @@
 
 use crate::report::Table;
 use crate::{Outcome, RobotArguments};
-use costate::derivative::{Routes, StateReport};
+use costate::EvalError;
+use costate::derivative::{DerivativeError, Routes, StateReport};
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{JointKind, Robot};
+use costate::robot::{Joint, JointKind, Robot};
 use fastrand::Rng;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
@@ -21,7 +22,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Largest relative difference allowed; scaled by cond(M)/1000 where that exceeds 1
-    #[arg(long, default_value_t = 1e-12)]
+    #[arg(long, default_value = "1e-12")]
     tolerance: f64,
 }
 
@@ -56,33 +57,43 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let mut hamiltonian = Hamiltonian::new(&robot);
     let bar = ProgressBar::new(arguments.samples as u64 + 1);
     bar.set_style(ProgressStyle::with_template("{bar:40} {pos}/{len} states, {eta} left")?);
-    let (mut at_zero, mut at_random) = (Worst::default(), Worst::default());
+    let (mut at_zero, mut at_random, mut singular) = (Worst::default(), Worst::default(), Vec::new());
     for k in 0..=arguments.samples {
         let sample = random_sample(&robot, &mut hamiltonian, &mut rng, k == 0)?;
-        let report = routes.compare(&sample.x, &sample.u, &sample.y)?;
         let worst = if k == 0 { &mut at_zero } else { &mut at_random };
-        worst.include(&report, arguments.tolerance);
+        match routes.compare(&sample.x, &sample.u, &sample.y) {
+            Ok(report) => worst.include(&report, arguments.tolerance),
+            Err(DerivativeError::Function(error @ EvalError::SingularMassMatrix { .. })) => {
+                singular.push(error)
+            }
+            Err(error) => return Err(error.into()),
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let Some(first) = singular.first() {
+        eprintln!("warning: {} of {} states are left out: {first}", singular.len(), arguments.samples + 1);
+    }
+    if singular.len() > arguments.samples {
+        return Err("no state could be evaluated".into());
+    }
     let mut out = std::io::stdout().lock();
     print(&robot, arguments, &at_zero, &at_random, &mut out)
 }
 
-/// q uniform over the joint limits, or +-pi rad and +-1 m; v and u uniform in +-1; y uniform in +-1.
+/// q uniform over its range; v, u and y uniform in +-1.
 fn random_sample(
     robot: &Robot,
     hamiltonian: &mut Hamiltonian<f64>,
     rng: &mut Rng,
     zero: bool,
-) -> Result<Sample, costate::EvalError> {
+) -> Result<Sample, EvalError> {
     let n = robot.len();
     let mut within = |low: f64, high: f64| low + (high - low) * rng.f64();
     let mut q = Vec::with_capacity(2 * n);
     for joint in robot.joints() {
-        let reach = if joint.kind == JointKind::Revolute { std::f64::consts::PI } else { 1.0 };
-        let bound = |limit: f64, default: f64| if limit.is_finite() { limit } else { default };
-        let position = within(bound(joint.limits.lower, -reach), bound(joint.limits.upper, reach));
+        let (low, high) = range(joint);
+        let position = within(low, high);
         q.push(if zero { 0.0 } else { position });
     }
     let mut uniform = |count: usize| (0..count).map(|_| within(-1.0, 1.0)).collect::<Vec<_>>();
@@ -94,8 +105,8 @@ fn random_sample(
 
 impl Worst {
     fn include(&mut self, report: &StateReport, tolerance: f64) {
-        let worse = |a: &mut f64, b: f64| *a = if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
         self.states += 1;
+        let worse = |a: &mut f64, b: f64| *a = if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
         worse(&mut self.condition, report.condition);
         for k in 0..3 {
             worse(&mut self.f_x[k], report.differences[k].f_x);
@@ -118,14 +129,15 @@ fn print(
     let (samples, tolerance) = (arguments.samples, arguments.tolerance);
     writeln!(
         out,
-        "{}, {} degrees of freedom: {samples} random states (seed {}) and q = 0\n",
+        "{}, {} joint{}: {samples} random states (seed {}) and q = 0\n",
         robot.name(),
         robot.len(),
+        if robot.len() == 1 { "" } else { "s" },
         arguments.seed
     )?;
     writeln!(out, "Largest relative difference, max |a - b| / max |b|:\n")?;
     let mut table = Table::new(&["quantity", "routes", "at q = 0", "random states"], 2);
-    let figure = |x: f64| if samples == 0 { "-".into() } else { scientific(x) };
+    let figure = |worst: &Worst, x: f64| if worst.states == 0 { "-".into() } else { scientific(x) };
     let pairs = [(0, 1), (0, 2), (1, 2)].map(|(a, b)| format!("{} - {}", Routes::NAMES[a], Routes::NAMES[b]));
     let singles = Routes::NAMES.map(str::to_string);
     let groups = [
@@ -137,27 +149,25 @@ fn print(
     for (quantity, names, at_zero, at_random) in groups {
         for k in 0..3 {
             let quantity = if k == 0 { quantity } else { "" };
-            let cells = [quantity.into(), names[k].clone(), scientific(at_zero[k]), figure(at_random[k])];
-            table.row(cells.into());
+            let figures = [figure(zero, at_zero[k]), figure(random, at_random[k])];
+            table.row([vec![quantity.into(), names[k].clone()], figures.into()].concat());
         }
     }
-    let drift = [zero.energy_drift, random.energy_drift];
-    table.row(vec![
-        "energy drift dH/dt, u = D = 0".into(),
-        "-".into(),
-        scientific(drift[0]),
-        figure(drift[1]),
-    ]);
-    table.row(vec![
-        "cond(M), largest".into(),
-        "-".into(),
-        scientific(zero.condition),
-        figure(random.condition),
-    ]);
+    for (quantity, at_zero, at_random) in [
+        ("energy drift dH/dt, u = D = 0", zero.energy_drift, random.energy_drift),
+        ("cond(M), largest", zero.condition, random.condition),
+    ] {
+        let figures = [figure(zero, at_zero), figure(random, at_random)];
+        table.row([vec![quantity.into(), "-".into()], figures.into()].concat());
+    }
     writeln!(out, "{table}")?;
     writeln!(out, "  analytic   F_x by hand (21)-(24), y'F_xx by one dual number carried through it")?;
     writeln!(out, "  dual       dual numbers through F, and dual numbers in dual numbers")?;
-    writeln!(out, "  hyperdual  hyper-dual numbers through F\n")?;
+    writeln!(out, "  hyperdual  hyper-dual numbers through F")?;
+    writeln!(
+        out,
+        "  Where a quantity vanishes, b is the size of the terms that cancel: energies, forces.\n"
+    )?;
     let excess = if zero.excess.is_nan() || random.excess.is_nan() {
         f64::NAN
     } else {
@@ -175,4 +185,17 @@ fn print(
 /// Two digits and an exponent; an exact zero as such.
 fn scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}
+
+/// Where a joint is sampled: between its limits; +-pi rad or +-1 m without (limits that coincide are none), as much
+/// beyond or before a single one.
+fn range(joint: &Joint) -> (f64, f64) {
+    let reach = if joint.kind == JointKind::Revolute { std::f64::consts::PI } else { 1.0 };
+    let (lower, upper) = (joint.limits.lower, joint.limits.upper);
+    match (lower.is_finite(), upper.is_finite()) {
+        (true, true) if lower < upper => (lower, upper),
+        (true, false) => (lower, lower + 2.0 * reach),
+        (false, true) => (upper - 2.0 * reach, upper),
+        _ => (-reach, reach),
+    }
 }

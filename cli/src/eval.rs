@@ -1,8 +1,8 @@
 //! `costate eval`: states in, derivatives out, as JSON lines.
 
 use crate::{Outcome, RobotArguments};
-use costate::derivative::{Hessian, Jacobian, NestedHessian};
-use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Robot;
 use serde_json::{Map, Value};
@@ -47,8 +47,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
     let mut input: Box<dyn BufRead> = match &arguments.states {
         Some(path) => {
-            let file = File::open(path)
-                .map_err(|error| format!("{}: cannot be read ({error}); check the path", path.display()))?;
+            let unreadable = |error| format!("{}: cannot be read ({error}); check the path", path.display());
+            let file = File::open(path).map_err(unreadable)?;
+            if path.is_dir() {
+                return Err(unreadable(std::io::ErrorKind::IsADirectory.into()).into());
+            }
             Box::new(BufReader::new(file))
         }
         None => Box::new(std::io::stdin().lock()),
@@ -114,10 +117,13 @@ impl Evaluator {
         let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;
         let u = numbers(&state, "u", n)?.unwrap_or_else(|| vec![0.0; n]);
         let y = numbers(&state, "y", 2 * n)?;
-        let p = match (numbers(&state, "p", n)?, numbers(&state, "v", n)?) {
-            (Some(p), _) => p,
-            (None, Some(v)) => self.hamiltonian.momentum(&q, &v).map_err(|e| e.to_string())?.to_vec(),
-            (None, None) => return Err("`p` and `v` are missing; give the momenta or the velocities".into()),
+        let p = match numbers(&state, "p", n)? {
+            Some(p) => p,
+            None => {
+                let v = numbers(&state, "v", n)?
+                    .ok_or("`p` and `v` are missing; give the momenta or the velocities")?;
+                self.hamiltonian.momentum(&q, &v).map_err(|error| error.to_string())?.to_vec()
+            }
         };
         let answer = self.answer(q, p, &u, y.as_deref()).map_err(|error| error.to_string())?;
         match answer.iter().find(|(_, value)| !all_finite(value)) {

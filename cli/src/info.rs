@@ -53,9 +53,10 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
     let mass: f64 = robot.joints().iter().map(|joint| joint.inertia.mass).sum();
     writeln!(
         out,
-        "{}: {} degrees of freedom, moving mass {mass:.4} kg, gravity ({gx}, {gy}, {gz}) m/s^2\n",
+        "{}: {} joint{}, moving mass {mass:.4} kg, gravity ({gx}, {gy}, {gz}) m/s^2\n",
         robot.name(),
-        robot.len()
+        robot.len(),
+        if robot.len() == 1 { "" } else { "s" }
     )?;
     let mut table = Table::new(
         &["joint", "name", "type", "parent", "axis", "mass kg", "armature", "friction", "limits"],

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 /// Exact first and second derivatives of robot dynamics.
 #[derive(Parser)]
-#[command(version, about, max_term_width = 100)]
+#[command(name = "costate", version, about, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -14,6 +14,7 @@ mod function;
 mod hessian;
 mod jacobian;
 mod nested;
+mod phase_velocity;
 mod routes;
 
 pub use directional::{AlongDirection, Directional};
@@ -21,9 +22,10 @@ pub use function::{DerivativeError, Function};
 pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
+pub use phase_velocity::PhaseVelocity;
 pub use routes::{Differences, Routes, StateReport, relative_difference};
 
 /// Number of derivatives that a dual number carries at once where nobody says otherwise.
 ///
-/// Of 1, 2, 4, 6, 8, 12 the fastest for robots of 7 and 12 joints, and close to it for 6 (bench `derivatives`).
+/// Of 1, 2, 4, 6, 8, 12 the fastest or not far from it for robots of 6, 7 and 12 joints: see `docs/times.md`.
 pub const CHUNK: usize = 8;

@@ -1,39 +1,43 @@
 //! The library's own derivatives beside automatic ones: every route against every other.
 
-use super::function::{DerivativeError, Function};
-use super::{Hessian, Jacobian, NestedHessian};
+use super::function::{DerivativeError, Function, check_length};
+use super::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
-use crate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use crate::hamiltonian::{Hamiltonian, SecondOrder};
 use crate::matrix::Block;
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// `max |a - b| / max |b|` over all entries.
+/// `max |a - b| / max(max |b|, natural)` over all entries.
 ///
-/// A quantity can vanish though its terms do not (second derivatives of a pendulum at a right angle): where `max |b|` is
-/// below `natural / 1000`, the difference is set in relation to that instead.
+/// `natural` is the size of the terms that a quantity is the sum of: it can vanish though its terms do not (a balanced
+/// wheel, friction at rest, a pendulum at a right angle), and is then rounding, of which no digit can agree.
 pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -> f64 {
     let (a, b) = (a.as_nalgebra(), b.as_nalgebra());
     in_relation((a - b).amax(), b.amax(), natural)
 }
 
 fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
-    if difference == 0.0 { 0.0 } else { difference / size.max(1e-3 * natural) }
+    if difference == 0.0 { 0.0 } else { difference / size.max(natural) }
 }
 
-/// Largest relative difference between two routes to F_x and to y'F_xx.
+/// Largest relative difference between two routes to F_x and to y'F_xx, see [`StateReport`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Differences {
     /// Names of the two routes.
     pub routes: (&'static str, &'static str),
     /// For F_x.
     pub f_x: f64,
-    /// For y'F_xx; natural size `max |y| max |F_x|`.
+    /// For y'F_xx.
     pub y_f_xx: f64,
 }
 
 /// What the routes say of each other at one state.
+///
+/// Differences are relative to the largest entry or, where a quantity vanishes, to its natural size (see
+/// [`relative_difference`]): `e = sum |p_i v_i| + max |L_q|` for F_x; `max |y|` times e or a thousandth of `max |F_x|`
+/// for y'F_xx; `max |v|` times the same for dH/dt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateReport {
     /// Condition number of M in the 2-norm.
@@ -44,8 +48,7 @@ pub struct StateReport {
     pub jacobian_asymmetry: [f64; 3],
     /// For each route: largest asymmetry of y'F_xx, relative to its largest entry.
     pub hessian_asymmetry: [f64; 3],
-    /// `|dH/dt|` along u = D = 0 relative to `sum |H_x,i F_i|` (natural size `max |F| max |F_x|`), gradient of H by dual
-    /// numbers through H.
+    /// `|dH/dt|` along u = D = 0 relative to `sum |H_x,i F_i|`, gradient of H by dual numbers through H.
     pub energy_drift: f64,
 }
 
@@ -59,7 +62,7 @@ impl StateReport {
 }
 
 /// The larger of two figures; not-a-number is the worst.
-pub(super) fn worse(a: f64, b: f64) -> f64 {
+fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
@@ -142,11 +145,23 @@ impl Routes {
         u: &[f64],
         y: &[f64],
     ) -> Result<StateReport, DerivativeError<EvalError>> {
-        let (q, p) = x.split_at(u.len());
+        let n = self.conservative.len();
+        check_length("x", x, 2 * n)?;
+        check_length("u", u, n)?;
+        check_length("y", y, 2 * n)?;
+        let (q, p) = x.split_at(n);
         for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
         {
             function.u.copy_from_slice(u);
         }
+        let conservative = self.conservative.jacobian(q, p, &vec![0.0; n])?;
+        let rate = conservative.f().to_vec();
+        let j_f_x = [
+            conservative.matrix().to_nalgebra(),
+            self.conservative_dual.evaluate(x)?.jacobian.view().to_nalgebra(),
+            self.conservative_hyperdual.evaluate(x)?.jacobian().view().to_nalgebra(),
+        ]
+        .map(|f_x| times_j(&f_x));
         let second = self.analytic.contracted_hessian(q, p, u, y)?;
         let mass_matrix = second.linearisation().mass_matrix().view().to_nalgebra();
         let first = self.dual.evaluate(x)?;
@@ -156,34 +171,27 @@ impl Routes {
         let f_x =
             [second.linearisation().matrix(), first.jacobian.view(), self.hyperdual.last().jacobian().view()];
         let y_f_xx = [second.matrix(), nested.view(), by_hyperdual.view()];
-        let size_of_f_x = f_x[0].as_nalgebra().amax();
-        let natural = size_of_f_x * largest(y);
+        let energy = p.iter().zip(&rate).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&rate[n..]);
+        let along = energy.max(1e-3 * f_x[0].as_nalgebra().amax());
         let pair = |a: usize, b: usize| Differences {
             routes: (Self::NAMES[a], Self::NAMES[b]),
-            f_x: relative_difference(f_x[a], f_x[b], 0.0),
-            y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b], natural),
+            f_x: relative_difference(f_x[a], f_x[b], energy),
+            y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b], largest(y) * along),
         };
-        let differences = [pair(0, 1), pair(0, 2), pair(1, 2)];
-        let hessian_asymmetry = y_f_xx.map(|h| asymmetry(&h.to_nalgebra(), natural));
-        let analytic = self.conservative.jacobian(q, p, &vec![0.0; u.len()])?;
-        let rate = analytic.f().to_vec();
-        let analytic = analytic.matrix().to_nalgebra();
-        let dual = self.conservative_dual.evaluate(x)?.jacobian.view().to_nalgebra();
-        let hyperdual = self.conservative_hyperdual.evaluate(x)?.jacobian().view().to_nalgebra();
+        let gradient = self.energy.evaluate(x)?.jacobian.row(0);
         Ok(StateReport {
             condition: condition(mass_matrix),
-            differences,
-            jacobian_asymmetry: [analytic, dual, hyperdual].map(|f_x| asymmetry(&times_j(&f_x), 0.0)),
-            hessian_asymmetry,
-            energy_drift: drift(self.energy.evaluate(x)?.jacobian.row(0), &rate, size_of_f_x),
+            differences: [pair(0, 1), pair(0, 2), pair(1, 2)],
+            jacobian_asymmetry: j_f_x.map(|j_f_x| asymmetry(&j_f_x, energy)),
+            hessian_asymmetry: y_f_xx.map(|h| asymmetry(&h.to_nalgebra(), largest(y) * along)),
+            energy_drift: drift(gradient, &rate, largest(&rate[..n]) * along),
         })
     }
 }
 
-/// `|sum_i g_i f_i| / sum_i |g_i f_i|`, natural size `max |F| max |F_x|`, see [`relative_difference`].
-fn drift(gradient: &[f64], rate: &[f64], size_of_f_x: f64) -> f64 {
+/// `|sum_i g_i f_i| / sum_i |g_i f_i|`, see [`relative_difference`].
+fn drift(gradient: &[f64], rate: &[f64], natural: f64) -> f64 {
     let terms = || gradient.iter().zip(rate).map(|(g, f)| g * f);
-    let natural = largest(rate) * size_of_f_x;
     in_relation(terms().sum::<f64>().abs(), terms().map(f64::abs).sum(), natural)
 }
 

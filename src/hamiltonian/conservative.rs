@@ -39,7 +39,7 @@ impl<S: Scalar> Conservative<S> {
 
     /// M(q) and its factors.
     pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
-        self.kernel.set_position(tree, q);
+        self.kernel.set_position(tree, q)?;
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
         let size_of = |k| self.kernel.size_of_entry(tree, k);
         self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
@@ -56,8 +56,7 @@ impl<S: Scalar> Conservative<S> {
     /// v and L_q (17).
     pub fn first_order(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
         self.solve_velocity(tree, q, p)?;
-        self.kernel.set_velocity(tree, &self.v);
-        Ok(())
+        self.kernel.set_velocity(tree, &self.v)
     }
 
     /// W, M^-1 and `L_qq - P' M^-1 P` (21), after [`first_order`](Self::first_order).
@@ -66,10 +65,10 @@ impl<S: Scalar> Conservative<S> {
     pub fn second_order(&mut self, tree: &Tree) {
         let n = tree.len();
         self.kernel.second_order(tree);
-        self.half.copy_from(self.kernel.coupling());
+        self.half.copy_from(self.kernel.l_vq());
         self.factor.solve_first_half(&mut self.half);
         self.factor.divide_by_pivots(&self.half, &mut self.w);
-        self.reduced.copy_from(self.kernel.stiffness());
+        self.reduced.copy_from(self.kernel.l_qq());
         for k in 0..n {
             let (y, z) = (self.half.row(k), self.w.row(k));
             for (i, &y) in y.iter().enumerate() {

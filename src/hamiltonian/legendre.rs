@@ -2,16 +2,25 @@
 
 use super::Hamiltonian;
 use crate::error::EvalError;
-use crate::matrix::Matrix;
+use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 
-/// Jacobian of one direction of the Legendre map; the q part of the map is the identity.
+/// Jacobian of `p = M(q) v`; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct LegendreJacobian<'a, S> {
-    /// Derivative of the result in q, n x n.
-    pub in_q: &'a Matrix<S>,
-    /// Derivative of the result in the other argument, n x n.
-    pub in_rate: &'a Matrix<S>,
+pub struct MomentumJacobian<'a, S> {
+    /// `dp/dq = P` at fixed v, n x n.
+    pub dp_dq: &'a Matrix<S>,
+    /// `dp/dv = M`, n x n.
+    pub dp_dv: &'a Matrix<S>,
+}
+
+/// Jacobian of `v = M(q)^-1 p`; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct VelocityJacobian<'a, S> {
+    /// `dv/dq = -M^-1 P` at fixed p, n x n.
+    pub dv_dq: Block<'a, S>,
+    /// `dv/dp = M^-1`, n x n.
+    pub dv_dp: Block<'a, S>,
 }
 
 impl<S: Scalar> Hamiltonian<S> {
@@ -21,8 +30,8 @@ impl<S: Scalar> Hamiltonian<S> {
     /// See [`Hamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v)])?;
-        self.flow.kernel.set_position(&self.tree, q);
-        self.flow.kernel.set_velocity(&self.tree, v);
+        self.flow.kernel.set_position(&self.tree, q)?;
+        self.flow.kernel.set_velocity(&self.tree, v)?;
         Ok(self.flow.kernel.momentum())
     }
 
@@ -36,29 +45,27 @@ impl<S: Scalar> Hamiltonian<S> {
         Ok(&self.flow.v)
     }
 
-    /// `dp = P dq + M dv` at (q, v): `in_q` = P, `in_rate` = M.
+    /// `dp = P dq + M dv` at (q, v).
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn momentum_jacobian(&mut self, q: &[S], v: &[S]) -> Result<LegendreJacobian<'_, S>, EvalError> {
+    pub fn momentum_jacobian(&mut self, q: &[S], v: &[S]) -> Result<MomentumJacobian<'_, S>, EvalError> {
         self.momentum(q, v)?;
         self.flow.kernel.second_order(&self.tree);
         let kernel = &self.flow.kernel;
-        Ok(LegendreJacobian { in_q: kernel.coupling(), in_rate: kernel.mass_matrix() })
+        Ok(MomentumJacobian { dp_dq: kernel.l_vq(), dp_dv: kernel.mass_matrix() })
     }
 
-    /// `dv = -M^-1 P dq + M^-1 dp` at (q, p): `in_q` = -M^-1 P, `in_rate` = M^-1.
+    /// `dv = -M^-1 P dq + M^-1 dp` at (q, p): the upper half of F_x.
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn velocity_jacobian(&mut self, q: &[S], p: &[S]) -> Result<LegendreJacobian<'_, S>, EvalError> {
+    pub fn velocity_jacobian(&mut self, q: &[S], p: &[S]) -> Result<VelocityJacobian<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        let flow = &mut self.flow;
-        flow.first_order(&self.tree, q, p)?;
-        flow.second_order(&self.tree);
-        for i in 0..self.tree.len() {
-            flow.w.row_mut(i).iter_mut().for_each(|entry| *entry = -*entry);
-        }
-        Ok(LegendreJacobian { in_q: &flow.w, in_rate: &flow.inverse })
+        self.flow.first_order(&self.tree, q, p)?;
+        self.flow.second_order(&self.tree);
+        self.assemble();
+        let linear = self.linearisation();
+        Ok(VelocityJacobian { dv_dq: linear.qq(), dv_dp: linear.qp() })
     }
 }

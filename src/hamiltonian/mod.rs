@@ -6,21 +6,19 @@
 //! F^q = M^-1 p = v      F^p = L_q(q, v) + D(v)      dx/dt = F(x) + (0, u)                        (17), (19)
 //! ```
 //!
-//! [`Hamiltonian`] computes F and F_x for any scalar, [`SecondOrder`] adds y'F_xx, [`PhaseVelocity`] is F as a
-//! function that can be differentiated automatically.
+//! [`Hamiltonian`] computes F and F_x for any scalar, [`SecondOrder`] adds y'F_xx;
+//! [`PhaseVelocity`](crate::derivative::PhaseVelocity) is F as a function that can be differentiated automatically.
 
 mod conservative;
-mod function;
 mod jacobian;
 mod legendre;
 mod second_order;
 
-pub use function::PhaseVelocity;
 pub use jacobian::Linearisation;
-pub use legendre::LegendreJacobian;
+pub use legendre::{MomentumJacobian, VelocityJacobian};
 pub use second_order::{ContractedHessian, SecondOrder};
 
-use crate::error::EvalError;
+use crate::error::{EvalError, check_length};
 use crate::kernels::{FrictionDerivatives, friction};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
@@ -31,7 +29,8 @@ use conservative::Conservative;
 ///
 /// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s) and u (N m, N) have n entries, in the order of
 /// [`Robot::joints`]. All of its functions fail with [`EvalError::WrongLength`], [`EvalError::NonFinite`] or, where
-/// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`].
+/// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`]. Results are not checked: finite arguments so
+/// large that a product overflows give infinities.
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S> {
     tree: Tree,
@@ -116,7 +115,7 @@ impl<S: Scalar> Hamiltonian<S> {
     /// See [`Hamiltonian`].
     pub fn potential(&mut self, q: &[S]) -> Result<S, EvalError> {
         self.check(&[("q", q)])?;
-        self.flow.kernel.set_position(&self.tree, q);
+        self.flow.kernel.set_position(&self.tree, q)?;
         Ok(self.flow.kernel.potential(&self.tree))
     }
 
@@ -126,7 +125,7 @@ impl<S: Scalar> Hamiltonian<S> {
     /// See [`Hamiltonian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
-        self.flow.kernel.set_position(&self.tree, q);
+        self.flow.kernel.set_position(&self.tree, q)?;
         Ok(self.flow.kernel.mass_matrix())
     }
 
@@ -157,7 +156,7 @@ impl<S: Scalar> Hamiltonian<S> {
         let n = self.tree.len();
         let (f_q, f_p) = self.f.split_at_mut(n);
         f_q.copy_from_slice(&self.flow.v);
-        let gradient = self.flow.kernel.gradient();
+        let gradient = self.flow.kernel.l_q();
         for (i, joint) in self.tree.joints().iter().enumerate() {
             f_p[i] = gradient[i] + u[i];
             if !joint.friction.is_none() {
@@ -175,9 +174,7 @@ impl<S: Scalar> Hamiltonian<S> {
 
 /// `values` has `expected` finite entries; entries beyond n belong to the joints again.
 fn check<S: Scalar>(tree: &Tree, what: &'static str, values: &[S], expected: usize) -> Result<(), EvalError> {
-    if values.len() != expected {
-        return Err(EvalError::WrongLength { what, expected, found: values.len() });
-    }
+    check_length(what, values, expected)?;
     match values.iter().position(|value| S::CHECKED && !value.is_finite()) {
         Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.len()).into() }),
         None => Ok(()),

@@ -6,8 +6,7 @@ use crate::error::EvalError;
 use crate::kernels::friction;
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
-use crate::scalar::Scalar;
-use num_dual::{Dual, DualNum};
+use crate::scalar::{Scalar, Tangent};
 
 /// Workspace for F, F_x and y'F_xx of one robot; no call allocates.
 ///
@@ -17,15 +16,15 @@ use num_dual::{Dual, DualNum};
 /// y'F_xx = D_w (Hess H) ,   Hess H = J^-1 F_x :
 /// ```
 ///
-/// one dual number, seeded with x' = w, carried through the analytic Jacobian gives the whole matrix. Friction
+/// one dual number ([`Tangent`]), seeded with x' = w, carried through the analytic Jacobian gives the whole matrix. Friction
 /// D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`, `V = [-M^-1 P, M^-1]`; the
 /// dual pass goes through the conservative part alone.
 #[derive(Clone, Debug)]
-pub struct SecondOrder<S: Scalar + DualNum> {
+pub struct SecondOrder<S> {
     first: Hamiltonian<S>,
-    tangent: Conservative<Dual<S>>,
-    q: Vec<Dual<S>>,
-    p: Vec<Dual<S>>,
+    tangent: Conservative<Tangent<S>>,
+    q: Vec<Tangent<S>>,
+    p: Vec<Tangent<S>>,
     y_f_xx: Matrix<S>,
 }
 
@@ -66,7 +65,7 @@ impl<'a, S: Scalar> ContractedHessian<'a, S> {
     }
 }
 
-impl<S: Scalar + DualNum> SecondOrder<S> {
+impl<S: Scalar> SecondOrder<S> {
     /// Builds the workspace: all that is ever allocated.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
@@ -75,7 +74,7 @@ impl<S: Scalar + DualNum> SecondOrder<S> {
     /// As [`new`](Self::new), from a model that was turned already.
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.len();
-        let zero = Dual::from_re(<S as Scalar>::from_f64(0.0));
+        let zero = Tangent::zero();
         Self {
             tangent: Conservative::new(&tree),
             first: Hamiltonian::from_tree(tree),
@@ -108,8 +107,8 @@ impl<S: Scalar + DualNum> SecondOrder<S> {
             if !joint.friction.is_none() {
                 direction += friction(&joint.friction, self.first.flow.v[i]).first * y_p[i];
             }
-            self.q[i] = Dual::new(q[i], -y_p[i]);
-            self.p[i] = Dual::new(p[i], direction);
+            self.q[i] = Tangent::new(q[i], -y_p[i]);
+            self.p[i] = Tangent::new(p[i], direction);
         }
         self.tangent.first_order(&self.first.tree, &self.q, &self.p)?;
         self.tangent.second_order(&self.first.tree);
@@ -156,7 +155,7 @@ impl<S: Scalar + DualNum> SecondOrder<S> {
     }
 }
 
-impl<S: Scalar + DualNum> Conservative<Dual<S>> {
+impl<S: Scalar> Conservative<Tangent<S>> {
     /// The values without their derivatives.
     fn copy_values(&self, values: &mut Conservative<S>) {
         values.v.iter_mut().zip(&self.v).for_each(|(value, dual)| *value = dual.re);

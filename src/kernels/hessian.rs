@@ -28,15 +28,15 @@ impl<S: Scalar> KernelOne<S> {
                 if kind == JointKind::Revolute {
                     entry += carried.force.x * gravity.y - carried.force.y * gravity.x;
                 }
-                self.stiffness[(i, j)] = entry;
-                self.stiffness[(j, i)] = entry;
+                self.l_qq[(i, j)] = entry;
+                self.l_qq[(j, i)] = entry;
                 if i != j {
-                    self.coupling[(j, i)] = psi.power(carried);
+                    self.l_vq[(j, i)] = psi.power(carried);
                 }
-                self.coupling[(i, j)] = along_joint(kind, rate);
+                self.l_vq[(i, j)] = along_joint(kind, rate);
             }
             if joint.spring.stiffness != 0.0 {
-                self.stiffness[(i, i)] = self.stiffness[(i, i)].plus(-joint.spring.stiffness);
+                self.l_qq[(i, i)] = self.l_qq[(i, i)].plus(-joint.spring.stiffness);
             }
         }
     }

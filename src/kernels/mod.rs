@@ -11,9 +11,8 @@ pub use factor::Factor;
 
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Tangent};
 use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
-use num_dual::{Dual, DualNum};
 
 /// Kernel one: value, gradient and Hessian of the Lagrangian `L(q, v) = 1/2 v' M v - V`, contracted first.
 ///
@@ -46,9 +45,9 @@ pub struct KernelOne<S> {
     q: Vec<S>,
     mass_matrix: Matrix<S>,
     momentum: Vec<S>,
-    gradient: Vec<S>,
-    coupling: Matrix<S>,
-    stiffness: Matrix<S>,
+    l_q: Vec<S>,
+    l_vq: Matrix<S>,
+    l_qq: Matrix<S>,
 }
 
 impl<S: Scalar> KernelOne<S> {
@@ -67,9 +66,9 @@ impl<S: Scalar> KernelOne<S> {
             q: vec![S::zero(); n],
             mass_matrix: Matrix::zeros(n, n),
             momentum: vec![S::zero(); n],
-            gradient: vec![S::zero(); n],
-            coupling: Matrix::zeros(n, n),
-            stiffness: Matrix::zeros(n, n),
+            l_q: vec![S::zero(); n],
+            l_vq: Matrix::zeros(n, n),
+            l_qq: Matrix::zeros(n, n),
         }
     }
 
@@ -94,26 +93,26 @@ impl<S: Scalar> KernelOne<S> {
     }
 
     /// `L_q = 1/2 v' M,q v - V,q` at fixed v, n.
-    pub fn gradient(&self) -> &[S] {
-        &self.gradient
+    pub fn l_q(&self) -> &[S] {
+        &self.l_q
     }
 
     /// `P = d(M v)/dq` at fixed v, n x n: `P_ij = sum_l M_il,j v_l` (21a).
-    pub fn coupling(&self) -> &Matrix<S> {
-        &self.coupling
+    pub fn l_vq(&self) -> &Matrix<S> {
+        &self.l_vq
     }
 
     /// `L_qq = 1/2 v' M,ij v - V,ij`, n x n, symmetric (21c).
-    pub fn stiffness(&self) -> &Matrix<S> {
-        &self.stiffness
+    pub fn l_qq(&self) -> &Matrix<S> {
+        &self.l_qq
     }
 }
 
-impl<S: Scalar + DualNum> KernelOne<Dual<S>> {
+impl<S: Scalar> KernelOne<Tangent<S>> {
     /// The mass matrix, momentum and gradient without their derivatives, as if computed in S.
     pub(crate) fn copy_values(&self, values: &mut KernelOne<S>) {
         values.momentum.iter_mut().zip(&self.momentum).for_each(|(value, dual)| *value = dual.re);
-        values.gradient.iter_mut().zip(&self.gradient).for_each(|(value, dual)| *value = dual.re);
+        values.l_q.iter_mut().zip(&self.l_q).for_each(|(value, dual)| *value = dual.re);
         for i in 0..values.momentum.len() {
             let row = values.mass_matrix.row_mut(i);
             row.iter_mut().zip(self.mass_matrix.row(i)).for_each(|(value, dual)| *value = dual.re);

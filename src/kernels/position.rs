@@ -1,6 +1,7 @@
 //! First stage of kernel one: transforms, composite inertias, mass matrix, potential.
 
 use super::KernelOne;
+use crate::error::{EvalError, check_length};
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Inertia, JointPosition, Transform, Vec3};
@@ -45,7 +46,11 @@ pub(super) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
 
 impl<S: Scalar> KernelOne<S> {
     /// Computes M at q (rad, m; length n): `M_ij = S_i . F_j` (62), plus armature.
-    pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`]. Values are not checked here.
+    pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        check_length("q", q, tree.len())?;
         self.q.copy_from_slice(q);
         self.place(tree);
         for (i, joint) in tree.joints().iter().enumerate().rev() {
@@ -76,6 +81,7 @@ impl<S: Scalar> KernelOne<S> {
             self.mass_matrix[(i, j)] = entry;
             self.mass_matrix[(j, i)] = entry;
         }
+        Ok(())
     }
 
     /// Transforms, gravity and composite inertias, each in its body frame.
@@ -103,8 +109,10 @@ impl<S: Scalar> KernelOne<S> {
             if joint.parent.is_none() {
                 potential -= gravity.dot(self.transforms[i].inertia_up(&self.composites[i]).first_moment);
             }
-            let stretch = self.q[i].plus(-joint.spring.rest);
-            potential += (stretch * stretch).times(0.5 * joint.spring.stiffness);
+            if joint.spring.stiffness != 0.0 {
+                let stretch = self.q[i].plus(-joint.spring.rest);
+                potential += (stretch * stretch).times(0.5 * joint.spring.stiffness);
+            }
         }
         potential
     }

@@ -2,6 +2,7 @@
 
 use super::KernelOne;
 use super::position::along_joint;
+use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Inertia, Motion, Vec3};
@@ -50,7 +51,11 @@ fn weight<S: Scalar>(kind: JointKind, composite: &Inertia<S>, gravity: Vec3<S>) 
 
 impl<S: Scalar> KernelOne<S> {
     /// Computes p = M v and L_q at the position set last and v (rad/s, m/s; length n).
-    pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) {
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`]. Values are not checked here.
+    pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
+        check_length("v", v, tree.len())?;
         for (i, joint) in tree.joints().iter().enumerate() {
             let mut velocity = match joint.parent {
                 Some(parent) => self.transforms[i].motion_down(self.velocities[parent]),
@@ -69,6 +74,7 @@ impl<S: Scalar> KernelOne<S> {
             }
         }
         self.first_derivatives(tree, v);
+        Ok(())
     }
 
     /// `p_i = S_i . H_i` (+ armature), `L_q,i = H_i . psi_i + F_i . a_g` (- spring force).
@@ -81,7 +87,7 @@ impl<S: Scalar> KernelOne<S> {
             if joint.spring.stiffness != 0.0 {
                 gradient -= self.q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
             }
-            self.gradient[i] = gradient;
+            self.l_q[i] = gradient;
         }
         for &(i, j, value) in tree.armature() {
             self.momentum[i] += v[j].times(value);

@@ -85,7 +85,7 @@ impl RobotBuilder {
                 name: spec.name.clone(),
                 kind: spec.kind,
                 parent,
-                placement: spec.placement,
+                placement: spec.placement.orthonormalised(),
                 axis: spec.axis / spec.axis.norm(),
                 link: spec.link_name().into(),
                 inertia: spec.inertia,
@@ -95,7 +95,7 @@ impl RobotBuilder {
             });
         }
         if self.gravity.iter().any(|g| !g.is_finite()) {
-            return Err(RobotError::Malformed { message: "gravity is not finite; correct it".into() });
+            return Err(RobotError::BadGravity);
         }
         let mut warnings = self.warnings;
         checks::armature(&armature)?;

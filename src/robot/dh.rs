@@ -12,7 +12,7 @@
 use super::joint::JointSpec;
 use super::link::{Placement, rotation_x, rotation_z};
 use super::{Robot, RobotBuilder};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Which Denavit-Hartenberg convention a table follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,16 +98,17 @@ pub fn chain(
     builder
 }
 
-/// `R(i-1 <- i)` of (A1.2) for a modified row, for comparison with the paper.
-pub fn rotation_a1_2(alpha: f64, phi: f64) -> Matrix3<f64> {
-    let ((sa, ca), (sp, cp)) = (alpha.sin_cos(), phi.sin_cos());
-    Matrix3::new(cp, -sp, 0.0, ca * sp, ca * cp, -sa, sa * sp, sa * cp, ca)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::robot::LinkInertia;
+    use nalgebra::Matrix3;
+
+    /// `R(i-1 <- i)` as the paper prints it.
+    fn rotation_a1_2(alpha: f64, phi: f64) -> Matrix3<f64> {
+        let ((sa, ca), (sp, cp)) = (alpha.sin_cos(), phi.sin_cos());
+        Matrix3::new(cp, -sp, 0.0, ca * sp, ca * cp, -sa, sa * sp, sa * cp, ca)
+    }
 
     #[test]
     fn a_modified_row_is_equation_a1_2() {

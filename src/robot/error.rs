@@ -32,7 +32,10 @@ pub enum RobotError {
         message: String,
     },
     /// Nothing moves.
-    #[error("robot '{robot}' has no moving joint; describe at least one revolute or prismatic joint")]
+    #[error(
+        "robot '{robot}' has no moving joint; describe at least one revolute or prismatic joint \
+             (the base does not move: a free body stands on a link 'world' by a floating joint)"
+    )]
     NoJoints {
         /// The robot.
         robot: String,
@@ -181,6 +184,18 @@ pub enum RobotError {
         /// The joint.
         joint: String,
     },
+    /// A file without any mass.
+    #[error(
+        "joint '{joint}' moves no mass, and no link of the file has any: it describes kinematics only; \
+         give its links <inertial> with <mass> and <inertia>"
+    )]
+    KinematicsOnly {
+        /// First joint.
+        joint: String,
+    },
+    /// Gravity is infinite or undefined.
+    #[error("gravity is not finite; correct it")]
+    BadGravity,
     /// An armature matrix that does not fit.
     #[error(
         "the armature matrix {problem}; it must be {n} x {n}, symmetric and positive semidefinite, in joint order"
@@ -221,7 +236,8 @@ impl RobotError {
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
             | Self::BadValue { joint, .. }
-            | Self::MovesNothing { joint } => Some(joint),
+            | Self::MovesNothing { joint }
+            | Self::KinematicsOnly { joint } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
             Self::Cycle { joints } => joints.first().map(String::as_str),
             Self::SeveralRoots { second, .. } => Some(second),

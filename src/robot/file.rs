@@ -45,12 +45,12 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 struct RobotFile {
     name: String,
-    gravity: Option<[f64; 3]>,
+    gravity: Option<Spanned<[f64; 3]>>,
     #[serde(default)]
     convention: TableConvention,
     #[serde(default, rename = "sources")]
     _sources: Vec<String>,
-    armature: Option<Vec<Vec<f64>>>,
+    armature: Option<Spanned<Vec<Vec<f64>>>>,
     #[serde(default, rename = "joint")]
     joints: Vec<JointRow>,
 }
@@ -172,26 +172,34 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     };
     let file: RobotFile = toml::from_str(text).map_err(|error| {
         let line = error.span().map(|span| line_of(span.start));
-        at(line, RobotError::Malformed { message: error.message().trim_end().to_string() })
+        let remedy = if error.message().starts_with("missing field") { "; add it" } else { "" };
+        at(line, RobotError::Malformed { message: format!("{}{remedy}", error.message().trim_end()) })
     })?;
     let line_of_joint = |name: &str| {
         let row = file.joints.iter().rev().find(|row| row.name.get_ref() == name);
         row.map(|row| line_of(row.name.span().start))
     };
     let located = |error: RobotError| {
-        let line = error.culprit().and_then(line_of_joint);
+        let line = match &error {
+            RobotError::BadArmature { .. } => {
+                file.armature.as_ref().map(|matrix| line_of(matrix.span().start))
+            }
+            RobotError::BadGravity => file.gravity.as_ref().map(|gravity| line_of(gravity.span().start)),
+            error => error.culprit().and_then(line_of_joint),
+        };
         at(line, error)
     };
     let mut builder = Robot::builder(&file.name).options(options);
-    if let Some(gravity) = file.gravity {
-        builder = builder.gravity(gravity);
+    if let Some(gravity) = &file.gravity {
+        builder = builder.gravity(*gravity.get_ref());
     }
     for (index, row) in file.joints.iter().enumerate() {
         builder = builder
             .joint(row.spec(index, &file).map_err(|error| at(line_of_joint(row.name.get_ref()), error))?);
     }
     if let Some(rows) = &file.armature {
-        builder = builder.armature_matrix(armature_matrix(rows, file.joints.len()).map_err(located)?);
+        builder =
+            builder.armature_matrix(armature_matrix(rows.get_ref(), file.joints.len()).map_err(located)?);
     }
     builder.build().map_err(located)
 }
@@ -209,6 +217,10 @@ fn armature_matrix(rows: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>, RobotErr
 impl JointRow {
     fn spec(&self, index: usize, file: &RobotFile) -> Result<JointSpec, RobotError> {
         let name = self.name.get_ref();
+        if name == "world" {
+            let message = "a joint is called 'world', which stands for the base; give it another name".into();
+            return Err(RobotError::Malformed { message });
+        }
         let kind = match self.kind {
             RowKind::Revolute => JointKind::Revolute,
             RowKind::Prismatic => JointKind::Prismatic,

@@ -59,7 +59,7 @@ impl<'a> TurnedFrames<'a> {
             None => self.world_is_fixed = true,
             Some(parent) => self.is_fixed[parent] = true,
         }
-        self.screws.push(FixedScrew { gamma, alpha, translation: translation.map(snap).into() });
+        self.screws.push(FixedScrew { gamma, alpha, translation: without_rounding(&translation).into() });
         self.turns.push(about_z(delta) * axes.transpose());
     }
 
@@ -83,6 +83,12 @@ impl<'a> TurnedFrames<'a> {
             friction: joint.friction,
         }
     }
+}
+
+/// The vector without components that are but the rounding of the others, 1e-15 of its length.
+fn without_rounding(a: &Vector3<f64>) -> Vector3<f64> {
+    let rounding = 1e-15 * a.norm();
+    a.map(|x| if x.abs() <= rounding { 0.0 } else { x })
 }
 
 /// A rotation as `Rz(gamma) Rx(alpha) Rz(delta)`, each by its sine and cosine.

@@ -32,6 +32,17 @@ impl Placement {
         }
     }
 
+    /// The same with the nearest rotation in place of one that was written down with few digits.
+    pub(crate) fn orthonormalised(&self) -> Self {
+        let defect = (self.rotation.transpose() * self.rotation - Matrix3::identity()).amax();
+        if defect < 4.0 * f64::EPSILON {
+            return *self;
+        }
+        let svd = self.rotation.svd(true, true);
+        let nearest = svd.u.zip(svd.v_t).map(|(u, v_t)| u * v_t);
+        Self { rotation: nearest.unwrap_or(self.rotation), ..*self }
+    }
+
     /// Whether all entries are finite and the rotation is orthonormal and right-handed to 1e-6.
     pub(crate) fn is_rigid(&self) -> bool {
         let defect = (self.rotation.transpose() * self.rotation - Matrix3::identity()).amax();
@@ -47,7 +58,7 @@ impl Default for Placement {
 
 /// Sine and cosine with the rounding of quarter turns removed: what is within 1e-15 of 0 or +-1 is exactly that.
 ///
-/// Orthogonal axes are then exactly orthogonal, which saves operations; the error made is below one rounding.
+/// Orthogonal axes are then exactly orthogonal, which saves operations; the error made is 1e-15 at most.
 pub(crate) fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let (sin, cos) = angle.sin_cos();
     (snap(sin), snap(cos))

@@ -84,9 +84,10 @@ impl Robot {
                 Some("toml") => file::parse,
                 _ => return Err(in_file(RobotError::UnknownFormat)),
             };
-        let text = std::fs::read_to_string(path)
+        let bytes = std::fs::read(path)
             .map_err(|error| in_file(RobotError::Unreadable { reason: error.to_string() }))?;
-        read(&text, options).map_err(in_file)
+        // Old URDF files have comments in other encodings; what is not UTF-8 in a name becomes a replacement character.
+        read(&String::from_utf8_lossy(&bytes), options).map_err(in_file)
     }
 
     /// Its name.
@@ -128,7 +129,13 @@ impl Robot {
     }
 
     /// The same robot under another gravity (m/s^2).
-    pub fn with_gravity(&self, gravity: [f64; 3]) -> Self {
-        Self { gravity: Vector3::from(gravity), ..self.clone() }
+    ///
+    /// # Errors
+    /// [`RobotError::BadGravity`].
+    pub fn with_gravity(&self, gravity: [f64; 3]) -> Result<Self, RobotError> {
+        if gravity.iter().any(|g| !g.is_finite()) {
+            return Err(RobotError::BadGravity);
+        }
+        Ok(Self { gravity: Vector3::from(gravity), ..self.clone() })
     }
 }

@@ -21,14 +21,10 @@ pub enum Warning {
         /// The joint.
         joint: String,
     },
-    /// `<dynamics>` of a URDF that was left out.
+    /// Damping and friction in `<dynamics>` of a URDF that were left out.
     FrictionIgnored {
-        /// The joint.
-        joint: String,
-        /// `damping` in the file.
-        damping: f64,
-        /// `friction` in the file.
-        friction: f64,
+        /// The joints.
+        joints: Vec<String>,
     },
     /// A joint of several degrees of freedom, expanded.
     Expanded {
@@ -65,11 +61,9 @@ impl std::fmt::Display for Warning {
                 "joint '{joint}' only turns mass that lies on its axis, so the mass matrix is singular in every pose: \
                  give its link an inertia or give it armature"
             ),
-            Self::FrictionIgnored { joint, damping, friction } => write!(
-                f,
-                "<dynamics damping=\"{damping}\" friction=\"{friction}\"> of joint '{joint}' is left out; \
-                 ask for it with --friction"
-            ),
+            Self::FrictionIgnored { joints } => {
+                write!(f, "<dynamics> is left out, ask for it with --friction: joints {}", joints.join(", "))
+            }
             Self::Expanded { joint, kind: "floating" } => write!(
                 f,
                 "floating joint '{joint}' became three prismatic (x, y, z) and three revolute joints (z, y, x), \

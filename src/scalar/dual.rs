@@ -63,6 +63,8 @@ impl_chain_rule!(HyperDualVec, M, N; |x, f1, f2, _f3|
 
 macro_rules! forward_to_num_dual {
     () => {
+        const EPSILON: f64 = T::EPSILON;
+        const CHECKED: bool = T::CHECKED;
         #[inline]
         fn from_f64(value: f64) -> Self {
             Self::from_re(<T as Scalar>::from_f64(value))

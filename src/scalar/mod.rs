@@ -8,15 +8,17 @@
 mod count;
 mod dual;
 mod real;
+mod tangent;
 
 pub use count::{Count, Operations, count};
+pub use tangent::Tangent;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A number that robot dynamics can be computed with.
 ///
-/// Implemented for `f64`, `f32`, [`Count`], and for num-dual's numbers of static size: `Dual`, `Dual2`, `Dual3`,
+/// Implemented for `f64`, `f32`, [`Count`], [`Tangent`] over any scalar, and for num-dual's numbers of static size: `Dual`, `Dual2`, `Dual3`,
 /// `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec`, each over any scalar, so that nested
 /// ones work too. Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
 /// [`plus`](Scalar::plus), which cost a dual number much less than an operation between two of them.
@@ -48,6 +50,9 @@ pub trait Scalar:
 {
     /// Outcome of a comparison: one truth value, or one per lane.
     type Mask: Copy;
+
+    /// Relative spacing of the numbers at the bottom: the rounding of one operation.
+    const EPSILON: f64;
 
     /// Whether values are checked at the edge of the library (finite input, regular mass matrix).
     ///

@@ -76,18 +76,6 @@ impl<S: Scalar> Vec3<S> {
     pub fn plus(self, [x, y, z]: [f64; 3]) -> Self {
         Self::new(self.x.plus(x), self.y.plus(y), self.z.plus(z))
     }
-
-    /// `e_z x self`.
-    #[inline(always)]
-    pub fn ez_cross(self) -> Self {
-        Self::new(-self.y, self.x, S::zero())
-    }
-
-    /// `self x e_z`.
-    #[inline(always)]
-    pub fn cross_ez(self) -> Self {
-        Self::new(self.y, -self.x, S::zero())
-    }
 }
 
 impl<S: Scalar> Add for Vec3<S> {
@@ -176,8 +164,6 @@ mod tests {
         };
         same(ours_a.cross(ours_b), na.cross(&nb));
         same(ours_a.cross_constant(b), na.cross(&nb));
-        same(ours_a.ez_cross(), nalgebra::Vector3::z().cross(&na));
-        same(ours_a.cross_ez(), na.cross(&nalgebra::Vector3::z()));
         same((ours_a - -ours_b + ours_b).times(2.0), (na + nb * 2.0) * 2.0);
         assert_eq!(ours_a.dot(ours_b), na.dot(&nb));
         assert_eq!(ours_a.dot_constant(b), na.dot(&nb));

@@ -2,8 +2,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
-use costate::derivative::{Hessian, Jacobian, NestedHessian};
-use costate::hamiltonian::{Hamiltonian, PhaseVelocity, SecondOrder};
+use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use serde_json::Value;

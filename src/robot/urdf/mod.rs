@@ -47,10 +47,17 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     for warning in warnings {
         builder.warn(warning);
     }
-    builder.build().map_err(|error| match error.culprit().and_then(|joint| lines.get(joint)) {
-        Some(&line) => at(line, error),
-        None if matches!(error, RobotError::NoJoints { .. }) => at(source.line, error),
-        None => error,
+    let has_mass = source.robot.links.iter().any(|link| !inertia(&link.inertial).is_massless());
+    builder.build().map_err(|error| {
+        let error = match error {
+            RobotError::MovesNothing { joint } if !has_mass => RobotError::KinematicsOnly { joint },
+            error => error,
+        };
+        match error.culprit().and_then(|joint| lines.get(joint)) {
+            Some(&line) => at(line, error),
+            None if matches!(error, RobotError::NoJoints { .. }) => at(source.line, error),
+            None => error,
+        }
     })
 }
 
@@ -101,7 +108,7 @@ fn joints(
     let expanded: Vec<Vec<JointSpec>> = source.robot.joints.iter().map(expanded).collect();
     let moving_link: Vec<Option<String>> =
         expanded.iter().map(|specs| specs.last().map(|spec| spec.name.clone())).collect();
-    let mut all = Vec::with_capacity(expanded.len());
+    let (mut all, mut ignored) = (Vec::with_capacity(expanded.len()), Vec::new());
     for (index, mut specs) in expanded.into_iter().enumerate() {
         let (joint, seat) = (&source.robot.joints[index], &seats.joints[index]);
         if let [only] = &mut specs[..] {
@@ -116,12 +123,15 @@ fn joints(
             last.link = Some(joint.child.link.clone());
             last.inertia = bodies[index];
         }
-        friction(joint, &mut specs, options, warnings);
+        friction(joint, &mut specs, options, &mut ignored, warnings);
         if let JointType::Floating | JointType::Planar = joint.joint_type {
             let kind = if joint.joint_type == JointType::Planar { "planar" } else { "floating" };
             warnings.push(Warning::Expanded { joint: joint.name.clone(), kind });
         }
         all.extend(specs.into_iter().map(|spec| (spec, source.joint_lines[index])));
+    }
+    if !ignored.is_empty() {
+        warnings.push(Warning::FrictionIgnored { joints: ignored });
     }
     all
 }
@@ -177,6 +187,7 @@ fn friction(
     joint: &urdf_rs::Joint,
     specs: &mut [JointSpec],
     options: LoadOptions,
+    ignored: &mut Vec<String>,
     warnings: &mut Vec<Warning>,
 ) {
     let Some(urdf_rs::Dynamics { damping, friction }) = joint.dynamics else { return };
@@ -189,7 +200,7 @@ fn friction(
             let coulomb_velocity = Friction::DEFAULT_COULOMB_VELOCITY;
             only.friction = Friction { viscous: damping, coulomb: friction, coulomb_velocity };
         }
-        [_] => warnings.push(Warning::FrictionIgnored { joint: name, damping, friction }),
+        [_] => ignored.push(name),
         _ => warnings.push(Warning::Note {
             text: format!(
                 "<dynamics> of joint '{name}' is left out: one number does not fit several degrees of freedom"

@@ -5,7 +5,7 @@
 //! mesh, a transmission or a simulator's extension can make a robot fail.
 
 use super::element::{Element, Lines, at};
-use super::text::{escaped, roll_pitch_yaw};
+use super::text::{escaped, roll_pitch_yaw, without_comments};
 use crate::robot::error::RobotError;
 use crate::robot::warning::Warning;
 use roxmltree::{Document, Error, Node, ParsingOptions};
@@ -29,7 +29,7 @@ pub(super) struct Source {
 
 /// Reads a URDF.
 pub(super) fn read(text: &str) -> Result<Source, RobotError> {
-    let text = with_prefixes_declared(text.strip_prefix('\u{feff}').unwrap_or(text));
+    let text = with_prefixes_declared(&without_comments(text));
     let lines = Lines::of(&text);
     let document = parse_xml(&text).map_err(|error| not_well_formed(&error, &lines))?;
     let root = document.root_element();
@@ -61,7 +61,7 @@ fn parse_xml(text: &str) -> Result<Document<'_>, Error> {
 ///
 /// Simulators' extensions come with such prefixes; readers of URDF do not mind, XML does.
 fn with_prefixes_declared(text: &str) -> String {
-    const MOST: usize = 16;
+    const MOST: usize = 64;
     let mut text = text.to_owned();
     let mut last = String::new();
     for _ in 0..MOST {
@@ -93,6 +93,8 @@ struct Reduction<'a> {
     joint_lines: Vec<usize>,
     notes: Vec<Warning>,
     is_xacro: bool,
+    /// Joints whose `<limit>` lacks effort or velocity.
+    unlimited: Vec<String>,
 }
 
 impl<'a> Reduction<'a> {
@@ -103,11 +105,15 @@ impl<'a> Reduction<'a> {
             version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0));
         // No version: what later ones changed, quaternions and omitted limits, is written out.
         let text = format!("<robot name=\"{}\">\n", escaped(root.attribute("name").unwrap_or_default()));
-        let (link_lines, joint_lines, notes) = Default::default();
-        Self { lines, version, text, link_lines, joint_lines, notes, is_xacro: false }
+        let (link_lines, joint_lines, notes, unlimited) = Default::default();
+        Self { lines, version, text, link_lines, joint_lines, notes, is_xacro: false, unlimited }
     }
 
-    fn finish(self, line: usize) -> Result<Source, RobotError> {
+    fn finish(mut self, line: usize) -> Result<Source, RobotError> {
+        if !self.unlimited.is_empty() {
+            let joints = self.unlimited.join(", ");
+            self.note(format!("<limit> without effort or velocity is taken as unlimited: joints {joints}"));
+        }
         let Self { text, link_lines, joint_lines, notes, .. } = self;
         let malformed = |message| at(line, RobotError::Malformed { message });
         let robot = urdf_rs::read_from_string(&(text + "</robot>"))
@@ -227,14 +233,14 @@ impl<'a> Reduction<'a> {
             let is_old = self.version < (1, 2);
             let omitted = if is_old { [0.0; 2] } else { [-NONE, NONE] };
             [lower, upper] = [0, 1].map(|side| positions[side].unwrap_or(omitted[side]));
-            let missing = match given {
-                [None, None] => "effort and velocity",
-                [None, _] => "effort",
-                [_, None] => "velocity",
-                _ => "",
-            };
-            if is_old && !missing.is_empty() {
-                self.note(format!("<limit> of joint '{name}' has no {missing}; taken as unlimited"));
+            if is_old && given.contains(&None) {
+                self.unlimited.push(name.to_owned());
+            }
+            if lower > upper {
+                self.note(format!(
+                    "<limit> of joint '{name}' has lower = {lower} above upper = {upper}; taken as no limit of position"
+                ));
+                [lower, upper] = [-NONE, NONE];
             }
             if is_old && positions == [None, None] {
                 self.note(format!(

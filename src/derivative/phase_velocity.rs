@@ -1,8 +1,8 @@
 //! The state equation as a function to differentiate.
 
-use super::Hamiltonian;
-use crate::derivative::Function;
-use crate::error::EvalError;
+use super::function::Function;
+use crate::error::{EvalError, check_length};
+use crate::hamiltonian::Hamiltonian;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -50,7 +50,9 @@ impl Function for PhaseVelocity {
         f: &mut [S],
     ) -> Result<(), EvalError> {
         let n = self.tree.len();
-        super::check(&self.tree, "u", &self.u, n)?;
+        check_length("u", &self.u, n)?;
+        check_length("x", x, 2 * n)?;
+        check_length("f", f, 2 * n)?;
         actuation.iter_mut().zip(&self.u).for_each(|(lifted, &u)| *lifted = S::from_f64(u));
         let (q, p) = x.split_at(n);
         f.copy_from_slice(hamiltonian.phase_velocity(q, p, actuation)?);
