@@ -130,19 +130,21 @@ fn differences(work: &mut [f64], x: &[f64], columns: &mut [f64], g: Accumulate<'
 
 /// The table, from the medians that criterion has kept.
 fn report() {
-    let target = std::env::var("CARGO_TARGET_DIR")
-        .unwrap_or_else(|_| format!("{}/target", env!("CARGO_MANIFEST_DIR")));
+    // Criterion keeps its figures beside the program: target/release/deps/derivatives-... and target/criterion.
+    let program = std::env::current_exe().unwrap();
+    let target = program.ancestors().nth(3).unwrap().to_path_buf();
     let median = |robot: &str, route: &str| -> Option<f64> {
         let path = Path::new(&target).join("criterion").join(robot).join(route).join("new/estimates.json");
         let estimates: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
         estimates["median"]["point_estimate"].as_f64()
     };
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": unknown");
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let model = model.map_or("unknown", |(_, name)| name.trim());
     let flags =
         if cfg!(target_feature = "avx2") { "AVX2 and above" } else { "baseline instructions of the target" };
     let names = ROBOTS.map(|file| file.split('.').next().unwrap_or(file));
-    let mut table = format!("CPU{model}; one core, f64, {flags}, fat LTO; medians, ns and (ratio to F)\n\n");
+    let mut table = format!("CPU {model}; one core, f64, {flags}, {LTO}; medians, ns and (ratio to F)\n\n");
     table += &format!("| quantity: route | {} |\n|---|---|---|---|\n", names.join(" | "));
     for (title, route) in ROUTES {
         let cell = |robot: &str| match (median(robot, route), median(robot, "f")) {
@@ -161,6 +163,15 @@ fn report() {
     }
 }
 
-/// Where the table stands in the document.
-const BEGIN: &str = "<!-- table: begin -->";
-const END: &str = "<!-- table: end -->";
+/// How the program was optimised, as far as this text can know; and where its table stands in the document.
+const LTO: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() { "no LTO" } else { "fat LTO" };
+const BEGIN: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() {
+    "<!-- plain: begin -->"
+} else {
+    "<!-- table: begin -->"
+};
+const END: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() {
+    "<!-- plain: end -->"
+} else {
+    "<!-- table: end -->"
+};

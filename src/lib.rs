@@ -34,6 +34,8 @@ pub mod scalar;
 pub mod spatial;
 
 pub use error::EvalError;
+/// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
+pub use num_dual;
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]
