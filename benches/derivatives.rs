@@ -9,7 +9,7 @@ use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::robot::Robot;
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
 use std::hint::black_box;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Duration;
 
 const ROBOTS: [&str; 3] = ["ur5.urdf", "panda.urdf", "biped.toml"];
@@ -19,6 +19,7 @@ fn main() {
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_millis(1500))
         .without_plots()
+        .output_directory(&figures())
         .configure_from_args();
     for file in ROBOTS {
         let robot = Robot::from_file(format!("{}/robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
@@ -128,13 +129,17 @@ fn differences(work: &mut [f64], x: &[f64], columns: &mut [f64], g: Accumulate<'
     }
 }
 
+/// Where criterion keeps its figures: beside the build of this program, `TARGET/release/deps/derivatives-...`.
+fn figures() -> PathBuf {
+    let program = std::env::current_exe().unwrap();
+    program.ancestors().nth(3).unwrap().join("criterion")
+}
+
 /// The table, from the medians that criterion has kept.
 fn report() {
-    // Criterion keeps its figures beside the program: target/release/deps/derivatives-... and target/criterion.
-    let program = std::env::current_exe().unwrap();
-    let target = program.ancestors().nth(3).unwrap().to_path_buf();
+    let figures = figures();
     let median = |robot: &str, route: &str| -> Option<f64> {
-        let path = Path::new(&target).join("criterion").join(robot).join(route).join("new/estimates.json");
+        let path = figures.join(robot).join(route).join("new/estimates.json");
         let estimates: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
         estimates["median"]["point_estimate"].as_f64()
     };
