@@ -30,7 +30,8 @@ use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 /// ```
 ///
 /// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish: measured
-/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together. Armature is added to M and p, springs to L_q and L_qq.
+/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together. Armature is
+/// added to M and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S> {
     transforms: Vec<Transform<S>>,

@@ -95,6 +95,8 @@ struct Reduction<'a> {
     is_xacro: bool,
     /// Joints whose `<limit>` lacks effort or velocity.
     unlimited: Vec<String>,
+    /// Joints whose lower limit lies above the upper one.
+    swapped: Vec<String>,
 }
 
 impl<'a> Reduction<'a> {
@@ -105,14 +107,18 @@ impl<'a> Reduction<'a> {
             version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0));
         // No version: what later ones changed, quaternions and omitted limits, is written out.
         let text = format!("<robot name=\"{}\">\n", escaped(root.attribute("name").unwrap_or_default()));
-        let (link_lines, joint_lines, notes, unlimited) = Default::default();
-        Self { lines, version, text, link_lines, joint_lines, notes, is_xacro: false, unlimited }
+        let (link_lines, joint_lines, notes, unlimited, swapped) = Default::default();
+        Self { lines, version, text, link_lines, joint_lines, notes, is_xacro: false, unlimited, swapped }
     }
 
     fn finish(mut self, line: usize) -> Result<Source, RobotError> {
-        if !self.unlimited.is_empty() {
-            let joints = self.unlimited.join(", ");
-            self.note(format!("<limit> without effort or velocity is taken as unlimited: joints {joints}"));
+        for (joints, what) in [
+            (self.unlimited.join(", "), "without effort or velocity is taken as unlimited"),
+            (self.swapped.join(", "), "with lower above upper is taken as no limit of position"),
+        ] {
+            if !joints.is_empty() {
+                self.notes.push(Warning::Note { text: format!("<limit> {what}: joints {joints}") });
+            }
         }
         let Self { text, link_lines, joint_lines, notes, .. } = self;
         let malformed = |message| at(line, RobotError::Malformed { message });
@@ -237,9 +243,7 @@ impl<'a> Reduction<'a> {
                 self.unlimited.push(name.to_owned());
             }
             if lower > upper {
-                self.note(format!(
-                    "<limit> of joint '{name}' has lower = {lower} above upper = {upper}; taken as no limit of position"
-                ));
+                self.swapped.push(name.to_owned());
                 [lower, upper] = [-NONE, NONE];
             }
             if is_old && positions == [None, None] {
