@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 /// scalar type, so that a function with buffers does not allocate when it is evaluated.
 ///
 /// ```
-/// use costate::derivative::{Function, Hessian};
+/// use costate::derivative::{Function, Hessian, Jacobian};
 /// use costate::scalar::Scalar;
 /// use std::convert::Infallible;
 ///
@@ -32,6 +32,8 @@ use crate::scalar::Scalar;
 /// let second = hessian.evaluate(&[0.0, 3.0])?;
 /// assert_eq!(second.entry(0, 0, 1), 6.0);   // d2/dx dy = 2 y
 /// assert_eq!(second.jacobian()[(0, 0)], 10.0); // d/dx = y^2 + cos x
+/// let mut first: Jacobian<_> = Jacobian::new(Example);
+/// assert_eq!(first.evaluate(&[0.0, 3.0])?.gradient(), [10.0, 0.0]);
 /// # Ok::<(), costate::derivative::DerivativeError<Infallible>>(())
 /// ```
 pub trait Function {

@@ -7,7 +7,7 @@ use num_dual::DualSVec64;
 
 /// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; no call allocates but what the function does.
 ///
-/// For a function with one output, row 0 is its gradient.
+/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is that of it.
 pub struct Jacobian<F: Function, const C: usize = CHUNK> {
     function: F,
     workspace: F::Workspace<DualSVec64<C>>,
@@ -24,6 +24,13 @@ pub struct FirstDerivatives<'a> {
     pub value: &'a [f64],
     /// `df_k/dx_j`, m x n.
     pub jacobian: &'a Matrix<f64>,
+}
+
+impl<'a> FirstDerivatives<'a> {
+    /// `df_0/dx_j`, n: the gradient of the first, for a function with one output of the only one.
+    pub fn gradient(&self) -> &'a [f64] {
+        self.jacobian.row(0)
+    }
 }
 
 impl<F: Function> Jacobian<F> {

@@ -178,7 +178,7 @@ impl Routes {
             f_x: relative_difference(f_x[a], f_x[b], energy),
             y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b], largest(y) * along),
         };
-        let gradient = self.energy.evaluate(x)?.jacobian.row(0);
+        let gradient = self.energy.evaluate(x)?.gradient();
         Ok(StateReport {
             condition: condition(mass_matrix),
             differences: [pair(0, 1), pair(0, 2), pair(1, 2)],
