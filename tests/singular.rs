@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use costate::EvalError;
+use costate::derivative::worse;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate::scalar::Scalar;
@@ -40,7 +41,7 @@ fn refused_and_worst<S: Scalar>(robot: &Robot, rng: &mut Rng, value: impl Fn(S) 
         match hamiltonian.velocity(&q, &p) {
             Ok(found) => {
                 let errors = found.iter().zip(&v).map(|(a, b)| (value(*a) - value(*b)).abs());
-                worst = errors.fold(worst, f64::max);
+                worst = errors.fold(worst, worse);
             }
             Err(EvalError::SingularMassMatrix { .. }) => refused += 1,
             Err(error) => unreachable!("{error}"),

@@ -23,7 +23,7 @@ pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
 pub use phase_velocity::PhaseVelocity;
-pub use routes::{Differences, Routes, StateReport, relative_difference};
+pub use routes::{Differences, Routes, StateReport, largest, relative_difference, worse};
 
 /// Number of derivatives that a dual number carries at once where nobody says otherwise.
 ///

@@ -15,11 +15,16 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// wheel, friction at rest, a pendulum at a right angle), and is then rounding, of which no digit can agree.
 pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -> f64 {
     let (a, b) = (a.as_nalgebra(), b.as_nalgebra());
-    in_relation((a - b).amax(), b.amax(), natural)
+    in_relation(largest(&(a - b)), largest(b), natural)
+}
+
+/// The largest absolute value; not-a-number if one is (which nalgebra's `amax` and `f64::max` would pass over).
+pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().fold(0.0, |largest, value| worse(largest, value.abs()))
 }
 
 fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
-    if difference == 0.0 { 0.0 } else { difference / size.max(natural) }
+    if difference == 0.0 { 0.0 } else { difference / worse(size, natural) }
 }
 
 /// Largest relative difference between two routes to F_x and to y'F_xx, see [`StateReport`].
@@ -59,10 +64,29 @@ impl StateReport {
         let asymmetries = self.jacobian_asymmetry.iter().chain(&self.hessian_asymmetry).copied();
         pairs.chain(asymmetries).chain([self.energy_drift]).fold(0.0, worse)
     }
+
+    /// [`worst`](Self::worst) in units of what double precision allows, `tolerance max(1, condition / 1000)`.
+    pub fn excess(&self, tolerance: f64) -> f64 {
+        self.worst() / (tolerance * (self.condition / 1000.0).max(1.0))
+    }
+
+    /// The larger of each figure of two reports.
+    pub fn with_worse_of(mut self, other: &Self) -> Self {
+        self.condition = worse(self.condition, other.condition);
+        self.energy_drift = worse(self.energy_drift, other.energy_drift);
+        for k in 0..3 {
+            let (ours, theirs) = (&mut self.differences[k], &other.differences[k]);
+            ours.f_x = worse(ours.f_x, theirs.f_x);
+            ours.y_f_xx = worse(ours.y_f_xx, theirs.y_f_xx);
+            self.jacobian_asymmetry[k] = worse(self.jacobian_asymmetry[k], other.jacobian_asymmetry[k]);
+            self.hessian_asymmetry[k] = worse(self.hessian_asymmetry[k], other.hessian_asymmetry[k]);
+        }
+        self
+    }
 }
 
 /// The larger of two figures; not-a-number is the worst.
-fn worse(a: f64, b: f64) -> f64 {
+pub fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
@@ -172,7 +196,7 @@ impl Routes {
             [second.linearisation().matrix(), first.jacobian.view(), self.hyperdual.last().jacobian().view()];
         let y_f_xx = [second.matrix(), nested.view(), by_hyperdual.view()];
         let energy = p.iter().zip(&rate).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&rate[n..]);
-        let along = energy.max(1e-3 * f_x[0].as_nalgebra().amax());
+        let along = worse(energy, 1e-3 * largest(f_x[0].as_nalgebra()));
         let pair = |a: usize, b: usize| Differences {
             routes: (Self::NAMES[a], Self::NAMES[b]),
             f_x: relative_difference(f_x[a], f_x[b], energy),
@@ -195,11 +219,6 @@ fn drift(gradient: &[f64], rate: &[f64], natural: f64) -> f64 {
     in_relation(terms().sum::<f64>().abs(), terms().map(f64::abs).sum(), natural)
 }
 
-/// Largest absolute value.
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, x| m.max(x.abs()))
-}
-
 /// `J F_x` with `J = [0 1; -1 0]`.
 fn times_j(f_x: &DMatrix<f64>) -> DMatrix<f64> {
     let n = f_x.nrows() / 2;
@@ -208,11 +227,31 @@ fn times_j(f_x: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// `max |a - a'| / max |a|`, see [`relative_difference`].
 fn asymmetry(a: &DMatrix<f64>, natural: f64) -> f64 {
-    in_relation((a - a.transpose()).amax(), a.amax(), natural)
+    in_relation(largest(&(a - a.transpose())), largest(a), natural)
 }
 
 /// Largest over smallest eigenvalue of a symmetric positive definite matrix.
 fn condition(mass_matrix: DMatrix<f64>) -> f64 {
     let values = SymmetricEigen::new(mass_matrix).eigenvalues;
     values.max() / values.min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::relative_difference;
+    use crate::matrix::Matrix;
+
+    /// A figure that is not a number must never look like agreement.
+    #[test]
+    fn not_a_number_is_not_agreement() {
+        let good = Matrix::from_rows(2, &[1.0, 2.0, 3.0, 4.0]);
+        for at in 0..4 {
+            let mut entries = [1.0, 2.0, 3.0, 4.0];
+            entries[at] = f64::NAN;
+            let bad = Matrix::from_rows(2, &entries);
+            assert!(relative_difference(good.view(), bad.view(), 0.0).is_nan(), "entry {at}");
+            assert!(relative_difference(bad.view(), good.view(), 1.0).is_nan(), "entry {at}");
+        }
+        assert_eq!(relative_difference(good.view(), good.view(), 0.0), 0.0);
+    }
 }

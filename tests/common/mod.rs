@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
-use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity, largest};
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
@@ -37,8 +37,9 @@ impl Reference {
     pub fn agrees(&self, key: &str, found: &[f64], context: &str) {
         let expected = self.numbers(key);
         assert_eq!(found.len(), expected.len(), "{context}: length of {key}");
-        let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let worst = found.iter().zip(&expected).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        let size = largest(&expected);
+        let differences: Vec<f64> = found.iter().zip(&expected).map(|(a, b)| a - b).collect();
+        let worst = largest(&differences);
         assert!(worst <= 1e-10 * size, "{context}: {key} is off by {:.2e}", worst / size);
     }
 }

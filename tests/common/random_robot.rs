@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
+use costate::derivative::largest;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot, Spring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -193,7 +194,7 @@ pub fn tolerance(robot: &Robot, q: &[f64]) -> f64 {
 /// `max |a - b| / max |b|`; the entries of a quantity are judged together.
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    let size = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let worst = a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-    if worst == 0.0 { 0.0 } else { worst / size }
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let worst = largest(&differences);
+    if worst == 0.0 { 0.0 } else { worst / largest(b) }
 }
