@@ -122,6 +122,7 @@ impl<'a, S: Scalar> Block<'a, S> {
 
     /// Row `i`.
     pub fn row(&self, i: usize) -> &'a [S] {
+        assert!(i < self.rows, "row {i} is outside a block of {} rows", self.rows);
         &self.matrix.row(self.top + i)[self.left..self.left + self.columns]
     }
 
@@ -184,5 +185,12 @@ mod tests {
             }
         }
         assert_eq!(m.view().to_nalgebra()[(3, 5)], 35.0);
+    }
+
+    #[test]
+    #[should_panic(expected = "row 2 is outside a block of 2 rows")]
+    fn a_block_ends_where_it_ends() {
+        let m = Matrix::<f64>::zeros(4, 6);
+        m.block(0, 0, 2, 3).row(2);
     }
 }
