@@ -1,9 +1,9 @@
 //! `costate check`: every route against every other.
 
-use crate::report::Table;
+use crate::report::{Table, joints};
 use crate::{Outcome, RobotArguments};
 use costate::EvalError;
-use costate::derivative::{DerivativeError, Routes, StateReport};
+use costate::derivative::{DerivativeError, Routes, StateReport, worse};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Joint, JointKind, Robot};
 use fastrand::Rng;
@@ -36,13 +36,7 @@ struct Sample {
 /// The largest figures over some states.
 #[derive(Default)]
 struct Worst {
-    states: usize,
-    condition: f64,
-    f_x: [f64; 3],
-    y_f_xx: [f64; 3],
-    jacobian_asymmetry: [f64; 3],
-    hessian_asymmetry: [f64; 3],
-    energy_drift: f64,
+    report: Option<StateReport>,
     /// Largest ratio of a figure to its tolerance.
     excess: f64,
 }
@@ -62,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         let sample = random_sample(&robot, &mut hamiltonian, &mut rng, k == 0)?;
         let worst = if k == 0 { &mut at_zero } else { &mut at_random };
         match routes.compare(&sample.x, &sample.u, &sample.y) {
-            Ok(report) => worst.include(&report, arguments.tolerance),
+            Ok(report) => worst.include(report, arguments.tolerance),
             Err(DerivativeError::Function(error @ EvalError::SingularMassMatrix { .. })) => {
                 singular.push(error)
             }
@@ -104,20 +98,22 @@ fn random_sample(
 }
 
 impl Worst {
-    fn include(&mut self, report: &StateReport, tolerance: f64) {
-        self.states += 1;
-        let worse = |a: &mut f64, b: f64| *a = if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
-        worse(&mut self.condition, report.condition);
-        for k in 0..3 {
-            worse(&mut self.f_x[k], report.differences[k].f_x);
-            worse(&mut self.y_f_xx[k], report.differences[k].y_f_xx);
-            worse(&mut self.jacobian_asymmetry[k], report.jacobian_asymmetry[k]);
-            worse(&mut self.hessian_asymmetry[k], report.hessian_asymmetry[k]);
-        }
-        worse(&mut self.energy_drift, report.energy_drift);
-        worse(&mut self.excess, report.worst() / (tolerance * (report.condition / 1000.0).max(1.0)));
+    fn include(&mut self, report: StateReport, tolerance: f64) {
+        self.excess = worse(self.excess, report.excess(tolerance));
+        self.report = Some(match self.report.take() {
+            Some(worst) => worst.with_worse_of(&report),
+            None => report,
+        });
+    }
+
+    /// One figure of the report, in print; a dash where no state was evaluated.
+    fn figure(&self, figure: impl Fn(&StateReport) -> f64) -> String {
+        self.report.as_ref().map_or("-".into(), |report| scientific(figure(report)))
     }
 }
+
+/// One figure of each route, or pair of routes.
+type Figure = fn(&StateReport, usize) -> f64;
 
 fn print(
     robot: &Robot,
@@ -129,35 +125,34 @@ fn print(
     let (samples, tolerance) = (arguments.samples, arguments.tolerance);
     writeln!(
         out,
-        "{}, {} joint{}: {samples} random states (seed {}) and q = 0\n",
+        "{}, {}: {samples} random states (seed {}) and q = 0\n",
         robot.name(),
-        robot.len(),
-        if robot.len() == 1 { "" } else { "s" },
+        joints(robot),
         arguments.seed
     )?;
     writeln!(out, "Largest relative difference, max |a - b| / max |b|:\n")?;
     let mut table = Table::new(&["quantity", "routes", "at q = 0", "random states"], 2);
-    let figure = |worst: &Worst, x: f64| if worst.states == 0 { "-".into() } else { scientific(x) };
     let pairs = [(0, 1), (0, 2), (1, 2)].map(|(a, b)| format!("{} - {}", Routes::NAMES[a], Routes::NAMES[b]));
     let singles = Routes::NAMES.map(str::to_string);
-    let groups = [
-        ("F_x", &pairs, zero.f_x, random.f_x),
-        ("y'F_xx", &pairs, zero.y_f_xx, random.y_f_xx),
-        ("asymmetry of J F_x (no friction)", &singles, zero.jacobian_asymmetry, random.jacobian_asymmetry),
-        ("asymmetry of y'F_xx", &singles, zero.hessian_asymmetry, random.hessian_asymmetry),
+    let groups: [(&str, &[String; 3], Figure); 4] = [
+        ("F_x", &pairs, |report, k| report.differences[k].f_x),
+        ("y'F_xx", &pairs, |report, k| report.differences[k].y_f_xx),
+        ("asymmetry of J F_x (no friction)", &singles, |report, k| report.jacobian_asymmetry[k]),
+        ("asymmetry of y'F_xx", &singles, |report, k| report.hessian_asymmetry[k]),
     ];
-    for (quantity, names, at_zero, at_random) in groups {
-        for k in 0..3 {
+    for (quantity, names, figure) in groups {
+        for (k, name) in names.iter().enumerate() {
             let quantity = if k == 0 { quantity } else { "" };
-            let figures = [figure(zero, at_zero[k]), figure(random, at_random[k])];
-            table.row([vec![quantity.into(), names[k].clone()], figures.into()].concat());
+            let figures = [zero, random].map(|worst| worst.figure(|report| figure(report, k)));
+            table.row([vec![quantity.into(), name.clone()], figures.into()].concat());
         }
     }
-    for (quantity, at_zero, at_random) in [
-        ("energy drift dH/dt, u = D = 0", zero.energy_drift, random.energy_drift),
-        ("cond(M), largest", zero.condition, random.condition),
-    ] {
-        let figures = [figure(zero, at_zero), figure(random, at_random)];
+    let last: [(&str, Figure); 2] = [
+        ("energy drift dH/dt, u = D = 0", |report, _| report.energy_drift),
+        ("cond(M), largest", |report, _| report.condition),
+    ];
+    for (quantity, figure) in last {
+        let figures = [zero, random].map(|worst| worst.figure(|report| figure(report, 0)));
         table.row([vec![quantity.into(), "-".into()], figures.into()].concat());
     }
     writeln!(out, "{table}")?;
@@ -168,11 +163,7 @@ fn print(
         out,
         "  Where a quantity vanishes, b is the size of the terms that cancel: energies, forces.\n"
     )?;
-    let excess = if zero.excess.is_nan() || random.excess.is_nan() {
-        f64::NAN
-    } else {
-        zero.excess.max(random.excess)
-    };
+    let excess = worse(zero.excess, random.excess);
     let allowed = format!("{tolerance:.0e} max(1, cond(M)/1000)");
     if excess <= 1.0 {
         writeln!(out, "PASS: every figure is below {allowed}; the largest is {} of it.", scientific(excess))?;

@@ -140,40 +140,40 @@ impl Evaluator {
         y: Option<&[f64]>,
     ) -> Result<Map<String, Value>, Box<dyn std::error::Error>> {
         let energy = self.hamiltonian.energy(&q, &p)?;
-        let x = [q.as_slice(), &p].concat();
         let mut answer = Map::new();
         let mut give = |key: &str, value: Value| answer.insert(key.to_string(), value);
-        let linear = self.hamiltonian.jacobian(&q, &p, u)?;
-        give("v", linear.velocity().into());
-        give("f", linear.f().into());
-        give("M", rows(linear.mass_matrix().view()));
         give("energy", vec![energy.kinetic, energy.potential].into());
-        let mut derivatives = |f: &[f64], f_x: Block<'_, f64>, y_f_xx: Option<&Matrix<f64>>| {
+        give("M", rows(self.hamiltonian.mass_matrix(&q)?.view()));
+        let x = [q.as_slice(), &p].concat();
+        let mut derivatives = |f: &[f64], f_x: Block<'_, f64>, y_f_xx: Option<Block<'_, f64>>| {
+            give("v", f[..q.len()].into());
             give("f", f.into());
             give("f_x", rows(f_x));
             if let Some(y_f_xx) = y_f_xx {
-                give("y_f_xx", rows(y_f_xx.view()));
+                give("y_f_xx", rows(y_f_xx));
             }
         };
-        match &mut self.workspace {
-            Workspace::Analytic(second) => {
+        match (&mut self.workspace, y) {
+            (Workspace::Analytic(_), None) => {
+                let linear = self.hamiltonian.jacobian(&q, &p, u)?;
                 derivatives(linear.f(), linear.matrix(), None);
-                if let Some(y) = y {
-                    let second = second.contracted_hessian(&q, &p, u, y)?;
-                    give("y_f_xx", rows(second.matrix()));
-                }
             }
-            Workspace::Dual(jacobian, nested) => {
+            (Workspace::Analytic(second), Some(y)) => {
+                let second = second.contracted_hessian(&q, &p, u, y)?;
+                let linear = second.linearisation();
+                derivatives(linear.f(), linear.matrix(), Some(second.matrix()));
+            }
+            (Workspace::Dual(jacobian, nested), y) => {
                 jacobian.function_mut().u.copy_from_slice(u);
                 nested.function_mut().u.copy_from_slice(u);
                 let first = jacobian.evaluate(&x)?;
                 let second = y.map(|y| nested.contracted(&x, y)).transpose()?;
-                derivatives(first.value, first.jacobian.view(), second);
+                derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
             }
-            Workspace::Hyperdual(hessian) => {
+            (Workspace::Hyperdual(hessian), y) => {
                 hessian.function_mut().u.copy_from_slice(u);
                 hessian.contracted(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
-                let (last, second) = (hessian.last(), hessian.last_contracted());
+                let (last, second) = (hessian.last(), hessian.last_contracted().view());
                 derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
             }
         }

@@ -1,6 +1,6 @@
 //! `costate info`: what was read from a robot file.
 
-use crate::report::Table;
+use crate::report::{Table, joints};
 use crate::{Outcome, RobotArguments};
 use costate::robot::{Joint, Robot};
 use serde_json::json;
@@ -53,10 +53,9 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
     let mass: f64 = robot.joints().iter().map(|joint| joint.inertia.mass).sum();
     writeln!(
         out,
-        "{}: {} joint{}, moving mass {mass:.4} kg, gravity ({gx}, {gy}, {gz}) m/s^2\n",
+        "{}: {}, moving mass {mass:.4} kg, gravity ({gx}, {gy}, {gz}) m/s^2\n",
         robot.name(),
-        robot.len(),
-        if robot.len() == 1 { "" } else { "s" }
+        joints(robot)
     )?;
     let mut table = Table::new(
         &["joint", "name", "type", "parent", "axis", "mass kg", "armature", "friction", "limits"],

@@ -1,5 +1,12 @@
 //! Tables for people.
 
+use costate::robot::Robot;
+
+/// `1 joint`, `6 joints`.
+pub fn joints(robot: &Robot) -> String {
+    format!("{} joint{}", robot.len(), if robot.len() == 1 { "" } else { "s" })
+}
+
 /// A table with a header and columns as wide as their widest cell: the first few hold text, the others numbers.
 pub struct Table {
     text_columns: usize,

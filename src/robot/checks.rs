@@ -48,26 +48,18 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
         return Err(RobotError::BadPlacement { joint: name() });
     }
     inertia(spec.link_name(), &spec.inertia)?;
-    let not_negative = "it must be finite and not negative";
+    let rule = "it must be finite and not negative";
+    let not_negative = |what, value: f64| (what, value, value >= 0.0 && value.is_finite(), rule);
     let (friction, spring, limits) = (&spec.friction, &spec.spring, &spec.limits);
+    let transition = friction.coulomb_velocity;
     let checks = [
-        ("the armature", spec.armature, spec.armature >= 0.0 && spec.armature.is_finite(), not_negative),
-        (
-            "the viscous friction",
-            friction.viscous,
-            friction.viscous >= 0.0 && friction.viscous.is_finite(),
-            not_negative,
-        ),
-        (
-            "the Coulomb friction",
-            friction.coulomb,
-            friction.coulomb >= 0.0 && friction.coulomb.is_finite(),
-            not_negative,
-        ),
+        not_negative("the armature", spec.armature),
+        not_negative("the viscous friction", friction.viscous),
+        not_negative("the Coulomb friction", friction.coulomb),
         (
             "the Coulomb transition velocity",
-            friction.coulomb_velocity,
-            friction.coulomb_velocity > 0.0 && friction.coulomb_velocity.is_finite(),
+            transition,
+            transition > 0.0 && transition.is_finite(),
             "it must be finite and positive",
         ),
         ("the spring stiffness", spring.stiffness, spring.stiffness.is_finite(), "it must be finite"),

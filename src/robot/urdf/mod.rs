@@ -47,8 +47,8 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     for warning in warnings {
         builder.warn(warning);
     }
-    let has_mass = source.robot.links.iter().any(|link| !inertia(&link.inertial).is_massless());
     builder.build().map_err(|error| {
+        let has_mass = source.robot.links.iter().any(|link| !inertia(&link.inertial).is_massless());
         let error = match error {
             RobotError::MovesNothing { joint } if !has_mass => RobotError::KinematicsOnly { joint },
             error => error,
