@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`],
-//! [`hamiltonian`], [`derivative`]. Formulas are numbered as in G. Bessonnet, P. Sardain, "Optimal dynamics of
+//! [`hamiltonian`] and [`lagrangian`] and [`tensors`], [`derivative`]. Formulas are numbered as in G. Bessonnet, P. Sardain, "Optimal dynamics of
 //! actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
 
 #![deny(unsafe_code)]
@@ -28,10 +28,12 @@ pub mod derivative;
 mod error;
 pub mod hamiltonian;
 pub mod kernels;
+pub mod lagrangian;
 pub mod matrix;
 pub mod robot;
 pub mod scalar;
 pub mod spatial;
+pub mod tensors;
 
 pub use error::EvalError;
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.

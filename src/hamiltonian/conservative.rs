@@ -1,15 +1,15 @@
 //! The part without friction and actuation: `x' = J grad H`, and Hess H.
 
 use crate::error::EvalError;
-use crate::kernels::{Factor, KernelOne};
+use crate::kernels::{Factor, LagrangianHessian};
 use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 /// `v = M^-1 p`, L_q and the blocks from which F_x and Hess H are put together.
 #[derive(Clone, Debug)]
-pub(super) struct Conservative<S> {
-    pub kernel: KernelOne<S>,
+pub(super) struct Conservative<S, K> {
+    pub kernel: K,
     pub factor: Factor<S>,
     /// `v = M^-1 p`.
     pub v: Vec<S>,
@@ -22,12 +22,12 @@ pub(super) struct Conservative<S> {
     half: Matrix<S>,
 }
 
-impl<S: Scalar> Conservative<S> {
+impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let square = Matrix::zeros(n, n);
         Self {
-            kernel: KernelOne::new(tree),
+            kernel: K::new(tree),
             factor: Factor::new(tree),
             v: vec![S::zero(); n],
             w: square.clone(),

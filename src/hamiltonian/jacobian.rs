@@ -2,6 +2,7 @@
 
 use super::Hamiltonian;
 use crate::error::EvalError;
+use crate::kernels::{LagrangianHessian, Route};
 use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 
@@ -59,7 +60,7 @@ impl<'a, S: Scalar> Linearisation<'a, S> {
     }
 }
 
-impl<S: Scalar> Hamiltonian<S> {
+impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// F and its Jacobian F_x in x = (q, p) (21)-(24), from one sweep. `F_u = (0; 1)` is constant.
     ///
     /// # Errors
@@ -68,33 +69,13 @@ impl<S: Scalar> Hamiltonian<S> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);
-        self.rate_of_change(u);
-        self.assemble();
-        Ok(self.linearisation())
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        Ok(self.assembled())
     }
 
-    /// Puts F_x together from the blocks of the conservative part and the slopes of friction.
-    pub(super) fn assemble(&mut self) {
-        let n = self.tree.len();
-        let (w, inverse, reduced) = (&self.flow.w, &self.flow.inverse, &self.flow.reduced);
-        for (i, joint) in self.tree.joints().iter().enumerate() {
-            let (left, right) = self.f_x.row_mut(i).split_at_mut(n);
-            left.iter_mut().zip(w.row(i)).for_each(|(entry, &w)| *entry = -w);
-            right.copy_from_slice(inverse.row(i));
-            let (left, right) = self.f_x.row_mut(n + i).split_at_mut(n);
-            left.copy_from_slice(reduced.row(i));
-            for (j, entry) in right.iter_mut().enumerate() {
-                *entry = w[(j, i)];
-            }
-            if !joint.friction.is_none() {
-                let slope = self.friction[i].first;
-                left.iter_mut().zip(w.row(i)).for_each(|(entry, &w)| *entry -= slope * w);
-                right.iter_mut().zip(inverse.row(i)).for_each(|(entry, &inverse)| *entry += slope * inverse);
-            }
-        }
-    }
-
-    pub(super) fn linearisation(&self) -> Linearisation<'_, S> {
-        Linearisation { f: &self.f, f_x: &self.f_x, mass_matrix: self.flow.kernel.mass_matrix() }
+    /// F_x from the blocks of the stage reached.
+    pub(super) fn assembled(&mut self) -> Linearisation<'_, S> {
+        self.state.assemble(&self.tree, &self.flow);
+        self.state.linearisation(self.flow.kernel.mass_matrix())
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Hamiltonian;
 use crate::error::EvalError;
+use crate::kernels::{LagrangianHessian, Route};
 use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 
@@ -23,7 +24,7 @@ pub struct VelocityJacobian<'a, S> {
     pub dv_dp: Block<'a, S>,
 }
 
-impl<S: Scalar> Hamiltonian<S> {
+impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// `p = M(q) v`, length n.
     ///
     /// # Errors
@@ -64,8 +65,7 @@ impl<S: Scalar> Hamiltonian<S> {
         self.check(&[("q", q), ("p", p)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);
-        self.assemble();
-        let linear = self.linearisation();
+        let linear = self.assembled();
         Ok(VelocityJacobian { dv_dq: linear.qq(), dv_dp: linear.qp() })
     }
 }

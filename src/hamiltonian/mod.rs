@@ -13,31 +13,34 @@ mod conservative;
 mod jacobian;
 mod legendre;
 mod second_order;
+mod state;
 
 pub use jacobian::Linearisation;
 pub use legendre::{MomentumJacobian, VelocityJacobian};
 pub use second_order::{ContractedHessian, SecondOrder};
 
 use crate::error::{EvalError, check_length};
-use crate::kernels::{FrictionDerivatives, friction};
+use crate::kernels::{Contracted, LagrangianHessian, Route};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
+use state::StateEquation;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
+///
+/// `R` is the route to the Hessian of the Lagrangian: [`Contracted`] where nothing else is said,
+/// [`Christoffel`](crate::tensors::Christoffel) for that of the paper.
 ///
 /// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s) and u (N m, N) have n entries, in the order of
 /// [`Robot::joints`]. All of its functions fail with [`EvalError::WrongLength`], [`EvalError::NonFinite`] or, where
 /// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`]. Results are not checked: finite arguments so
 /// large that a product overflows give infinities.
 #[derive(Clone, Debug)]
-pub struct Hamiltonian<S> {
+pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,
-    flow: Conservative<S>,
-    friction: Vec<FrictionDerivatives<S>>,
-    f: Vec<S>,
-    f_x: Matrix<S>,
+    flow: Conservative<S, R::Hessian<S>>,
+    state: StateEquation<S>,
 }
 
 /// Kinetic and potential energy (J).
@@ -57,15 +60,22 @@ impl<S: Scalar> Hamiltonian<S> {
 
     /// As [`new`](Self::new), from a model that was turned already.
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
-        let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
-        Self {
-            flow: Conservative::new(&tree),
-            friction: vec![none; n],
-            f: vec![S::zero(); 2 * n],
-            f_x: Matrix::zeros(2 * n, 2 * n),
-            tree,
-        }
+        Self::with_route(tree, Contracted)
+    }
+}
+
+impl<S: Scalar, R: Route> Hamiltonian<S, R> {
+    /// The workspace of another route.
+    ///
+    /// ```
+    /// use costate::{hamiltonian::Hamiltonian, robot::{Robot, Tree}, tensors::Christoffel};
+    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    /// let tree = Tree::from(&Robot::from_file("robots/two_link.toml")?);
+    /// let mut hamiltonian = Hamiltonian::<f64, _>::with_route(tree, Christoffel);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_route(tree: Tree, _: R) -> Self {
+        Self { flow: Conservative::new(&tree), state: StateEquation::new(&tree), tree }
     }
 
     /// Number of joints, n.
@@ -86,8 +96,8 @@ impl<S: Scalar> Hamiltonian<S> {
     pub fn phase_velocity(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
-        self.rate_of_change(u);
-        Ok(&self.f)
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        Ok(&self.state.f)
     }
 
     /// Kinetic and potential energy (J); their sum is H(q, p).
@@ -149,21 +159,6 @@ impl<S: Scalar> Hamiltonian<S> {
         self.flow.factor(&self.tree, q)?;
         self.flow.factor.solve(x);
         Ok(())
-    }
-
-    /// Fills f from the stage reached: `(v, L_q + D + u)`.
-    fn rate_of_change(&mut self, u: &[S]) {
-        let n = self.tree.len();
-        let (f_q, f_p) = self.f.split_at_mut(n);
-        f_q.copy_from_slice(&self.flow.v);
-        let gradient = self.flow.kernel.l_q();
-        for (i, joint) in self.tree.joints().iter().enumerate() {
-            f_p[i] = gradient[i] + u[i];
-            if !joint.friction.is_none() {
-                self.friction[i] = friction(&joint.friction, self.flow.v[i]);
-                f_p[i] += self.friction[i].value;
-            }
-        }
     }
 
     /// Every argument has n finite entries.

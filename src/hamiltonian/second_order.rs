@@ -3,7 +3,7 @@
 use super::conservative::Conservative;
 use super::{Hamiltonian, Linearisation, check};
 use crate::error::EvalError;
-use crate::kernels::friction;
+use crate::kernels::{Contracted, LagrangianHessian, Route, friction};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -20,9 +20,11 @@ use crate::scalar::{Scalar, Tangent};
 /// D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`, `V = [-M^-1 P, M^-1]`; the
 /// dual pass goes through the conservative part alone.
 #[derive(Clone, Debug)]
-pub struct SecondOrder<S> {
-    first: Hamiltonian<S>,
-    tangent: Conservative<Tangent<S>>,
+pub struct SecondOrder<S: Scalar, R: Route = Contracted> {
+    first: Hamiltonian<S, R>,
+    tangent: Conservative<Tangent<S>, R::Hessian<Tangent<S>>>,
+    l_q: Vec<S>,
+    mass_matrix: Matrix<S>,
     q: Vec<Tangent<S>>,
     p: Vec<Tangent<S>>,
     y_f_xx: Matrix<S>,
@@ -73,11 +75,20 @@ impl<S: Scalar> SecondOrder<S> {
 
     /// As [`new`](Self::new), from a model that was turned already.
     pub fn from_tree(tree: Tree) -> Self {
+        Self::with_route(tree, Contracted)
+    }
+}
+
+impl<S: Scalar, R: Route> SecondOrder<S, R> {
+    /// The workspace of another route, as [`Hamiltonian::with_route`].
+    pub fn with_route(tree: Tree, route: R) -> Self {
         let n = tree.len();
         let zero = Tangent::zero();
         Self {
             tangent: Conservative::new(&tree),
-            first: Hamiltonian::from_tree(tree),
+            first: Hamiltonian::with_route(tree, route),
+            l_q: vec![S::zero(); n],
+            mass_matrix: Matrix::zeros(n, n),
             q: vec![zero; n],
             p: vec![zero; n],
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
@@ -112,12 +123,30 @@ impl<S: Scalar> SecondOrder<S> {
         }
         self.tangent.first_order(&self.first.tree, &self.q, &self.p)?;
         self.tangent.second_order(&self.first.tree);
-        self.tangent.copy_values(&mut self.first.flow);
-        self.first.rate_of_change(u);
-        self.first.assemble();
+        self.take_values();
+        let Hamiltonian { tree, flow, state } = &mut self.first;
+        state.rate_of_change(tree, &flow.v, &self.l_q, u);
+        state.assemble(tree, flow);
         self.take_derivative();
         self.add_friction(y_p);
-        Ok(ContractedHessian { linearisation: self.first.linearisation(), y_f_xx: &self.y_f_xx })
+        let linearisation = self.first.state.linearisation(&self.mass_matrix);
+        Ok(ContractedHessian { linearisation, y_f_xx: &self.y_f_xx })
+    }
+
+    /// The values of the dual pass without their derivatives.
+    fn take_values(&mut self) {
+        fn take<S: Scalar>(values: &mut [S], duals: &[Tangent<S>]) {
+            values.iter_mut().zip(duals).for_each(|(value, dual)| *value = dual.re);
+        }
+        let (flow, tangent) = (&mut self.first.flow, &self.tangent);
+        take(&mut flow.v, &tangent.v);
+        take(&mut self.l_q, tangent.kernel.l_q());
+        for i in 0..self.l_q.len() {
+            take(self.mass_matrix.row_mut(i), tangent.kernel.mass_matrix().row(i));
+            take(flow.w.row_mut(i), tangent.w.row(i));
+            take(flow.inverse.row_mut(i), tangent.inverse.row(i));
+            take(flow.reduced.row_mut(i), tangent.reduced.row(i));
+        }
     }
 
     /// `D_w (Hess H)`, `Hess H = [ -F^p,q , -F^p,p ; F^q,q , F^q,p ]` of the conservative part.
@@ -140,8 +169,8 @@ impl<S: Scalar> SecondOrder<S> {
             if joint.friction.coulomb == 0.0 {
                 continue;
             }
-            let curvature = y_p[k] * self.first.friction[k].second;
-            let row = self.first.f_x.row(k);
+            let curvature = y_p[k] * self.first.state.friction[k].second;
+            let row = self.first.state.f_x.row(k);
             for i in 0..row.len() {
                 let scaled = curvature * row[i];
                 for (j, &v) in row[..=i].iter().enumerate() {
@@ -152,23 +181,5 @@ impl<S: Scalar> SecondOrder<S> {
                 }
             }
         }
-    }
-}
-
-impl<S: Scalar> Conservative<Tangent<S>> {
-    /// The values without their derivatives.
-    fn copy_values(&self, values: &mut Conservative<S>) {
-        values.v.iter_mut().zip(&self.v).for_each(|(value, dual)| *value = dual.re);
-        for i in 0..self.v.len() {
-            let rows = [
-                (values.w.row_mut(i), self.w.row(i)),
-                (values.inverse.row_mut(i), self.inverse.row(i)),
-                (values.reduced.row_mut(i), self.reduced.row(i)),
-            ];
-            for (value, dual) in rows {
-                value.iter_mut().zip(dual).for_each(|(value, dual)| *value = dual.re);
-            }
-        }
-        self.kernel.copy_values(&mut values.kernel);
     }
 }

@@ -4,14 +4,18 @@ mod dissipation;
 mod factor;
 mod hessian;
 mod position;
+mod route;
+mod two;
 mod velocity;
 
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
+pub use route::{Contracted, LagrangianHessian, Route};
+pub use two::KernelTwo;
 
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::{Scalar, Tangent};
+use crate::scalar::Scalar;
 use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 
 /// Kernel one: value, gradient and Hessian of the Lagrangian `L(q, v) = 1/2 v' M v - V`, contracted first.
@@ -44,6 +48,7 @@ pub struct KernelOne<S> {
     /// G_j seen from the frame of the ancestor reached last.
     rates: Vec<Force<S>>,
     q: Vec<S>,
+    v: Vec<S>,
     mass_matrix: Matrix<S>,
     momentum: Vec<S>,
     l_q: Vec<S>,
@@ -65,6 +70,7 @@ impl<S: Scalar> KernelOne<S> {
             carried: vec![Force::zero(); tree.pairs()],
             rates: vec![Force::zero(); n],
             q: vec![S::zero(); n],
+            v: vec![S::zero(); n],
             mass_matrix: Matrix::zeros(n, n),
             momentum: vec![S::zero(); n],
             l_q: vec![S::zero(); n],
@@ -106,17 +112,5 @@ impl<S: Scalar> KernelOne<S> {
     /// `L_qq = 1/2 v' M,ij v - V,ij`, n x n, symmetric (21c).
     pub fn l_qq(&self) -> &Matrix<S> {
         &self.l_qq
-    }
-}
-
-impl<S: Scalar> KernelOne<Tangent<S>> {
-    /// The mass matrix, momentum and gradient without their derivatives, as if computed in S.
-    pub(crate) fn copy_values(&self, values: &mut KernelOne<S>) {
-        values.momentum.iter_mut().zip(&self.momentum).for_each(|(value, dual)| *value = dual.re);
-        values.l_q.iter_mut().zip(&self.l_q).for_each(|(value, dual)| *value = dual.re);
-        for i in 0..values.momentum.len() {
-            let row = values.mass_matrix.row_mut(i);
-            row.iter_mut().zip(self.mass_matrix.row(i)).for_each(|(value, dual)| *value = dual.re);
-        }
     }
 }

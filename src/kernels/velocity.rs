@@ -56,6 +56,7 @@ impl<S: Scalar> KernelOne<S> {
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.len())?;
+        self.v.copy_from_slice(v);
         for (i, joint) in tree.joints().iter().enumerate() {
             let mut velocity = match joint.parent {
                 Some(parent) => self.transforms[i].motion_down(self.velocities[parent]),

@@ -1,0 +1,103 @@
+//! The ways to the Hessian of the Lagrangian.
+
+use super::KernelOne;
+use crate::error::EvalError;
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+use std::fmt::Debug;
+
+/// Value, gradient and Hessian of `L(q, v) = 1/2 v' M v - V`, in three stages, each building on the one before.
+///
+/// What state equations and their Jacobians need of a robot, whichever way it is computed: [`KernelOne`] contracts
+/// with v first, [`tensors`](crate::tensors) goes the paper's way over the derivatives of M one by one.
+pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
+    /// Buffers for this tree.
+    fn new(tree: &Tree) -> Self;
+
+    /// First stage: M and V at q (rad, m; length n).
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`]. Values are not checked here.
+    fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError>;
+
+    /// Second stage: `p = M v` and L_q at the position set last and v (rad/s, m/s; length n).
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`]. Values are not checked here.
+    fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError>;
+
+    /// Third stage: `P = L_vq` and L_qq at the position and velocity set last.
+    fn second_order(&mut self, tree: &Tree);
+
+    /// Mass matrix M, armature included, n x n, symmetric (kg m^2, kg m, kg).
+    fn mass_matrix(&self) -> &Matrix<S>;
+
+    /// What the rounding of `M_kk` is in proportion to.
+    fn size_of_entry(&self, tree: &Tree, k: usize) -> S;
+
+    /// Potential energy V (J) at the position set last: weight (zero at the origin of the world) and springs.
+    fn potential(&self, tree: &Tree) -> S;
+
+    /// Conjugate momentum p = M v, n.
+    fn momentum(&self) -> &[S];
+
+    /// `L_q = 1/2 v' M,q v - V,q` at fixed v, n.
+    fn l_q(&self) -> &[S];
+
+    /// `P = d(M v)/dq` at fixed v, n x n: `P_ij = sum_l M_il,j v_l` (21a).
+    fn l_vq(&self) -> &Matrix<S>;
+
+    /// `L_qq = 1/2 v' M,ij v - V,ij`, n x n, symmetric (21c).
+    fn l_qq(&self) -> &Matrix<S>;
+}
+
+/// A route to the Hessian of the Lagrangian, for every scalar.
+pub trait Route: Clone + Debug {
+    /// What computes it for one scalar type.
+    type Hessian<S: Scalar>: LagrangianHessian<S>;
+}
+
+/// The route of the library: contracted with the velocity before anything is differentiated.
+#[derive(Clone, Copy, Debug)]
+pub struct Contracted;
+
+impl Route for Contracted {
+    type Hessian<S: Scalar> = KernelOne<S>;
+}
+
+impl<S: Scalar> LagrangianHessian<S> for KernelOne<S> {
+    fn new(tree: &Tree) -> Self {
+        Self::new(tree)
+    }
+    fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.set_position(tree, q)
+    }
+    fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
+        self.set_velocity(tree, v)
+    }
+    fn second_order(&mut self, tree: &Tree) {
+        self.second_order(tree);
+    }
+    fn mass_matrix(&self) -> &Matrix<S> {
+        self.mass_matrix()
+    }
+    fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
+        self.size_of_entry(tree, k)
+    }
+    fn potential(&self, tree: &Tree) -> S {
+        self.potential(tree)
+    }
+    fn momentum(&self) -> &[S] {
+        self.momentum()
+    }
+    fn l_q(&self) -> &[S] {
+        self.l_q()
+    }
+    fn l_vq(&self) -> &Matrix<S> {
+        self.l_vq()
+    }
+    fn l_qq(&self) -> &Matrix<S> {
+        self.l_qq()
+    }
+}

@@ -1,0 +1,1 @@
+//! The state equation in (q, v).
