@@ -13,6 +13,10 @@ impl<S: Scalar> KernelOne<S> {
     /// `P_ij = S_i . G_j`, `P_ji = psi_i . F_j`, `L_qq,ij = psi_i . G_j + gamma_i . F_j` for i <= j in tree order.
     pub fn second_order(&mut self, tree: &Tree) {
         for (i, joint) in tree.joints().iter().enumerate().rev() {
+            if joint.parent.is_none() {
+                self.meet_root_again(tree, i);
+                continue;
+            }
             self.rates[i] = self.momentum_rate(joint.kind, i);
             for &child in tree.children(i) {
                 let transform = self.transforms[child];
@@ -35,8 +39,32 @@ impl<S: Scalar> KernelOne<S> {
                 }
                 self.l_vq[(i, j)] = along_joint(kind, rate);
             }
+        }
+        for (i, joint) in tree.joints().iter().enumerate() {
             if joint.spring.stiffness != 0.0 {
                 self.l_qq[(i, i)] = self.l_qq[(i, i)].plus(-joint.spring.stiffness);
+            }
+        }
+    }
+
+    /// Row and column i of P and L_qq for a joint on the world, where `psi_i = 0`.
+    fn meet_root_again(&mut self, tree: &Tree, i: usize) {
+        self.l_vq[(i, i)] = S::zero();
+        self.l_qq[(i, i)] = match tree.joints()[i].kind {
+            JointKind::Revolute => {
+                let (force, gravity) = (self.carried[tree.pairs_of(i).start].force, self.gravity[i]);
+                force.x * gravity.y - force.y * gravity.x
+            }
+            JointKind::Prismatic => S::zero(),
+        };
+        for &child in tree.children(i) {
+            let root = self.roots[child];
+            for (carried, &j) in self.carried[tree.pairs_of(child)].iter().zip(tree.subtree(child)) {
+                let entry = root.gravity.dot(carried.force);
+                self.l_qq[(i, j)] = entry;
+                self.l_qq[(j, i)] = entry;
+                self.l_vq[(i, j)] = self.rates[j].dot(root.motion);
+                self.l_vq[(j, i)] = S::zero();
             }
         }
     }

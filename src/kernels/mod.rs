@@ -45,6 +45,8 @@ pub struct KernelOne<S> {
     momenta: Vec<Force<S>>,
     /// F_j seen from frame i, for every pair `i <= j` in the order of the tree.
     carried: Vec<Force<S>>,
+    /// For each joint on the link of a joint on the world, how that one looks from here.
+    roots: Vec<RootAxis<S>>,
     /// G_j seen from the frame of the ancestor reached last.
     rates: Vec<Force<S>>,
     q: Vec<S>,
@@ -56,18 +58,28 @@ pub struct KernelOne<S> {
     l_qq: Matrix<S>,
 }
 
+/// S and gamma of a joint on the world, seen from the frame of a joint on its link.
+#[derive(Clone, Copy, Debug)]
+struct RootAxis<S> {
+    /// S.
+    motion: Motion<S>,
+    /// The linear part of `gamma = a_g x S`; its angular part is zero.
+    gravity: Vec3<S>,
+}
+
 impl<S: Scalar> KernelOne<S> {
     /// Buffers for this tree.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
-        let transform = |i: usize| position::transform(&tree.joints()[i], S::zero());
+        let transform = |i: usize| tree.joints()[i].transform(S::zero());
         Self {
             transforms: (0..n).map(transform).collect(),
             gravity: vec![Vec3::zero(); n],
-            composites: tree.joints().iter().map(|joint| joint.inertia.lift()).collect(),
+            composites: tree.joints().iter().map(|joint| joint.lumped.lift()).collect(),
             velocities: vec![Motion::zero(); n],
             momenta: vec![Force::zero(); n],
             carried: vec![Force::zero(); tree.pairs()],
+            roots: vec![RootAxis { motion: Motion::zero(), gravity: Vec3::zero() }; n],
             rates: vec![Force::zero(); n],
             q: vec![S::zero(); n],
             v: vec![S::zero(); n],
@@ -85,13 +97,20 @@ impl<S: Scalar> KernelOne<S> {
     }
 
     /// What the rounding of `M_kk` is in proportion to: for a revolute joint the inertia of all it moves about any axis
-    /// through its origin, since M_kk may be what is left of a rotation of that.
+    /// through its origin, in the pose where that is largest, since M_kk may be what is left of a rotation of that.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
-        let inertia = &self.composites[k].matrix;
-        match tree.joints()[k].kind {
-            JointKind::Revolute => self.mass_matrix[(k, k)] + inertia.xx + inertia.yy,
-            JointKind::Prismatic => self.mass_matrix[(k, k)],
+        let joints = tree.joints();
+        let entry = self.mass_matrix[(k, k)];
+        if joints[k].kind == JointKind::Prismatic {
+            return entry;
         }
+        let mut reach = S::from_f64(joints[k].reach);
+        for &j in tree.subtree(k) {
+            if joints[j].kind == JointKind::Prismatic {
+                reach += self.q[j].plus(joints[j].offset).abs().times(joints[j].subtree_mass.sqrt());
+            }
+        }
+        entry + (reach * reach).times(2.0)
     }
 
     /// Conjugate momentum p = M v, n.

@@ -1,24 +1,10 @@
 //! First stage of kernel one: transforms, composite inertias, mass matrix, potential.
 
-use super::KernelOne;
+use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
-use crate::robot::{JointFrame, JointKind, Tree};
+use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
-use crate::spatial::{Force, Inertia, JointPosition, Transform, Vec3};
-
-/// The transform of a joint at position q.
-#[inline(always)]
-pub(super) fn transform<S: Scalar>(joint: &JointFrame, q: S) -> Transform<S> {
-    let position = match joint.kind {
-        JointKind::Revolute => {
-            let angle = if joint.offset == 0.0 { q } else { q.plus(joint.offset) };
-            let (sin, cos) = angle.sin_cos();
-            JointPosition::Turned { sin, cos }
-        }
-        JointKind::Prismatic => JointPosition::Slid { distance: q },
-    };
-    Transform { fixed: joint.screw, joint: position }
-}
+use crate::spatial::{Force, Inertia, Motion, Vec3};
 
 /// `F = IC S`: momentum of the composite body for unit velocity of its joint.
 #[inline(always)]
@@ -32,6 +18,16 @@ pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) 
             moment: Vec3::new(h.y, -h.x, S::zero()),
             force: Vec3::constant([0.0, 0.0, composite.mass]),
         },
+    }
+}
+
+/// S in the frame of its joint.
+#[inline(always)]
+pub(super) fn unit_motion<S: Scalar>(kind: JointKind) -> Motion<S> {
+    let (axis, none) = (Vec3::constant([0.0, 0.0, 1.0]), Vec3::zero());
+    match kind {
+        JointKind::Revolute => Motion { angular: axis, linear: none },
+        JointKind::Prismatic => Motion { angular: none, linear: axis },
     }
 }
 
@@ -55,6 +51,10 @@ impl<S: Scalar> KernelOne<S> {
         self.place(tree);
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             let here = tree.pairs_of(i);
+            if joint.parent.is_none() {
+                self.meet_root(tree, i);
+                continue;
+            }
             let (near, far) = self.carried.split_at_mut(here.end);
             let mut slots = near[here.clone()].iter_mut();
             if let Some(own) = slots.next() {
@@ -84,14 +84,41 @@ impl<S: Scalar> KernelOne<S> {
         Ok(())
     }
 
+    /// Row i of M for a joint on the world.
+    ///
+    /// Such a joint moves like its axis alone: S_i and gamma_i go one frame up, instead of all F_j and G_j one down.
+    fn meet_root(&mut self, tree: &Tree, i: usize) {
+        let kind = tree.joints()[i].kind;
+        let own = unit_momentum(kind, &self.composites[i]);
+        self.carried[tree.pairs_of(i).start] = own;
+        self.mass_matrix[(i, i)] = along_joint(kind, &own);
+        for &child in tree.children(i) {
+            let transform = &self.transforms[child];
+            let gravity = self.gravity[i];
+            let root = RootAxis {
+                motion: transform.motion_down(unit_motion(kind)),
+                gravity: match kind {
+                    JointKind::Revolute => transform.vector_down(Vec3::new(gravity.y, -gravity.x, S::zero())),
+                    JointKind::Prismatic => Vec3::zero(),
+                },
+            };
+            for (force, &j) in self.carried[tree.pairs_of(child)].iter().zip(tree.subtree(child)) {
+                let entry = force.dot(root.motion);
+                self.mass_matrix[(i, j)] = entry;
+                self.mass_matrix[(j, i)] = entry;
+            }
+            self.roots[child] = root;
+        }
+    }
+
     /// Transforms, gravity and composite inertias, each in its body frame.
     fn place(&mut self, tree: &Tree) {
         for (i, joint) in tree.joints().iter().enumerate() {
-            self.transforms[i] = transform(joint, self.q[i]);
+            self.transforms[i] = joint.transform(self.q[i]);
             let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| self.gravity[p]);
             self.gravity[i] = self.transforms[i].vector_down(outer);
-            self.composites[i] = joint.inertia.lift();
-            self.composites[i].mass = joint.subtree_mass;
+            self.composites[i] = joint.lumped.lift();
+            self.composites[i].mass = joint.lumped_mass;
         }
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             if let Some(parent) = joint.parent {
@@ -104,7 +131,7 @@ impl<S: Scalar> KernelOne<S> {
     /// Potential energy V (J) at the position set last: weight (zero at the origin of the world) and springs.
     pub fn potential(&self, tree: &Tree) -> S {
         let gravity = Vec3::constant(tree.gravity());
-        let mut potential = S::zero();
+        let mut potential = S::from_f64(tree.fixed_potential());
         for (i, joint) in tree.joints().iter().enumerate() {
             if joint.parent.is_none() {
                 potential -= gravity.dot(self.transforms[i].inertia_up(&self.composites[i]).first_moment);

@@ -67,11 +67,14 @@ impl<S: Scalar> KernelOne<S> {
                 JointKind::Prismatic => velocity.linear.z += v[i],
             }
             self.velocities[i] = velocity;
-            self.momenta[i] = joint.inertia.apply(velocity);
+            self.momenta[i] = joint.lumped.apply(velocity);
         }
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             if let Some(parent) = joint.parent {
-                self.momenta[parent] = self.momenta[parent] + self.transforms[i].force_up(self.momenta[i]);
+                if tree.joints()[parent].parent.is_some() {
+                    self.momenta[parent] =
+                        self.momenta[parent] + self.transforms[i].force_up(self.momenta[i]);
+                }
             }
         }
         self.first_derivatives(tree, v);
@@ -83,8 +86,14 @@ impl<S: Scalar> KernelOne<S> {
         for (i, joint) in tree.joints().iter().enumerate() {
             let momentum = &self.momenta[i];
             self.momentum[i] = along_joint(joint.kind, momentum);
-            let centrifugal = AxisRate::new(joint.kind, &self.velocities[i]).power(momentum);
-            let mut gradient = centrifugal + weight(joint.kind, &self.composites[i], self.gravity[i]);
+            let mut gradient = weight(joint.kind, &self.composites[i], self.gravity[i]);
+            if joint.parent.is_some() {
+                gradient += AxisRate::new(joint.kind, &self.velocities[i]).power(momentum);
+            } else {
+                for &child in tree.children(i) {
+                    self.momentum[i] += self.momenta[child].dot(self.roots[child].motion);
+                }
+            }
             if joint.spring.stiffness != 0.0 {
                 gradient -= self.q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
             }

@@ -1,9 +1,10 @@
 //! Turning the frames of a robot so that every placement becomes a fixed screw.
 
 use super::link::snap;
+use super::origins::{LEAST_SINE, origins};
 use super::tree::JointFrame;
-use super::{JointKind, Robot};
-use crate::spatial::{ConstantInertia, FixedScrew};
+use super::{JointKind, LinkInertia, Robot};
+use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
 use nalgebra::{Matrix3, Vector3};
 
 /// The frames while they are being turned; `x_turned = turn x_original`.
@@ -14,6 +15,7 @@ pub(super) struct TurnedFrames<'a> {
     turns: Vec<Matrix3<f64>>,
     is_fixed: Vec<bool>,
     screws: Vec<FixedScrew>,
+    origins: Vec<Vector3<f64>>,
     offsets: Vec<f64>,
 }
 
@@ -28,6 +30,7 @@ impl<'a> TurnedFrames<'a> {
             turns: Vec::with_capacity(n),
             is_fixed,
             screws: Vec::with_capacity(n),
+            origins: origins(robot),
             offsets: vec![0.0; n],
         }
     }
@@ -38,7 +41,16 @@ impl<'a> TurnedFrames<'a> {
         let axes = axes_with_z_along(joint.axis);
         let outer = joint.parent.map_or(self.world, |p| self.turns[p]);
         let rotation = (outer * joint.placement.rotation * axes).map(snap);
-        let mut translation = outer * joint.placement.translation;
+        let before = joint.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
+        let [arm, before, own] =
+            [joint.placement.translation, before, joint.placement.rotation * self.origins[i]];
+        let size = arm.norm() + before.norm() + own.norm();
+        let mut translation = outer * (arm - before + own);
+        if joint.kind == JointKind::Prismatic {
+            // Along the joint axis it is an offset of q, across it the frame was moved to that of the parent.
+            self.offsets[i] = without_rounding(&translation, size).dot(&rotation.column(2));
+            translation = Vector3::zeros();
+        }
         let may_turn_parent = !joint.parent.map_or(self.world_is_fixed, |p| self.is_fixed[p]);
         let Screw { mut gamma, alpha, delta } = decompose(&rotation, &translation, may_turn_parent);
         if let Some(turn) = gamma {
@@ -59,36 +71,54 @@ impl<'a> TurnedFrames<'a> {
             None => self.world_is_fixed = true,
             Some(parent) => self.is_fixed[parent] = true,
         }
-        self.screws.push(FixedScrew { gamma, alpha, translation: without_rounding(&translation).into() });
+        self.screws.push(screw(gamma, alpha, &translation, size));
         self.turns.push(about_z(delta) * axes.transpose());
     }
 
     pub(super) fn joint(&self, i: usize, subtree_mass: f64) -> JointFrame {
         let joint = &self.robot.joints()[i];
         let turn = self.turns[i];
-        let link = &joint.inertia;
-        let j = turn * link.inertia_about_origin() * turn.transpose();
+        let size = joint.inertia.com.norm() + self.origins[i].norm();
+        let com = without_rounding(&(turn * (joint.inertia.com - self.origins[i])), size);
+        let link =
+            LinkInertia { com, inertia: turn * joint.inertia.inertia * turn.transpose(), ..joint.inertia };
+        let j = link.inertia_about_origin();
+        let inertia = ConstantInertia {
+            mass: link.mass,
+            first_moment: (com * link.mass).into(),
+            matrix: [j[(0, 0)], j[(1, 1)], j[(2, 2)], j[(0, 1)], j[(0, 2)], j[(1, 2)]],
+        };
         JointFrame {
             kind: joint.kind,
             parent: joint.parent,
             screw: self.screws[i],
             offset: self.offsets[i],
-            inertia: ConstantInertia {
-                mass: link.mass,
-                first_moment: (turn * link.com * link.mass).into(),
-                matrix: [j[(0, 0)], j[(1, 1)], j[(2, 2)], j[(0, 1)], j[(0, 2)], j[(1, 2)]],
-            },
+            inertia,
             subtree_mass,
+            lumped: inertia,
+            lumped_mass: 0.0,
+            reach: 0.0,
             spring: joint.spring,
             friction: joint.friction,
         }
     }
 }
 
-/// The vector without components that are but the rounding of the others, 1e-15 of its length.
-fn without_rounding(a: &Vector3<f64>) -> Vector3<f64> {
-    let rounding = 1e-15 * a.norm();
-    a.map(|x| if x.abs() <= rounding { 0.0 } else { x })
+/// The vector without components that are but rounding, 1e-15 of the size of what it was computed from.
+fn without_rounding(a: &Vector3<f64>, size: f64) -> Vector3<f64> {
+    a.map(|x| if x.abs() <= 1e-15 * size { 0.0 } else { x })
+}
+
+/// `Rz(gamma) (r + Rx(alpha) rise e_z)`, with a rise in place of the y component of r where neither of the two axes
+/// is free of it otherwise.
+fn screw(gamma: Option<[f64; 2]>, alpha: [f64; 2], r: &Vector3<f64>, size: f64) -> FixedScrew {
+    let (gamma, turn, [sin, cos]) = (gamma.map(FixedTurn::new), FixedTurn::new(alpha), alpha);
+    let r = without_rounding(r, size);
+    let splits = !turn.is_right() && sin.abs() >= LEAST_SINE && r.y != 0.0;
+    let rise = if splits { -r.y / sin } else { 0.0 };
+    let rest = if splits { Vector3::new(r.x, 0.0, r.z - cos * rise) } else { r };
+    let translation = without_rounding(&rest, 4.0 * size).into();
+    FixedScrew { gamma, alpha: turn, translation, rise }
 }
 
 /// A rotation as `Rz(gamma) Rx(alpha) Rz(delta)`, each by its sine and cosine.

@@ -11,6 +11,8 @@ pub mod file;
 mod frames;
 mod joint;
 mod link;
+mod origins;
+mod regroup;
 mod tree;
 pub mod urdf;
 mod warning;

@@ -3,12 +3,15 @@
 //! Each joint frame is turned so that its z axis is the joint axis, then about z so that the placement in the
 //! parent's frame becomes `Rz(gamma) (r + Rx(alpha) .)`. The frame of a revolute parent (or of the world) takes up
 //! the gamma of its first child, as in the modified Denavit-Hartenberg convention; q then carries a constant offset.
-//! Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
+//! Each origin slides along its axis to where most of the translations vanish, and inertial parameters are
+//! regrouped. Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
 
 use super::frames::TurnedFrames;
+use super::regroup::regroup;
 use super::{Friction, JointKind, Robot, Spring};
-use crate::spatial::{ConstantInertia, FixedScrew};
-use nalgebra::DMatrix;
+use crate::scalar::Scalar;
+use crate::spatial::{ConstantInertia, FixedScrew, JointPosition, Transform, Turn};
+use nalgebra::{DMatrix, Vector3};
 use std::ops::Range;
 
 /// Constants of one joint and its link, in turned frames.
@@ -20,16 +23,36 @@ pub struct JointFrame {
     pub parent: Option<usize>,
     /// Placement in the parent's frame.
     pub screw: FixedScrew,
-    /// Added to q of a revolute joint (rad).
+    /// Added to q (rad, m).
     pub offset: f64,
     /// Inertia of the link about the origin of the frame.
     pub inertia: ConstantInertia,
     /// Mass of the link and everything it carries (kg).
     pub subtree_mass: f64,
+    /// What the kernels take for the inertia of the link: regrouped, so that L(q, v) is the same and more of it is zero.
+    pub lumped: ConstantInertia,
+    /// Mass that the kernels take for that of the link and everything it carries (kg).
+    pub lumped_mass: f64,
+    /// At least the root of the integral of the squared distance from the origin over the mass of the link and all
+    /// that it carries, sliding joints at q + offset = 0 (kg^1/2 m).
+    pub reach: f64,
     /// Joint spring.
     pub spring: Spring,
     /// Joint friction.
     pub friction: Friction,
+}
+
+impl JointFrame {
+    /// To the frame of the parent and back, at position q (rad, m).
+    #[inline(always)]
+    pub fn transform<S: Scalar>(&self, q: S) -> Transform<S> {
+        let q = if self.offset == 0.0 { q } else { q.plus(self.offset) };
+        let position = match self.kind {
+            JointKind::Revolute => JointPosition::Turned(Turn::by(q)),
+            JointKind::Prismatic => JointPosition::Slid(q),
+        };
+        Transform { fixed: self.screw, joint: position }
+    }
 }
 
 /// The model that the kernels run on; built from a [`Robot`] once.
@@ -38,6 +61,7 @@ pub struct Tree {
     names: Vec<String>,
     joints: Vec<JointFrame>,
     gravity: [f64; 3],
+    fixed_potential: f64,
     armature: Vec<(usize, usize, f64)>,
     children: Vec<Vec<usize>>,
     subtree_starts: Vec<usize>,
@@ -64,6 +88,11 @@ impl Tree {
     /// Gravity acceleration in the turned world frame (m/s^2).
     pub fn gravity(&self) -> [f64; 3] {
         self.gravity
+    }
+
+    /// V (J) of the mass that no joint moves once the inertial parameters are regrouped.
+    pub(crate) fn fixed_potential(&self) -> f64 {
+        self.fixed_potential
     }
 
     /// Entries `(i, j, A_ij)`, i >= j, of the armature matrix that are not zero.
@@ -127,16 +156,32 @@ impl From<&Robot> for Tree {
             Some(*end)
         });
         let subtree_starts = std::iter::once(0).chain(ends).collect();
-        let joints = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
+        let mut joints: Vec<_> = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
+        let gravity = (turned.world * robot.gravity()).into();
+        set_reach(&mut joints);
+        let fixed_potential = regroup(&mut joints, gravity);
         Self {
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             joints,
-            gravity: (turned.world * robot.gravity()).into(),
+            gravity,
+            fixed_potential,
             armature: nonzero_lower(robot.armature()),
             children,
             subtree_starts,
             subtrees: nested.concat(),
         }
+    }
+}
+
+/// Minkowski's inequality, from joint to joint: `reach_i^2 = link_i + sum_c (reach_c + sqrt(mass_c) distance_c)^2`.
+fn set_reach(joints: &mut [JointFrame]) {
+    for i in (0..joints.len()).rev() {
+        let joint = &mut joints[i];
+        let [xx, yy, zz, ..] = joint.inertia.matrix;
+        joint.reach = (joint.reach + 0.5 * (xx + yy + zz).max(0.0)).sqrt();
+        let distance = Vector3::from(joint.screw.translation).norm() + joint.screw.rise.abs();
+        let (parent, reach) = (joint.parent, joint.reach + joint.subtree_mass.sqrt() * distance);
+        parent.into_iter().for_each(|parent| joints[parent].reach += reach * reach);
     }
 }
 
@@ -150,19 +195,21 @@ mod tests {
     use super::*;
     use crate::robot::frames::about_z;
     use crate::robot::{JointSpec, LinkInertia, Placement};
-    use nalgebra::{Matrix3, Vector3};
+    use nalgebra::Matrix3;
 
     /// Position of each turned frame in the turned world at q, by 4 x 4 products.
     fn positions(tree: &Tree, q: &[f64]) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
         let mut frames: Vec<(Matrix3<f64>, Vector3<f64>)> = Vec::new();
         for (joint, q) in tree.joints().iter().zip(q) {
             let (outer, origin) = joint.parent.map_or((Matrix3::identity(), Vector3::zeros()), |p| frames[p]);
-            let [s, c] = joint.screw.alpha;
+            let [s, c] = joint.screw.alpha.sin_cos();
             let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
-            let rz = about_z(joint.screw.gamma.unwrap_or([0.0, 1.0]));
+            let rz = about_z(joint.screw.gamma.map_or([0.0, 1.0], |gamma| gamma.sin_cos()));
             let (turn, slide) = match joint.kind {
-                JointKind::Revolute => (about_z([(q + joint.offset).sin(), (q + joint.offset).cos()]), 0.0),
-                JointKind::Prismatic => (Matrix3::identity(), *q),
+                JointKind::Revolute => {
+                    (about_z([(q + joint.offset).sin(), (q + joint.offset).cos()]), joint.screw.rise)
+                }
+                JointKind::Prismatic => (Matrix3::identity(), q + joint.offset),
             };
             let local = rz * (Vector3::from(joint.screw.translation) + rx * Vector3::new(0.0, 0.0, slide));
             frames.push((outer * rz * rx * turn, origin + outer * local));

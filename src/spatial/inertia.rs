@@ -1,5 +1,6 @@
 //! Inertia of a rigid body about the origin of a frame.
 
+use super::turn::{FixedTurn, Turn};
 use super::vector::{Force, Motion, Vec3};
 use crate::scalar::Scalar;
 
@@ -31,51 +32,28 @@ impl<S: Scalar> Symmetric3<S> {
         )
     }
 
-    /// `Rz J Rz'` for the rotation about z with this sine and cosine.
-    ///
-    /// With `e = s (J_xx - J_yy) + 2 c J_xy`: `J_xx - s e`, `J_yy + s e`, `c e - J_xy`, eight products in all.
+    /// `Rz J Rz'` for a rotation about z.
     #[inline(always)]
-    pub fn turned_about_z(&self, sin: S, cos: S) -> Self {
-        let e = sin * (self.xx - self.yy) + cos * (self.xy + self.xy);
-        let moved = sin * e;
-        Self {
-            xx: self.xx - moved,
-            yy: self.yy + moved,
-            zz: self.zz,
-            xy: cos * e - self.xy,
-            xz: cos * self.xz - sin * self.yz,
-            yz: sin * self.xz + cos * self.yz,
-        }
+    pub fn turned_about_z(&self, turn: &Turn<S>) -> Self {
+        let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
+        let [xz, yz] = turn.apply([self.xz, self.yz]);
+        Self { xx, yy, zz: self.zz, xy, xz, yz }
     }
 
-    /// As [`turned_about_z`](Self::turned_about_z) for constant sine and cosine.
+    /// As [`turned_about_z`](Self::turned_about_z), by a constant angle.
     #[inline(always)]
-    pub fn turned_about_z_constant(&self, [sin, cos]: [f64; 2]) -> Self {
-        let e = (self.xx - self.yy).times(sin) + self.xy.times(2.0 * cos);
-        let moved = e.times(sin);
-        Self {
-            xx: self.xx - moved,
-            yy: self.yy + moved,
-            zz: self.zz,
-            xy: e.times(cos) - self.xy,
-            xz: self.xz.times(cos) - self.yz.times(sin),
-            yz: self.xz.times(sin) + self.yz.times(cos),
-        }
+    pub fn turned_about_z_constant(&self, turn: &FixedTurn) -> Self {
+        let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
+        let [xz, yz] = turn.apply([self.xz, self.yz]);
+        Self { xx, yy, zz: self.zz, xy, xz, yz }
     }
 
-    /// `Rx J Rx'` for the rotation about x with this constant sine and cosine.
+    /// `Rx J Rx'` for a rotation about x by a constant angle.
     #[inline(always)]
-    pub fn turned_about_x_constant(&self, [sin, cos]: [f64; 2]) -> Self {
-        let e = (self.yy - self.zz).times(sin) + self.yz.times(2.0 * cos);
-        let moved = e.times(sin);
-        Self {
-            xx: self.xx,
-            yy: self.yy - moved,
-            zz: self.zz + moved,
-            xy: self.xy.times(cos) - self.xz.times(sin),
-            xz: self.xy.times(sin) + self.xz.times(cos),
-            yz: e.times(cos) - self.yz,
-        }
+    pub fn turned_about_x_constant(&self, turn: &FixedTurn) -> Self {
+        let [yy, zz, yz] = turn.congruence([self.yy, self.zz, self.yz]);
+        let [xy, xz] = turn.apply([self.xy, self.xz]);
+        Self { xx: self.xx, yy, zz, xy, xz, yz }
     }
 }
 
@@ -174,10 +152,10 @@ mod tests {
         let rz = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
         let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
         let z = rz * dense(&j) * rz.transpose();
-        assert!((dense(&j.turned_about_z(s, c)) - z).amax() < 1e-15);
-        assert!((dense(&j.turned_about_z_constant([s, c])) - z).amax() < 1e-15);
+        assert!((dense(&j.turned_about_z(&Turn::by(0.7))) - z).amax() < 1e-15);
+        assert!((dense(&j.turned_about_z_constant(&FixedTurn::new([s, c]))) - z).amax() < 1e-15);
         let x = rx * dense(&j) * rx.transpose();
-        assert!((dense(&j.turned_about_x_constant([s, c])) - x).amax() < 1e-15);
+        assert!((dense(&j.turned_about_x_constant(&FixedTurn::new([s, c]))) - x).amax() < 1e-15);
     }
 
     #[test]

@@ -5,8 +5,10 @@
 
 mod inertia;
 mod transform;
+mod turn;
 mod vector;
 
 pub use inertia::{ConstantInertia, Inertia, Symmetric3};
 pub use transform::{FixedScrew, JointPosition, Transform};
+pub use turn::{FixedTurn, Turn};
 pub use vector::{Force, Motion, Vec3};

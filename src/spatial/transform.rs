@@ -1,39 +1,35 @@
 //! From the frame of a joint to that of its parent and back.
 //!
-//! `x_parent = Rz(gamma) ( r + Rx(alpha) J(q) x )`, where J turns about z by q (+ an offset) or slides along z by q.
-//! Every placement of two frames has this form once each frame is turned about its own z axis: with gamma = 0 it is
-//! the modified Denavit-Hartenberg convention (A1.2). Rotations are made of sine and cosine only.
+//! `x_parent = Rz(gamma) (r + Rx(alpha) (rise e_z + J(q) x))`, where J turns about z by q (+ an offset) or slides along
+//! z by q (+ an offset). Every placement of two frames has this form once each frame is turned about its own z axis:
+//! with gamma = 0 and r along x it is the modified Denavit-Hartenberg convention (A1.2). Rotations are made of sine and
+//! cosine only.
 
 use super::inertia::Inertia;
+use super::turn::{FixedTurn, Turn};
 use super::vector::{Force, Motion, Vec3};
 use crate::scalar::Scalar;
 
-/// The constant part `Rz(gamma) (r + Rx(alpha) .)` of a transform.
+/// The constant part `Rz(gamma) (r + Rx(alpha) (rise e_z + .))` of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedScrew {
-    /// Sine and cosine of gamma; `None` where gamma = 0.
-    pub gamma: Option<[f64; 2]>,
-    /// Sine and cosine of alpha.
-    pub alpha: [f64; 2],
+    /// By gamma about z of the parent's frame; `None` where gamma = 0.
+    pub gamma: Option<FixedTurn>,
+    /// By alpha about x.
+    pub alpha: FixedTurn,
     /// Translation r (m), in axes turned by gamma.
     pub translation: [f64; 3],
+    /// Translation along the joint axis (m), of a revolute joint.
+    pub rise: f64,
 }
 
 /// The part that depends on q.
 #[derive(Clone, Copy, Debug)]
 pub enum JointPosition<S> {
-    /// Turned about z.
-    Turned {
-        /// Sine of the joint angle.
-        sin: S,
-        /// Cosine of the joint angle.
-        cos: S,
-    },
-    /// Slid along z.
-    Slid {
-        /// By this distance (m).
-        distance: S,
-    },
+    /// Turned about z by the joint angle.
+    Turned(Turn<S>),
+    /// Slid along z by this distance (m).
+    Slid(S),
 }
 
 /// One transform between neighbouring frames.
@@ -45,82 +41,74 @@ pub struct Transform<S> {
     pub joint: JointPosition<S>,
 }
 
-#[inline(always)]
-fn turn_z<S: Scalar>(a: Vec3<S>, sin: S, cos: S) -> Vec3<S> {
-    Vec3::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y, a.z)
-}
-
-#[inline(always)]
-fn turn_z_back<S: Scalar>(a: Vec3<S>, sin: S, cos: S) -> Vec3<S> {
-    Vec3::new(cos * a.x + sin * a.y, cos * a.y - sin * a.x, a.z)
-}
-
-#[inline(always)]
-fn turn_z_constant<S: Scalar>(a: Vec3<S>, [sin, cos]: [f64; 2]) -> Vec3<S> {
-    Vec3::new(a.x.times(cos) - a.y.times(sin), a.x.times(sin) + a.y.times(cos), a.z)
-}
-
-#[inline(always)]
-fn turn_x_constant<S: Scalar>(a: Vec3<S>, [sin, cos]: [f64; 2]) -> Vec3<S> {
-    Vec3::new(a.x, a.y.times(cos) - a.z.times(sin), a.y.times(sin) + a.z.times(cos))
-}
-
 impl<S: Scalar> Transform<S> {
     /// A free vector of the parent's frame, seen from this frame.
     #[inline(always)]
     pub fn vector_down(&self, mut a: Vec3<S>) -> Vec3<S> {
-        if let Some([sin, cos]) = self.fixed.gamma {
-            a = turn_z_constant(a, [-sin, cos]);
+        if let Some(gamma) = &self.fixed.gamma {
+            [a.x, a.y] = gamma.undo([a.x, a.y]);
         }
-        let [sin, cos] = self.fixed.alpha;
-        a = turn_x_constant(a, [-sin, cos]);
-        match self.joint {
-            JointPosition::Turned { sin, cos } => turn_z_back(a, sin, cos),
-            JointPosition::Slid { .. } => a,
+        [a.y, a.z] = self.fixed.alpha.undo([a.y, a.z]);
+        if let JointPosition::Turned(turn) = &self.joint {
+            [a.x, a.y] = turn.undo([a.x, a.y]);
         }
+        a
     }
 
     /// A rigid motion seen from and referred to the parent's frame, now to this frame.
     #[inline(always)]
     pub fn motion_down(&self, parent: Motion<S>) -> Motion<S> {
         let (mut w, mut v) = (parent.angular, parent.linear);
-        if let Some([sin, cos]) = self.fixed.gamma {
-            w = turn_z_constant(w, [-sin, cos]);
-            v = turn_z_constant(v, [-sin, cos]);
+        let fixed = &self.fixed;
+        if let Some(gamma) = &fixed.gamma {
+            [w.x, w.y] = gamma.undo([w.x, w.y]);
+            [v.x, v.y] = gamma.undo([v.x, v.y]);
         }
-        v = v + w.cross_constant(self.fixed.translation);
-        let [sin, cos] = self.fixed.alpha;
-        w = turn_x_constant(w, [-sin, cos]);
-        v = turn_x_constant(v, [-sin, cos]);
-        match self.joint {
-            JointPosition::Turned { sin, cos } => {
-                Motion { angular: turn_z_back(w, sin, cos), linear: turn_z_back(v, sin, cos) }
+        v = v + w.cross_constant(fixed.translation);
+        [w.y, w.z] = fixed.alpha.undo([w.y, w.z]);
+        [v.y, v.z] = fixed.alpha.undo([v.y, v.z]);
+        match &self.joint {
+            JointPosition::Turned(turn) => {
+                if fixed.rise != 0.0 {
+                    v.x += w.y.times(fixed.rise);
+                    v.y -= w.x.times(fixed.rise);
+                }
+                [w.x, w.y] = turn.undo([w.x, w.y]);
+                [v.x, v.y] = turn.undo([v.x, v.y]);
             }
-            JointPosition::Slid { distance } => {
-                Motion { angular: w, linear: Vec3::new(v.x + w.y * distance, v.y - w.x * distance, v.z) }
+            &JointPosition::Slid(distance) => {
+                v.x += w.y * distance;
+                v.y -= w.x * distance;
             }
         }
+        Motion { angular: w, linear: v }
     }
 
     /// A force about the origin of this frame, now seen from the parent's frame, about its origin.
     #[inline(always)]
     pub fn force_up(&self, here: Force<S>) -> Force<S> {
         let (mut n, mut f) = (here.moment, here.force);
-        match self.joint {
-            JointPosition::Turned { sin, cos } => {
-                n = turn_z(n, sin, cos);
-                f = turn_z(f, sin, cos);
+        let fixed = &self.fixed;
+        match &self.joint {
+            JointPosition::Turned(turn) => {
+                [n.x, n.y] = turn.apply([n.x, n.y]);
+                [f.x, f.y] = turn.apply([f.x, f.y]);
+                if fixed.rise != 0.0 {
+                    n.x -= f.y.times(fixed.rise);
+                    n.y += f.x.times(fixed.rise);
+                }
             }
-            JointPosition::Slid { distance } => {
-                n = Vec3::new(n.x - distance * f.y, n.y + distance * f.x, n.z)
+            &JointPosition::Slid(distance) => {
+                n.x -= distance * f.y;
+                n.y += distance * f.x;
             }
         }
-        n = turn_x_constant(n, self.fixed.alpha);
-        f = turn_x_constant(f, self.fixed.alpha);
-        n = n - f.cross_constant(self.fixed.translation);
-        if let Some(gamma) = self.fixed.gamma {
-            n = turn_z_constant(n, gamma);
-            f = turn_z_constant(f, gamma);
+        [n.y, n.z] = fixed.alpha.apply([n.y, n.z]);
+        [f.y, f.z] = fixed.alpha.apply([f.y, f.z]);
+        n = n - f.cross_constant(fixed.translation);
+        if let Some(gamma) = &fixed.gamma {
+            [n.x, n.y] = gamma.apply([n.x, n.y]);
+            [f.x, f.y] = gamma.apply([f.x, f.y]);
         }
         Force { moment: n, force: f }
     }
@@ -131,13 +119,22 @@ impl<S: Scalar> Transform<S> {
     #[inline(always)]
     pub fn inertia_up(&self, body: &Inertia<S>) -> Inertia<S> {
         let mass = body.mass;
+        let fixed = &self.fixed;
         let (mut h, mut j) = (body.first_moment, body.matrix);
-        match self.joint {
-            JointPosition::Turned { sin, cos } => {
-                h = turn_z(h, sin, cos);
-                j = j.turned_about_z(sin, cos);
+        match &self.joint {
+            JointPosition::Turned(turn) => {
+                [h.x, h.y] = turn.apply([h.x, h.y]);
+                j = j.turned_about_z(turn);
+                if fixed.rise != 0.0 {
+                    let spread = (h.z + h.z).plus(mass * fixed.rise).times(fixed.rise);
+                    j.xx += spread;
+                    j.yy += spread;
+                    j.xz -= h.x.times(fixed.rise);
+                    j.yz -= h.y.times(fixed.rise);
+                    h.z = h.z.plus(mass * fixed.rise);
+                }
             }
-            JointPosition::Slid { distance } => {
+            &JointPosition::Slid(distance) => {
                 let moved = distance.times(mass);
                 let spread = distance * (h.z + h.z + moved);
                 j.xx += spread;
@@ -147,9 +144,9 @@ impl<S: Scalar> Transform<S> {
                 h.z += moved;
             }
         }
-        h = turn_x_constant(h, self.fixed.alpha);
-        j = j.turned_about_x_constant(self.fixed.alpha);
-        let r @ [rx, ry, rz] = self.fixed.translation;
+        [h.y, h.z] = fixed.alpha.apply([h.y, h.z]);
+        j = j.turned_about_x_constant(&fixed.alpha);
+        let r @ [rx, ry, rz] = fixed.translation;
         let w = h.plus(r.map(|r| 0.5 * mass * r));
         let (xx, yy, zz) = (w.x.times(rx), w.y.times(ry), w.z.times(rz));
         let double = |a: S| a + a;
@@ -160,8 +157,8 @@ impl<S: Scalar> Transform<S> {
         j.xz -= w.x.times(rz) + w.z.times(rx);
         j.yz -= w.y.times(rz) + w.z.times(ry);
         h = h.plus(r.map(|r| mass * r));
-        if let Some(gamma) = self.fixed.gamma {
-            h = turn_z_constant(h, gamma);
+        if let Some(gamma) = &fixed.gamma {
+            [h.x, h.y] = gamma.apply([h.x, h.y]);
             j = j.turned_about_z_constant(gamma);
         }
         Inertia { mass, first_moment: h, matrix: j }
@@ -175,15 +172,15 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
 
     fn cases() -> Vec<Transform<f64>> {
-        let unit = |angle: f64| [angle.sin(), angle.cos()];
-        let (sin, cos) = 0.4_f64.sin_cos();
-        let turned = JointPosition::Turned { sin, cos };
-        let slid = JointPosition::Slid { distance: -0.8 };
+        let unit = |angle: f64| FixedTurn::new([angle.sin(), angle.cos()]);
+        let (turned, slid) = (JointPosition::Turned(Turn::by(0.4)), JointPosition::Slid(-0.8));
         let translation = [0.3, -0.5, 0.7];
         let mut cases = Vec::new();
-        for joint in [turned, slid] {
+        for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0)] {
             for gamma in [None, Some(unit(2.2))] {
-                cases.push(Transform { fixed: FixedScrew { gamma, alpha: unit(-1.3), translation }, joint });
+                for alpha in [FixedTurn::None, FixedTurn::ThreeQuarters, unit(-1.3)] {
+                    cases.push(Transform { fixed: FixedScrew { gamma, alpha, translation, rise }, joint });
+                }
             }
         }
         cases
@@ -192,12 +189,12 @@ mod tests {
     /// Rotation and translation as dense arrays, built independently of the staged formulas.
     fn dense(t: &Transform<f64>) -> (Matrix3<f64>, Vector3<f64>) {
         let rz = |[s, c]: [f64; 2]| Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
-        let [s, c] = t.fixed.alpha;
+        let [s, c] = t.fixed.alpha.sin_cos();
         let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
-        let outer = rz(t.fixed.gamma.unwrap_or([0.0, 1.0]));
+        let outer = rz(t.fixed.gamma.map_or([0.0, 1.0], |gamma| gamma.sin_cos()));
         let (turn, slide) = match t.joint {
-            JointPosition::Turned { sin, cos } => (rz([sin, cos]), 0.0),
-            JointPosition::Slid { distance } => (Matrix3::identity(), distance),
+            JointPosition::Turned(turn) => (rz([turn.sin, turn.cos]), t.fixed.rise),
+            JointPosition::Slid(distance) => (Matrix3::identity(), distance),
         };
         let origin = outer * (Vector3::from(t.fixed.translation) + rx * Vector3::new(0.0, 0.0, slide));
         (outer * rx * turn, origin)

@@ -1,0 +1,142 @@
+//! Where along its axis the origin of each joint frame is best placed.
+//!
+//! A frame may slide along a revolute axis, and anywhere with a prismatic joint, without any change of q, v, p or M.
+//! At the foot of the common normal with the next axis the placement of the next frame has a translation along x and one
+//! along the next axis, nothing else (modified Denavit-Hartenberg convention); what remains vanishes for intersecting axes.
+
+use super::{Joint, JointKind, Robot};
+use nalgebra::Vector3;
+
+/// Axes that enclose an angle with a smaller sine count as parallel: the foot would move too far away.
+pub(super) const LEAST_SINE: f64 = 0.3;
+
+/// New origin of each joint frame, seen from the old one, in its axes (m).
+pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
+    let joints = robot.joints();
+    let heir = heirs(joints);
+    let feet = feet(joints, &heir);
+    let mut origins: Vec<Vector3<f64>> = Vec::with_capacity(joints.len());
+    for (i, joint) in joints.iter().enumerate() {
+        let parent = joint.parent.map_or(Vector3::zeros(), |p| origins[p]);
+        // The origin of the parent's frame, seen from this one.
+        let outer = joint.placement.rotation.tr_mul(&(parent - joint.placement.translation));
+        let beside = outer - joint.axis * outer.dot(&joint.axis);
+        origins.push(match joint.kind {
+            JointKind::Prismatic => {
+                let next = heir[i].map(|child| &joints[child]);
+                beside + joint.axis * next.and_then(|next| foot(joint, &beside, next)).unwrap_or(0.0)
+            }
+            JointKind::Revolute => {
+                let own_foot = || {
+                    let outer_axis = joint.parent.map(|p| joint.placement.rotation.tr_mul(&joints[p].axis));
+                    let foot = outer_axis.and_then(|axis| nearest(&-outer, &joint.axis, &axis));
+                    foot.unwrap_or_else(|| outer.dot(&joint.axis))
+                };
+                joint.axis * feet[i].unwrap_or_else(own_foot)
+            }
+        });
+    }
+    origins
+}
+
+/// The child with the most joints beyond it: it shapes the frame of its parent.
+fn heirs(joints: &[Joint]) -> Vec<Option<usize>> {
+    let mut size = vec![1; joints.len()];
+    let mut heir: Vec<Option<usize>> = vec![None; joints.len()];
+    for (j, joint) in joints.iter().enumerate().rev() {
+        if let Some(parent) = joint.parent {
+            size[parent] += size[j];
+            if heir[parent].is_none_or(|other| size[other] <= size[j]) {
+                heir[parent] = Some(j);
+            }
+        }
+    }
+    heir
+}
+
+/// How far along its axis the frame of a revolute joint moves for the sake of its heir; `None` where that leaves it free.
+fn feet(joints: &[Joint], heir: &[Option<usize>]) -> Vec<Option<f64>> {
+    let mut feet = vec![None; joints.len()];
+    for (i, joint) in joints.iter().enumerate().rev() {
+        let Some(next) = heir[i].filter(|_| joint.kind == JointKind::Revolute) else { continue };
+        if joints[next].kind == JointKind::Revolute {
+            let level = |foot: f64| {
+                let origin = joints[next].axis * foot;
+                joint
+                    .axis
+                    .dot(&(joints[next].placement.rotation * origin + joints[next].placement.translation))
+            };
+            feet[i] = foot(joint, &Vector3::zeros(), &joints[next]).or(feet[next].map(level));
+        }
+    }
+    feet
+}
+
+/// Position along the axis of `joint`, through `origin`, of the foot of its common normal with the axis of `next`.
+fn foot(joint: &Joint, origin: &Vector3<f64>, next: &Joint) -> Option<f64> {
+    let other = next.placement.rotation * next.axis;
+    nearest(&(origin - next.placement.translation), &joint.axis, &other)
+}
+
+/// How far from a point on it, which is `apart` from a point of another line, one line is nearest to that line.
+fn nearest(apart: &Vector3<f64>, along: &Vector3<f64>, other: &Vector3<f64>) -> Option<f64> {
+    let across = along - other * along.dot(other);
+    let square = across.norm_squared();
+    (square >= LEAST_SINE * LEAST_SINE).then(|| -apart.dot(&across) / square)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{JointSpec, Placement, Tree};
+
+    fn placed(x: f64) -> Placement {
+        Placement::from_xyz_rpy([x, -0.4, 0.7 - x], [0.4 + x, -1.1, 2.0 * x])
+    }
+
+    #[test]
+    fn chains_in_general_directions_become_denavit_hartenberg_tables() {
+        let axis = [0.3, -0.5, 0.8];
+        let robot = (0..5).fold(Robot::builder("chain"), |builder, i| {
+            let joint =
+                if i == 3 { JointSpec::prismatic("slide") } else { JointSpec::revolute(format!("j{i}")) };
+            let joint = joint.placed(placed(0.3 * f64::from(i))).axis(axis).armature(1.0);
+            builder.joint(if i == 0 {
+                joint
+            } else if i == 4 {
+                joint.on("slide")
+            } else {
+                joint.on(format!("j{}", i - 1))
+            })
+        });
+        let tree = Tree::from(&robot.build().unwrap());
+        for joint in &tree.joints()[1..] {
+            let [_, y, z] = joint.screw.translation;
+            assert_eq!([y, z], [0.0; 2], "{joint:?}");
+            assert!(
+                joint.screw.gamma.is_none()
+                    || joint.parent.is_some_and(|p| tree.joints()[p].kind == JointKind::Prismatic)
+            );
+        }
+        assert_eq!((tree.joints()[3].screw.translation, tree.joints()[3].screw.rise), ([0.0; 3], 0.0));
+        assert!(tree.joints()[3].offset != 0.0 && tree.joints()[4].screw.rise == 0.0);
+    }
+
+    #[test]
+    fn parallel_axes_stand_on_one_level_and_nearly_parallel_ones_stay_where_they_are() {
+        for (tilt, level) in [(0.0, true), (0.05, false)] {
+            let robot = (0..4).fold(Robot::builder("planar"), |builder, i| {
+                let place = Placement::from_xyz_rpy([0.5, 0.0, 0.2], [tilt, 0.0, 0.0]);
+                let joint = JointSpec::revolute(format!("j{i}")).placed(place).armature(1.0);
+                builder.joint(if i == 0 { joint } else { joint.on(format!("j{}", i - 1)) })
+            });
+            let robot = robot.build().unwrap();
+            let tree = Tree::from(&robot);
+            for joint in &tree.joints()[1..] {
+                let [x, y, z] = joint.screw.translation;
+                assert!((x.hypot(y) - 0.5).abs() < 0.02, "{joint:?}");
+                assert!(if level { z == 0.0 } else { z.abs() < 0.2 }, "{joint:?}");
+            }
+        }
+    }
+}
