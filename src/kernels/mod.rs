@@ -6,6 +6,7 @@ mod hessian;
 mod position;
 mod route;
 mod two;
+mod two_pairs;
 mod velocity;
 
 pub use dissipation::{FrictionDerivatives, friction};
@@ -34,7 +35,8 @@ use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 /// ```
 ///
 /// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish: measured
-/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together. Armature is
+/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together; where it
+/// stands on the world its S and gamma are carried to them instead. Armature is
 /// added to M and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S> {
@@ -47,7 +49,7 @@ pub struct KernelOne<S> {
     carried: Vec<Force<S>>,
     /// For each joint on the link of a joint on the world, how that one looks from here.
     roots: Vec<RootAxis<S>>,
-    /// G_j seen from the frame of the ancestor reached last.
+    /// G_j seen from frame i, in the same order; for joints on the world neither is carried.
     rates: Vec<Force<S>>,
     q: Vec<S>,
     v: Vec<S>,
@@ -80,7 +82,7 @@ impl<S: Scalar> KernelOne<S> {
             momenta: vec![Force::zero(); n],
             carried: vec![Force::zero(); tree.pairs()],
             roots: vec![RootAxis { motion: Motion::zero(), gravity: Vec3::zero() }; n],
-            rates: vec![Force::zero(); n],
+            rates: vec![Force::zero(); tree.pairs()],
             q: vec![S::zero(); n],
             v: vec![S::zero(); n],
             mass_matrix: Matrix::zeros(n, n),

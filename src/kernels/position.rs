@@ -4,7 +4,7 @@ use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
-use crate::spatial::{Force, Inertia, Motion, Vec3};
+use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 
 /// `F = IC S`: momentum of the composite body for unit velocity of its joint.
 #[inline(always)]
@@ -18,6 +18,33 @@ pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) 
             moment: Vec3::new(h.y, -h.x, S::zero()),
             force: Vec3::constant([0.0, 0.0, composite.mass]),
         },
+    }
+}
+
+/// Fills the forces of the pairs (i, j), one for each j beyond i, in frame i: that of i itself is `own`, the others come
+/// from the frames of the children of i.
+#[inline(always)]
+pub(super) fn carry<S: Scalar>(
+    tree: &Tree,
+    transforms: &[Transform<S>],
+    i: usize,
+    own: Force<S>,
+    forces: &mut [Force<S>],
+) {
+    let here = tree.pairs_of(i);
+    let (near, far) = forces.split_at_mut(here.end);
+    let mut slots = near[here.clone()].iter_mut();
+    if let Some(slot) = slots.next() {
+        *slot = own;
+    }
+    for &child in tree.children(i) {
+        let beyond = tree.pairs_of(child);
+        let transform = transforms[child];
+        let forces = &far[beyond.start - here.end..beyond.end - here.end];
+        // The forces come first: a zip takes one of its first before it finds the second at its end.
+        for (force, slot) in forces.iter().zip(slots.by_ref()) {
+            *slot = transform.force_up(*force);
+        }
     }
 }
 
@@ -40,6 +67,16 @@ pub(super) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
     }
 }
 
+/// `S x* f`: how a force that does not move changes in the frame of a joint that moves back.
+#[inline(always)]
+pub(super) fn across_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> Force<S> {
+    let across = |a: &Vec3<S>| Vec3::new(-a.y, a.x, S::zero());
+    match kind {
+        JointKind::Revolute => Force { moment: across(&force.moment), force: across(&force.force) },
+        JointKind::Prismatic => Force { moment: across(&force.force), force: Vec3::zero() },
+    }
+}
+
 impl<S: Scalar> KernelOne<S> {
     /// Computes M at q (rad, m; length n): `M_ij = S_i . F_j` (62), plus armature.
     ///
@@ -50,26 +87,13 @@ impl<S: Scalar> KernelOne<S> {
         self.q.copy_from_slice(q);
         self.place(tree);
         for (i, joint) in tree.joints().iter().enumerate().rev() {
-            let here = tree.pairs_of(i);
             if joint.parent.is_none() {
                 self.meet_root(tree, i);
                 continue;
             }
-            let (near, far) = self.carried.split_at_mut(here.end);
-            let mut slots = near[here.clone()].iter_mut();
-            if let Some(own) = slots.next() {
-                *own = unit_momentum(joint.kind, &self.composites[i]);
-            }
-            for &child in tree.children(i) {
-                let beyond = tree.pairs_of(child);
-                let transform = self.transforms[child];
-                let forces = &far[beyond.start - here.end..beyond.end - here.end];
-                // The forces come first: a zip takes one of its first before it finds the second at its end.
-                for (force, slot) in forces.iter().zip(slots.by_ref()) {
-                    *slot = transform.force_up(*force);
-                }
-            }
-            for (force, &j) in self.carried[here].iter().zip(tree.subtree(i)) {
+            let own = unit_momentum(joint.kind, &self.composites[i]);
+            carry(tree, &self.transforms, i, own, &mut self.carried);
+            for (force, &j) in self.carried[tree.pairs_of(i)].iter().zip(tree.subtree(i)) {
                 let entry = along_joint(joint.kind, force);
                 self.mass_matrix[(i, j)] = entry;
                 self.mass_matrix[(j, i)] = entry;

@@ -1,41 +1,123 @@
 //! Kernel two: the derivative of kernel one along a direction.
 
-use super::KernelOne;
+use super::position::{across_joint, unit_momentum};
+use super::velocity::AxisRate;
+use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
 use crate::matrix::Matrix;
-use crate::robot::Tree;
-use crate::scalar::{Scalar, Tangent};
+use crate::robot::{JointKind, Tree};
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Inertia, Motion, Symmetric3, Vec3};
 
-/// Kernel two: derivatives of M, P and L_qq along a direction (dq, dv).
+/// Kernel two: the derivatives D M, D P and D L_qq of kernel one along a direction (dq, dv).
+///
+/// In body frames `dS = 0`, only the transforms X move: `dX = -(S dq) x X`. By the product rule, X' for the way up,
+///
+/// ```text
+/// dv_i = X dv_parent + S_i dv_i + psi_i dq_i      dpsi_i = dv_i x S_i      dgamma_i = da_g x S_i
+/// d(X' f) = X' (df + S dq x* f)                   likewise dIC, dH from the tips inward
+/// dF_j = dIC_j S_j        dG_j = dIC_j psi_j + IC_j dpsi_j + S_j x* dH_j
+/// D M_ij = S_i . dF_j     D P_ij = S_i . dG_j     D P_ji = dpsi_i . F_j + psi_i . dF_j
+/// D L_qq,ij = dpsi_i . G_j + psi_i . dG_j + dgamma_i . F_j + gamma_i . dF_j
+/// ```
+///
+/// for i <= j in tree order: n d scalar products again, and no derivative of a factorisation anywhere. Along (dq, dv) =
+/// (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of inverse dynamics follow.
 #[derive(Clone, Debug)]
 pub struct KernelTwo<S> {
-    along: KernelOne<Tangent<S>>,
-    q: Vec<Tangent<S>>,
-    v: Vec<Tangent<S>>,
-    mass_matrix: Matrix<S>,
-    l_vq: Matrix<S>,
-    l_qq: Matrix<S>,
+    pub(super) dq: Vec<S>,
+    pub(super) velocities: Vec<Motion<S>>,
+    pub(super) gravity: Vec<Vec3<S>>,
+    pub(super) momenta: Vec<Force<S>>,
+    pub(super) composites: Vec<Inertia<S>>,
+    pub(super) roots: Vec<RootAxis<S>>,
+    /// dF_j seen from the frame of the ancestor reached last.
+    pub(super) forces: Vec<Force<S>>,
+    /// dG_j, likewise.
+    pub(super) rates: Vec<Force<S>>,
+    pub(super) mass_matrix: Matrix<S>,
+    pub(super) l_vq: Matrix<S>,
+    pub(super) l_qq: Matrix<S>,
+}
+
+/// `f + (S dq) x* g`.
+#[inline(always)]
+pub(super) fn moved<S: Scalar>(kind: JointKind, f: Force<S>, g: &Force<S>, dq: S) -> Force<S> {
+    let Force { moment: n, force: p } = across_joint(kind, g);
+    let mut sum = f;
+    sum.moment.x += n.x * dq;
+    sum.moment.y += n.y * dq;
+    if kind == JointKind::Revolute {
+        sum.force.x += p.x * dq;
+        sum.force.y += p.y * dq;
+    }
+    sum
+}
+
+/// `D + S dq x* I - I S dq x`: the change of an inertia whose frame moves back by S dq.
+#[inline(always)]
+fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia<S>, dq: S) -> Inertia<S> {
+    let (h, j) = (&body.first_moment, &body.matrix);
+    let Inertia { mass, first_moment: dh, matrix: d } = *change;
+    let double = |a: S| a + a;
+    match kind {
+        JointKind::Revolute => {
+            let twist = double(j.xy * dq);
+            Inertia {
+                mass,
+                first_moment: Vec3::new(dh.x - h.y * dq, dh.y + h.x * dq, dh.z),
+                matrix: Symmetric3 {
+                    xx: d.xx - twist,
+                    yy: d.yy + twist,
+                    xy: d.xy + (j.xx - j.yy) * dq,
+                    xz: d.xz - j.yz * dq,
+                    yz: d.yz + j.xz * dq,
+                    ..d
+                },
+            }
+        }
+        JointKind::Prismatic => {
+            let spread = double(h.z * dq);
+            Inertia {
+                mass,
+                first_moment: Vec3::new(dh.x, dh.y, dh.z + dq.times(body.mass)),
+                matrix: Symmetric3 {
+                    xx: d.xx + spread,
+                    yy: d.yy + spread,
+                    xz: d.xz - h.x * dq,
+                    yz: d.yz - h.y * dq,
+                    ..d
+                },
+            }
+        }
+    }
 }
 
 impl<S: Scalar> KernelTwo<S> {
     /// Buffers for this tree.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
-        let square = Matrix::zeros(n, n);
+        let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
+        let none = Inertia { mass: 0.0, first_moment: zero, matrix: Symmetric3::zero() };
         Self {
-            along: KernelOne::new(tree),
-            q: vec![Tangent::zero(); n],
-            v: vec![Tangent::zero(); n],
+            dq: vec![S::zero(); n],
+            velocities: vec![Motion::zero(); n],
+            gravity: vec![zero; n],
+            momenta: vec![Force::zero(); n],
+            composites: vec![none; n],
+            roots: vec![RootAxis { motion: Motion::zero(), gravity: zero }; n],
+            forces: vec![Force::zero(); n],
+            rates: vec![Force::zero(); n],
             mass_matrix: square.clone(),
             l_vq: square.clone(),
             l_qq: square,
         }
     }
 
-    /// Derivatives at the position q and velocity v that `kernel` was set to (all three stages) along (dq, dv).
+    /// Derivatives at the position and velocity that `kernel` was set to, all three stages, along (dq, dv), n each.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`].
+    /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn differentiate(
         &mut self,
         tree: &Tree,
@@ -45,24 +127,14 @@ impl<S: Scalar> KernelTwo<S> {
     ) -> Result<(), EvalError> {
         check_length("dq", dq, tree.len())?;
         check_length("dv", dv, tree.len())?;
-        for i in 0..tree.len() {
-            self.q[i] = Tangent::new(kernel.q[i], dq[i]);
-            self.v[i] = Tangent::new(kernel.v[i], dv[i]);
-        }
-        self.along.set_position(tree, &self.q)?;
-        self.along.set_velocity(tree, &self.v)?;
-        self.along.second_order(tree);
-        for i in 0..tree.len() {
-            for j in 0..tree.len() {
-                self.mass_matrix[(i, j)] = self.along.mass_matrix()[(i, j)].eps;
-                self.l_vq[(i, j)] = self.along.l_vq()[(i, j)].eps;
-                self.l_qq[(i, j)] = self.along.l_qq()[(i, j)].eps;
-            }
-        }
+        self.dq.copy_from_slice(dq);
+        self.outward(tree, kernel, dv);
+        self.inward(tree, kernel);
+        self.pairs(tree, kernel);
         Ok(())
     }
 
-    /// `D M`, n x n, symmetric: with dq = v the rate of the mass matrix.
+    /// `D M`, n x n, symmetric: along (v, a) the rate of the mass matrix.
     pub fn mass_matrix(&self) -> &Matrix<S> {
         &self.mass_matrix
     }
@@ -75,5 +147,62 @@ impl<S: Scalar> KernelTwo<S> {
     /// `D L_qq`, n x n, symmetric.
     pub fn l_qq(&self) -> &Matrix<S> {
         &self.l_qq
+    }
+
+    /// Changes of velocities and gravity, from the world outward.
+    fn outward(&mut self, tree: &Tree, kernel: &KernelOne<S>, dv: &[S]) {
+        for (i, joint) in tree.joints().iter().enumerate() {
+            let (transform, dq, gravity) = (&kernel.transforms[i], self.dq[i], kernel.gravity[i]);
+            let (mut velocity, mut down) = match joint.parent {
+                Some(parent) => (
+                    transform.motion_down(self.velocities[parent]),
+                    transform.vector_down(self.gravity[parent]),
+                ),
+                None => (Motion::zero(), Vec3::zero()),
+            };
+            match AxisRate::new(joint.kind, &kernel.velocities[i]) {
+                AxisRate::Revolute { angular: [a, b], linear: [c, d] } => {
+                    velocity.angular = velocity.angular + Vec3::new(a * dq, b * dq, dv[i]);
+                    velocity.linear.x += c * dq;
+                    velocity.linear.y += d * dq;
+                    down.x += gravity.y * dq;
+                    down.y -= gravity.x * dq;
+                }
+                AxisRate::Prismatic { linear: [c, d] } => {
+                    velocity.linear = velocity.linear + Vec3::new(c * dq, d * dq, dv[i]);
+                }
+            }
+            self.velocities[i] = velocity;
+            self.gravity[i] = down;
+        }
+    }
+
+    /// Changes of momenta and composite inertias, from the tips inward; those of joints on the world where they are read.
+    fn inward(&mut self, tree: &Tree, kernel: &KernelOne<S>) {
+        for (i, joint) in tree.joints().iter().enumerate() {
+            self.momenta[i] = joint.lumped.apply(self.velocities[i]);
+            self.composites[i] =
+                Inertia { mass: 0.0, first_moment: Vec3::zero(), matrix: Symmetric3::zero() };
+        }
+        for (i, joint) in tree.joints().iter().enumerate().rev() {
+            let Some(parent) = joint.parent else { continue };
+            let (transform, dq) = (&kernel.transforms[i], self.dq[i]);
+            if tree.joints()[parent].parent.is_some() {
+                let change = moved(joint.kind, self.momenta[i], &kernel.momenta[i], dq);
+                self.momenta[parent] = self.momenta[parent] + transform.force_up(change);
+            }
+            let change = moved_inertia(joint.kind, &self.composites[i], &kernel.composites[i], dq);
+            self.composites[parent].add_moments(&transform.inertia_up(&change));
+        }
+    }
+
+    /// `dF_i` and `dG_i` in the frame of joint i.
+    #[inline(always)]
+    pub(super) fn own(&self, tree: &Tree, kernel: &KernelOne<S>, i: usize) -> [Force<S>; 2] {
+        let kind = tree.joints()[i].kind;
+        let psi = AxisRate::new(kind, &kernel.velocities[i]);
+        let dpsi = AxisRate::new(kind, &self.velocities[i]);
+        let rate = psi.momentum(&self.composites[i]) + dpsi.momentum(&kernel.composites[i]);
+        [unit_momentum(kind, &self.composites[i]), rate + across_joint(kind, &self.momenta[i])]
     }
 }

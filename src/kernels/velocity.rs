@@ -28,6 +28,26 @@ impl<S: Scalar> AxisRate<S> {
         }
     }
 
+    /// `I psi`: momentum of a body that moves by psi.
+    #[inline(always)]
+    pub fn momentum(&self, body: &Inertia<S>) -> Force<S> {
+        let (h, i, mass) = (body.first_moment, &body.matrix, body.mass);
+        match *self {
+            Self::Revolute { angular: [a, b], linear: [c, d] } => Force {
+                moment: Vec3::new(
+                    i.xx * a + i.xy * b - h.z * d,
+                    i.xy * a + i.yy * b + h.z * c,
+                    i.xz * a + i.yz * b + h.x * d - h.y * c,
+                ),
+                force: Vec3::new(c.times(mass) + h.z * b, d.times(mass) - h.z * a, h.y * a - h.x * b),
+            },
+            Self::Prismatic { linear: [c, d] } => Force {
+                moment: Vec3::new(-(h.z * d), h.z * c, h.x * d - h.y * c),
+                force: Vec3::new(c.times(mass), d.times(mass), S::zero()),
+            },
+        }
+    }
+
     /// `psi . f`.
     #[inline(always)]
     pub fn power(&self, f: &Force<S>) -> S {

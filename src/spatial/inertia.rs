@@ -22,6 +22,13 @@ pub struct Symmetric3<S> {
 }
 
 impl<S: Scalar> Symmetric3<S> {
+    /// The zero matrix.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        let zero = S::zero();
+        Self { xx: zero, yy: zero, zz: zero, xy: zero, xz: zero, yz: zero }
+    }
+
     /// Matrix times vector.
     #[inline(always)]
     pub fn apply(&self, a: Vec3<S>) -> Vec3<S> {
