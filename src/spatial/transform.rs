@@ -178,7 +178,7 @@ mod tests {
         let mut cases = Vec::new();
         for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0)] {
             for gamma in [None, Some(unit(2.2))] {
-                for alpha in [FixedTurn::None, FixedTurn::ThreeQuarters, unit(-1.3)] {
+                for alpha in [FixedTurn::new([0.0, 1.0]), FixedTurn::new([-1.0, 0.0]), unit(-1.3)] {
                     cases.push(Transform { fixed: FixedScrew { gamma, alpha, translation, rise }, joint });
                 }
             }

@@ -48,100 +48,63 @@ impl<S: Scalar> Turn<S> {
     }
 }
 
-/// A rotation by a constant angle; quarter turns, exact ones, cost nothing but signs.
+/// A rotation by a constant angle; quarter turns are exact, and free where constants are folded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FixedTurn {
-    /// By 0.
-    None,
-    /// By pi/2.
-    Quarter,
-    /// By pi.
-    Half,
-    /// By -pi/2.
-    ThreeQuarters,
-    /// By any other angle.
-    General {
-        /// Sine of the angle.
-        sin: f64,
-        /// Cosine of the angle.
-        cos: f64,
-        /// Cosine plus sine.
-        sum: f64,
-        /// Sine minus cosine.
-        difference: f64,
-    },
+pub struct FixedTurn {
+    sin: f64,
+    cos: f64,
 }
 
 impl FixedTurn {
     /// By the angle with this sine and cosine.
     pub fn new([sin, cos]: [f64; 2]) -> Self {
-        match [sin, cos] {
-            [0.0, 1.0] => Self::None,
-            [1.0, 0.0] => Self::Quarter,
-            [0.0, -1.0] => Self::Half,
-            [-1.0, 0.0] => Self::ThreeQuarters,
-            _ => Self::General { sin, cos, sum: cos + sin, difference: sin - cos },
-        }
+        Self { sin, cos }
     }
 
     /// Sine and cosine.
     pub fn sin_cos(&self) -> [f64; 2] {
-        match *self {
-            Self::None => [0.0, 1.0],
-            Self::Quarter => [1.0, 0.0],
-            Self::Half => [0.0, -1.0],
-            Self::ThreeQuarters => [-1.0, 0.0],
-            Self::General { sin, cos, .. } => [sin, cos],
-        }
+        [self.sin, self.cos]
     }
 
     /// Whether it is a multiple of a quarter turn.
+    #[inline]
     pub fn is_right(&self) -> bool {
-        !matches!(self, Self::General { .. })
+        self.sin == 0.0 || self.cos == 0.0
     }
 
     /// `(c a - s b, s a + c b)`.
-    #[inline(always)]
+    #[inline]
     pub fn apply<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        match *self {
-            Self::None => [a, b],
-            Self::Quarter => [-b, a],
-            Self::Half => [-a, -b],
-            Self::ThreeQuarters => [b, -a],
-            Self::General { cos, sum, difference, .. } => {
-                let k = (a + b).times(cos);
-                [k - b.times(sum), k + a.times(difference)]
-            }
+        let Self { sin, cos } = *self;
+        if self.is_right() {
+            return [a.times(cos) - b.times(sin), a.times(sin) + b.times(cos)];
         }
+        let k = (a + b).times(cos);
+        [k - b.times(cos + sin), k + a.times(sin - cos)]
     }
 
     /// `(c a + s b, c b - s a)`.
-    #[inline(always)]
+    #[inline]
     pub fn undo<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        match *self {
-            Self::None => [a, b],
-            Self::Quarter => [b, -a],
-            Self::Half => [-a, -b],
-            Self::ThreeQuarters => [-b, a],
-            Self::General { cos, sum, difference, .. } => {
-                let k = (a + b).times(cos);
-                [k + b.times(difference), k - a.times(sum)]
-            }
+        let Self { sin, cos } = *self;
+        if self.is_right() {
+            return [a.times(cos) + b.times(sin), b.times(cos) - a.times(sin)];
         }
+        let k = (a + b).times(cos);
+        [k + b.times(sin - cos), k - a.times(cos + sin)]
     }
 
     /// As [`Turn::congruence`].
-    #[inline(always)]
+    #[inline]
     pub fn congruence<S: Scalar>(&self, [xx, yy, xy]: [S; 3]) -> [S; 3] {
-        match *self {
-            Self::None | Self::Half => [xx, yy, xy],
-            Self::Quarter | Self::ThreeQuarters => [yy, xx, -xy],
-            Self::General { sin, cos, .. } => {
-                let e = (xx - yy).times(sin) + xy.times(2.0 * cos);
-                let moved = e.times(sin);
-                [xx - moved, yy + moved, e.times(cos) - xy]
-            }
+        let Self { sin, cos } = *self;
+        if self.is_right() {
+            let (s, c) = (sin * sin, cos * cos);
+            return [xx.times(c) + yy.times(s), xx.times(s) + yy.times(c), xy.times(c - s)];
         }
+        let e = (xx - yy).times(sin) + xy.times(2.0 * cos);
+        let moved = e.times(sin);
+        [xx - moved, yy + moved, e.times(cos) - xy]
     }
 }
 
