@@ -7,8 +7,8 @@ use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::{Count, Scalar, Tangent};
 use num_dual::{
-    Dual, Dual2, Dual2_64, Dual2SVec64, Dual3_64, Dual32, Dual64, DualSVec64, DualStruct, HyperDual64,
-    HyperDualSVec64, HyperHyperDual64,
+    Dual, Dual2, Dual2_64, Dual2SVec64, Dual3_64, Dual32, Dual64, DualSVec, DualSVec64, DualStruct,
+    HyperDual, HyperDual64, HyperDualSVec64, HyperHyperDual64,
 };
 
 /// q = 0 and a general state; friction, springs and a full armature matrix in the robot.
@@ -111,6 +111,9 @@ fn counted_and_single_precision_numbers() {
     real_part_is_the_result_in_f64::<Count>("Count", |x| x.value(), 4.0);
     real_part_is_the_result_in_f64::<Tangent<f64>>("Tangent", |x| x.re, 4.0);
     real_part_is_the_result_in_f64::<Tangent<Count>>("Tangent of Count", |x| x.re.value(), 4.0);
+    real_part_is_the_result_in_f64::<Dual<Count>>("Dual of Count", |x| x.re.value(), 4.0);
+    real_part_is_the_result_in_f64::<HyperDual<Count>>("HyperDual of Count", |x| x.re.value(), 4.0);
+    real_part_is_the_result_in_f64::<Dual<DualSVec<Count, 3>>>("Dual of DualSVec", |x| x.re.re.value(), 4.0);
     // Other roundings from the first operation on, multiplied by the condition of M.
     real_part_is_the_result_in_f64::<f32>("f32", |&x| f64::from(x), 2000.0);
     real_part_is_the_result_in_f64::<Dual32>("Dual32", |x| f64::from(x.re), 2000.0);

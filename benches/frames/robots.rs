@@ -1,11 +1,12 @@
 //! The robots to measure: files, and random ones with axes and inertias in general directions.
+#![allow(dead_code, reason = "the table of operations uses its own part")]
 
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use fastrand::Rng;
 use nalgebra::Matrix3;
 
 /// Joints and links in random directions; joint i stands on one of the `reach` joints before it.
-fn random(name: &str, n: usize, reach: usize) -> Robot {
+pub fn random(name: &str, n: usize, reach: usize) -> Robot {
     let mut rng = Rng::with_seed(24_2005);
     let mut builder = Robot::builder(name);
     for i in 0..n {
@@ -25,12 +26,14 @@ fn random(name: &str, n: usize, reach: usize) -> Robot {
     builder.build().unwrap()
 }
 
+/// A robot of the folder `robots/`.
+pub fn file(name: &str) -> Robot {
+    Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
 /// All of them, with the name for the table.
 pub fn all() -> Vec<(String, Robot)> {
-    let read = |name: &str, file: &str| {
-        let path = format!("{}/robots/{file}", env!("CARGO_MANIFEST_DIR"));
-        (name.to_owned(), Robot::from_file(path).unwrap())
-    };
+    let read = |name: &str, path: &str| (name.to_owned(), file(path));
     let mut robots = vec![
         read("UR5", "ur5.urdf"),
         read("PUMA 560", "puma560.toml"),

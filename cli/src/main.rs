@@ -1,6 +1,7 @@
 //! `costate`: exact derivatives of robot dynamics from a robot file.
 
 mod check;
+mod count;
 mod eval;
 mod info;
 mod report;
@@ -32,6 +33,8 @@ enum Command {
     ///
     /// Exit status 1 where a figure exceeds its tolerance.
     Check(check::Arguments),
+    /// Count the operations of each quantity by each route
+    Count(count::Arguments),
 }
 
 /// The robot, and how to read it.
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         Command::Info(arguments) => info::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Count(arguments) => count::run(&arguments),
     };
     match outcome {
         Ok(code) => code,

@@ -231,6 +231,57 @@ fn check_passes_and_fails_by_its_tolerance() {
 }
 
 #[test]
+fn count_as_json_and_as_a_table() {
+    let output = costate(&["count", "robots/cart_pole.toml", "--json"], b"");
+    assert!(output.status.success() && output.stderr.is_empty());
+    let counts: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&counts["robot"], &counts["folded"]), (&json!("cart_pole"), &json!(true)));
+    let rows = counts["rows"].as_array().unwrap();
+    let mut expected = Vec::new();
+    for quantity in ["mass_matrix", "f", "f_x", "y_f_xx"] {
+        expected.extend(["tensors", "analytic", "dual", "hyperdual"].map(|route| (quantity, route)));
+    }
+    assert_eq!(rows.len(), expected.len());
+    let number = |row: &Value, key: &str| row[key].as_u64().unwrap();
+    for (row, (quantity, route)) in rows.iter().zip(expected) {
+        assert_eq!((&row["quantity"], &row["route"]), (&json!(quantity), &json!(route)));
+        for key in ["mul", "add", "div", "sqrt", "sincos"] {
+            assert!(row[key].is_u64(), "{row}");
+        }
+        assert!(number(row, "mul") > 0 && number(row, "sincos") > 0, "{row}");
+    }
+    let all = costate(&["count", "robots/cart_pole.toml", "--json", "--unfolded"], b"");
+    let all: Value = serde_json::from_slice(&all.stdout).unwrap();
+    assert_eq!(all["folded"], json!(false));
+    for (few, all) in rows.iter().zip(all["rows"].as_array().unwrap()) {
+        assert!(number(few, "mul") < number(all, "mul") && number(few, "add") <= number(all, "add"));
+    }
+    let table = stdout(&costate(&["count", "robots/cart_pole.toml"], b""));
+    for words in ["2 joints", "F, F_x, y'F_xx", "tensors", "sincos", "mul / F", "hyperdual"] {
+        assert!(table.contains(words), "{words}: {table}");
+    }
+    let analytic = rows.iter().find(|row| row["quantity"] == "f_x" && row["route"] == "analytic").unwrap();
+    let line = table.lines().skip_while(|line| !line.contains("F, F_x ")).nth(1).unwrap();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert_eq!(words[..3], ["analytic".into(), analytic["mul"].to_string(), analytic["add"].to_string()]);
+}
+
+/// What is odd about a robot goes to stderr; a robot that is refused gives exit status 2 and no counts.
+#[test]
+fn count_keeps_stdout_to_itself() {
+    let output = costate(&["count", "robots/puma560.toml", "--json"], b"");
+    assert!(output.status.success() && stderr(&output).contains("principal moments"));
+    assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
+    for arguments in
+        [["count", "robots/puma560.toml", "--strict"].as_slice(), &["count", "robots/nowhere.toml", "--json"]]
+    {
+        let output = costate(arguments, b"");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}");
+        assert!(stderr(&output).starts_with("error: "), "{arguments:?}");
+    }
+}
+
+#[test]
 fn robots_are_refused_with_path_line_and_reason() {
     let output = costate(&["info", "robots/nowhere.urdf"], b"");
     assert_eq!(output.status.code(), Some(2));

@@ -1,37 +1,48 @@
 //! Derivative along one direction, by one dual number.
 
-use super::function::{DerivativeError, Function, check_length};
-use num_dual::Dual64;
+use super::function::{DerivativeError, Function, InnerNumber, check_length};
+use crate::scalar::Scalar;
+use num_dual::Dual;
 
 /// Computes `f(x)` and `f_x d`; no call allocates but what the function itself does.
-pub struct Directional<F: Function> {
+///
+/// `T`: as for [`Jacobian`](super::Jacobian).
+pub struct Directional<F: Function, T: InnerNumber = f64> {
     function: F,
-    workspace: F::Workspace<Dual64>,
-    x: Vec<Dual64>,
-    y: Vec<Dual64>,
-    value: Vec<f64>,
-    derivative: Vec<f64>,
+    workspace: F::Workspace<Dual<T>>,
+    x: Vec<Dual<T>>,
+    y: Vec<Dual<T>>,
+    value: Vec<T>,
+    derivative: Vec<T>,
 }
 
 /// Value and derivative along one direction; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct AlongDirection<'a> {
+pub struct AlongDirection<'a, T = f64> {
     /// `f(x)`, m.
-    pub value: &'a [f64],
+    pub value: &'a [T],
     /// `sum_j d_j df/dx_j`, m.
-    pub derivative: &'a [f64],
+    pub derivative: &'a [T],
 }
 
 impl<F: Function> Directional<F> {
     /// Builds the buffers.
     pub fn new(function: F) -> Self {
+        Self::over(function)
+    }
+}
+
+impl<F: Function, T: InnerNumber> Directional<F, T> {
+    /// Builds the buffers, over the numbers `T`.
+    pub fn over(function: F) -> Self {
         let (n, m) = (function.inputs(), function.outputs());
+        let zero: T = Scalar::zero();
         Self {
             workspace: function.workspace(),
-            x: vec![Dual64::from_re(0.0); n],
-            y: vec![Dual64::from_re(0.0); m],
-            value: vec![0.0; m],
-            derivative: vec![0.0; m],
+            x: vec![Dual::from_re(zero); n],
+            y: vec![Dual::from_re(zero); m],
+            value: vec![zero; m],
+            derivative: vec![zero; m],
             function,
         }
     }
@@ -45,15 +56,11 @@ impl<F: Function> Directional<F> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(
-        &mut self,
-        x: &[f64],
-        d: &[f64],
-    ) -> Result<AlongDirection<'_>, DerivativeError<F::Error>> {
+    pub fn evaluate(&mut self, x: &[T], d: &[T]) -> Result<AlongDirection<'_, T>, DerivativeError<F::Error>> {
         check_length("x", x, self.x.len())?;
         check_length("d", d, self.x.len())?;
         for ((dual, &x), &d) in self.x.iter_mut().zip(x).zip(d) {
-            *dual = Dual64::new(x, d);
+            *dual = Dual::new(x, d);
         }
         self.function.evaluate(&mut self.workspace, &self.x, &mut self.y)?;
         for (k, y) in self.y.iter().enumerate() {

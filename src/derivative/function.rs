@@ -1,6 +1,7 @@
 //! What can be differentiated.
 
 use crate::scalar::Scalar;
+use num_dual::DualNum;
 
 /// A function from n to m numbers, written once for any [`Scalar`].
 ///
@@ -63,6 +64,11 @@ pub trait Function {
     ) -> Result<(), Self::Error>;
 }
 
+/// A number that dual numbers can be made of: `f64`, `f32`, [`Count`](crate::scalar::Count), dual numbers themselves.
+pub trait InnerNumber: DualNum + Scalar<Mask = bool> {}
+
+impl<T: DualNum + Scalar<Mask = bool>> InnerNumber for T {}
+
 /// Why a derivative was not computed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DerivativeError<E: std::error::Error> {
@@ -82,9 +88,9 @@ pub enum DerivativeError<E: std::error::Error> {
 }
 
 /// `slice` must have `expected` entries.
-pub(super) fn check_length<E: std::error::Error>(
+pub(super) fn check_length<T, E: std::error::Error>(
     what: &'static str,
-    slice: &[f64],
+    slice: &[T],
     expected: usize,
 ) -> Result<(), DerivativeError<E>> {
     if slice.len() == expected {

@@ -1,43 +1,46 @@
 //! Second derivatives by hyper-dual numbers.
 
-use super::function::{DerivativeError, Function, check_length};
+use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
-use num_dual::HyperDual64;
+use crate::scalar::Scalar;
+use num_dual::HyperDual;
 
 /// Computes `f(x)`, `f_x` and all second derivatives by one hyper-dual evaluation for each pair i <= j.
-pub struct Hessian<F: Function> {
+///
+/// `T`: as for [`Jacobian`](super::Jacobian).
+pub struct Hessian<F: Function, T: InnerNumber = f64> {
     function: F,
-    workspace: F::Workspace<HyperDual64>,
-    x: Vec<HyperDual64>,
-    y: Vec<HyperDual64>,
-    value: Vec<f64>,
-    jacobian: Matrix<f64>,
+    workspace: F::Workspace<HyperDual<T>>,
+    x: Vec<HyperDual<T>>,
+    y: Vec<HyperDual<T>>,
+    value: Vec<T>,
+    jacobian: Matrix<T>,
     /// Row k: the pairs (i, j), i <= j, of output k at `j (j + 1) / 2 + i`.
-    tensor: Matrix<f64>,
-    contracted: Matrix<f64>,
+    tensor: Matrix<T>,
+    contracted: Matrix<T>,
 }
 
 /// Value, Jacobian and second derivatives at one point; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct SecondDerivatives<'a> {
-    value: &'a [f64],
-    jacobian: &'a Matrix<f64>,
-    tensor: &'a Matrix<f64>,
+pub struct SecondDerivatives<'a, T = f64> {
+    value: &'a [T],
+    jacobian: &'a Matrix<T>,
+    tensor: &'a Matrix<T>,
 }
 
-impl<'a> SecondDerivatives<'a> {
+impl<'a, T: Scalar> SecondDerivatives<'a, T> {
     /// `f(x)`, m.
-    pub fn value(&self) -> &'a [f64] {
+    pub fn value(&self) -> &'a [T] {
         self.value
     }
 
     /// `df_k/dx_j`, m x n.
-    pub fn jacobian(&self) -> &'a Matrix<f64> {
+    pub fn jacobian(&self) -> &'a Matrix<T> {
         self.jacobian
     }
 
     /// `d2 f_k / dx_i dx_j`, i and j in any order.
-    pub fn entry(&self, k: usize, i: usize, j: usize) -> f64 {
+    pub fn entry(&self, k: usize, i: usize, j: usize) -> T {
         self.tensor[(k, pair(i.min(j), i.max(j)))]
     }
 }
@@ -50,12 +53,20 @@ fn pair(i: usize, j: usize) -> usize {
 impl<F: Function> Hessian<F> {
     /// Builds the buffers.
     pub fn new(function: F) -> Self {
+        Self::over(function)
+    }
+}
+
+impl<F: Function, T: InnerNumber> Hessian<F, T> {
+    /// Builds the buffers, over the numbers `T`.
+    pub fn over(function: F) -> Self {
         let (n, m) = (function.inputs(), function.outputs());
+        let zero: T = Scalar::zero();
         Self {
             workspace: function.workspace(),
-            x: vec![HyperDual64::from_re(0.0); n],
-            y: vec![HyperDual64::from_re(0.0); m],
-            value: vec![0.0; m],
+            x: vec![HyperDual::from_re(zero); n],
+            y: vec![HyperDual::from_re(zero); m],
+            value: vec![zero; m],
             jacobian: Matrix::zeros(m, n),
             tensor: Matrix::zeros(m, n * (n + 1) / 2),
             contracted: Matrix::zeros(n, n),
@@ -72,23 +83,24 @@ impl<F: Function> Hessian<F> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[f64]) -> Result<SecondDerivatives<'_>, DerivativeError<F::Error>> {
+    pub fn evaluate(&mut self, x: &[T]) -> Result<SecondDerivatives<'_, T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
-        self.x.iter_mut().zip(x).for_each(|(number, &x)| *number = HyperDual64::from_re(x));
+        self.x.iter_mut().zip(x).for_each(|(number, &x)| *number = HyperDual::from_re(x));
+        let (zero, one): (T, T) = (Scalar::zero(), Scalar::one());
         for j in 0..n {
-            self.x[j].eps2 = 1.0;
+            self.x[j].eps2 = one;
             for i in 0..=j {
-                self.x[i].eps1 = 1.0;
+                self.x[i].eps1 = one;
                 self.function.evaluate(&mut self.workspace, &self.x, &mut self.y)?;
-                self.x[i].eps1 = 0.0;
+                self.x[i].eps1 = zero;
                 for (k, y) in self.y.iter().enumerate() {
                     self.value[k] = y.re;
                     self.jacobian[(k, j)] = y.eps2;
                     self.tensor[(k, pair(i, j))] = y.eps1eps2;
                 }
             }
-            self.x[j].eps2 = 0.0;
+            self.x[j].eps2 = zero;
         }
         Ok(SecondDerivatives { value: &self.value, jacobian: &self.jacobian, tensor: &self.tensor })
     }
@@ -97,12 +109,12 @@ impl<F: Function> Hessian<F> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn contracted(&mut self, x: &[f64], y: &[f64]) -> Result<&Matrix<f64>, DerivativeError<F::Error>> {
+    pub fn contracted(&mut self, x: &[T], y: &[T]) -> Result<&Matrix<T>, DerivativeError<F::Error>> {
         check_length("y", y, self.y.len())?;
         self.evaluate(x)?;
         for j in 0..self.x.len() {
             for i in 0..=j {
-                let entry = y.iter().enumerate().map(|(k, y)| y * self.tensor[(k, pair(i, j))]).sum();
+                let entry = y.iter().enumerate().map(|(k, &y)| y * self.tensor[(k, pair(i, j))]).sum();
                 self.contracted[(i, j)] = entry;
                 self.contracted[(j, i)] = entry;
             }
@@ -111,12 +123,12 @@ impl<F: Function> Hessian<F> {
     }
 
     /// The contracted matrix of the last call of [`contracted`](Self::contracted).
-    pub fn last_contracted(&self) -> &Matrix<f64> {
+    pub fn last_contracted(&self) -> &Matrix<T> {
         &self.contracted
     }
 
     /// The derivatives of the last evaluation.
-    pub fn last(&self) -> SecondDerivatives<'_> {
+    pub fn last(&self) -> SecondDerivatives<'_, T> {
         SecondDerivatives { value: &self.value, jacobian: &self.jacobian, tensor: &self.tensor }
     }
 }

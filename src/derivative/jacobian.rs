@@ -1,34 +1,36 @@
 //! Jacobian by dual numbers that carry several derivatives at once.
 
 use super::CHUNK;
-use super::function::{DerivativeError, Function, check_length};
+use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
-use num_dual::DualSVec64;
+use crate::scalar::Scalar;
+use num_dual::DualSVec;
 
 /// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; no call allocates but what the function does.
 ///
-/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is that of it.
-pub struct Jacobian<F: Function, const C: usize = CHUNK> {
+/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is that of it. The numbers that values and
+/// derivatives are made of are `T`: `f64` where nothing else is said.
+pub struct Jacobian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     function: F,
-    workspace: F::Workspace<DualSVec64<C>>,
-    x: Vec<DualSVec64<C>>,
-    y: Vec<DualSVec64<C>>,
-    value: Vec<f64>,
-    jacobian: Matrix<f64>,
+    workspace: F::Workspace<DualSVec<T, C>>,
+    x: Vec<DualSVec<T, C>>,
+    y: Vec<DualSVec<T, C>>,
+    value: Vec<T>,
+    jacobian: Matrix<T>,
 }
 
 /// Value and Jacobian at one point; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct FirstDerivatives<'a> {
+pub struct FirstDerivatives<'a, T = f64> {
     /// `f(x)`, m.
-    pub value: &'a [f64],
+    pub value: &'a [T],
     /// `df_k/dx_j`, m x n.
-    pub jacobian: &'a Matrix<f64>,
+    pub jacobian: &'a Matrix<T>,
 }
 
-impl<'a> FirstDerivatives<'a> {
+impl<'a, T: Scalar> FirstDerivatives<'a, T> {
     /// `df_0/dx_j`, n: the gradient of the first, for a function with one output of the only one.
-    pub fn gradient(&self) -> &'a [f64] {
+    pub fn gradient(&self) -> &'a [T] {
         self.jacobian.row(0)
     }
 }
@@ -43,12 +45,31 @@ impl<F: Function> Jacobian<F> {
 impl<F: Function, const C: usize> Jacobian<F, C> {
     /// Builds the buffers, for `C` derivatives at once.
     pub fn chunked(function: F) -> Self {
+        Self::over(function)
+    }
+}
+
+impl<F: Function, const C: usize, T: InnerNumber> Jacobian<F, C, T> {
+    /// Builds the buffers, for `C` derivatives at once, over the numbers `T`.
+    ///
+    /// ```
+    /// # use costate::{derivative::{Jacobian, PhaseVelocity}, robot::Robot, scalar::{Count, count}};
+    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    /// let robot = Robot::from_file("robots/two_link.toml")?;
+    /// let mut counting = Jacobian::<_, 4, Count>::over(PhaseVelocity::new(&robot));
+    /// let x = [0.1, 0.2, 0.3, 0.4].map(Count::variable);
+    /// let (_, operations) = count(|| counting.evaluate(&x).map(|first| first.value[0]));
+    /// assert_eq!(operations.sincos, 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn over(function: F) -> Self {
         let (n, m) = (function.inputs(), function.outputs());
+        let zero: T = Scalar::zero();
         Self {
             workspace: function.workspace(),
-            x: vec![DualSVec64::from_re(0.0); n],
-            y: vec![DualSVec64::from_re(0.0); m],
-            value: vec![0.0; m],
+            x: vec![DualSVec::from_re(zero); n],
+            y: vec![DualSVec::from_re(zero); m],
+            value: vec![zero; m],
             jacobian: Matrix::zeros(m, n),
             function,
         }
@@ -63,12 +84,12 @@ impl<F: Function, const C: usize> Jacobian<F, C> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[f64]) -> Result<FirstDerivatives<'_>, DerivativeError<F::Error>> {
+    pub fn evaluate(&mut self, x: &[T]) -> Result<FirstDerivatives<'_, T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
         for start in (0..n).step_by(C) {
             for (j, (dual, &x)) in self.x.iter_mut().zip(x).enumerate() {
-                *dual = DualSVec64::from_re(x);
+                *dual = DualSVec::from_re(x);
                 if (start..start + C).contains(&j) {
                     *dual = dual.derivative(j - start);
                 }
@@ -77,7 +98,7 @@ impl<F: Function, const C: usize> Jacobian<F, C> {
             for (k, y) in self.y.iter().enumerate() {
                 self.value[k] = y.re;
                 for j in start..n.min(start + C) {
-                    self.jacobian[(k, j)] = y.eps.0.map_or(0.0, |eps| eps[j - start]);
+                    self.jacobian[(k, j)] = y.eps.0.map_or_else(Scalar::zero, |eps| eps[j - start]);
                 }
             }
         }

@@ -7,21 +7,24 @@
 //! | [`Hessian`], contracted or whole | hyper-dual numbers, pairs i <= j | n (n + 1) / 2 |
 //! | [`NestedHessian`], contracted | dual numbers in dual numbers | n times n / C |
 //!
-//! [`Routes`] sets the library's own derivatives beside these.
+//! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] sets the library's
+//! own derivatives beside these, [`OperationTable`] what they all cost.
 
 mod directional;
 mod function;
 mod hessian;
 mod jacobian;
 mod nested;
+mod operations;
 mod phase_velocity;
 mod routes;
 
 pub use directional::{AlongDirection, Directional};
-pub use function::{DerivativeError, Function};
+pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
+pub use operations::{OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
 pub use routes::{Differences, Routes, StateReport, largest, relative_difference, worse};
 

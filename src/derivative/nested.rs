@@ -1,20 +1,21 @@
 //! Second derivatives by dual numbers in dual numbers.
 
 use super::CHUNK;
-use super::function::{DerivativeError, Function, check_length};
+use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
-use num_dual::{Dual, DualSVec64};
+use crate::scalar::Scalar;
+use num_dual::{Dual, DualSVec};
 
 /// Computes `sum_k y_k d2 f_k / dx dx` by differentiating the dual-number Jacobian with dual numbers.
 ///
 /// The outer number carries direction i, the inner one `C` directions j. Each entry is computed in both orders, so
-/// the result is symmetric only up to rounding: a judge of symmetry too.
-pub struct NestedHessian<F: Function, const C: usize = CHUNK> {
+/// the result is symmetric only up to rounding: a judge of symmetry too. `T`: as for [`Jacobian`](super::Jacobian).
+pub struct NestedHessian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     function: F,
-    workspace: F::Workspace<Dual<DualSVec64<C>>>,
-    x: Vec<Dual<DualSVec64<C>>>,
-    y: Vec<Dual<DualSVec64<C>>>,
-    contracted: Matrix<f64>,
+    workspace: F::Workspace<Dual<DualSVec<T, C>>>,
+    x: Vec<Dual<DualSVec<T, C>>>,
+    y: Vec<Dual<DualSVec<T, C>>>,
+    contracted: Matrix<T>,
 }
 
 impl<F: Function> NestedHessian<F> {
@@ -27,8 +28,15 @@ impl<F: Function> NestedHessian<F> {
 impl<F: Function, const C: usize> NestedHessian<F, C> {
     /// Builds the buffers, for `C` inner derivatives at once.
     pub fn chunked(function: F) -> Self {
+        Self::over(function)
+    }
+}
+
+impl<F: Function, const C: usize, T: InnerNumber> NestedHessian<F, C, T> {
+    /// Builds the buffers, for `C` inner derivatives at once, over the numbers `T`.
+    pub fn over(function: F) -> Self {
         let (n, m) = (function.inputs(), function.outputs());
-        let zero = Dual::from_re(DualSVec64::from_re(0.0));
+        let zero = Dual::from_re(DualSVec::from_re(<T as Scalar>::zero()));
         Self {
             workspace: function.workspace(),
             x: vec![zero; n],
@@ -47,24 +55,25 @@ impl<F: Function, const C: usize> NestedHessian<F, C> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn contracted(&mut self, x: &[f64], y: &[f64]) -> Result<&Matrix<f64>, DerivativeError<F::Error>> {
+    pub fn contracted(&mut self, x: &[T], y: &[T]) -> Result<&Matrix<T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
         check_length("y", y, self.y.len())?;
+        let (zero, one): (T, T) = (Scalar::zero(), Scalar::one());
         for start in (0..n).step_by(C) {
             for (j, (dual, &x)) in self.x.iter_mut().zip(x).enumerate() {
-                *dual = Dual::from_re(DualSVec64::from_re(x));
+                *dual = Dual::from_re(DualSVec::from_re(x));
                 if (start..start + C).contains(&j) {
                     dual.re = dual.re.derivative(j - start);
                 }
             }
             for i in 0..n {
-                self.x[i].eps = DualSVec64::from_re(1.0);
+                self.x[i].eps = DualSVec::from_re(one);
                 self.function.evaluate(&mut self.workspace, &self.x, &mut self.y)?;
-                self.x[i].eps = DualSVec64::from_re(0.0);
+                self.x[i].eps = DualSVec::from_re(zero);
                 for j in start..n.min(start + C) {
-                    let second = |k: usize| self.y[k].eps.eps.0.map_or(0.0, |eps| eps[j - start]);
-                    self.contracted[(i, j)] = y.iter().enumerate().map(|(k, y)| y * second(k)).sum();
+                    let second = |k: usize| self.y[k].eps.eps.0.map_or(zero, |eps| eps[j - start]);
+                    self.contracted[(i, j)] = y.iter().enumerate().map(|(k, &y)| y * second(k)).sum();
                 }
             }
         }

@@ -10,7 +10,7 @@ mod dual;
 mod real;
 mod tangent;
 
-pub use count::{Count, Operations, count};
+pub use count::{Constants, Count, Operations, count, count_with};
 pub use tangent::Tangent;
 
 use std::fmt::Debug;

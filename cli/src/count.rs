@@ -1,0 +1,95 @@
+//! `costate count`: operations of each quantity by each route.
+
+use crate::report::{Table, joints};
+use crate::{Outcome, RobotArguments};
+use costate::derivative::{OperationRow, OperationTable};
+use costate::robot::Robot;
+use costate::scalar::Constants;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::process::ExitCode;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// Print one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+    /// Count every operation that f64 executes, those with constants 0 and 1 too
+    #[arg(long)]
+    unfolded: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Outcome {
+    let robot = arguments.robot.load_and_warn()?;
+    let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
+    let table = OperationTable::new(&robot, constants)?;
+    let mut out = std::io::stdout().lock();
+    if arguments.json {
+        writeln!(out, "{}", as_json(&robot, constants, &table))?;
+    } else {
+        print(&robot, constants, &table, &mut out)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn as_json(robot: &Robot, constants: Constants, table: &OperationTable) -> Value {
+    let row = |row: OperationRow| {
+        let o = row.operations;
+        json!({
+            "quantity": row.quantity, "route": row.route, "mul": o.mul, "add": o.add, "div": o.div, "sqrt": o.sqrt,
+            "sincos": o.sincos, "exp": o.exp, "less": o.less,
+        })
+    };
+    json!({
+        "robot": robot.name(),
+        "n": robot.len(),
+        "folded": constants == Constants::Folded,
+        "rows": table.rows().map(row).collect::<Vec<_>>(),
+    })
+}
+
+fn print(
+    robot: &Robot,
+    constants: Constants,
+    table: &OperationTable,
+    out: &mut impl Write,
+) -> std::io::Result<()> {
+    let how = match constants {
+        Constants::Folded => "products with 0 and 1, sums with 0 and operations between constants are free",
+        Constants::Kept => "as f64 executes them, those between constants too",
+    };
+    writeln!(out, "{}, {}: operations of one evaluation,\n{how}\n", robot.name(), joints(robot))?;
+    let mut printed = Table::new(
+        &["quantity", "route", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
+        2,
+    );
+    let f = table.get("f", "analytic").unwrap_or_default().mul.max(1) as f64;
+    for row in table.rows() {
+        let needs_no_derivative = matches!(row.quantity, "mass_matrix" | "f");
+        if needs_no_derivative && matches!(row.route, "dual" | "hyperdual") {
+            continue;
+        }
+        let quantity = match row.quantity {
+            _ if row.route != OperationTable::ROUTES[0] => "",
+            "mass_matrix" => "M",
+            "f" => "F",
+            "f_x" => "F, F_x",
+            _ => "F, F_x, y'F_xx",
+        };
+        let o = row.operations;
+        let counts = [o.mul, o.add, o.div, o.sqrt, o.sincos, o.exp, o.less].map(|count| count.to_string());
+        let ratio = format!("{:.2}", o.mul as f64 / f);
+        printed.row([vec![quantity.into(), row.route.into()], counts.into(), vec![ratio]].concat());
+    }
+    writeln!(out, "{printed}")?;
+    writeln!(
+        out,
+        "  tensors    global inertia tensors and Christoffel coefficients; y'F_xx by one dual pass"
+    )?;
+    writeln!(out, "  analytic   F_x by hand (21)-(24), y'F_xx by one dual number carried through it")?;
+    writeln!(out, "  dual       dual numbers through F, and dual numbers in dual numbers")?;
+    writeln!(out, "  hyperdual  hyper-dual numbers through F: all second derivatives at once")?;
+    writeln!(out, "  M and F have no derivatives: by dual and hyperdual they are those of analytic.")
+}

@@ -1,0 +1,221 @@
+//! How many operations each quantity takes by each route.
+
+use super::function::DerivativeError;
+use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use crate::error::EvalError;
+use crate::hamiltonian::{Hamiltonian, SecondOrder};
+use crate::kernels::{Contracted, Route};
+use crate::robot::{Robot, Tree};
+use crate::scalar::{Constants, Count, Operations, count_with};
+use crate::tensors::Christoffel;
+
+/// Operations of M, F, F_x and y'F_xx of one robot, each with all that it needs, by every route.
+///
+/// | quantity | what is evaluated | tensors, analytic | dual | hyperdual |
+/// |---|---|---|---|---|
+/// | `mass_matrix` | M(q) | by that route | as analytic | as analytic |
+/// | `f` | F | by that route | as analytic | as analytic |
+/// | `f_x` | F and F_x | by hand | [`Jacobian`] of F | [`Hessian`] of F, which gives all second derivatives |
+/// | `y_f_xx` | F, F_x and y'F_xx | one dual pass through F_x | and [`NestedHessian`] of F | and contracted with y |
+///
+/// The pipeline itself runs on [`Count`] numbers; q, p and y are variables. So is u in what is derived by hand; automatic
+/// differentiation lifts it as a constant like any other number, which is the same but where it meets a force that is
+/// a constant too. M and F are evaluated as the library does, with what the same stage finds for the stages after it. Dual
+/// numbers carry [`CHUNK`] derivatives at once. The counts do not depend on the state.
+///
+/// ```
+/// use costate::derivative::OperationTable;
+/// use costate::{robot::Robot, scalar::Constants};
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let table = OperationTable::new(&Robot::from_file("robots/ur5.urdf")?, Constants::Folded)?;
+/// for row in table.rows() {
+///     println!("{} by {}: {} multiplications", row.quantity, row.route, row.operations.mul);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OperationTable {
+    /// By quantity, then by route.
+    counts: [[Operations; 4]; 4],
+}
+
+/// One quantity by one route, see [`OperationTable`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OperationRow {
+    /// One of [`OperationTable::QUANTITIES`].
+    pub quantity: &'static str,
+    /// One of [`OperationTable::ROUTES`].
+    pub route: &'static str,
+    /// What it takes.
+    pub operations: Operations,
+}
+
+/// Where the operations are counted; they must not depend on it.
+struct State {
+    /// (q, p), 2n.
+    x: Vec<Count>,
+    /// Actuation, n.
+    u: Vec<Count>,
+    /// Costate, 2n.
+    y: Vec<Count>,
+}
+
+impl State {
+    fn new(n: usize, number: impl Fn(usize) -> f64) -> Self {
+        let mut all = (0..5 * n).map(|i| Count::variable(number(i)));
+        let mut take = |count: usize| all.by_ref().take(count).collect();
+        Self { x: take(2 * n), u: take(n), y: take(2 * n) }
+    }
+}
+
+impl OperationTable {
+    /// The quantities, in the order of the rows.
+    pub const QUANTITIES: [&'static str; 4] = ["mass_matrix", "f", "f_x", "y_f_xx"];
+
+    /// The routes, in the order of the rows of one quantity.
+    pub const ROUTES: [&'static str; 4] = ["tensors", "analytic", "dual", "hyperdual"];
+
+    /// Counts everything, by running it.
+    ///
+    /// # Errors
+    /// None that a valid robot gives rise to: numbers that count are not checked.
+    pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
+        Self::at(robot, constants, &State::new(robot.len(), |i| (1.0 + i as f64).sqrt()))
+    }
+
+    fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
+        let tree = Tree::from(robot);
+        let tensors = by_hand(&tree, Christoffel, constants, state)?;
+        let analytic = by_hand(&tree, Contracted, constants, state)?;
+        let [mass_matrix, f, ..] = analytic;
+        let [dual, hyperdual] = automatic(robot, constants, state)?;
+        let by_route = [
+            tensors,
+            analytic,
+            [mass_matrix, f, dual[0], dual[1]],
+            [mass_matrix, f, hyperdual[0], hyperdual[1]],
+        ];
+        Ok(Self { counts: [0, 1, 2, 3].map(|quantity| by_route.map(|counts| counts[quantity])) })
+    }
+
+    /// Every quantity by every route.
+    pub fn rows(&self) -> impl Iterator<Item = OperationRow> {
+        Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
+            let row = move |(route, operations)| OperationRow { quantity, route, operations };
+            Self::ROUTES.into_iter().zip(counts).map(row)
+        })
+    }
+
+    /// One quantity by one route, `None` if there is no such name.
+    pub fn get(&self, quantity: &str, route: &str) -> Option<Operations> {
+        self.rows().find(|row| row.quantity == quantity && row.route == route).map(|row| row.operations)
+    }
+}
+
+/// Every quantity by a route through a Hessian of the Lagrangian.
+fn by_hand<R: Route>(
+    tree: &Tree,
+    route: R,
+    constants: Constants,
+    State { x, u, y }: &State,
+) -> Result<[Operations; 4], EvalError> {
+    let (q, p) = x.split_at(tree.len());
+    let mut first = Hamiltonian::with_route(tree.clone(), route.clone());
+    let mut second = SecondOrder::with_route(tree.clone(), route);
+    Ok([
+        counted(constants, || first.mass_matrix(q).map(drop))?,
+        counted(constants, || first.phase_velocity(q, p, u).map(drop))?,
+        counted(constants, || first.jacobian(q, p, u).map(drop))?,
+        counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+    ])
+}
+
+/// F_x and y'F_xx by dual numbers, then by hyper-dual numbers.
+fn automatic(
+    robot: &Robot,
+    constants: Constants,
+    State { x, y, .. }: &State,
+) -> Result<[[Operations; 2]; 2], DerivativeError<EvalError>> {
+    let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]);
+    let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
+    let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
+    let mut hessian = Hessian::<_, Count>::over(function());
+    let first = counted(constants, || jacobian.evaluate(x).map(drop))?;
+    let second = counted(constants, || nested.contracted(x, y).map(drop))?;
+    let whole = counted(constants, || hessian.evaluate(x).map(drop))?;
+    let contracted = counted(constants, || hessian.contracted(x, y).map(drop))?;
+    Ok([[first, first + second], [whole, contracted]])
+}
+
+/// The operations of an evaluation, or why it failed.
+fn counted<E>(constants: Constants, evaluate: impl FnOnce() -> Result<(), E>) -> Result<Operations, E> {
+    let (outcome, operations) = count_with(constants, evaluate);
+    outcome.map(|()| operations)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{OperationTable, State};
+    use crate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
+    use crate::scalar::Constants::{Folded, Kept};
+    use nalgebra::Matrix3;
+
+    /// Three joints, one of them sliding, one with friction, in general directions.
+    fn robot() -> Robot {
+        let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.1 };
+        let link = || LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity() * 0.2);
+        let place = |turn: f64| Placement::from_xyz_rpy([0.3, 0.1, 0.2], [0.4, turn, 0.6]);
+        let joints = [
+            JointSpec::revolute("a"),
+            JointSpec::prismatic("b").on("a"),
+            JointSpec::revolute("c").on("b").friction(friction),
+        ];
+        let mut builder = Robot::builder("three");
+        for (i, joint) in joints.into_iter().enumerate() {
+            builder = builder.joint(joint.axis([0.2, -0.4, 0.7]).placed(place(i as f64)).carrying(link()));
+        }
+        builder.build().unwrap()
+    }
+
+    #[test]
+    fn counts_do_not_depend_on_the_state() {
+        let robot = robot();
+        for constants in [Folded, Kept] {
+            let table = OperationTable::new(&robot, constants).unwrap();
+            let states: [fn(usize) -> f64; 3] =
+                [|_| 0.0, |i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
+            for number in states {
+                let state = State::new(robot.len(), number);
+                assert_eq!(OperationTable::at(&robot, constants, &state).unwrap(), table);
+            }
+        }
+    }
+
+    #[test]
+    fn more_takes_more() {
+        let [folded, kept] =
+            [Folded, Kept].map(|constants| OperationTable::new(&robot(), constants).unwrap());
+        for table in [&folded, &kept] {
+            for pair in table.counts.windows(2) {
+                assert!(pair[0].iter().zip(&pair[1]).all(|(less, more)| less.mul < more.mul), "{pair:?}");
+            }
+        }
+        for (few, all) in folded.rows().zip(kept.rows()) {
+            let (few, all) = (few.operations, all.operations);
+            assert!(few.mul <= all.mul && few.add <= all.add && few.less <= all.less);
+            assert_eq!((few.sincos, few.exp, few.sqrt, few.other), (all.sincos, all.exp, all.sqrt, 0));
+        }
+    }
+
+    #[test]
+    fn rows_are_found_by_name() {
+        let table = OperationTable::new(&robot(), Folded).unwrap();
+        assert_eq!(table.rows().count(), 16);
+        for row in table.rows() {
+            assert_eq!(table.get(row.quantity, row.route), Some(row.operations));
+        }
+        assert_eq!(table.get("f_x", "by magic"), None);
+        assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
+        assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
+    }
+}

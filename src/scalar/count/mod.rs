@@ -1,0 +1,194 @@
+//! A scalar that counts what the pipeline does with it.
+
+mod dual_num;
+mod number;
+mod operators;
+
+pub use number::Count;
+
+use std::cell::Cell;
+use std::ops::{Add, AddAssign};
+
+/// Arithmetic operations, by kind. Changes of sign, choices by [`select`](super::Scalar::select) and copies are free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Operations {
+    /// Multiplications.
+    pub mul: u64,
+    /// Additions and subtractions.
+    pub add: u64,
+    /// Divisions and reciprocals.
+    pub div: u64,
+    /// Square roots.
+    pub sqrt: u64,
+    /// Pairs of sine and cosine.
+    pub sincos: u64,
+    /// Exponential functions.
+    pub exp: u64,
+    /// Comparisons.
+    pub less: u64,
+    /// Any other function; the pipeline has none.
+    pub other: u64,
+}
+
+impl Add for Operations {
+    type Output = Self;
+    fn add(self, more: Self) -> Self {
+        Self {
+            mul: self.mul + more.mul,
+            add: self.add + more.add,
+            div: self.div + more.div,
+            sqrt: self.sqrt + more.sqrt,
+            sincos: self.sincos + more.sincos,
+            exp: self.exp + more.exp,
+            less: self.less + more.less,
+            other: self.other + more.other,
+        }
+    }
+}
+
+impl AddAssign for Operations {
+    fn add_assign(&mut self, more: Self) {
+        *self = *self + more;
+    }
+}
+
+/// What becomes of operations whose outcome is known beforehand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Constants {
+    /// They are free, as in code generated for one robot: products with exactly 0, 1 or -1, sums with exactly 0,
+    /// anything between two constants. A division by a constant is a multiplication.
+    #[default]
+    Folded,
+    /// They count like all others: every operation that the same code executes on `f64`.
+    Kept,
+}
+
+/// What has been counted so far on a thread, and how.
+#[derive(Clone, Copy)]
+struct Tally {
+    operations: Operations,
+    constants: Constants,
+}
+
+impl Tally {
+    const fn new(constants: Constants) -> Self {
+        let none = Operations { mul: 0, add: 0, div: 0, sqrt: 0, sincos: 0, exp: 0, less: 0, other: 0 };
+        Self { operations: none, constants }
+    }
+}
+
+thread_local! {
+    static TALLY: Cell<Tally> = const { Cell::new(Tally::new(Constants::Folded)) };
+}
+
+/// Puts the tally of the surroundings back, however the count ends.
+struct Surroundings(Tally);
+
+impl Drop for Surroundings {
+    fn drop(&mut self) {
+        TALLY.set(self.0);
+    }
+}
+
+/// Counts the operations that `work` does with [`Count`] numbers on this thread, [`Constants::Folded`].
+///
+/// A count within a count is apart from it: what the inner one counts is missing in the outer one.
+///
+/// ```
+/// use costate::scalar::{Count, Scalar, count};
+/// let x = Count::variable(3.0);
+/// let (_, operations) = count(|| x * x + Count::one() * x + Count::zero());
+/// assert_eq!((operations.mul, operations.add), (1, 1)); // 1 x and + 0 are folded
+/// ```
+pub fn count<R>(work: impl FnOnce() -> R) -> (R, Operations) {
+    count_with(Constants::Folded, work)
+}
+
+/// As [`count`], with constants folded or kept.
+///
+/// ```
+/// use costate::scalar::{Constants, Count, Scalar, count_with};
+/// let x = Count::variable(3.0);
+/// let (_, operations) = count_with(Constants::Kept, || x * x + Count::one() * x + Count::zero());
+/// assert_eq!((operations.mul, operations.add), (2, 2));
+/// ```
+pub fn count_with<R>(constants: Constants, work: impl FnOnce() -> R) -> (R, Operations) {
+    let surroundings = Surroundings(TALLY.replace(Tally::new(constants)));
+    let result = work();
+    let counted = TALLY.get().operations;
+    drop(surroundings);
+    (result, counted)
+}
+
+/// Counts an operation; one that is `known` beforehand only where constants are kept.
+fn tally(known: bool, update: impl FnOnce(&mut Operations)) {
+    let mut tally = TALLY.get();
+    if !known || tally.constants == Constants::Kept {
+        update(&mut tally.operations);
+        TALLY.set(tally);
+    }
+}
+
+/// Whether constants are folded at present.
+fn folds() -> bool {
+    TALLY.get().constants == Constants::Folded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Constants, Count, Operations, count, count_with};
+    use crate::scalar::Scalar;
+
+    /// Every operation and function, with constants in between.
+    fn everything(x: Count, y: Count) -> Count {
+        let s = x * y + x.times(3.0) - x.times(0.0) + y.plus(0.0);
+        let (sin, cos) = s.sin_cos();
+        sin / cos + x.recip() + x.sqrt() + Scalar::tanh(x)
+    }
+
+    #[test]
+    fn every_kind_is_counted_and_constants_are_folded() {
+        let (x, y) = (Count::variable(2.0), Count::variable(0.0));
+        let (value, o) = count(|| everything(x, y).value());
+        assert!((value - (6.0_f64.tan() + 0.5 + 2.0_f64.sqrt() + 2.0_f64.tanh())).abs() < 1e-14);
+        assert_eq!((o.mul, o.div, o.sqrt, o.sincos, o.exp, o.less), (2 + 4, 2 + 2, 1, 1, 2, 2));
+        assert_eq!(o.add, 2 + 3 + 2);
+    }
+
+    #[test]
+    fn constants_that_are_kept_count_and_change_no_value() {
+        let (x, y) = (Count::variable(2.0), Count::variable(0.0));
+        let (folded, few) = count(|| everything(x, y).value());
+        let (kept, all) = count_with(Constants::Kept, || everything(x, y).value());
+        assert_eq!(folded, kept);
+        assert_eq!(all, Operations { mul: few.mul + 1, add: few.add + 2, ..few });
+        let two = Count::from_f64(2.0);
+        let known = || (two / two + two.sqrt().exp()) * x / two;
+        assert_eq!(count(known).1, Operations { mul: 2, ..Operations::default() });
+        let (_, all) = count_with(Constants::Kept, known);
+        assert_eq!(all, Operations { mul: 1, div: 2, add: 1, sqrt: 1, exp: 1, ..Operations::default() });
+    }
+
+    #[test]
+    fn counts_nest() {
+        let x = Count::variable(2.0);
+        let (inner, outer) = count_with(Constants::Kept, || {
+            let before = x * x;
+            let (_, inner) = count(|| before + x + Count::zero());
+            (inner, before + Count::zero())
+        });
+        assert_eq!((inner.0.add, inner.0.mul, outer.add, outer.mul), (1, 0, 1, 1));
+    }
+
+    #[test]
+    fn a_count_that_unwinds_leaves_its_surroundings_as_they_were() {
+        let x = Count::variable(2.0);
+        let (_, outer) = count(|| {
+            let before = x * x;
+            let inner = || count_with(Constants::Kept, || std::panic::resume_unwind(Box::new(before + x)));
+            assert!(std::panic::catch_unwind(inner).is_err());
+            before + Count::zero()
+        });
+        assert_eq!(outer, Operations { mul: 1, ..Operations::default() });
+    }
+}
