@@ -170,6 +170,7 @@ impl<S: Scalar, const LANES: usize> CommonFrame<S, LANES> {
 
     #[inline(always)]
     fn pose(&self, i: usize, joint: &JointFrame, q: S) -> Pose<S> {
+        let q = if joint.offset == 0.0 { q } else { q.plus(joint.offset) };
         let ([mut x, mut y, mut z], mut origin);
         if let Some(root) = &self.roots[i] {
             [x, y, z] = root.axes.map(|a| Vec3::constant([a.x, a.y, a.z]));
@@ -177,17 +178,17 @@ impl<S: Scalar, const LANES: usize> CommonFrame<S, LANES> {
         } else {
             let parent = &self.poses[joint.parent.unwrap()];
             [x, y, z] = parent.axes;
-            if let Some([sin, cos]) = joint.screw.gamma {
+            if let Some([sin, cos]) = joint.screw.gamma.map(|gamma| gamma.sin_cos()) {
                 turn(&mut x, &mut y, |x, y| [x.times(cos) + y.times(sin), y.times(cos) - x.times(sin)]);
             }
             origin = parent.origin + Pose { axes: [x, y, z], ..*parent }.turn(joint.screw.translation);
-            let [sin, cos] = joint.screw.alpha;
+            let [sin, cos] = joint.screw.alpha.sin_cos();
             turn(&mut y, &mut z, |y, z| [y.times(cos) + z.times(sin), z.times(cos) - y.times(sin)]);
+            origin = origin + z.times(joint.screw.rise);
         }
         match joint.kind {
             JointKind::Revolute => {
-                let (sin, cos) =
-                    if joint.offset == 0.0 { q.sin_cos() } else { q.plus(joint.offset).sin_cos() };
+                let (sin, cos) = q.sin_cos();
                 turn(&mut x, &mut y, |x, y| {
                     [scaled(x, cos) + scaled(y, sin), scaled(y, cos) - scaled(x, sin)]
                 });

@@ -78,9 +78,11 @@ pub fn roots(tree: &Tree) -> (Vec<Option<Pose<f64>>>, [f64; 3]) {
             let angle = sin.atan2(cos);
             nalgebra::Rotation3::from_axis_angle(&axis, angle).into_inner()
         };
-        let outer = joint.screw.gamma.map_or(Matrix3::identity(), |gamma| about(Vector3::z_axis(), gamma));
-        let origin = outer * Vector3::from(joint.screw.translation);
-        (outer * about(Vector3::x_axis(), joint.screw.alpha), origin)
+        let gamma = joint.screw.gamma.map(|gamma| gamma.sin_cos());
+        let outer = gamma.map_or(Matrix3::identity(), |gamma| about(Vector3::z_axis(), gamma));
+        let turn = about(Vector3::x_axis(), joint.screw.alpha.sin_cos());
+        let arm = Vector3::from(joint.screw.translation) + turn * Vector3::z() * joint.screw.rise;
+        (outer * turn, outer * arm)
     };
     let (turn, start) = place(&tree.joints()[0]);
     let clean = |v: Vector3<f64>| v.map(|x| if (x - x.round()).abs() < 1e-15 { x.round() } else { x }).into();

@@ -107,9 +107,11 @@ impl<S: Scalar> KernelOne<S> {
             return entry;
         }
         let mut reach = S::from_f64(joints[k].reach);
-        for &j in tree.subtree(k) {
-            if joints[j].kind == JointKind::Prismatic {
-                reach += self.q[j].plus(joints[j].offset).abs().times(joints[j].subtree_mass.sqrt());
+        if joints[k].carries_slides {
+            for (joint, q) in tree.subtree(k).iter().map(|&j| (&joints[j], self.q[j])) {
+                if joint.kind == JointKind::Prismatic {
+                    reach += q.plus(joint.offset).abs().times(joint.subtree_mass.sqrt());
+                }
             }
         }
         entry + (reach * reach).times(2.0)

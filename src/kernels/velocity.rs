@@ -90,11 +90,9 @@ impl<S: Scalar> KernelOne<S> {
             self.momenta[i] = joint.lumped.apply(velocity);
         }
         for (i, joint) in tree.joints().iter().enumerate().rev() {
-            if let Some(parent) = joint.parent {
-                if tree.joints()[parent].parent.is_some() {
-                    self.momenta[parent] =
-                        self.momenta[parent] + self.transforms[i].force_up(self.momenta[i]);
-                }
+            // That of a joint on the world is only asked for along its axis, see `first_derivatives`.
+            if let Some(parent) = joint.parent.filter(|&parent| tree.joints()[parent].parent.is_some()) {
+                self.momenta[parent] = self.momenta[parent] + self.transforms[i].force_up(self.momenta[i]);
             }
         }
         self.first_derivatives(tree, v);

@@ -98,6 +98,7 @@ impl<'a> TurnedFrames<'a> {
             lumped: inertia,
             lumped_mass: 0.0,
             reach: 0.0,
+            carries_slides: false,
             spring: joint.spring,
             friction: joint.friction,
         }

@@ -36,6 +36,8 @@ pub struct JointFrame {
     /// At least the root of the integral of the squared distance from the origin over the mass of the link and all
     /// that it carries, sliding joints at q + offset = 0 (kg^1/2 m).
     pub reach: f64,
+    /// Whether a joint beyond this one slides.
+    pub carries_slides: bool,
     /// Joint spring.
     pub spring: Spring,
     /// Joint friction.
@@ -180,8 +182,12 @@ fn set_reach(joints: &mut [JointFrame]) {
         let [xx, yy, zz, ..] = joint.inertia.matrix;
         joint.reach = (joint.reach + 0.5 * (xx + yy + zz).max(0.0)).sqrt();
         let distance = Vector3::from(joint.screw.translation).norm() + joint.screw.rise.abs();
-        let (parent, reach) = (joint.parent, joint.reach + joint.subtree_mass.sqrt() * distance);
-        parent.into_iter().for_each(|parent| joints[parent].reach += reach * reach);
+        let reach = joint.reach + joint.subtree_mass.sqrt() * distance;
+        let slides = joint.carries_slides || joint.kind == JointKind::Prismatic;
+        if let Some(parent) = joint.parent {
+            joints[parent].reach += reach * reach;
+            joints[parent].carries_slides |= slides;
+        }
     }
 }
 
