@@ -2,8 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::lagrangian::{self, Coordinates, Lagrangian};
+use costate::matrix::Matrix;
 use costate::robot::Robot;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -73,15 +75,57 @@ fn analytic_derivatives_do_not_allocate() {
 }
 
 #[test]
+fn lagrangian_derivatives_do_not_allocate() {
+    for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
+        let robot = robot(name);
+        let n = robot.len();
+        let (q, v, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; n]);
+        let mut lagrangian = Lagrangian::<f64>::new(&robot);
+        let mut second = lagrangian::SecondOrder::<f64>::new(&robot);
+        let mut coordinates = Coordinates::<f64>::new(&robot);
+        let mut costate = vec![0.4; 2 * n];
+        let f_x = Hamiltonian::<f64>::new(&robot).jacobian(&q, &v, &u).unwrap().matrix().to_nalgebra();
+        let f_x = Matrix::from_rows(2 * n, f_x.transpose().as_slice());
+        let count = allocations(|| {
+            lagrangian.inverse_dynamics(&q, &v, &u).unwrap();
+            lagrangian.forward_dynamics(&q, &v, &u).unwrap();
+            lagrangian.state_equation(&q, &v, &u).unwrap();
+            lagrangian.gravity(&q).unwrap();
+            lagrangian.mass_matrix(&q).unwrap();
+            lagrangian.mass_matrix_rate(&q, &v).unwrap();
+            lagrangian.coriolis_matrix(&q, &v).unwrap();
+            lagrangian.energy(&q, &v).unwrap();
+            lagrangian.inverse_dynamics_jacobian(&q, &v, &u).unwrap();
+            lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+            lagrangian.state_jacobian(&q, &v, &u).unwrap();
+            second.inverse_dynamics_hessian(&q, &v, &u, &y).unwrap();
+            second.contracted_hessian(&q, &v, &u, &y).unwrap();
+            let mut map = coordinates.at_momentum(&q, &v, &u).unwrap();
+            map.hamiltonian();
+            map.jacobian_to_lagrangian(f_x.view()).unwrap();
+            map.jacobian_to_hamiltonian(f_x.view()).unwrap();
+            map.costate_to_lagrangian(&mut costate).unwrap();
+            map.costate_to_hamiltonian(&mut costate).unwrap();
+        });
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
+#[test]
 fn automatic_derivatives_do_not_allocate() {
     let robot = robot("ur5.urdf");
-    let (x, y) = ([0.3; 12], [0.4; 12]);
+    let (x, y, z) = ([0.3; 12], [0.4; 12], [0.3; 18]);
+    let forward = || ForwardDynamics::new(&robot);
+    let mut forward_dual: Jacobian<_> = Jacobian::new(forward());
+    let mut forward_hyperdual = Hessian::new(forward());
     let function = || PhaseVelocity::new(&robot);
     let mut dual: Jacobian<_> = Jacobian::new(function());
     let mut nested = NestedHessian::new(function());
     let mut hyperdual = Hessian::new(function());
     let count = allocations(|| {
         dual.evaluate(&x).unwrap();
+        forward_dual.evaluate(&z).unwrap();
+        forward_hyperdual.contracted(&z, &y[..6]).unwrap();
         nested.contracted(&x, &y).unwrap();
         hyperdual.contracted(&x, &y).unwrap();
     });

@@ -6,6 +6,8 @@ use costate::EvalError;
 use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes, largest};
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::kernels::KernelOne;
+use costate::lagrangian::{self, Coordinates, Lagrangian};
+use costate::matrix::Matrix;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
 use nalgebra::Matrix3;
 
@@ -73,6 +75,37 @@ fn not_a_number_and_infinity_are_named_with_their_joint() {
     );
 }
 
+#[test]
+fn lagrangian_arguments_are_named_too() {
+    let robot = panda();
+    let (mut lagrangian, mut second) =
+        (Lagrangian::<f64>::new(&robot), lagrangian::SecondOrder::<f64>::new(&robot));
+    let (right, wrong) = ([0.1; 7], [0.1; 6]);
+    let error = |what| EvalError::WrongLength { what, expected: 7, found: 6 };
+    assert_eq!(lagrangian.inverse_dynamics(&right, &right, &wrong).unwrap_err(), error("a"));
+    assert_eq!(lagrangian.inverse_dynamics_jacobian(&right, &wrong, &right).unwrap_err(), error("v"));
+    assert_eq!(lagrangian.forward_dynamics(&wrong, &right, &right).unwrap_err(), error("q"));
+    assert_eq!(lagrangian.state_jacobian(&right, &right, &wrong).unwrap_err(), error("u"));
+    assert_eq!(lagrangian.coriolis_matrix(&right, &wrong).unwrap_err(), error("v"));
+    assert_eq!(lagrangian.gravity(&wrong).unwrap_err(), error("q"));
+    assert_eq!(second.contracted_hessian(&right, &right, &right, &wrong).unwrap_err(), error("y"));
+    assert_eq!(second.inverse_dynamics_hessian(&right, &right, &right, &wrong).unwrap_err(), error("w"));
+    let bad = [0.1, 0.1, f64::NAN, 0.1, 0.1, 0.1, 0.1];
+    let not_finite = |what| EvalError::NonFinite { what, index: 2, joint: "panda_joint3".into() };
+    assert_eq!(lagrangian.energy(&right, &bad).unwrap_err(), not_finite("v"));
+    assert_eq!(lagrangian.forward_dynamics_jacobian(&right, &right, &bad).unwrap_err(), not_finite("u"));
+    assert_eq!(second.contracted_hessian(&right, &right, &right, &bad).unwrap_err(), not_finite("y"));
+    let mut coordinates = Coordinates::<f64>::new(&robot);
+    assert_eq!(coordinates.at_momentum(&right, &bad, &right).unwrap_err(), not_finite("p"));
+    let mut map = coordinates.at(&right, &right, &right).unwrap();
+    let narrow = Matrix::<f64>::zeros(14, 13);
+    let error = |what| EvalError::WrongLength { what, expected: 14, found: 13 };
+    assert_eq!(map.jacobian_to_lagrangian(narrow.view()).unwrap_err(), error("f_x"));
+    assert_eq!(map.jacobian_to_hamiltonian(narrow.view()).unwrap_err(), error("g_z"));
+    assert_eq!(map.costate_to_lagrangian(&mut [0.0; 13]).unwrap_err(), error("y"));
+    assert!(lagrangian.forward_dynamics(&right, &right, &right).is_ok(), "usable afterwards");
+}
+
 /// The last link is a point on its axis: M is singular, and that is said, not answered with infinities.
 #[test]
 fn a_singular_mass_matrix_is_an_error_that_names_the_joint() {
@@ -94,6 +127,10 @@ fn a_singular_mass_matrix_is_an_error_that_names_the_joint() {
     assert!(hamiltonian.momentum(&[0.1, 0.2], &[1.0, 1.0]).is_ok(), "p = M v needs no inverse");
     let mut second = SecondOrder::<f64>::new(&robot);
     assert!(second.contracted_hessian(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2], &[1.0; 4]).is_err());
+    let mut lagrangian = Lagrangian::<f64>::new(&robot);
+    let refused = lagrangian.forward_dynamics(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
+    assert_eq!(refused, error);
+    assert!(lagrangian.inverse_dynamics_jacobian(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).is_ok());
 }
 
 /// Two coaxial joints with a massless link between them: each alone moves mass, together they are redundant.

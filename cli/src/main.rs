@@ -25,8 +25,10 @@ enum Command {
     Info(info::Arguments),
     /// Evaluate states: JSON lines in, JSON lines out
     ///
-    /// In, one object a line: `q` and `p` or `v` (n numbers each; `p` wins), optional `u` (n, zeros) and
-    /// `y` (2n, the costate). Out: `q`, `v`, `p`, `f`, `f_x`, `M`, `energy`, and `y_f_xx` where `y` was given.
+    /// In, one object a line: `q` and `p` or `v` (n numbers each), optional `u` (n, zeros) and
+    /// `y` (2n, the costate). Out: `q`, `v`, `M`, `energy`; in Hamiltonian coordinates `p`, `f`, `f_x`, and `y_f_xx` where `y`
+    /// was given; in Lagrangian ones `qdd`, `qdd_z` and `yv_qdd_zz`, z = (q, v, u), for the last n of `y`. Where both
+    /// `p` and `v` stand, `p` wins in Hamiltonian, `v` in Lagrangian coordinates.
     /// A bad line gives `{"line":k,"error":…}` in its place and exit status 2 at the end.
     Eval(eval::Arguments),
     /// Set every route to the derivatives beside every other

@@ -78,20 +78,35 @@ fn eval_agrees_with_the_references_by_every_route() {
     }
 }
 
+/// The keys of an answer in each of the coordinates.
+const KEYS: [(&str, &[&str]); 2] = [
+    ("hamiltonian", &["M", "energy", "f", "f_x", "p", "q", "v", "y_f_xx"]),
+    ("lagrangian", &["M", "energy", "q", "qdd", "qdd_z", "v", "yv_qdd_zz"]),
+];
+
 fn agrees_with(robot: &str, states: &str, route: &str) {
     let text = std::fs::read_to_string(root().join(states)).unwrap();
-    let output = costate(&["eval", robot, "--states", states, "--route", route], b"");
-    assert!(output.status.success(), "{}", stderr(&output));
-    let answers = json_lines(&output);
-    assert_eq!(answers.len(), text.lines().count());
-    for (answer, line) in answers.iter().zip(text.lines()) {
-        let expected: Value = serde_json::from_str(line).unwrap();
-        for key in ["q", "v", "p", "f", "f_x", "y_f_xx", "M", "energy"] {
-            let (found, expected) = (flat(&answer[key]), flat(&expected[key]));
-            assert_eq!(found.len(), expected.len(), "{robot} {route} {key}");
-            let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            for (found, expected) in found.iter().zip(&expected) {
-                assert!((found - expected).abs() <= 1e-10 * size, "{robot} {route} {key}");
+    for (coordinates, keys) in KEYS {
+        let output = costate(
+            &["eval", robot, "--states", states, "--route", route, "--coordinates", coordinates],
+            b"",
+        );
+        assert!(output.status.success(), "{}", stderr(&output));
+        let answers = json_lines(&output);
+        assert_eq!(answers.len(), text.lines().count());
+        for (answer, line) in answers.iter().zip(text.lines()) {
+            let expected: Value = serde_json::from_str(line).unwrap();
+            assert!(answer.as_object().unwrap().keys().eq(keys), "{robot} {route} {coordinates}");
+            for &key in keys {
+                let (found, expected) = (&answer[key], &expected[key]);
+                let length = |value: &Value| value[0].as_array().map(Vec::len);
+                assert_eq!(length(found), length(expected), "{robot} {route} {key}");
+                let (found, expected) = (flat(found), flat(expected));
+                assert_eq!(found.len(), expected.len(), "{robot} {route} {key}");
+                let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!((found - expected).abs() <= 1e-10 * size, "{robot} {route} {key}");
+                }
             }
         }
     }
@@ -160,6 +175,33 @@ fn velocities_or_momenta_and_defaults() {
     assert_eq!(answers[0]["f_x"].as_array().unwrap().len(), 4);
 }
 
+/// `v` holds in Lagrangian coordinates, `p` where it stands alone; the velocities' half of y is contracted with.
+#[test]
+fn velocities_or_momenta_in_lagrangian_coordinates() {
+    let input = br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":[9,9],"y":[7,7,0,0]}
+{"q":[0.1,0.2],"p":[0.3,0.4],"u":[1.0,2.0]}
+{"q":[0.1,0.2],"p":[0.3,0.4]}
+"#;
+    for route in ["analytic", "dual", "hyperdual"] {
+        let arguments = ["eval", "robots/two_link.toml", "--coordinates", "lagrangian", "--route", route];
+        let answers = json_lines(&costate(&arguments, input));
+        assert_eq!(flat(&answers[0]["v"]), [1.0, -0.5]);
+        assert_eq!(flat(&answers[0]["yv_qdd_zz"]), [0.0; 36], "the other half of dx/dt is linear");
+        assert!(answers[1].get("yv_qdd_zz").is_none());
+        let (m, v) = (flat(&answers[1]["M"]), flat(&answers[1]["v"]));
+        assert!((m[0] * v[0] + m[1] * v[1] - 0.3).abs() < 1e-14);
+        assert!((m[2] * v[0] + m[3] * v[1] - 0.4).abs() < 1e-14);
+        let (driven, free) = (flat(&answers[1]["qdd"]), flat(&answers[2]["qdd"]));
+        let jumps = [driven[0] - free[0], driven[1] - free[1]];
+        assert!((m[0] * jumps[0] + m[1] * jumps[1] - 1.0).abs() < 1e-13);
+        assert!((m[2] * jumps[0] + m[3] * jumps[1] - 2.0).abs() < 1e-13);
+        assert_eq!(
+            (flat(&answers[1]["qdd_z"]).len(), answers[1]["qdd_z"].as_array().unwrap().len()),
+            (12, 2)
+        );
+    }
+}
+
 /// A bad line gets an error in its place; the good ones around it are evaluated.
 #[test]
 fn bad_lines_between_good_ones() {
@@ -182,17 +224,20 @@ fn bad_lines_between_good_ones() {
         input += &format!("{line}\n{good}\n");
     }
     input += "\n";
-    let output = costate(&["eval", "robots/two_link.toml"], input.as_bytes());
-    assert_eq!(output.status.code(), Some(2));
-    let answers = json_lines(&output);
-    assert_eq!(answers.len(), 2 * bad.len() + 1);
-    let complaints = stderr(&output);
-    for (k, (line, words)) in bad.into_iter().enumerate() {
-        let (answer, number) = (&answers[2 * k + 1], 2 * k + 2);
-        assert_eq!(answer["line"], json!(number));
-        assert!(answer["error"].as_str().unwrap().contains(words), "{line}: {answer}");
-        assert!(complaints.contains(&format!("line {number}: ")), "{complaints}");
-        assert_eq!(answers[2 * k], answers[0]);
+    for (coordinates, _) in KEYS {
+        let arguments = ["eval", "robots/two_link.toml", "--coordinates", coordinates];
+        let output = costate(&arguments, input.as_bytes());
+        assert_eq!(output.status.code(), Some(2));
+        let answers = json_lines(&output);
+        assert_eq!(answers.len(), 2 * bad.len() + 1);
+        let complaints = stderr(&output);
+        for (k, (line, words)) in bad.into_iter().enumerate() {
+            let (answer, number) = (&answers[2 * k + 1], 2 * k + 2);
+            assert_eq!(answer["line"], json!(number));
+            assert!(answer["error"].as_str().unwrap().contains(words), "{line}: {answer}");
+            assert!(complaints.contains(&format!("line {number}: ")), "{complaints}");
+            assert_eq!(answers[2 * k], answers[0]);
+        }
     }
     let bytes = costate(&["eval", "robots/two_link.toml"], b"\xff\xfe\n{\"q\":[0,0],\"p\":[0,0]}\n");
     assert_eq!((bytes.status.code(), json_lines(&bytes).len()), (Some(2), 2));
@@ -204,8 +249,11 @@ fn a_singular_state_is_a_bad_line_that_names_the_joint() {
     let text = "name = 'needle'\n[[joint]]\nname = 'a'\nmass = 1.0\ncom = [1.0, 0.0, 0.0]\n\
                 [[joint]]\nname = 'spin'\nmass = 1.0\nplacement = { xyz = [1.0, 0.0, 0.0] }\n";
     std::fs::write(&robot, text).unwrap();
-    let output = costate(&["eval", robot.to_str().unwrap()], br#"{"q":[0,0],"p":[0,0]}"#);
+    let input = br#"{"q":[0,0],"v":[0,0]}"#;
+    let output = costate(&["eval", robot.to_str().unwrap()], input);
+    let lagrangian = costate(&["eval", robot.to_str().unwrap(), "--coordinates", "lagrangian"], input);
     std::fs::remove_file(&robot).unwrap();
+    assert_eq!(json_lines(&lagrangian), json_lines(&output));
     assert_eq!(output.status.code(), Some(2));
     assert!(json_lines(&output)[0]["error"].as_str().unwrap().contains("singular at joint 'spin'"));
     assert!(stderr(&output).contains("warning: joint 'spin'"));

@@ -11,6 +11,7 @@
 //! own derivatives beside these, [`OperationTable`] what they all cost.
 
 mod directional;
+mod forward_dynamics;
 mod function;
 mod hessian;
 mod jacobian;
@@ -20,6 +21,7 @@ mod phase_velocity;
 mod routes;
 
 pub use directional::{AlongDirection, Directional};
+pub use forward_dynamics::ForwardDynamics;
 pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};

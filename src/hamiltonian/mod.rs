@@ -168,7 +168,12 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
 }
 
 /// `values` has `expected` finite entries; entries beyond n belong to the joints again.
-fn check<S: Scalar>(tree: &Tree, what: &'static str, values: &[S], expected: usize) -> Result<(), EvalError> {
+pub(crate) fn check<S: Scalar>(
+    tree: &Tree,
+    what: &'static str,
+    values: &[S],
+    expected: usize,
+) -> Result<(), EvalError> {
     check_length(what, values, expected)?;
     match values.iter().position(|value| S::CHECKED && !value.is_finite()) {
         Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.len()).into() }),

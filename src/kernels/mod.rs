@@ -11,6 +11,7 @@ mod velocity;
 
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
+pub(crate) use position::along_joint;
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
 

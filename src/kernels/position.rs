@@ -60,7 +60,7 @@ pub(super) fn unit_motion<S: Scalar>(kind: JointKind) -> Motion<S> {
 
 /// `S . f`: the component of a force that the joint sees.
 #[inline(always)]
-pub(super) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
+pub(crate) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
     match kind {
         JointKind::Revolute => force.moment.z,
         JointKind::Prismatic => force.force.z,

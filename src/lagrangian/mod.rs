@@ -1,1 +1,131 @@
-//! The state equation in (q, v).
+//! The Lagrangian state equation: inverse and forward dynamics, their Jacobians and contracted Hessians.
+//!
+//! State x = (q, v). With `L = 1/2 v' M v - V`, D the friction and u the actuation of the joints,
+//!
+//! ```text
+//! M(q) a + C(q, v) v + g(q) = u + D(v)      dx/dt = (v, a)                                        (9)
+//! ```
+//!
+//! M is the mass matrix with armature, C the Coriolis matrix, `g = V_q` the force of weight and springs. D is negative
+//! where v is positive: friction brakes. Inverse dynamics asks for u, forward dynamics for a. [`Lagrangian`] computes
+//! both with their Jacobians for any scalar, [`SecondOrder`] adds contracted Hessians, [`Coordinates`] leads from
+//! (q, v) to (q, p) and back; [`ForwardDynamics`](crate::derivative::ForwardDynamics) is a(q, v, u) as a function that
+//! can be differentiated automatically.
+
+mod coordinates;
+mod coriolis;
+mod dynamics;
+mod forward;
+mod inverse;
+mod newton_euler;
+mod second_order;
+
+pub use coordinates::Coordinates;
+pub use forward::{ForwardDynamicsJacobian, StateJacobian};
+pub use inverse::InverseDynamicsJacobian;
+pub use second_order::{ContractedHessian, SecondOrder};
+
+use crate::error::EvalError;
+use crate::hamiltonian::check;
+use crate::kernels::{Factor, KernelOne, KernelTwo};
+use crate::matrix::Matrix;
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+use newton_euler::NewtonEuler;
+
+/// Workspace for the Lagrangian state equation of one robot; no call allocates.
+///
+/// Slices q (rad, m), v (rad/s, m/s), a (rad/s^2, m/s^2) and u, tau (N m, N) have n entries, in the order of
+/// [`Robot::joints`]. All of its functions fail with [`EvalError::WrongLength`], [`EvalError::NonFinite`] or, where
+/// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`]. Results are not checked: finite arguments so
+/// large that a product overflows give infinities.
+///
+/// ```
+/// use costate::lagrangian::Lagrangian;
+/// use costate::robot::Robot;
+///
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// let mut lagrangian = Lagrangian::<f64>::new(&robot);
+/// let (q, v, a) = ([0.3, -0.8], [1.0, 0.5], [0.2, -4.0]);
+/// let tau = lagrangian.inverse_dynamics(&q, &v, &a)?.to_vec();
+/// let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &tau)?;
+/// assert!((linear.acceleration()[1] + 4.0).abs() < 1e-12);
+/// println!("da/dq = {}", linear.a_q().as_nalgebra());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Lagrangian<S: Scalar> {
+    tree: Tree,
+    kernel: KernelOne<S>,
+    along: KernelTwo<S>,
+    factor: Factor<S>,
+    newton_euler: NewtonEuler<S>,
+    zero: Vec<S>,
+    tau: Vec<S>,
+    tau_q: Matrix<S>,
+    tau_v: Matrix<S>,
+    coriolis: Matrix<S>,
+    /// `(v, a)`, 2n.
+    rate: Vec<S>,
+    inverse: Matrix<S>,
+    /// `[tau_q, tau_v]`, and what becomes of it on the way to `M^-1 [tau_q, tau_v]`; n x 2n.
+    half: Matrix<S>,
+    solved: Matrix<S>,
+    /// `[a_q, a_v, a_u]`, n x 3n.
+    a_z: Matrix<S>,
+    /// `[0 1 ; a_q a_v]`, 2n x 2n.
+    f_x: Matrix<S>,
+    /// `[0 ; M^-1]`, 2n x n.
+    f_u: Matrix<S>,
+}
+
+impl<S: Scalar> Lagrangian<S> {
+    /// Builds the workspace: all that is ever allocated.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(Tree::from(robot))
+    }
+
+    /// As [`new`](Self::new), from a model that was turned already.
+    pub fn from_tree(tree: Tree) -> Self {
+        let n = tree.len();
+        let square = Matrix::zeros(n, n);
+        let mut f_x = Matrix::zeros(2 * n, 2 * n);
+        (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
+        Self {
+            kernel: KernelOne::new(&tree),
+            along: KernelTwo::new(&tree),
+            factor: Factor::new(&tree),
+            newton_euler: NewtonEuler::new(&tree),
+            zero: vec![S::zero(); n],
+            tau: vec![S::zero(); n],
+            tau_q: square.clone(),
+            tau_v: square.clone(),
+            coriolis: square.clone(),
+            rate: vec![S::zero(); 2 * n],
+            inverse: square,
+            half: Matrix::zeros(n, 2 * n),
+            solved: Matrix::zeros(n, 2 * n),
+            a_z: Matrix::zeros(n, 3 * n),
+            f_x,
+            f_u: Matrix::zeros(2 * n, n),
+            tree,
+        }
+    }
+
+    /// Number of joints, n.
+    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
+    pub fn len(&self) -> usize {
+        self.tree.len()
+    }
+
+    /// The model.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// Every argument has n finite entries.
+    fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.len()))
+    }
+}

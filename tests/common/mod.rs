@@ -2,8 +2,9 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
-use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity, largest};
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, largest};
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::lagrangian::{self, Lagrangian};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use serde_json::Value;
@@ -48,11 +49,49 @@ pub fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
 }
 
-/// Every route to every Hamiltonian quantity against the references of one robot file.
+/// Every route to every quantity against the references of one robot file, in both coordinates.
 pub fn check_file(robot_path: &Path, references: &[Reference]) {
     let robot = Robot::from_file(robot_path).unwrap();
-    let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-    let mut second = SecondOrder::<f64>::new(&robot);
+    check_hamiltonian(&robot, references);
+    check_lagrangian(&robot, references);
+}
+
+/// Every route to every quantity in (q, v).
+fn check_lagrangian(robot: &Robot, references: &[Reference]) {
+    let mut lagrangian = Lagrangian::<f64>::new(robot);
+    let mut second = lagrangian::SecondOrder::<f64>::new(robot);
+    let mut dual: Jacobian<_> = Jacobian::new(ForwardDynamics::new(robot));
+    let mut nested = NestedHessian::new(ForwardDynamics::new(robot));
+    let mut hyperdual = Hessian::new(ForwardDynamics::new(robot));
+    for (number, reference) in references.iter().enumerate() {
+        let context = format!("{} state {}", robot.name(), number + 1);
+        let [q, v, u, y] = ["q", "v", "u", "y"].map(|key| reference.numbers(key));
+        let y_v = &y[q.len()..];
+        let energy = lagrangian.energy(&q, &v).unwrap();
+        reference.agrees("energy", &[energy.kinetic, energy.potential], &context);
+        let a = lagrangian.forward_dynamics(&q, &v, &u).unwrap().to_vec();
+        reference.agrees("qdd", &a, &context);
+        reference.agrees("u", lagrangian.inverse_dynamics(&q, &v, &a).unwrap(), &context);
+        let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+        reference.agrees("M", linear.mass_matrix().as_slice(), &context);
+        reference.agrees("qdd_z", &flat(linear.matrix()), &context);
+        let contracted = second.contracted_hessian(&q, &v, &u, y_v).unwrap();
+        reference.agrees("M", contracted.linearisation().mass_matrix().as_slice(), &context);
+        reference.agrees("qdd", contracted.linearisation().acceleration(), &context);
+        reference.agrees("qdd_z", &flat(contracted.linearisation().matrix()), &context);
+        reference.agrees("yv_qdd_zz", &flat(contracted.matrix()), &context);
+        let z = [q.as_slice(), &v, &u].concat();
+        reference.agrees("qdd_z", dual.evaluate(&z).unwrap().jacobian.as_slice(), &context);
+        reference.agrees("yv_qdd_zz", nested.contracted(&z, y_v).unwrap().as_slice(), &context);
+        reference.agrees("yv_qdd_zz", hyperdual.contracted(&z, y_v).unwrap().as_slice(), &context);
+        reference.agrees("qdd_z", hyperdual.last().jacobian().as_slice(), &context);
+    }
+}
+
+/// Every route to every quantity in (q, p).
+fn check_hamiltonian(robot: &Robot, references: &[Reference]) {
+    let mut hamiltonian = Hamiltonian::<f64>::new(robot);
+    let mut second = SecondOrder::<f64>::new(robot);
     for (number, reference) in references.iter().enumerate() {
         let context = format!("{} state {}", robot.name(), number + 1);
         let [q, v, p, u, y] = ["q", "v", "p", "u", "y"].map(|key| reference.numbers(key));
@@ -69,7 +108,7 @@ pub fn check_file(robot_path: &Path, references: &[Reference]) {
         reference.agrees("f_x", &flat(contracted.linearisation().matrix()), &context);
         reference.agrees("y_f_xx", &flat(contracted.matrix()), &context);
         let x = [q, p].concat();
-        let function = || PhaseVelocity::new(&robot).under(&u);
+        let function = || PhaseVelocity::new(robot).under(&u);
         let mut dual: Jacobian<_> = Jacobian::new(function());
         reference.agrees("f_x", dual.evaluate(&x).unwrap().jacobian.as_slice(), &context);
         let mut nested = NestedHessian::new(function());

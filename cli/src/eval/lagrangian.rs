@@ -1,0 +1,84 @@
+//! Answers in (q, v): qdd, qdd_z, yv_qdd_zz.
+
+use super::line::{Answer, Motion, State};
+use super::{Evaluator, Route};
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
+use costate::hamiltonian::Hamiltonian;
+use costate::lagrangian::{self, SecondOrder};
+use costate::matrix::{Block, Matrix};
+use costate::robot::Robot;
+
+/// The workspaces of one route.
+enum Workspace {
+    Analytic(Box<SecondOrder<f64>>),
+    Dual(Box<Jacobian<ForwardDynamics>>, Box<NestedHessian<ForwardDynamics>>),
+    Hyperdual(Box<Hessian<ForwardDynamics>>),
+}
+
+pub struct Lagrangian {
+    hamiltonian: Hamiltonian<f64>,
+    lagrangian: lagrangian::Lagrangian<f64>,
+    workspace: Workspace,
+}
+
+impl Lagrangian {
+    pub fn new(robot: &Robot, route: Route) -> Self {
+        let function = || ForwardDynamics::new(robot);
+        let workspace = match route {
+            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Dual => {
+                Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
+            }
+            Route::Hyperdual => Workspace::Hyperdual(Box::new(Hessian::new(function()))),
+        };
+        Self {
+            hamiltonian: Hamiltonian::new(robot),
+            lagrangian: lagrangian::Lagrangian::new(robot),
+            workspace,
+        }
+    }
+}
+
+impl Evaluator for Lagrangian {
+    fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>> {
+        let State { q, u, .. } = state;
+        let v = match &state.motion {
+            Motion::Velocity(v) | Motion::Both(_, v) => v.clone(),
+            Motion::Momentum(p) => self.hamiltonian.velocity(q, p)?.to_vec(),
+        };
+        let energy = self.lagrangian.energy(q, &v)?;
+        let mut answer = Answer::default();
+        answer.vector("energy", &[energy.kinetic, energy.potential]);
+        answer.matrix("M", self.lagrangian.mass_matrix(q)?.view());
+        answer.vector("q", q);
+        answer.vector("v", &v);
+        let z = [q.as_slice(), &v, u].concat();
+        let mut derivatives = |a: &[f64], a_z: Block<'_, f64>, y_a_zz: Option<Block<'_, f64>>| {
+            answer.vector("qdd", a);
+            answer.matrix("qdd_z", a_z);
+            y_a_zz.into_iter().for_each(|y_a_zz| answer.matrix("yv_qdd_zz", y_a_zz));
+        };
+        match (&mut self.workspace, state.y.as_ref().map(|y| &y[q.len()..])) {
+            (Workspace::Analytic(_), None) => {
+                let linear = self.lagrangian.forward_dynamics_jacobian(q, &v, u)?;
+                derivatives(linear.acceleration(), linear.matrix(), None);
+            }
+            (Workspace::Analytic(second), Some(y)) => {
+                let second = second.contracted_hessian(q, &v, u, y)?;
+                let linear = second.linearisation();
+                derivatives(linear.acceleration(), linear.matrix(), Some(second.matrix()));
+            }
+            (Workspace::Dual(jacobian, nested), y) => {
+                let first = jacobian.evaluate(&z)?;
+                let second = y.map(|y| nested.contracted(&z, y)).transpose()?;
+                derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
+            }
+            (Workspace::Hyperdual(hessian), y) => {
+                hessian.contracted(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
+                let (last, second) = (hessian.last(), hessian.last_contracted().view());
+                derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
+            }
+        }
+        Ok(answer)
+    }
+}

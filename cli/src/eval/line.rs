@@ -1,0 +1,82 @@
+//! One line in, one line out.
+
+use costate::matrix::Block;
+use serde_json::{Map, Value};
+
+/// A state as it stands on a line, each array of the right length.
+pub struct State {
+    pub q: Vec<f64>,
+    pub motion: Motion,
+    /// Actuation, n; zeros where the line has none.
+    pub u: Vec<f64>,
+    /// Costate, 2n.
+    pub y: Option<Vec<f64>>,
+}
+
+/// What the line says of the motion.
+pub enum Motion {
+    Momentum(Vec<f64>),
+    Velocity(Vec<f64>),
+    /// Momentum, then velocity: the coordinates decide which of them holds.
+    Both(Vec<f64>, Vec<f64>),
+}
+
+impl State {
+    /// Reads a line for a robot of n joints.
+    pub fn parse(line: &[u8], n: usize) -> Result<Self, String> {
+        let state: Map<String, Value> = serde_json::from_slice(line)
+            .map_err(|error| format!("not a JSON object ({error}); write {{\"q\":[…],\"p\":[…]}}"))?;
+        let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;
+        let u = numbers(&state, "u", n)?.unwrap_or_else(|| vec![0.0; n]);
+        let y = numbers(&state, "y", 2 * n)?;
+        let motion = match (numbers(&state, "p", n)?, numbers(&state, "v", n)?) {
+            (Some(p), Some(v)) => Motion::Both(p, v),
+            (Some(p), None) => Motion::Momentum(p),
+            (None, Some(v)) => Motion::Velocity(v),
+            (None, None) => return Err("`p` and `v` are missing; give the momenta or the velocities".into()),
+        };
+        Ok(Self { q, motion, u, y })
+    }
+}
+
+/// The numbers under `key`, `None` where it is absent or null.
+fn numbers(state: &Map<String, Value>, key: &str, expected: usize) -> Result<Option<Vec<f64>>, String> {
+    let Some(value) = state.get(key).filter(|value| !value.is_null()) else { return Ok(None) };
+    let values = value.as_array().ok_or_else(|| format!("`{key}` is not an array of numbers"))?;
+    if values.len() != expected {
+        return Err(format!("`{key}` has {} numbers, not {expected}", values.len()));
+    }
+    let number =
+        |(i, value): (usize, &Value)| value.as_f64().ok_or_else(|| format!("`{key}[{i}]` is not a number"));
+    values.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
+}
+
+/// The answer to a line, put together key by key.
+#[derive(Default)]
+pub struct Answer(Map<String, Value>);
+
+impl Answer {
+    /// Adds a vector.
+    pub fn vector(&mut self, key: &str, values: &[f64]) {
+        self.0.insert(key.into(), values.into());
+    }
+
+    /// Adds a matrix, row by row.
+    pub fn matrix(&mut self, key: &str, block: Block<'_, f64>) {
+        self.0.insert(key.into(), block.iter_rows().map(Value::from).collect());
+    }
+
+    /// The whole, unless a number in it is none that JSON can hold: it has become null.
+    pub fn finite(self) -> Result<Value, String> {
+        fn all_finite(value: &Value) -> bool {
+            match value {
+                Value::Array(values) => values.iter().all(all_finite),
+                value => !value.is_null(),
+            }
+        }
+        match self.0.iter().find(|(_, value)| !all_finite(value)) {
+            Some((key, _)) => Err(format!("`{key}` overflows; scale the state or the robot down")),
+            None => Ok(Value::Object(self.0)),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The rate of the mass matrix and the Coriolis matrix that belongs to it.
+
+use super::Lagrangian;
+use crate::error::EvalError;
+use crate::matrix::Matrix;
+use crate::scalar::Scalar;
+
+impl<S: Scalar> Lagrangian<S> {
+    /// `Mdot_ij = sum_k M_ij,k v_k`, n x n, symmetric (kg m^2/s, kg m/s, kg/s).
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn mass_matrix_rate(&mut self, q: &[S], v: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.check(&[("q", q), ("v", v)])?;
+        self.set_state(q, v)?;
+        self.along.differentiate(&self.tree, &self.kernel, v, &self.zero)?;
+        Ok(self.along.mass_matrix())
+    }
+
+    /// `C = 1/2 (Mdot + P - P')`, `C_ij = 1/2 sum_k (M_ij,k + M_ik,j - M_jk,i) v_k`, n x n.
+    ///
+    /// The one made of the Christoffel symbols of M: `Mdot - 2 C` is skew-symmetric, as P - P' is. P is L_vq.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn coriolis_matrix(&mut self, q: &[S], v: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.mass_matrix_rate(q, v)?;
+        let (rate, p) = (self.along.mass_matrix(), self.kernel.l_vq());
+        for i in 0..self.tree.len() {
+            for j in 0..self.tree.len() {
+                self.coriolis[(i, j)] = (rate[(i, j)] + p[(i, j)] - p[(j, i)]).times(0.5);
+            }
+        }
+        Ok(&self.coriolis)
+    }
+
+    /// All three stages of kernel one.
+    fn set_state(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        self.kernel.set_position(&self.tree, q)?;
+        self.kernel.set_velocity(&self.tree, v)?;
+        self.kernel.second_order(&self.tree);
+        Ok(())
+    }
+
+    /// Kernel one at (q, v) and kernel two along (v, a).
+    pub(super) fn differentiate(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
+        self.set_state(q, v)?;
+        self.along.differentiate(&self.tree, &self.kernel, v, a)
+    }
+
+    /// As [`differentiate`](Self::differentiate), at the position set last along (v, a) computed last.
+    pub(super) fn differentiate_flow(&mut self) -> Result<(), EvalError> {
+        let (v, a) = self.rate.split_at(self.tree.len());
+        self.kernel.set_velocity(&self.tree, v)?;
+        self.kernel.second_order(&self.tree);
+        self.along.differentiate(&self.tree, &self.kernel, v, a)
+    }
+}

@@ -1,0 +1,110 @@
+//! Inverse and forward dynamics, gravity, energy: no derivative.
+
+use super::Lagrangian;
+use crate::error::EvalError;
+use crate::hamiltonian::Energy;
+use crate::kernels::friction;
+use crate::matrix::Matrix;
+use crate::scalar::Scalar;
+
+impl<S: Scalar> Lagrangian<S> {
+    /// `tau = M a + C v + g - D = d/dt L_v - L_q - D`, n (N m, N): the actuation u that makes a, in O(n).
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn inverse_dynamics(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<&[S], EvalError> {
+        self.check(&[("q", q), ("v", v), ("a", a)])?;
+        self.newton_euler.solve(&self.tree, q, v, a);
+        self.subtract_friction(v);
+        Ok(&self.tau)
+    }
+
+    /// `a = M^-1 (u + D - C v - g)` (9), n (rad/s^2, m/s^2).
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn forward_dynamics(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.accelerate(q, v, u)?;
+        Ok(self.acceleration())
+    }
+
+    /// `dx/dt = (v, a)` for x = (q, v) (9); length 2n.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn state_equation(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.accelerate(q, v, u)?;
+        Ok(&self.rate)
+    }
+
+    /// `g(q) = V_q`, n (N m, N): what the joints must give against weight and springs to stay at q.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn gravity(&mut self, q: &[S]) -> Result<&[S], EvalError> {
+        self.check(&[("q", q)])?;
+        self.newton_euler.solve(&self.tree, q, &self.zero, &self.zero);
+        Ok(&self.newton_euler.tau)
+    }
+
+    /// Mass matrix M(q), armature included, n x n, symmetric (kg m^2, kg m, kg).
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.check(&[("q", q)])?;
+        self.kernel.set_position(&self.tree, q)?;
+        Ok(self.kernel.mass_matrix())
+    }
+
+    /// Kinetic energy `1/2 v' M v` and potential energy V (J); their difference is L(q, v).
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn energy(&mut self, q: &[S], v: &[S]) -> Result<Energy<S>, EvalError> {
+        self.check(&[("q", q), ("v", v)])?;
+        self.kernel.set_position(&self.tree, q)?;
+        self.kernel.set_velocity(&self.tree, v)?;
+        let twice = self.kernel.momentum().iter().zip(v).fold(S::zero(), |sum, (&p, &v)| sum + p * v);
+        Ok(Energy { kinetic: twice.times(0.5), potential: self.kernel.potential(&self.tree) })
+    }
+
+    /// The acceleration computed last, n.
+    pub(super) fn acceleration(&self) -> &[S] {
+        &self.rate[self.tree.len()..]
+    }
+
+    /// tau from the sweep made last.
+    pub(super) fn subtract_friction(&mut self, v: &[S]) {
+        self.tau.copy_from_slice(&self.newton_euler.tau);
+        for ((tau, joint), &v) in self.tau.iter_mut().zip(self.tree.joints()).zip(v) {
+            if !joint.friction.is_none() {
+                *tau -= friction(&joint.friction, v).value;
+            }
+        }
+    }
+
+    /// M(q) and its factors.
+    pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
+        self.kernel.set_position(&self.tree, q)?;
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
+        let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
+        self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
+    }
+
+    /// Factors M and fills (v, a); tau keeps what a = 0 would need.
+    pub(super) fn accelerate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
+        self.factor(q)?;
+        self.newton_euler.solve(&self.tree, q, v, &self.zero);
+        self.subtract_friction(v);
+        let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.len());
+        rate_q.copy_from_slice(v);
+        for ((a, &u), &tau) in rate_v.iter_mut().zip(u).zip(&self.tau) {
+            *a = u - tau;
+        }
+        self.factor.solve(rate_v);
+        Ok(())
+    }
+}

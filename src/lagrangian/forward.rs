@@ -1,0 +1,124 @@
+//! The Jacobian of forward dynamics and of the state equation.
+
+use super::Lagrangian;
+use crate::error::EvalError;
+use crate::matrix::{Block, Matrix};
+use crate::scalar::Scalar;
+
+/// Forward dynamics and its Jacobian in z = (q, v, u); borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct ForwardDynamicsJacobian<'a, S> {
+    acceleration: &'a [S],
+    a_z: &'a Matrix<S>,
+    mass_matrix: &'a Matrix<S>,
+}
+
+impl<'a, S: Scalar> ForwardDynamicsJacobian<'a, S> {
+    fn square(&self, k: usize) -> Block<'a, S> {
+        let n = self.a_z.rows();
+        self.a_z.block(0, k * n, n, n)
+    }
+
+    /// `a = M^-1 (u + D - C v - g)`, n (rad/s^2, m/s^2).
+    pub fn acceleration(&self) -> &'a [S] {
+        self.acceleration
+    }
+
+    /// Mass matrix M, n x n.
+    pub fn mass_matrix(&self) -> &'a Matrix<S> {
+        self.mass_matrix
+    }
+
+    /// `[a_q, a_v, a_u]`, n x 3n.
+    pub fn matrix(&self) -> Block<'a, S> {
+        self.a_z.view()
+    }
+
+    /// `da/dq = -M^-1 tau_q`, n x n.
+    pub fn a_q(&self) -> Block<'a, S> {
+        self.square(0)
+    }
+
+    /// `da/dv = -M^-1 tau_v`, n x n.
+    pub fn a_v(&self) -> Block<'a, S> {
+        self.square(1)
+    }
+
+    /// `da/du = M^-1`, n x n, exactly symmetric.
+    pub fn a_u(&self) -> Block<'a, S> {
+        self.square(2)
+    }
+}
+
+/// The state equation and its Jacobians in x = (q, v) and u; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct StateJacobian<'a, S> {
+    /// `dx/dt = (v, a)`, 2n.
+    pub f: &'a [S],
+    /// `[0 1 ; a_q a_v]`, 2n x 2n.
+    pub f_x: &'a Matrix<S>,
+    /// `[0 ; M^-1]`, 2n x n.
+    pub f_u: &'a Matrix<S>,
+}
+
+impl<S: Scalar> Lagrangian<S> {
+    /// a and its Jacobian in z = (q, v, u) (9): `a_q = -M^-1 tau_q`, `a_v = -M^-1 tau_v`, `a_u = M^-1`.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn forward_dynamics_jacobian(
+        &mut self,
+        q: &[S],
+        v: &[S],
+        u: &[S],
+    ) -> Result<ForwardDynamicsJacobian<'_, S>, EvalError> {
+        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.accelerate(q, v, u)?;
+        self.differentiate_flow()?;
+        self.take_torque_jacobian(v);
+        self.solve_jacobian();
+        Ok(self.forward_jacobian())
+    }
+
+    /// `dx/dt = (v, a)` and its Jacobians in x = (q, v) and u.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn state_jacobian(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<StateJacobian<'_, S>, EvalError> {
+        self.forward_dynamics_jacobian(q, v, u)?;
+        let n = self.tree.len();
+        for i in 0..n {
+            self.f_x.row_mut(n + i).copy_from_slice(&self.a_z.row(i)[..2 * n]);
+            self.f_u.row_mut(n + i).copy_from_slice(&self.a_z.row(i)[2 * n..]);
+        }
+        Ok(StateJacobian { f: &self.rate, f_x: &self.f_x, f_u: &self.f_u })
+    }
+
+    /// What was computed last.
+    pub(super) fn forward_jacobian(&self) -> ForwardDynamicsJacobian<'_, S> {
+        ForwardDynamicsJacobian {
+            acceleration: self.acceleration(),
+            a_z: &self.a_z,
+            mass_matrix: self.kernel.mass_matrix(),
+        }
+    }
+
+    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`; M is factored.
+    pub(super) fn solve_jacobian(&mut self) {
+        let n = self.tree.len();
+        for i in 0..n {
+            let (left, right) = self.half.row_mut(i).split_at_mut(n);
+            left.copy_from_slice(self.tau_q.row(i));
+            right.copy_from_slice(self.tau_v.row(i));
+        }
+        self.factor.solve_first_half(&mut self.half);
+        self.factor.divide_by_pivots(&self.half, &mut self.solved);
+        self.factor.solve_second_half(&mut self.solved);
+        self.factor.inverse(&mut self.inverse);
+        for i in 0..n {
+            let (left, right) = self.a_z.row_mut(i).split_at_mut(2 * n);
+            left.iter_mut().zip(self.solved.row(i)).for_each(|(entry, &solved)| *entry = -solved);
+            right.copy_from_slice(self.inverse.row(i));
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The Jacobian of inverse dynamics, from kernel two along (v, a).
+
+use super::Lagrangian;
+use crate::error::EvalError;
+use crate::kernels::{KernelOne, KernelTwo, friction};
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+
+/// Inverse dynamics and its Jacobian in (q, v, a); borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct InverseDynamicsJacobian<'a, S> {
+    /// `tau = M a + C v + g - D`, n (N m, N).
+    pub tau: &'a [S],
+    /// `dtau/dq = Pdot - L_qq`, n x n.
+    pub tau_q: &'a Matrix<S>,
+    /// `dtau/dv = Mdot + P - P' - D_v`, n x n.
+    pub tau_v: &'a Matrix<S>,
+    /// `dtau/da = M`, n x n.
+    pub tau_a: &'a Matrix<S>,
+}
+
+/// `tau_q = Pdot - L_qq`, `tau_v = Mdot + P - P' - D_v` from kernel one at (q, v) and kernel two along (v, a).
+///
+/// The kernels may carry more than a value; `value` takes it out of them.
+pub(super) fn torque_jacobian<S: Scalar, T: Scalar>(
+    tree: &Tree,
+    (kernel, along): (&KernelOne<T>, &KernelTwo<T>),
+    value: impl Fn(T) -> S,
+    v: &[S],
+    (tau_q, tau_v): (&mut Matrix<S>, &mut Matrix<S>),
+) {
+    let (p, l_qq, m_rate, p_rate) = (kernel.l_vq(), kernel.l_qq(), along.mass_matrix(), along.l_vq());
+    for (i, joint) in tree.joints().iter().enumerate() {
+        for j in 0..tree.len() {
+            tau_q[(i, j)] = value(p_rate[(i, j)] - l_qq[(i, j)]);
+            tau_v[(i, j)] = value(m_rate[(i, j)] + p[(i, j)] - p[(j, i)]);
+        }
+        if !joint.friction.is_none() {
+            tau_v[(i, i)] -= friction(&joint.friction, v[i]).first;
+        }
+    }
+}
+
+impl<S: Scalar> Lagrangian<S> {
+    /// tau and its Jacobian in (q, v, a).
+    ///
+    /// # Errors
+    /// See [`Lagrangian`]; a singular mass matrix is none.
+    pub fn inverse_dynamics_jacobian(
+        &mut self,
+        q: &[S],
+        v: &[S],
+        a: &[S],
+    ) -> Result<InverseDynamicsJacobian<'_, S>, EvalError> {
+        self.inverse_dynamics(q, v, a)?;
+        self.differentiate(q, v, a)?;
+        self.take_torque_jacobian(v);
+        Ok(InverseDynamicsJacobian {
+            tau: &self.tau,
+            tau_q: &self.tau_q,
+            tau_v: &self.tau_v,
+            tau_a: self.kernel.mass_matrix(),
+        })
+    }
+
+    /// Fills tau_q and tau_v from the kernels.
+    pub(super) fn take_torque_jacobian(&mut self, v: &[S]) {
+        let kernels = (&self.kernel, &self.along);
+        torque_jacobian(&self.tree, kernels, |entry| entry, v, (&mut self.tau_q, &mut self.tau_v));
+    }
+}

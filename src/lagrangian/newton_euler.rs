@@ -1,0 +1,113 @@
+//! Inverse dynamics in one sweep out and one sweep back, without a matrix.
+
+use crate::kernels::along_joint;
+use crate::robot::{JointFrame, JointKind, Tree};
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Motion, Transform, Vec3};
+
+/// `tau = M a + C v + g` by the recursive Newton-Euler equations, O(n), in body frames with the joint axis along z.
+///
+/// With `psi_i = v_i x S_i` and the base accelerated against gravity instead of weights:
+///
+/// ```text
+/// v_i = v_parent + S_i v_i     a_i = a_parent + S_i a_i + psi_i v_i     f_i = I_i a_i + v_i x* I_i v_i + sum of f_child
+/// tau_i = S_i . f_i
+/// ```
+///
+/// Nothing of this is shared with kernel one but the transforms and what stands for the links: the two judge each other.
+#[derive(Clone, Debug)]
+pub(super) struct NewtonEuler<S> {
+    transforms: Vec<Transform<S>>,
+    velocities: Vec<Motion<S>>,
+    accelerations: Vec<Motion<S>>,
+    forces: Vec<Force<S>>,
+    /// What the joints must give, friction left out (N m, N).
+    pub tau: Vec<S>,
+}
+
+impl<S: Scalar> NewtonEuler<S> {
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.len();
+        Self {
+            transforms: tree.joints().iter().map(|joint| joint.transform(S::zero())).collect(),
+            velocities: vec![Motion::zero(); n],
+            accelerations: vec![Motion::zero(); n],
+            forces: vec![Force::zero(); n],
+            tau: vec![S::zero(); n],
+        }
+    }
+
+    /// Fills tau: links, armature and springs, all arguments of length n.
+    pub fn solve(&mut self, tree: &Tree, q: &[S], v: &[S], a: &[S]) {
+        let base = Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) };
+        for (i, joint) in tree.joints().iter().enumerate() {
+            let to_here = joint.transform(q[i]);
+            let (velocity, acceleration) = match joint.parent {
+                Some(parent) => (
+                    to_here.motion_down(self.velocities[parent]),
+                    to_here.motion_down(self.accelerations[parent]),
+                ),
+                None => (Motion::zero(), to_here.motion_down(base)),
+            };
+            let (velocity, acceleration) = beyond_joint(joint.kind, velocity, acceleration, v[i], a[i]);
+            self.forces[i] = rate_of_momentum(joint, velocity, acceleration);
+            self.transforms[i] = to_here;
+            self.velocities[i] = velocity;
+            self.accelerations[i] = acceleration;
+        }
+        for (i, joint) in tree.joints().iter().enumerate().rev() {
+            self.tau[i] = along_joint(joint.kind, &self.forces[i]);
+            if joint.spring.stiffness != 0.0 {
+                self.tau[i] += q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
+            }
+            if let Some(parent) = joint.parent {
+                self.forces[parent] = self.forces[parent] + self.transforms[i].force_up(self.forces[i]);
+            }
+        }
+        for &(i, j, value) in tree.armature() {
+            self.tau[i] += a[j].times(value);
+            if i != j {
+                self.tau[j] += a[i].times(value);
+            }
+        }
+    }
+}
+
+/// `v + S rate`, `a + S acceleration + (v x S) rate`.
+#[inline(always)]
+fn beyond_joint<S: Scalar>(
+    kind: JointKind,
+    mut velocity: Motion<S>,
+    mut moved: Motion<S>,
+    rate: S,
+    acceleration: S,
+) -> (Motion<S>, Motion<S>) {
+    let turning = velocity.angular;
+    match kind {
+        JointKind::Revolute => {
+            moved.angular.x += turning.y * rate;
+            moved.angular.y -= turning.x * rate;
+            moved.angular.z += acceleration;
+            moved.linear.x += velocity.linear.y * rate;
+            moved.linear.y -= velocity.linear.x * rate;
+            velocity.angular.z += rate;
+        }
+        JointKind::Prismatic => {
+            moved.linear.x += turning.y * rate;
+            moved.linear.y -= turning.x * rate;
+            moved.linear.z += acceleration;
+            velocity.linear.z += rate;
+        }
+    }
+    (velocity, moved)
+}
+
+/// `I a + v x* I v` of one link, whose inertial parameters are regrouped.
+#[inline(always)]
+fn rate_of_momentum<S: Scalar>(joint: &JointFrame, velocity: Motion<S>, acceleration: Motion<S>) -> Force<S> {
+    let momentum: Force<S> = joint.lumped.apply(velocity);
+    let (w, v) = (velocity.angular, velocity.linear);
+    let turned =
+        Force { moment: w.cross(momentum.moment) + v.cross(momentum.force), force: w.cross(momentum.force) };
+    joint.lumped.apply(acceleration) + turned
+}

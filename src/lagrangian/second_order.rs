@@ -1,0 +1,225 @@
+//! Contracted Hessians of inverse and forward dynamics, by one dual pass through kernels one and two.
+
+use super::inverse::torque_jacobian;
+use super::{ForwardDynamicsJacobian, Lagrangian};
+use crate::error::EvalError;
+use crate::kernels::{KernelOne, KernelTwo, friction};
+use crate::matrix::{Block, Matrix};
+use crate::robot::{Robot, Tree};
+use crate::scalar::{Scalar, Tangent};
+
+/// Workspace for a, its Jacobian and its contracted Hessian of one robot; no call allocates.
+///
+/// For constant w the power `w.tau` of inverse dynamics is made of derivatives of L along directions,
+///
+/// ```text
+/// w.tau(q, v, a) = L''[(v, a), (0, w)] - L'[(w, 0)] - w.D ,
+/// ```
+///
+/// so with `A = D_(0,w) L_qq`, `B = D_(0,w) P` (kernel one by a dual number along (0, w)) and the derivatives
+/// `E = D_(0,w) D_(v,a) - D_(w,0)` of M, P and L_qq (kernel two along (v, a), by the same dual number: the direction it
+/// is given has the derivative (-w, 0)) its Hessian in (q, v, a) is, the whole of it from one pass,
+///
+/// ```text
+/// [ E_Lqq                  .          . ]
+/// [ E_P + A    E_M + B + B' - w D''   . ]        symmetric
+/// [ B                      0          0 ]
+/// ```
+///
+/// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus that for `w = M^-1 y`, seen along
+/// the columns of (1, 0, 0; 0, 1, 0; a_q, a_v, a_u): `y'a_uv = y'a_uu = 0`, and no derivative of a factorisation is
+/// ever taken.
+#[derive(Clone, Debug)]
+pub struct SecondOrder<S: Scalar> {
+    first: Lagrangian<S>,
+    kernel: KernelOne<Tangent<S>>,
+    along: KernelTwo<Tangent<S>>,
+    q: Vec<Tangent<S>>,
+    v: Vec<Tangent<S>>,
+    direction_q: Vec<Tangent<S>>,
+    direction_v: Vec<Tangent<S>>,
+    w: Vec<S>,
+    w_tau_zz: Matrix<S>,
+    y_a_zz: Matrix<S>,
+}
+
+/// Forward dynamics, its Jacobian and its contracted Hessian at one state; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct ContractedHessian<'a, S> {
+    linearisation: ForwardDynamicsJacobian<'a, S>,
+    y_a_zz: &'a Matrix<S>,
+}
+
+impl<'a, S: Scalar> ContractedHessian<'a, S> {
+    /// a and its Jacobian.
+    pub fn linearisation(&self) -> ForwardDynamicsJacobian<'a, S> {
+        self.linearisation
+    }
+
+    /// `sum_k y_k d2 a_k / dz dz`, 3n x 3n, symmetric, rows and columns in the order z = (q, v, u).
+    pub fn matrix(&self) -> Block<'a, S> {
+        self.y_a_zz.view()
+    }
+
+    /// Its block in x = (q, v), 2n x 2n.
+    pub fn xx(&self) -> Block<'a, S> {
+        let n = self.y_a_zz.rows() / 3;
+        self.y_a_zz.block(0, 0, 2 * n, 2 * n)
+    }
+
+    /// Its block in (u, x), n x 2n: the only one in u that is not zero, and of it only the half in q.
+    pub fn ux(&self) -> Block<'a, S> {
+        let n = self.y_a_zz.rows() / 3;
+        self.y_a_zz.block(2 * n, 0, n, 2 * n)
+    }
+}
+
+impl<S: Scalar> SecondOrder<S> {
+    /// Builds the workspace: all that is ever allocated.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(Tree::from(robot))
+    }
+
+    /// As [`new`](Self::new), from a model that was turned already.
+    pub fn from_tree(tree: Tree) -> Self {
+        let n = tree.len();
+        let zero = Tangent::zero();
+        Self {
+            kernel: KernelOne::new(&tree),
+            along: KernelTwo::new(&tree),
+            first: Lagrangian::from_tree(tree),
+            q: vec![zero; n],
+            v: vec![zero; n],
+            direction_q: vec![zero; n],
+            direction_v: vec![zero; n],
+            w: vec![S::zero(); n],
+            w_tau_zz: Matrix::zeros(3 * n, 3 * n),
+            y_a_zz: Matrix::zeros(3 * n, 3 * n),
+        }
+    }
+
+    /// `sum_k w_k d2 tau_k / dz dz`, z = (q, v, a): 3n x 3n, symmetric, for weights w of length n.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`]; a singular mass matrix is none.
+    pub fn inverse_dynamics_hessian(
+        &mut self,
+        q: &[S],
+        v: &[S],
+        a: &[S],
+        w: &[S],
+    ) -> Result<&Matrix<S>, EvalError> {
+        self.first.check(&[("q", q), ("v", v), ("a", a), ("w", w)])?;
+        self.first.rate[q.len()..].copy_from_slice(a);
+        self.w.copy_from_slice(w);
+        self.differentiate(q, v)?;
+        Ok(&self.w_tau_zz)
+    }
+
+    /// a, its Jacobian and `sum_k y_k d2 a_k / dz dz`, z = (q, v, u), for the costate y of the velocities, length n.
+    ///
+    /// The other half of the state equation, dq/dt = v, is linear: for a costate (y_q, y_v) of x = (q, v) give y_v.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn contracted_hessian(
+        &mut self,
+        q: &[S],
+        v: &[S],
+        u: &[S],
+        y: &[S],
+    ) -> Result<ContractedHessian<'_, S>, EvalError> {
+        self.first.check(&[("q", q), ("v", v), ("u", u), ("y", y)])?;
+        self.first.accelerate(q, v, u)?;
+        self.w.copy_from_slice(y);
+        self.first.factor.solve(&mut self.w);
+        self.differentiate(q, v)?;
+        let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
+        torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
+        self.first.solve_jacobian();
+        self.transform();
+        Ok(ContractedHessian { linearisation: self.first.forward_jacobian(), y_a_zz: &self.y_a_zz })
+    }
+
+    /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau from it.
+    fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        let (tree, a) = (&self.first.tree, self.first.acceleration());
+        for (i, &w) in self.w.iter().enumerate() {
+            self.q[i] = Tangent::new(q[i], S::zero());
+            self.v[i] = Tangent::new(v[i], w);
+            self.direction_q[i] = Tangent::new(v[i], -w);
+            self.direction_v[i] = Tangent::new(a[i], S::zero());
+        }
+        self.kernel.set_position(tree, &self.q)?;
+        self.kernel.set_velocity(tree, &self.v)?;
+        self.kernel.second_order(tree);
+        self.along.differentiate(tree, &self.kernel, &self.direction_q, &self.direction_v)?;
+        self.fill_torque_hessian(v);
+        Ok(())
+    }
+
+    /// The blocks of the Hessian of w.tau, both triangles.
+    fn fill_torque_hessian(&mut self, v: &[S]) {
+        let n = self.w.len();
+        let (p, l_qq) = (self.kernel.l_vq(), self.kernel.l_qq());
+        let (e_m, e_p, e_l_qq) = (self.along.mass_matrix(), self.along.l_vq(), self.along.l_qq());
+        let h = &mut self.w_tau_zz;
+        for i in 0..n {
+            for j in 0..n {
+                h[(i, j)] = e_l_qq[(i, j)].eps;
+                h[(n + i, n + j)] = e_m[(i, j)].eps + (p[(i, j)].eps + p[(j, i)].eps);
+                let mixed = e_p[(i, j)].eps + l_qq[(i, j)].eps;
+                h[(n + i, j)] = mixed;
+                h[(j, n + i)] = mixed;
+                h[(2 * n + i, j)] = p[(i, j)].eps;
+                h[(j, 2 * n + i)] = p[(i, j)].eps;
+            }
+        }
+        for (i, joint) in self.first.tree.joints().iter().enumerate() {
+            if joint.friction.coulomb != 0.0 {
+                h[(n + i, n + i)] -= self.w[i] * friction(&joint.friction, v[i]).second;
+            }
+        }
+    }
+
+    /// `y'a_zz = -Z' (w.tau)_zz Z`, Z with the rows (1, 0, 0), (0, 1, 0), a_z; of its products only `K = a_z' B` is not
+    /// trivial: added to the rows of z and the columns of q, and transposed.
+    fn transform(&mut self) {
+        let n = self.w.len();
+        let (h, y_a_zz) = (&self.w_tau_zz, &mut self.y_a_zz);
+        for i in 0..2 * n {
+            for (entry, &h) in y_a_zz.row_mut(i)[..2 * n].iter_mut().zip(h.row(i)) {
+                *entry = -h;
+            }
+        }
+        for i in 2 * n..3 * n {
+            y_a_zz.row_mut(i)[..n].fill(S::zero());
+        }
+        for k in 0..n {
+            let b = &h.row(2 * n + k)[..n];
+            for (i, &moved) in self.first.a_z.row(k).iter().enumerate() {
+                for (entry, &b) in y_a_zz.row_mut(i)[..n].iter_mut().zip(b) {
+                    *entry -= moved * b;
+                }
+            }
+        }
+        self.add_transpose();
+    }
+
+    /// Completes what [`transform`](Self::transform) leaves: K' in (q, q), and the transposed blocks beside it.
+    fn add_transpose(&mut self) {
+        let n = self.w.len();
+        let (h, y_a_zz) = (&self.w_tau_zz, &mut self.y_a_zz);
+        for i in 0..n {
+            for j in 0..=i {
+                // Each of the two holds -h - K; the sum is -2 h - K - K'.
+                let entry = y_a_zz[(i, j)] + y_a_zz[(j, i)] + h[(i, j)];
+                y_a_zz[(i, j)] = entry;
+                y_a_zz[(j, i)] = entry;
+            }
+            for j in n..3 * n {
+                y_a_zz[(i, j)] = y_a_zz[(j, i)];
+            }
+        }
+    }
+}
