@@ -2,16 +2,63 @@
 
 use super::line::{Answer, Motion, State};
 use super::{Evaluator, Route};
+use costate::EvalError;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{self, SecondOrder};
-use costate::matrix::{Block, Matrix};
-use costate::robot::Robot;
+use costate::kernels::{self, Contracted};
+use costate::matrix::Block;
+use costate::robot::{Robot, Tree};
+use costate::tensors::Christoffel;
 
 /// The workspaces of one route.
 enum Workspace {
-    Analytic(Box<SecondOrder<f64>>),
+    Analytic(Box<ByHand<Contracted>>),
+    Tensors(Box<ByHand<Christoffel>>),
     Dual(Box<Jacobian<PhaseVelocity>>, Box<NestedHessian<PhaseVelocity>>),
     Hyperdual(Box<Hessian<PhaseVelocity>>),
+}
+
+/// F and F_x, and y'F_xx by one dual pass through them.
+struct ByHand<R: kernels::Route> {
+    first: hamiltonian::Hamiltonian<f64, R>,
+    second: SecondOrder<f64, R>,
+}
+
+impl<R: kernels::Route> ByHand<R> {
+    fn new(robot: &Robot, route: R) -> Self {
+        let tree = Tree::from(robot);
+        Self {
+            first: hamiltonian::Hamiltonian::with_route(tree.clone(), route.clone()),
+            second: SecondOrder::with_route(tree, route),
+        }
+    }
+
+    fn add_to(
+        &mut self,
+        answer: &mut Answer,
+        (q, p, u): (&[f64], &[f64], &[f64]),
+        y: Option<&[f64]>,
+    ) -> Result<(), EvalError> {
+        let linear = match y {
+            None => self.first.jacobian(q, p, u)?,
+            Some(y) => {
+                let second = self.second.contracted_hessian(q, p, u, y)?;
+                answer.matrix("y_f_xx", second.matrix());
+                second.linearisation()
+            }
+        };
+        answer.matrix("M", linear.mass_matrix().view());
+        answer.derivatives(linear.f(), linear.matrix());
+        Ok(())
+    }
+}
+
+impl Answer {
+    fn derivatives(&mut self, f: &[f64], f_x: Block<'_, f64>) {
+        self.vector("v", &f[..f.len() / 2]);
+        self.vector("f", f);
+        self.matrix("f_x", f_x);
+    }
 }
 
 pub struct Hamiltonian {
@@ -23,7 +70,8 @@ impl Hamiltonian {
     pub fn new(robot: &Robot, route: Route) -> Self {
         let function = || PhaseVelocity::new(robot);
         let workspace = match route {
-            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Analytic => Workspace::Analytic(Box::new(ByHand::new(robot, Contracted))),
+            Route::Tensors => Workspace::Tensors(Box::new(ByHand::new(robot, Christoffel))),
             Route::Dual => {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
@@ -37,7 +85,7 @@ impl Evaluator for Hamiltonian {
     fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>> {
         let State { q, u, .. } = state;
         let p = match &state.motion {
-            Motion::Momentum(p) | Motion::Both(p, _) => p.clone(),
+            Motion::Momentum(p) => p.clone(),
             Motion::Velocity(v) => self.hamiltonian.momentum(q, v)?.to_vec(),
         };
         let energy = self.hamiltonian.energy(q, &p)?;
@@ -47,34 +95,26 @@ impl Evaluator for Hamiltonian {
         answer.vector("q", q);
         answer.vector("p", &p);
         let x = [q.as_slice(), &p].concat();
-        let mut derivatives = |f: &[f64], f_x: Block<'_, f64>, y_f_xx: Option<Block<'_, f64>>| {
-            answer.vector("v", &f[..q.len()]);
-            answer.vector("f", f);
-            answer.matrix("f_x", f_x);
-            y_f_xx.into_iter().for_each(|y_f_xx| answer.matrix("y_f_xx", y_f_xx));
-        };
-        match (&mut self.workspace, state.y.as_deref()) {
-            (Workspace::Analytic(_), None) => {
-                let linear = self.hamiltonian.jacobian(q, &p, u)?;
-                derivatives(linear.f(), linear.matrix(), None);
-            }
-            (Workspace::Analytic(second), Some(y)) => {
-                let second = second.contracted_hessian(q, &p, u, y)?;
-                let linear = second.linearisation();
-                derivatives(linear.f(), linear.matrix(), Some(second.matrix()));
-            }
-            (Workspace::Dual(jacobian, nested), y) => {
+        let y = state.y.as_deref();
+        match &mut self.workspace {
+            Workspace::Analytic(by_hand) => by_hand.add_to(&mut answer, (q, &p, u), y)?,
+            Workspace::Tensors(by_hand) => by_hand.add_to(&mut answer, (q, &p, u), y)?,
+            Workspace::Dual(jacobian, nested) => {
                 jacobian.function_mut().u.copy_from_slice(u);
                 nested.function_mut().u.copy_from_slice(u);
                 let first = jacobian.evaluate(&x)?;
-                let second = y.map(|y| nested.contracted(&x, y)).transpose()?;
-                derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
+                answer.derivatives(first.value, first.jacobian.view());
+                if let Some(y) = y {
+                    answer.matrix("y_f_xx", nested.contracted(&x, y)?.view());
+                }
             }
-            (Workspace::Hyperdual(hessian), y) => {
+            Workspace::Hyperdual(hessian) => {
                 hessian.function_mut().u.copy_from_slice(u);
                 hessian.contracted(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
-                let (last, second) = (hessian.last(), hessian.last_contracted().view());
-                derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
+                answer.derivatives(hessian.last().value(), hessian.last().jacobian().view());
+                if y.is_some() {
+                    answer.matrix("y_f_xx", hessian.last_contracted().view());
+                }
             }
         }
         Ok(answer)

@@ -22,7 +22,7 @@ pub struct Lagrangian {
 }
 
 impl Lagrangian {
-    pub fn new(robot: &Robot, route: Route) -> Self {
+    pub fn new(robot: &Robot, route: Route) -> Result<Self, String> {
         let function = || ForwardDynamics::new(robot);
         let workspace = match route {
             Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
@@ -30,12 +30,17 @@ impl Lagrangian {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
             Route::Hyperdual => Workspace::Hyperdual(Box::new(Hessian::new(function()))),
+            Route::Tensors => {
+                return Err("--route tensors leads to Hamiltonian coordinates only; take analytic, dual or hyperdual \
+                            with --coordinates lagrangian"
+                    .into());
+            }
         };
-        Self {
+        Ok(Self {
             hamiltonian: Hamiltonian::new(robot),
             lagrangian: lagrangian::Lagrangian::new(robot),
             workspace,
-        }
+        })
     }
 }
 
@@ -43,7 +48,7 @@ impl Evaluator for Lagrangian {
     fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>> {
         let State { q, u, .. } = state;
         let v = match &state.motion {
-            Motion::Velocity(v) | Motion::Both(_, v) => v.clone(),
+            Motion::Velocity(v) => v.clone(),
             Motion::Momentum(p) => self.hamiltonian.velocity(q, p)?.to_vec(),
         };
         let energy = self.lagrangian.energy(q, &v)?;

@@ -1,5 +1,6 @@
 //! One line in, one line out.
 
+use super::Coordinates;
 use costate::matrix::Block;
 use serde_json::{Map, Value};
 
@@ -17,24 +18,23 @@ pub struct State {
 pub enum Motion {
     Momentum(Vec<f64>),
     Velocity(Vec<f64>),
-    /// Momentum, then velocity: the coordinates decide which of them holds.
-    Both(Vec<f64>, Vec<f64>),
 }
 
 impl State {
-    /// Reads a line for a robot of n joints.
-    pub fn parse(line: &[u8], n: usize) -> Result<Self, String> {
+    /// Reads a line for a robot of n joints; where both `p` and `v` stand, that of the coordinates holds.
+    pub fn parse(line: &[u8], n: usize, coordinates: Coordinates) -> Result<Self, String> {
         let state: Map<String, Value> = serde_json::from_slice(line)
             .map_err(|error| format!("not a JSON object ({error}); write {{\"q\":[…],\"p\":[…]}}"))?;
         let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;
         let u = numbers(&state, "u", n)?.unwrap_or_else(|| vec![0.0; n]);
         let y = numbers(&state, "y", 2 * n)?;
-        let motion = match (numbers(&state, "p", n)?, numbers(&state, "v", n)?) {
-            (Some(p), Some(v)) => Motion::Both(p, v),
-            (Some(p), None) => Motion::Momentum(p),
-            (None, Some(v)) => Motion::Velocity(v),
-            (None, None) => return Err("`p` and `v` are missing; give the momenta or the velocities".into()),
+        let momentum = || Ok::<_, String>(numbers(&state, "p", n)?.map(Motion::Momentum));
+        let velocity = || Ok::<_, String>(numbers(&state, "v", n)?.map(Motion::Velocity));
+        let motion = match coordinates {
+            Coordinates::Hamiltonian => momentum().transpose().or_else(|| velocity().transpose()),
+            Coordinates::Lagrangian => velocity().transpose().or_else(|| momentum().transpose()),
         };
+        let motion = motion.ok_or("`p` and `v` are missing; give the momenta or the velocities")??;
         Ok(Self { q, motion, u, y })
     }
 }

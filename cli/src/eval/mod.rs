@@ -36,6 +36,8 @@ enum Route {
     Dual,
     /// Hyper-dual numbers through the state equation
     Hyperdual,
+    /// Christoffel coefficients; contracted Hessian by one dual pass through them (Hamiltonian coordinates only)
+    Tensors,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -56,7 +58,7 @@ trait Evaluator {
 fn evaluator(robot: &Robot, arguments: &Arguments) -> Result<Box<dyn Evaluator>, String> {
     Ok(match arguments.coordinates {
         Coordinates::Hamiltonian => Box::new(hamiltonian::Hamiltonian::new(robot, arguments.route)),
-        Coordinates::Lagrangian => Box::new(lagrangian::Lagrangian::new(robot, arguments.route)),
+        Coordinates::Lagrangian => Box::new(lagrangian::Lagrangian::new(robot, arguments.route)?),
     })
 }
 
@@ -84,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         if line.iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        match answer(evaluator.as_mut(), &line, robot.len()) {
+        match answer(evaluator.as_mut(), &line, robot.len(), arguments.coordinates) {
             Ok(answer) => writeln!(out, "{answer}")?,
             Err(error) => {
                 bad += 1;
@@ -101,8 +103,13 @@ pub fn run(arguments: &Arguments) -> Outcome {
 }
 
 /// The answer to one line, or what is wrong with it.
-fn answer(evaluator: &mut dyn Evaluator, line: &[u8], n: usize) -> Result<Value, String> {
-    let state = State::parse(line, n)?;
+fn answer(
+    evaluator: &mut dyn Evaluator,
+    line: &[u8],
+    n: usize,
+    coordinates: Coordinates,
+) -> Result<Value, String> {
+    let state = State::parse(line, n, coordinates)?;
     let answer = evaluator.answer(&state).map_err(|error| error.to_string())?;
     answer.finite()
 }
