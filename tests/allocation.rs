@@ -6,7 +6,8 @@ use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, Pha
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Coordinates, Lagrangian};
 use costate::matrix::Matrix;
-use costate::robot::Robot;
+use costate::robot::{Robot, Tree};
+use costate::tensors::{Christoffel, MassMatrixDerivatives};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -69,6 +70,25 @@ fn analytic_derivatives_do_not_allocate() {
             hamiltonian.inverse_mass_matrix(&q).unwrap();
             hamiltonian.solve_mass_matrix(&q, &mut x).unwrap();
             second.contracted_hessian(&q, &p, &u, &y).unwrap();
+        });
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
+#[test]
+fn christoffel_coefficients_do_not_allocate() {
+    for name in ["panda.urdf", "manutec_r3.toml", "cart_pole.toml"] {
+        let robot = robot(name);
+        let (tree, n) = (Tree::from(&robot), robot.len());
+        let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
+        let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
+        let mut second = SecondOrder::<f64, _>::with_route(tree.clone(), Christoffel);
+        let mut coefficients = MassMatrixDerivatives::<f64>::new(&tree);
+        let count = allocations(|| {
+            first.jacobian(&q, &p, &u).unwrap();
+            second.contracted_hessian(&q, &p, &u, &y).unwrap();
+            coefficients.evaluate(&tree, &q).unwrap();
+            coefficients.christoffel_symbol(0, n - 1, n / 2);
         });
         assert_eq!(count, 0, "{name}");
     }

@@ -3,9 +3,11 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::lagrangian::Lagrangian;
 use costate::matrix::Block;
-use costate::robot::Robot;
+use costate::robot::{Robot, Tree};
 use costate::scalar::{Count, Scalar, Tangent};
+use costate::tensors::Christoffel;
 use num_dual::{
     Dual, Dual2, Dual2_64, Dual2SVec64, Dual3_64, Dual32, Dual64, DualSVec, DualSVec64, DualStruct,
     HyperDual, HyperDual64, HyperDualSVec64, HyperHyperDual64,
@@ -64,11 +66,44 @@ fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S
     all
 }
 
-/// Within `units` of the last place of the largest entry of each quantity.
+/// What other routes and coordinates give.
+fn other_pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S>)> {
+    let n = robot.len();
+    let lift = |x: &[f64]| x.iter().map(|&x| S::from_f64(x)).collect::<Vec<_>>();
+    let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+    let (q, v, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
+    let mut tensors = Hamiltonian::<S, _>::with_route(Tree::from(robot), Christoffel);
+    let mut lagrangian = Lagrangian::<S>::new(robot);
+    let mut all = vec![("F_x by tensors", flat(tensors.jacobian(&q, &v, &u).unwrap().matrix()))];
+    all.push(("tau", lagrangian.inverse_dynamics(&q, &v, &u).unwrap().to_vec()));
+    all.push(("C", lagrangian.coriolis_matrix(&q, &v).unwrap().as_slice().to_vec()));
+    let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+    all.push(("a", linear.acceleration().to_vec()));
+    all.push(("a_z", flat(linear.matrix())));
+    all
+}
+
+/// What one scalar makes of a robot and a state, by name.
+type Pipeline<S> = fn(&Robot, &[f64]) -> Vec<(&'static str, Vec<S>)>;
+
 fn real_part_is_the_result_in_f64<S: Scalar>(name: &str, re: impl Fn(&S) -> f64, units: f64) {
+    real_parts_agree(name, re, units, (pipeline::<f64>, pipeline::<S>));
+}
+
+fn other_real_part_is_the_result_in_f64<S: Scalar>(name: &str, re: impl Fn(&S) -> f64, units: f64) {
+    real_parts_agree(name, re, units, (other_pipeline::<f64>, other_pipeline::<S>));
+}
+
+/// Within `units` of the last place of the largest entry of each quantity.
+fn real_parts_agree<S: Scalar>(
+    name: &str,
+    re: impl Fn(&S) -> f64,
+    units: f64,
+    (plain, lifted): (Pipeline<f64>, Pipeline<S>),
+) {
     for robot in robots() {
         for state in states(robot.len()) {
-            let (expected, found) = (pipeline::<f64>(&robot, &state), pipeline::<S>(&robot, &state));
+            let (expected, found) = (plain(&robot, &state), lifted(&robot, &state));
             for ((quantity, expected), (_, found)) in expected.iter().zip(&found) {
                 let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
                 for (found, expected) in found.iter().map(&re).zip(expected) {
@@ -117,6 +152,14 @@ fn counted_and_single_precision_numbers() {
     // Other roundings from the first operation on, multiplied by the condition of M.
     real_part_is_the_result_in_f64::<f32>("f32", |&x| f64::from(x), 2000.0);
     real_part_is_the_result_in_f64::<Dual32>("Dual32", |x| f64::from(x.re), 2000.0);
+}
+
+#[test]
+fn every_kind_of_number_in_lagrangian_coordinates_and_by_tensors() {
+    other_real_part_is_the_result_in_f64::<Dual64>("Dual", |x| x.re, 4.0);
+    other_real_part_is_the_result_in_f64::<HyperDual64>("HyperDual", |x| x.re, 4.0);
+    other_real_part_is_the_result_in_f64::<Tangent<Count>>("Tangent of Count", |x| x.re.value(), 4.0);
+    other_real_part_is_the_result_in_f64::<f32>("f32", |&x| f64::from(x), 2000.0);
 }
 
 /// The contracted Hessian itself can be differentiated: its derivative along p, beside a central difference.

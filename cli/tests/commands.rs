@@ -72,7 +72,7 @@ fn eval_agrees_with_the_references_by_every_route() {
         ("robots/manutec_r3.toml", "manutec_r3"),
         ("tests/fixtures/friction_tree.toml", "friction_tree"),
     ] {
-        for route in ["analytic", "dual", "hyperdual"] {
+        for route in ["analytic", "dual", "hyperdual", "tensors"] {
             agrees_with(robot, &format!("tests/fixtures/{fixture}.jsonl"), route);
         }
     }
@@ -86,7 +86,8 @@ const KEYS: [(&str, &[&str]); 2] = [
 
 fn agrees_with(robot: &str, states: &str, route: &str) {
     let text = std::fs::read_to_string(root().join(states)).unwrap();
-    for (coordinates, keys) in KEYS {
+    let exist = |&&(coordinates, _): &&(&str, _)| route != "tensors" || coordinates == "hamiltonian";
+    for &(coordinates, keys) in KEYS.iter().filter(exist) {
         let output = costate(
             &["eval", robot, "--states", states, "--route", route, "--coordinates", coordinates],
             b"",
@@ -120,7 +121,7 @@ fn eval_agrees_with_the_shared_references() {
     let mut count = 0;
     for states in files.map(|file| file.unwrap().path()) {
         let robot = shared.join("robots").join(states.file_stem().unwrap()).with_extension("urdf");
-        for route in ["analytic", "dual", "hyperdual"] {
+        for route in ["analytic", "dual", "hyperdual", "tensors"] {
             agrees_with(robot.to_str().unwrap(), states.to_str().unwrap(), route);
         }
         count += 1;
@@ -200,6 +201,26 @@ fn velocities_or_momenta_in_lagrangian_coordinates() {
             (12, 2)
         );
     }
+}
+
+/// Of `p` and `v` the one that does not hold is ignored, whatever stands there.
+#[test]
+fn what_does_not_hold_is_not_read() {
+    for (coordinates, line) in [
+        ("hamiltonian", br#"{"q":[0.1,0.2],"p":[1.0,-0.5],"v":"fast","note":1}"#),
+        ("lagrangian", br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":"much","note":1}"#),
+    ] {
+        let output = costate(&["eval", "robots/two_link.toml", "--coordinates", coordinates], line);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn a_route_that_does_not_lead_to_the_coordinates_is_refused_before_any_line_is_read() {
+    let arguments = ["eval", "robots/two_link.toml", "--coordinates", "lagrangian", "--route", "tensors"];
+    let output = costate(&arguments, br#"{"q":[0.1,0.2],"v":[1.0,-0.5]}"#);
+    assert_eq!((output.status.code(), stdout(&output).as_str()), (Some(2), ""));
+    assert!(stderr(&output).contains("Hamiltonian coordinates only"), "{}", stderr(&output));
 }
 
 /// A bad line gets an error in its place; the good ones around it are evaluated.

@@ -23,6 +23,16 @@ pub struct FixedScrew {
     pub rise: f64,
 }
 
+impl FixedScrew {
+    /// `Rz(gamma) (r + Rx(alpha) rise e_z)`: where the frame of a joint at zero has its origin (m).
+    pub fn origin(&self) -> [f64; 3] {
+        let [x, y, z] = self.translation;
+        let [up, along] = self.alpha.apply([0.0, self.rise]);
+        let [x, y] = self.gamma.map_or([x, y + up], |gamma| gamma.apply([x, y + up]));
+        [x, y, z + along]
+    }
+}
+
 /// The part that depends on q.
 #[derive(Clone, Copy, Debug)]
 pub enum JointPosition<S> {

@@ -1,0 +1,283 @@
+//! The Hessian of the Lagrangian, contracted from the derivatives of M.
+
+use super::derivatives::MassMatrixDerivatives;
+use crate::error::{EvalError, check_length};
+use crate::kernels::LagrangianHessian;
+use crate::matrix::Matrix;
+use crate::robot::{JointKind, Tree};
+use crate::scalar::Scalar;
+use crate::spatial::Vec3;
+
+/// `P_ik = sum_j M_ij,k v_j`, `L_qq,kl = 1/2 v' M,kl v - V,kl` from Christoffel coefficients: (20)-(22).
+///
+/// Armature is added to M and p, springs to L_q and L_qq. Weight: with `D_jj = int OP,j dm = Z_j x Pi_jj` (revolute) or
+/// `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i . (D_jj x g)` for i <= j, `w_i = sbar_i Z_i`.
+#[derive(Clone, Debug)]
+pub struct ChristoffelKernel<S> {
+    derivatives: MassMatrixDerivatives<S>,
+    gravity: Vec<Vec3<S>>,
+    q: Vec<S>,
+    v: Vec<S>,
+    half_v: Vec<S>,
+    /// `sum_j M_ij,k v_j` over i < j, with `1/2 M_ii,k v_i` in it, and that term alone; i < k.
+    upper: Vec<[S; 2]>,
+    /// `v_i v_j`, i < j, and `1/2 v_i^2`.
+    squares: Vec<S>,
+    mass_matrix: Matrix<S>,
+    momentum: Vec<S>,
+    l_q: Vec<S>,
+    l_vq: Matrix<S>,
+    l_qq: Matrix<S>,
+}
+
+impl<S: Scalar> ChristoffelKernel<S> {
+    /// The derivatives of M at the position set last, as far as they were computed.
+    pub fn derivatives(&self) -> &MassMatrixDerivatives<S> {
+        &self.derivatives
+    }
+
+    /// `M v`, armature included.
+    fn set_momentum(&mut self, tree: &Tree) {
+        self.momentum.fill(S::zero());
+        let mut add = |i: usize, j: usize, entry: S| {
+            self.momentum[i] += entry * self.v[j];
+            if i != j {
+                self.momentum[j] += entry * self.v[i];
+            }
+        };
+        let paths = &self.derivatives.tensors.paths;
+        for d in 0..tree.len() {
+            paths.of(d).iter().for_each(|&i| add(d, i, self.mass_matrix[(d, i)]));
+        }
+        for &(i, j, value) in tree.armature() {
+            if paths.on_one_branch([i, j]).is_none() {
+                add(i, j, S::from_f64(value));
+            }
+        }
+    }
+
+    /// `L_q,k = sum_i v_i (sum_{j>i} M_ij,k v_j + 1/2 M_ii,k v_i) - V,k`.
+    fn set_gradient(&mut self, tree: &Tree) {
+        let tensors = &self.derivatives.tensors;
+        self.upper.fill([S::zero(); 2]);
+        for d in 0..tree.len() {
+            let (path, start) = (tensors.paths.of(d), tensors.paths.pairs(d).start);
+            let h = path.len() - 1;
+            let mut rates = self.derivatives.first.mass[tensors.paths.first_block(d)].iter();
+            for i in 0..h {
+                for (&j, &rate) in path[i..h].iter().zip(rates.by_ref()) {
+                    if j == path[i] {
+                        let own = rate * self.half_v[j];
+                        self.upper[start + i][1] = own;
+                        self.upper[start + i][0] += own;
+                    } else {
+                        self.upper[start + i][0] += rate * self.v[j];
+                    }
+                }
+                for (&k, &rate) in path[i + 1..].iter().zip(rates.by_ref()) {
+                    self.upper[tensors.paths.pairs(k).start + i][0] += rate * self.v[d];
+                }
+            }
+        }
+        for (k, joint) in tree.joints().iter().enumerate() {
+            let (p, g) = (tensors.bodies[k].first_moment, self.gravity[k]);
+            let mut gradient = match joint.kind {
+                JointKind::Revolute => p.x * g.y - p.y * g.x,
+                JointKind::Prismatic => g.z.times(joint.subtree_mass),
+            };
+            if joint.spring.stiffness != 0.0 {
+                gradient -= self.q[k].plus(-joint.spring.rest).times(joint.spring.stiffness);
+            }
+            let path = tensors.paths.of(k);
+            for (&i, upper) in path[..path.len() - 1].iter().zip(&self.upper[tensors.paths.pairs(k)]) {
+                gradient += self.v[i] * upper[0];
+            }
+            self.l_q[k] = gradient;
+        }
+    }
+
+    /// `P_ik = sum_j M_ij,k v_j` (21a).
+    fn set_mixed(&mut self, tree: &Tree) {
+        let paths = &self.derivatives.tensors.paths;
+        self.l_vq.fill_zero();
+        for k in 0..tree.len() {
+            for (&i, upper) in paths.of(k).iter().zip(&self.upper[paths.pairs(k)]) {
+                self.l_vq[(i, k)] = upper[0] + upper[1];
+            }
+        }
+        for d in 0..tree.len() {
+            let path = paths.of(d);
+            let h = path.len() - 1;
+            let mut rates = self.derivatives.first.mass[paths.first_block(d)].iter();
+            for i in 0..h {
+                let v = self.v[path[i]];
+                for (&j, &rate) in path[i..h].iter().zip(rates.by_ref()) {
+                    if j != path[i] {
+                        self.l_vq[(j, d)] += rate * v;
+                    }
+                }
+                for (&k, &rate) in path[i + 1..].iter().zip(rates.by_ref()) {
+                    self.l_vq[(d, k)] += rate * v;
+                }
+            }
+        }
+    }
+
+    /// `L_qq,kl = sum_{i<=j} M_ij,kl v_i v_j - V,kl`, k <= l, with `1/2 v_i^2` for i = j (22).
+    fn set_curvature(&mut self, tree: &Tree) {
+        self.set_weight(tree);
+        let paths = &self.derivatives.tensors.paths;
+        for d in 0..tree.len() {
+            let (path, pairs) = (paths.of(d), paths.pairs(d));
+            let h = path.len() - 1;
+            let mut rates = self.derivatives.second.mass[paths.second_block(d)].iter();
+            for i in 0..h {
+                for &j in &path[i..] {
+                    let square = self.squares[paths.pairs(j).start + i];
+                    for (&k, &rate) in path[i + 1..].iter().zip(rates.by_ref()) {
+                        self.l_qq[(k, d)] += rate * square;
+                    }
+                }
+                let square = self.squares[pairs.start + i];
+                for k in i + 1..h {
+                    for (&l, &rate) in path[k..h].iter().zip(rates.by_ref()) {
+                        self.l_qq[(path[k], l)] += rate * square;
+                    }
+                }
+            }
+        }
+        for d in 0..tree.len() {
+            for &i in paths.of(d) {
+                self.l_qq[(d, i)] = self.l_qq[(i, d)];
+            }
+        }
+    }
+
+    /// `-V,ij = w_i . (D_jj x g)`, less the stiffness of springs.
+    fn set_weight(&mut self, tree: &Tree) {
+        let tensors = &self.derivatives.tensors;
+        for (j, joint) in tree.joints().iter().enumerate() {
+            let (p, g) = (tensors.bodies[j].first_moment, self.gravity[j]);
+            let turned = match joint.kind {
+                JointKind::Revolute => Vec3::new(p.x * g.z, p.y * g.z, -(p.x * g.x + p.y * g.y)),
+                JointKind::Prismatic => Vec3::new(-g.y, g.x, S::zero()).times(joint.subtree_mass),
+            };
+            let on_path = tensors.paths.of(j).iter().zip(tensors.paths.kinds(j));
+            for ((&i, kind), axis) in on_path.zip(&tensors.axes[tensors.paths.pairs(j)]) {
+                self.l_qq[(i, j)] = match kind {
+                    JointKind::Revolute => axis.dot(turned),
+                    JointKind::Prismatic => S::zero(),
+                };
+            }
+            if joint.spring.stiffness != 0.0 {
+                self.l_qq[(j, j)] = self.l_qq[(j, j)].plus(-joint.spring.stiffness);
+            }
+        }
+    }
+}
+
+impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
+    fn new(tree: &Tree) -> Self {
+        let (n, pairs) = (tree.len(), tree.pairs());
+        let (vector, square) = (vec![S::zero(); n], Matrix::zeros(n, n));
+        Self {
+            derivatives: MassMatrixDerivatives::new(tree),
+            gravity: vec![Vec3::zero(); n],
+            q: vector.clone(),
+            v: vector.clone(),
+            half_v: vector.clone(),
+            upper: vec![[S::zero(); 2]; pairs],
+            squares: vec![S::zero(); pairs],
+            mass_matrix: square.clone(),
+            momentum: vector.clone(),
+            l_q: vector,
+            l_vq: square.clone(),
+            l_qq: square,
+        }
+    }
+
+    fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.derivatives.set_position(tree, q)?;
+        self.q.copy_from_slice(q);
+        let tensors = &self.derivatives.tensors;
+        for (d, joint) in tree.joints().iter().enumerate() {
+            let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| self.gravity[p]);
+            self.gravity[d] = tensors.gravity_in(d, outer);
+            for (&i, &entry) in tensors.paths.of(d).iter().zip(&tensors.mass[tensors.paths.pairs(d)]) {
+                self.mass_matrix[(i, d)] = entry;
+                self.mass_matrix[(d, i)] = entry;
+            }
+        }
+        for &(i, j, value) in tree.armature() {
+            let on_one_branch = tensors.paths.on_one_branch([i, j]).is_some();
+            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
+            self.mass_matrix[(i, j)] = entry;
+            self.mass_matrix[(j, i)] = entry;
+        }
+        Ok(())
+    }
+
+    fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
+        check_length("v", v, tree.len())?;
+        self.v.copy_from_slice(v);
+        self.half_v.iter_mut().zip(v).for_each(|(half, v)| *half = v.times(0.5));
+        self.derivatives.first_derivatives();
+        self.set_momentum(tree);
+        self.set_gradient(tree);
+        Ok(())
+    }
+
+    fn second_order(&mut self, tree: &Tree) {
+        self.derivatives.second_derivatives();
+        let paths = &self.derivatives.tensors.paths;
+        for d in 0..tree.len() {
+            for (&i, square) in paths.of(d).iter().zip(&mut self.squares[paths.pairs(d)]) {
+                *square = if i == d { self.half_v[d] * self.v[d] } else { self.v[i] * self.v[d] };
+            }
+        }
+        self.set_mixed(tree);
+        self.set_curvature(tree);
+    }
+
+    fn mass_matrix(&self) -> &Matrix<S> {
+        &self.mass_matrix
+    }
+
+    fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
+        let mass = self.mass_matrix[(k, k)];
+        match tree.joints()[k].kind {
+            JointKind::Revolute => self.derivatives.tensors.size_of_mass(k, mass),
+            JointKind::Prismatic => mass,
+        }
+    }
+
+    fn potential(&self, tree: &Tree) -> S {
+        let mut potential = S::zero();
+        for (k, joint) in tree.joints().iter().enumerate() {
+            if joint.parent.is_none() {
+                potential -= self.derivatives.tensors.weight_moment(k, self.gravity[k], tree.gravity());
+            }
+            if joint.spring.stiffness != 0.0 {
+                let stretch = self.q[k].plus(-joint.spring.rest);
+                potential += (stretch * stretch).times(0.5 * joint.spring.stiffness);
+            }
+        }
+        potential
+    }
+
+    fn momentum(&self) -> &[S] {
+        &self.momentum
+    }
+
+    fn l_q(&self) -> &[S] {
+        &self.l_q
+    }
+
+    fn l_vq(&self) -> &Matrix<S> {
+        &self.l_vq
+    }
+
+    fn l_qq(&self) -> &Matrix<S> {
+        &self.l_qq
+    }
+}
