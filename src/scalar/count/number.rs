@@ -53,6 +53,7 @@ impl Count {
 
 impl Add for Count {
     type Output = Self;
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         let constant = self.constant && other.constant;
         tally(constant || self.is(0.0) || other.is(0.0), |o| o.add += 1);
@@ -76,6 +77,7 @@ impl Sub for Count {
 
 impl Mul for Count {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let constant = self.constant && other.constant;
         tally(constant || self.is_trivial_factor() || other.is_trivial_factor(), |o| o.mul += 1);
@@ -88,6 +90,7 @@ impl Mul for Count {
 
 impl Div for Count {
     type Output = Self;
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let constant = self.constant && other.constant;
         let free = constant || self.is(0.0) || other.is(1.0) || other.is(-1.0);
@@ -135,12 +138,14 @@ impl Scalar for Count {
     fn plus(self, term: f64) -> Self {
         self + Self::constant(term)
     }
+    #[inline(never)]
     fn recip(self) -> Self {
         self.function(1.0 / self.value, |o| o.div += 1)
     }
     fn sqrt(self) -> Self {
         self.function(self.value.sqrt(), |o| o.sqrt += 1)
     }
+    #[inline(never)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         (self.function(sin, |o| o.sincos += 1), Self { value: cos, constant: self.constant })
@@ -154,6 +159,7 @@ impl Scalar for Count {
     fn tanh_and_slope(self) -> (Self, Self) {
         real_tanh_and_slope(self)
     }
+    #[inline(never)]
     fn less(self, other: Self) -> bool {
         tally(self.constant && other.constant, |o| o.less += 1);
         self.value < other.value
