@@ -7,13 +7,12 @@ mod random_robot;
 
 use costate::derivative::largest;
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
-use costate::robot::urdf::parse;
-use costate::robot::{LinkInertia, LoadOptions, Placement, Robot, Tree};
+use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
-use random_robot::{Case, all_cases, cases, condition, difference, tolerance};
+use random_robot::{all_cases, cases, tolerance};
 
 /// `J = [0 1; -1 0]`.
 fn j(n: usize) -> DMatrix<f64> {
@@ -76,68 +75,6 @@ fn flow_derivative(robot: &Robot, x: &[f64], d: &[f64], h: f64) -> Vec<f64> {
         runge_kutta(&state, h, &mut rate, &|x, h, f| x.iter().zip(f).map(|(&x, &f)| x + f.times(h)).collect())
     });
     end.iter().map(|x| x.eps).collect()
-}
-
-/// The same robot from URDF text, each link split into three by fixed joints: a rest, a turned piece of it, and
-/// a massless flange that carries the joints beyond.
-fn split(case: &Case, robot: &Robot) -> String {
-    let numbers = |x: &[f64]| x.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-    let inertial = |body: &LinkInertia| {
-        let i = &body.inertia;
-        format!(
-            "<inertial><origin xyz=\"{}\"/><mass value=\"{}\"/><inertia ixx=\"{}\" iyy=\"{}\" izz=\"{}\" \
-             ixy=\"{}\" ixz=\"{}\" iyz=\"{}\"/></inertial>",
-            numbers(body.com.as_slice()),
-            body.mass,
-            i[(0, 0)],
-            i[(1, 1)],
-            i[(2, 2)],
-            i[(0, 1)],
-            i[(0, 2)],
-            i[(1, 2)],
-        )
-    };
-    let flange = Vector3::new(0.3, -0.2, 0.1);
-    let mut text = String::from("<robot name=\"split\"><link name=\"world\"/>");
-    for (i, (part, joint)) in case.parts.iter().zip(robot.joints()).enumerate() {
-        let body = &joint.inertia;
-        let (share, away) = (0.3, Vector3::new(0.01, -0.02, 0.015));
-        let seat = Placement::from_xyz_rpy([0.4, 0.1, -0.2], part.rpy);
-        let (turned, moved) = (seat.rotation.transpose(), body.com + away - seat.translation);
-        let piece = LinkInertia {
-            mass: share * body.mass,
-            com: turned * moved,
-            inertia: turned * body.inertia * 0.1 * seat.rotation,
-        };
-        let apart = (Matrix3::identity() * away.norm_squared() - away * away.transpose())
-            * (body.mass * share / (1.0 - share));
-        let rest = LinkInertia {
-            mass: (1.0 - share) * body.mass,
-            com: body.com - away * (share / (1.0 - share)),
-            inertia: body.inertia * 0.9 - apart,
-        };
-        let [rest, piece] =
-            [rest, piece].map(|body| if body.mass > 0.0 { inertial(&body) } else { String::new() });
-        let xyz = Vector3::from(part.xyz) - if case.parent(i).is_some() { flange } else { Vector3::zeros() };
-        let parent = case.parent(i).map_or("world".into(), |parent| format!("flange{parent}"));
-        let kind = if part.prismatic { "prismatic" } else { "revolute" };
-        text += &format!(
-            "<link name=\"rest{i}\">{rest}</link><link name=\"piece{i}\">{piece}</link><link name=\"flange{i}\"/>\
-             <joint name=\"j{i}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"rest{i}\"/>\
-             <origin xyz=\"{}\" rpy=\"{}\"/><axis xyz=\"{}\"/></joint>\
-             <joint name=\"p{i}\" type=\"fixed\"><parent link=\"rest{i}\"/><child link=\"piece{i}\"/>\
-             <origin xyz=\"{}\" rpy=\"{}\"/></joint>\
-             <joint name=\"f{i}\" type=\"fixed\"><parent link=\"rest{i}\"/><child link=\"flange{i}\"/>\
-             <origin xyz=\"{}\"/></joint>",
-            numbers(xyz.as_slice()),
-            numbers(&part.rpy),
-            numbers(&part.axis),
-            numbers(seat.translation.as_slice()),
-            numbers(&part.rpy),
-            numbers(flange.as_slice()),
-        );
-    }
-    text + "</robot>"
 }
 
 /// Robots a property.
@@ -248,28 +185,5 @@ proptest! {
         let drift = (before.kinetic - after.kinetic) + (before.potential - after.potential);
         let rounding = 10.0 * tolerance(&robot, &case.q);
         prop_assert!(drift.abs() <= 1e-9_f64.max(rounding) * size.max(1e-3), "{:.2e}", drift / size);
-    }
-
-    #[test]
-    fn a_link_split_by_fixed_joints_changes_nothing(case in all_cases(7)) {
-        let mut plain = Case { coupling: Vec::new(), ..case };
-        for part in &mut plain.parts {
-            (part.armature, part.spring, part.friction) = (0.0, [0.0; 2], [0.0, 0.0, 0.1]);
-        }
-        let robot = plain.robot();
-        prop_assume!((0.0..1e9).contains(&condition(&robot, &plain.q)));
-        let pieces = parse(&split(&plain, &robot), LoadOptions::default()).unwrap();
-        let pieces = pieces.with_gravity(plain.gravity).unwrap();
-        let p = plain.p(&robot);
-        let numbers = |robot: &Robot| {
-            let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-            let linear = hamiltonian.jacobian(&plain.q, &p, &plain.u).unwrap();
-            (linear.mass_matrix().as_slice().to_vec(), linear.f().to_vec(), linear.matrix().to_nalgebra())
-        };
-        let ((m, f, f_x), (m_whole, f_whole, f_x_whole)) = (numbers(&pieces), numbers(&robot));
-        let bound = 10.0 * tolerance(&robot, &plain.q);
-        prop_assert!(difference(&m, &m_whole) <= 1e-13);
-        prop_assert!(difference(&f, &f_whole) <= bound);
-        prop_assert!(difference(f_x.as_slice(), f_x_whole.as_slice()) <= bound);
     }
 }
