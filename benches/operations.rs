@@ -13,8 +13,9 @@
 mod robots;
 
 use costate::derivative::OperationTable;
-use costate::robot::{Robot, Tree};
-use costate::scalar::{Constants, Operations};
+use costate::lagrangian::Lagrangian;
+use costate::robot::{Joint, JointFrame, Robot, Tree};
+use costate::scalar::{Constants, Count, Operations, count};
 use std::fmt::Write;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/operations.md");
@@ -33,14 +34,31 @@ fn all() -> [(&'static str, Robot, [u64; 2]); 4] {
     ]
 }
 
-/// Of 10 inertial constants a link - mass, first moment, inertia matrix about the origin -, those that are not 0.
-fn constants_of_links(tree: &Tree) -> usize {
-    let of_link = |joint: &costate::robot::JointFrame| {
-        let inertia = &joint.inertia;
-        let constants = [[inertia.mass].as_slice(), &inertia.first_moment, &inertia.matrix].concat();
-        constants.iter().filter(|&&constant| constant != 0.0).count()
+/// Of 10 inertial constants a link, those that are not 0: of the links themselves, and once they are regrouped.
+fn inertial_constants(robot: &Robot) -> String {
+    let of = |mass: f64, moment: &[f64], matrix: [f64; 6]| {
+        [&[mass], moment, &matrix].concat().iter().filter(|&&constant| constant != 0.0).count()
     };
-    tree.joints().iter().map(of_link).sum()
+    let of_link = |joint: &Joint| {
+        let (link, i) = (&joint.inertia, |k| joint.inertia.inertia[k]);
+        let matrix = [i((0, 0)), i((1, 1)), i((2, 2)), i((0, 1)), i((0, 2)), i((1, 2))];
+        of(link.mass, link.com.as_slice(), matrix)
+    };
+    let regrouped =
+        |joint: &JointFrame| of(joint.lumped.mass, &joint.lumped.first_moment, joint.lumped.matrix);
+    let (links, tree) = (robot.joints().iter().map(of_link), Tree::from(robot));
+    let regrouped = tree.joints().iter().map(regrouped);
+    format!("{}, {}", links.sum::<usize>(), regrouped.sum::<usize>())
+}
+
+/// Forward dynamics in (q, v), and with its Jacobian.
+fn lagrangian(robot: &Robot) -> [Operations; 2] {
+    let numbers = |from: f64| (0..robot.len()).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
+    let (q, v, u) = (numbers(0.3), numbers(0.5), numbers(0.7));
+    let mut lagrangian = Lagrangian::<Count>::new(robot);
+    let (_, value) = count(|| lagrangian.forward_dynamics(&q, &v, &u).map(drop));
+    let (_, jacobian) = count(|| lagrangian.forward_dynamics_jacobian(&q, &v, &u).map(drop));
+    [value, jacobian]
 }
 
 fn cell(o: Operations) -> String {
@@ -58,8 +76,8 @@ fn table() -> String {
     let trees: Vec<Tree> = robots.iter().map(|(_, robot, _)| Tree::from(robot)).collect();
     line("joints", trees.iter().map(|tree| tree.len().to_string()).collect());
     line("pairs i <= j of joints on one branch", trees.iter().map(|tree| tree.pairs().to_string()).collect());
-    let constants = |tree: &Tree| format!("{} of {}", constants_of_links(tree), 10 * tree.len());
-    line("inertial constants not 0", trees.iter().map(constants).collect());
+    let constants = robots.iter().map(|(_, robot, _)| inertial_constants(robot)).collect();
+    line("inertial constants not 0: of the links, regrouped", constants);
     let count = |constants| -> Vec<OperationTable> {
         robots.iter().map(|(_, robot, _)| OperationTable::new(robot, constants).unwrap()).collect()
     };
@@ -89,6 +107,17 @@ fn table() -> String {
             }
         }
     }
+    let by_lagrangian: Vec<_> = robots.iter().map(|(_, robot, _)| lagrangian(robot)).collect();
+    line("a(q, v, u): Lagrangian, analytic", by_lagrangian.iter().map(|[a, _]| cell(*a)).collect());
+    line(
+        "a, a_z, z = (q, v, u): Lagrangian, analytic",
+        by_lagrangian.iter().map(|[_, a_z]| cell(*a_z)).collect(),
+    );
+    let ratio = |([_, a_z], (_, _, paper)): (&[Operations; 2], &(_, _, [u64; 2]))| {
+        format!("{:.2}", a_z.mul as f64 / paper[1] as f64)
+    };
+    let cells = by_lagrangian.iter().zip(&robots).map(ratio).collect();
+    line("a, a_z / the paper, Lagrangian model", cells);
     let functions = |table: &OperationTable| {
         let o = table.get("f_x", "analytic").unwrap();
         format!("{} / {} / {}", o.div, o.sqrt, o.sincos)
