@@ -53,12 +53,13 @@ impl<S: Scalar> Turn<S> {
 pub struct FixedTurn {
     sin: f64,
     cos: f64,
+    right: bool,
 }
 
 impl FixedTurn {
     /// By the angle with this sine and cosine.
     pub fn new([sin, cos]: [f64; 2]) -> Self {
-        Self { sin, cos }
+        Self { sin, cos, right: sin == 0.0 || cos == 0.0 }
     }
 
     /// Sine and cosine.
@@ -69,14 +70,14 @@ impl FixedTurn {
     /// Whether it is a multiple of a quarter turn.
     #[inline]
     pub fn is_right(&self) -> bool {
-        self.sin == 0.0 || self.cos == 0.0
+        self.right
     }
 
     /// `(c a - s b, s a + c b)`.
     #[inline]
     pub fn apply<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        let Self { sin, cos } = *self;
-        if self.is_right() {
+        let Self { sin, cos, right } = *self;
+        if right {
             return [a.times(cos) - b.times(sin), a.times(sin) + b.times(cos)];
         }
         let k = (a + b).times(cos);
@@ -86,8 +87,8 @@ impl FixedTurn {
     /// `(c a + s b, c b - s a)`.
     #[inline]
     pub fn undo<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        let Self { sin, cos } = *self;
-        if self.is_right() {
+        let Self { sin, cos, right } = *self;
+        if right {
             return [a.times(cos) + b.times(sin), b.times(cos) - a.times(sin)];
         }
         let k = (a + b).times(cos);
@@ -97,8 +98,8 @@ impl FixedTurn {
     /// As [`Turn::congruence`].
     #[inline]
     pub fn congruence<S: Scalar>(&self, [xx, yy, xy]: [S; 3]) -> [S; 3] {
-        let Self { sin, cos } = *self;
-        if self.is_right() {
+        let Self { sin, cos, right } = *self;
+        if right {
             let (s, c) = (sin * sin, cos * cos);
             return [xx.times(c) + yy.times(s), xx.times(s) + yy.times(c), xy.times(c - s)];
         }
