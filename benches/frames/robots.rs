@@ -38,7 +38,7 @@ pub fn all() -> Vec<(String, Robot)> {
         read("UR5", "ur5.urdf"),
         read("PUMA 560", "puma560.toml"),
         read("Panda", "panda.urdf"),
-        read("biped (tree)", "biped.toml"),
+        read("biped", "biped.toml"),
     ];
     for n in [6, 8, 10, 12, 16, 24, 48] {
         robots.push((format!("general chain {n}"), random("chain", n, 1)));
