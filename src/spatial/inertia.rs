@@ -3,6 +3,7 @@
 use super::turn::{FixedTurn, Turn};
 use super::vector::{Force, Motion, Vec3};
 use crate::scalar::Scalar;
+use std::ops::AddAssign;
 
 /// A symmetric 3 x 3 matrix.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +65,18 @@ impl<S: Scalar> Symmetric3<S> {
     }
 }
 
+impl<S: Scalar> AddAssign for Symmetric3<S> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.xx += other.xx;
+        self.yy += other.yy;
+        self.zz += other.zz;
+        self.xy += other.xy;
+        self.xz += other.xz;
+        self.yz += other.yz;
+    }
+}
+
 /// Inertia of a body whose mass is a constant of the model: `(m, h, J)` with first moment `h = m c` (kg m) and
 /// inertia matrix `J` about the origin of the frame (kg m^2).
 #[derive(Clone, Copy, Debug)]
@@ -88,13 +101,7 @@ impl<S: Scalar> Inertia<S> {
     #[inline(always)]
     pub fn add_moments(&mut self, other: &Self) {
         self.first_moment = self.first_moment + other.first_moment;
-        let (a, b) = (&mut self.matrix, &other.matrix);
-        a.xx += b.xx;
-        a.yy += b.yy;
-        a.zz += b.zz;
-        a.xy += b.xy;
-        a.xz += b.xz;
-        a.yz += b.yz;
+        self.matrix += other.matrix;
     }
 }
 

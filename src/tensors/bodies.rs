@@ -104,12 +104,6 @@ impl<S: Scalar> Body<S> {
     #[inline]
     pub fn add(&mut self, other: &Self) {
         self.first_moment = self.first_moment + other.first_moment;
-        let (a, b) = (&mut self.tensor, &other.tensor);
-        a.xx += b.xx;
-        a.yy += b.yy;
-        a.zz += b.zz;
-        a.xy += b.xy;
-        a.xz += b.xz;
-        a.yz += b.yz;
+        self.tensor += other.tensor;
     }
 }
