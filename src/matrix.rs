@@ -60,6 +60,20 @@ impl<S: Scalar> Matrix<S> {
         (&mut to_k[i * self.columns..(i + 1) * self.columns], &from_k[..self.columns])
     }
 
+    /// Row `i` to be written and all rows before it to be read.
+    #[inline]
+    pub(crate) fn row_mut_and_before(&mut self, i: usize) -> (&mut [S], &[S]) {
+        let (before, from_i) = self.data.split_at_mut(i * self.columns);
+        (&mut from_i[..self.columns], before)
+    }
+
+    /// Row `i` to be written and all rows after it to be read.
+    #[inline]
+    pub(crate) fn row_mut_and_after(&mut self, i: usize) -> (&mut [S], &[S]) {
+        let (to_i, after) = self.data.split_at_mut((i + 1) * self.columns);
+        (&mut to_i[i * self.columns..], after)
+    }
+
     /// All entries, row by row.
     pub fn as_slice(&self) -> &[S] {
         &self.data
@@ -82,6 +96,48 @@ impl<S: Scalar> Matrix<S> {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.data.copy_from_slice(&other.data);
     }
+}
+
+/// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
+///
+/// Four columns at a time, whose sums stay in registers while the terms pass by.
+#[inline(always)]
+pub(crate) fn add_rows<S: Scalar>(
+    target: &mut [S],
+    source: &[S],
+    stride: usize,
+    terms: impl Iterator<Item = (usize, S)> + Clone,
+) {
+    let mut left = 0;
+    while target.len() - left >= 4 {
+        add_block::<S, 4>(&mut target[left..], source, stride, left, terms.clone());
+        left += 4;
+    }
+    if target.len() - left >= 2 {
+        add_block::<S, 2>(&mut target[left..], source, stride, left, terms.clone());
+        left += 2;
+    }
+    if target.len() > left {
+        add_block::<S, 1>(&mut target[left..], source, stride, left, terms);
+    }
+}
+
+#[inline(always)]
+fn add_block<S: Scalar, const B: usize>(
+    target: &mut [S],
+    source: &[S],
+    stride: usize,
+    left: usize,
+    terms: impl Iterator<Item = (usize, S)>,
+) {
+    let mut sum: [S; B] = std::array::from_fn(|column| target[column]);
+    for (k, a) in terms {
+        let row = &source[k * stride + left..][..B];
+        for (sum, &entry) in sum.iter_mut().zip(row) {
+            *sum += a * entry;
+        }
+    }
+    target[..B].copy_from_slice(&sum);
 }
 
 impl<S> Index<(usize, usize)> for Matrix<S> {
@@ -165,7 +221,7 @@ impl<S> Index<(usize, usize)> for Block<'_, S> {
 
 #[cfg(test)]
 mod tests {
-    use super::Matrix;
+    use super::{Matrix, add_rows};
 
     #[test]
     fn blocks_and_nalgebra_see_the_same_entries() {
@@ -185,6 +241,20 @@ mod tests {
             }
         }
         assert_eq!(m.view().to_nalgebra()[(3, 5)], 35.0);
+    }
+
+    #[test]
+    fn rows_are_added_in_blocks_of_any_length() {
+        let source: Vec<f64> = (0..40).map(|i| (i * i % 17) as f64).collect();
+        for columns in 1..=10 {
+            let terms = [(0, 2.0), (3, -1.0), (1, 0.5)];
+            let mut target: Vec<f64> = (0..columns).map(|j| j as f64).collect();
+            add_rows(&mut target, &source, 10, terms.into_iter());
+            for (j, found) in target.iter().enumerate() {
+                let expected = terms.iter().map(|(k, a)| a * source[10 * k + j]).sum::<f64>() + j as f64;
+                assert_eq!(*found, expected);
+            }
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, add_rows};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -69,13 +69,9 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.factor.solve_first_half(&mut self.half);
         self.factor.divide_by_pivots(&self.half, &mut self.w);
         self.reduced.copy_from(self.kernel.l_qq());
-        for k in 0..n {
-            let (y, z) = (self.half.row(k), self.w.row(k));
-            for (i, &y) in y.iter().enumerate() {
-                for (entry, &z) in self.reduced.row_mut(i)[..=i].iter_mut().zip(z) {
-                    *entry -= y * z;
-                }
-            }
+        for i in 0..n {
+            let column = (0..n).map(|k| (k, -self.half[(k, i)]));
+            add_rows(&mut self.reduced.row_mut(i)[..=i], self.w.as_slice(), n, column);
         }
         for i in 0..n {
             for j in 0..i {

@@ -1,6 +1,6 @@
 //! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
 
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, add_rows};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -12,6 +12,9 @@ use crate::scalar::Scalar;
 pub struct Factor<S> {
     starts: Vec<usize>,
     columns: Vec<usize>,
+    /// Rows, and places in `lower`, of the entries of each column.
+    column_starts: Vec<usize>,
+    column_entries: Vec<(usize, usize)>,
     lower: Vec<S>,
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
@@ -36,7 +39,16 @@ impl<S: Scalar> Factor<S> {
             columns.extend((0..k).filter(|&i| row[i]));
             starts.push(columns.len());
         }
+        let mut column_starts = vec![0];
+        let mut column_entries = Vec::new();
+        for i in 0..n {
+            let below = (i + 1..n).flat_map(|k| (starts[k]..starts[k + 1]).map(move |at| (k, at)));
+            column_entries.extend(below.filter(|&(_, at): &(usize, usize)| columns[at] == i));
+            column_starts.push(column_entries.len());
+        }
         Self {
+            column_starts,
+            column_entries,
             lower: vec![S::zero(); columns.len()],
             inverse_pivots: vec![S::one(); n],
             pivots: vec![S::zero(); n],
@@ -142,14 +154,11 @@ impl<S: Scalar> Factor<S> {
 
     /// `Y <- L'^-1 Y` for a matrix with n rows: the first half of a solution.
     pub fn solve_first_half(&self, y: &mut Matrix<S>) {
-        for k in (0..self.inverse_pivots.len()).rev() {
-            let (columns, values) = self.row(k);
-            for (&i, &l) in columns.iter().zip(values) {
-                let (target, source) = y.row_mut_and_below(i, k);
-                for (t, &s) in target.iter_mut().zip(source) {
-                    *t -= l * s;
-                }
-            }
+        let stride = y.columns();
+        for i in (0..self.inverse_pivots.len()).rev() {
+            let (target, after) = y.row_mut_and_after(i);
+            let column = &self.column_entries[self.column_starts[i]..self.column_starts[i + 1]];
+            add_rows(target, after, stride, column.iter().map(|&(k, at)| (k - i - 1, -self.lower[at])));
         }
     }
 
@@ -164,14 +173,11 @@ impl<S: Scalar> Factor<S> {
 
     /// `Z <- L^-1 Z`: the second half of a solution.
     pub fn solve_second_half(&self, z: &mut Matrix<S>) {
+        let stride = z.columns();
         for k in 0..self.inverse_pivots.len() {
             let (columns, values) = self.row(k);
-            for (&i, &l) in columns.iter().zip(values) {
-                let (target, source) = z.row_mut_and_above(k, i);
-                for (t, &s) in target.iter_mut().zip(source) {
-                    *t -= l * s;
-                }
-            }
+            let (target, before) = z.row_mut_and_before(k);
+            add_rows(target, before, stride, columns.iter().zip(values).map(|(&i, &l)| (i, -l)));
         }
     }
 
