@@ -17,9 +17,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`],
-//! [`hamiltonian`] and [`lagrangian`] and [`tensors`], [`derivative`]. Formulas are numbered as in G. Bessonnet, P. Sardain, "Optimal dynamics of
-//! actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
+//! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
+//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`]. Formulas are numbered as in G. Bessonnet,
+//! P. Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005)
+//! 452-471.
 
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]

@@ -9,7 +9,8 @@ use crate::scalar::Scalar;
 impl<S: Scalar> KernelOne<S> {
     /// Computes P = L_vq and L_qq at the position and velocity set last.
     ///
-    /// With `G_j = IC_j psi_j + S_j x* H_j`: `P_ij = S_i . G_j`, `P_ji = psi_i . F_j`, `L_qq,ij = psi_i . G_j + gamma_i . F_j` for i <= j in tree order.
+    /// With `G_j = IC_j psi_j + S_j x* H_j`: `P_ij = S_i . G_j`, `P_ji = psi_i . F_j`,
+    /// `L_qq,ij = psi_i . G_j + gamma_i . F_j` for i <= j in tree order.
     pub fn second_order(&mut self, tree: &Tree) {
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             if joint.parent.is_none() {

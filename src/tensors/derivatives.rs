@@ -15,6 +15,9 @@ use crate::scalar::Scalar;
 /// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`evaluate`](Self::evaluate) all of them.
 /// What has not been computed is not a number; what was computed at an earlier position stays until it is computed again.
 ///
+/// Numbers and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives of both kinds,
+/// one of 100 joints 25 million (200 MB in `f64`).
+///
 /// Every independent number is stored once, in the order of [`IndexSets`](super::IndexSets). The accessors take any
 /// indices 0 to n - 1, in any order, and panic beyond, as a slice does; joints on different branches give 0. Units follow from those
 /// of M (kg m^2, kg m, kg) and q (rad, m). Armature is constant: M is without it, and its derivatives do not know it.
