@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
-//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`]. Formulas are numbered as in G. Bessonnet,
+//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`dynamics`], [`step`]. Formulas are numbered as in G. Bessonnet,
 //! P. Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005)
 //! 452-471.
 
@@ -26,6 +26,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
 pub mod derivative;
+pub mod dynamics;
 mod error;
 pub mod hamiltonian;
 pub mod kernels;
@@ -34,6 +35,7 @@ pub mod matrix;
 pub mod robot;
 pub mod scalar;
 pub mod spatial;
+pub mod step;
 pub mod tensors;
 
 pub use error::EvalError;

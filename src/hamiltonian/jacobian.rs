@@ -11,6 +11,7 @@ use crate::scalar::Scalar;
 pub struct Linearisation<'a, S> {
     pub(super) f: &'a [S],
     pub(super) f_x: &'a Matrix<S>,
+    pub(super) f_u: &'a Matrix<S>,
     pub(super) mass_matrix: &'a Matrix<S>,
 }
 
@@ -37,6 +38,11 @@ impl<'a, S: Scalar> Linearisation<'a, S> {
     /// F_x as one matrix, 2n x 2n, rows and columns in the order (q, p).
     pub fn matrix(&self) -> Block<'a, S> {
         self.f_x.view()
+    }
+
+    /// `F_u = (0; 1)`, 2n x n, constant.
+    pub fn f_u(&self) -> Block<'a, S> {
+        self.f_u.view()
     }
 
     /// `F^q,q = -M^-1 P` (21a), n x n.

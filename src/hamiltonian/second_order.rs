@@ -95,6 +95,17 @@ impl<S: Scalar, R: Route> SecondOrder<S, R> {
         }
     }
 
+    /// Number of joints, n.
+    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
+    pub fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// What gives F and F_x alone.
+    pub fn first(&mut self) -> &mut Hamiltonian<S, R> {
+        &mut self.first
+    }
+
     /// F, F_x and `sum_k y_k d2 F_k / dx dx` for the costate y = (y_q, y_p) of length 2n, from one sweep.
     ///
     /// # Errors

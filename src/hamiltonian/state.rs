@@ -13,13 +13,17 @@ pub(super) struct StateEquation<S> {
     pub friction: Vec<FrictionDerivatives<S>>,
     pub f: Vec<S>,
     pub f_x: Matrix<S>,
+    /// `(0; 1)`.
+    f_u: Matrix<S>,
 }
 
 impl<S: Scalar> StateEquation<S> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
-        Self { friction: vec![none; n], f: vec![S::zero(); 2 * n], f_x: Matrix::zeros(2 * n, 2 * n) }
+        let mut f_u = Matrix::zeros(2 * n, n);
+        (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
+        Self { friction: vec![none; n], f: vec![S::zero(); 2 * n], f_x: Matrix::zeros(2 * n, 2 * n), f_u }
     }
 
     /// Fills f: `(v, L_q + D + u)`.
@@ -57,6 +61,6 @@ impl<S: Scalar> StateEquation<S> {
     }
 
     pub fn linearisation<'a>(&'a self, mass_matrix: &'a Matrix<S>) -> Linearisation<'a, S> {
-        Linearisation { f: &self.f, f_x: &self.f_x, mass_matrix }
+        Linearisation { f: &self.f, f_x: &self.f_x, f_u: &self.f_u, mass_matrix }
     }
 }

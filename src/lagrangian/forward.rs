@@ -86,12 +86,22 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn state_jacobian(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<StateJacobian<'_, S>, EvalError> {
         self.forward_dynamics_jacobian(q, v, u)?;
+        self.assemble();
+        Ok(self.state())
+    }
+
+    /// f_x and f_u from a_z.
+    pub(super) fn assemble(&mut self) {
         let n = self.tree.len();
         for i in 0..n {
             self.f_x.row_mut(n + i).copy_from_slice(&self.a_z.row(i)[..2 * n]);
             self.f_u.row_mut(n + i).copy_from_slice(&self.a_z.row(i)[2 * n..]);
         }
-        Ok(StateJacobian { f: &self.rate, f_x: &self.f_x, f_u: &self.f_u })
+    }
+
+    /// What was assembled last.
+    pub(super) fn state(&self) -> StateJacobian<'_, S> {
+        StateJacobian { f: &self.rate, f_x: &self.f_x, f_u: &self.f_u }
     }
 
     /// What was computed last.

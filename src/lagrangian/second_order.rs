@@ -1,7 +1,7 @@
 //! Contracted Hessians of inverse and forward dynamics, by one dual pass through kernels one and two.
 
 use super::inverse::torque_jacobian;
-use super::{ForwardDynamicsJacobian, Lagrangian};
+use super::{ForwardDynamicsJacobian, Lagrangian, StateJacobian};
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, friction};
 use crate::matrix::{Block, Matrix};
@@ -40,14 +40,17 @@ pub struct SecondOrder<S: Scalar> {
     direction_v: Vec<Tangent<S>>,
     w: Vec<S>,
     w_tau_zz: Matrix<S>,
-    y_a_zz: Matrix<S>,
+    xx: Matrix<S>,
+    uq: Matrix<S>,
 }
 
 /// Forward dynamics, its Jacobian and its contracted Hessian at one state; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractedHessian<'a, S> {
     linearisation: ForwardDynamicsJacobian<'a, S>,
-    y_a_zz: &'a Matrix<S>,
+    state: StateJacobian<'a, S>,
+    xx: &'a Matrix<S>,
+    uq: &'a Matrix<S>,
 }
 
 impl<'a, S: Scalar> ContractedHessian<'a, S> {
@@ -56,21 +59,35 @@ impl<'a, S: Scalar> ContractedHessian<'a, S> {
         self.linearisation
     }
 
-    /// `sum_k y_k d2 a_k / dz dz`, 3n x 3n, symmetric, rows and columns in the order z = (q, v, u).
-    pub fn matrix(&self) -> Block<'a, S> {
-        self.y_a_zz.view()
+    /// dx/dt = (v, a) and its Jacobians in x = (q, v) and u.
+    pub fn state(&self) -> StateJacobian<'a, S> {
+        self.state
     }
 
-    /// Its block in x = (q, v), 2n x 2n.
+    /// `sum_k y_k d2 a_k / dx dx`, x = (q, v), 2n x 2n, symmetric.
     pub fn xx(&self) -> Block<'a, S> {
-        let n = self.y_a_zz.rows() / 3;
-        self.y_a_zz.block(0, 0, 2 * n, 2 * n)
+        self.xx.view()
     }
 
-    /// Its block in (u, x), n x 2n: the only one in u that is not zero, and of it only the half in q.
-    pub fn ux(&self) -> Block<'a, S> {
-        let n = self.y_a_zz.rows() / 3;
-        self.y_a_zz.block(2 * n, 0, n, 2 * n)
+    /// `sum_k y_k d2 a_k / du dq`, n x n: all others in u are zero by structure.
+    pub fn uq(&self) -> Block<'a, S> {
+        self.uq.view()
+    }
+
+    /// A copy with all zeros in their places: 3n x 3n, symmetric, rows and columns in the order z = (q, v, u).
+    pub fn to_matrix(&self) -> Matrix<S> {
+        let n = self.uq.rows();
+        let mut whole = Matrix::zeros(3 * n, 3 * n);
+        for i in 0..2 * n {
+            whole.row_mut(i)[..2 * n].copy_from_slice(self.xx.row(i));
+        }
+        for i in 0..n {
+            for j in 0..n {
+                whole[(2 * n + i, j)] = self.uq[(i, j)];
+                whole[(j, 2 * n + i)] = self.uq[(i, j)];
+            }
+        }
+        whole
     }
 }
 
@@ -94,8 +111,20 @@ impl<S: Scalar> SecondOrder<S> {
             direction_v: vec![zero; n],
             w: vec![S::zero(); n],
             w_tau_zz: Matrix::zeros(3 * n, 3 * n),
-            y_a_zz: Matrix::zeros(3 * n, 3 * n),
+            xx: Matrix::zeros(2 * n, 2 * n),
+            uq: Matrix::zeros(n, n),
         }
+    }
+
+    /// Number of joints, n.
+    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
+    pub fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// What gives a and its Jacobian alone.
+    pub fn first(&mut self) -> &mut Lagrangian<S> {
+        &mut self.first
     }
 
     /// `sum_k w_k d2 tau_k / dz dz`, z = (q, v, a): 3n x 3n, symmetric, for weights w of length n.
@@ -137,8 +166,10 @@ impl<S: Scalar> SecondOrder<S> {
         let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
         torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
         self.first.solve_jacobian();
+        self.first.assemble();
         self.transform();
-        Ok(ContractedHessian { linearisation: self.first.forward_jacobian(), y_a_zz: &self.y_a_zz })
+        let (linearisation, state) = (self.first.forward_jacobian(), self.first.state());
+        Ok(ContractedHessian { linearisation, state, xx: &self.xx, uq: &self.uq })
     }
 
     /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau from it.
@@ -186,39 +217,34 @@ impl<S: Scalar> SecondOrder<S> {
     /// trivial: added to the rows of z and the columns of q, and transposed.
     fn transform(&mut self) {
         let n = self.w.len();
-        let (h, y_a_zz) = (&self.w_tau_zz, &mut self.y_a_zz);
+        let (h, xx, uq) = (&self.w_tau_zz, &mut self.xx, &mut self.uq);
         for i in 0..2 * n {
-            for (entry, &h) in y_a_zz.row_mut(i)[..2 * n].iter_mut().zip(h.row(i)) {
-                *entry = -h;
-            }
+            xx.row_mut(i).iter_mut().zip(h.row(i)).for_each(|(entry, &h)| *entry = -h);
         }
-        for i in 2 * n..3 * n {
-            y_a_zz.row_mut(i)[..n].fill(S::zero());
-        }
+        uq.fill_zero();
         for k in 0..n {
             let b = &h.row(2 * n + k)[..n];
             for (i, &moved) in self.first.a_z.row(k).iter().enumerate() {
-                for (entry, &b) in y_a_zz.row_mut(i)[..n].iter_mut().zip(b) {
-                    *entry -= moved * b;
-                }
+                let row = if i < 2 * n { &mut xx.row_mut(i)[..n] } else { uq.row_mut(i - 2 * n) };
+                row.iter_mut().zip(b).for_each(|(entry, &b)| *entry -= moved * b);
             }
         }
         self.add_transpose();
     }
 
-    /// Completes what [`transform`](Self::transform) leaves: K' in (q, q), and the transposed blocks beside it.
+    /// Completes what [`transform`](Self::transform) leaves: K' in (q, q), and the transposed block beside it.
     fn add_transpose(&mut self) {
         let n = self.w.len();
-        let (h, y_a_zz) = (&self.w_tau_zz, &mut self.y_a_zz);
+        let (h, xx) = (&self.w_tau_zz, &mut self.xx);
         for i in 0..n {
             for j in 0..=i {
                 // Each of the two holds -h - K; the sum is -2 h - K - K'.
-                let entry = y_a_zz[(i, j)] + y_a_zz[(j, i)] + h[(i, j)];
-                y_a_zz[(i, j)] = entry;
-                y_a_zz[(j, i)] = entry;
+                let entry = xx[(i, j)] + xx[(j, i)] + h[(i, j)];
+                xx[(i, j)] = entry;
+                xx[(j, i)] = entry;
             }
-            for j in n..3 * n {
-                y_a_zz[(i, j)] = y_a_zz[(j, i)];
+            for j in n..2 * n {
+                xx[(i, j)] = xx[(j, i)];
             }
         }
     }

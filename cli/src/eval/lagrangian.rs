@@ -71,7 +71,7 @@ impl Evaluator for Lagrangian {
             (Workspace::Analytic(second), Some(y)) => {
                 let second = second.contracted_hessian(q, &v, u, y)?;
                 let linear = second.linearisation();
-                derivatives(linear.acceleration(), linear.matrix(), Some(second.matrix()));
+                derivatives(linear.acceleration(), linear.matrix(), Some(second.to_matrix().view()));
             }
             (Workspace::Dual(jacobian, nested), y) => {
                 let first = jacobian.evaluate(&z)?;

@@ -1,0 +1,60 @@
+//! Costs: what an optimiser makes small.
+
+use crate::matrix::Block;
+use crate::scalar::Scalar;
+
+/// A cost l(x, u) with its first two derivatives: running with controls, terminal without (`controls() == 0`, u = `&[]`).
+///
+/// A workspace, as [`Dynamics`](super::Dynamics).
+pub trait Cost<S: Scalar> {
+    /// Why an evaluation may fail.
+    type Error: std::error::Error + 'static;
+
+    /// Length of x.
+    fn states(&self) -> usize;
+
+    /// Length of u; 0 for a terminal cost.
+    fn controls(&self) -> usize;
+
+    /// l(x, u).
+    ///
+    /// # Errors
+    /// A wrong length, or whatever the cost has to say.
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error>;
+
+    /// l, l_x and l_u.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn gradient(&mut self, x: &[S], u: &[S]) -> Result<CostGradient<'_, S>, Self::Error>;
+
+    /// l, its gradient and its Hessian.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, Self::Error>;
+}
+
+/// A cost and its gradient; borrowed from a workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct CostGradient<'a, S> {
+    /// l(x, u).
+    pub value: S,
+    /// dl/dx.
+    pub x: &'a [S],
+    /// dl/du.
+    pub u: &'a [S],
+}
+
+/// A cost, its gradient and its Hessian; borrowed from a workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct CostHessian<'a, S> {
+    /// l, l_x and l_u.
+    pub gradient: CostGradient<'a, S>,
+    /// d2l/dx dx, states x states, symmetric.
+    pub xx: Block<'a, S>,
+    /// d2l/du dx, controls x states; `None` where it is zero whatever the state.
+    pub ux: Option<Block<'a, S>>,
+    /// d2l/du du, controls x controls, symmetric.
+    pub uu: Block<'a, S>,
+}

@@ -1,0 +1,169 @@
+//! What a second-order optimiser asks of a model: values, linearisations and costate-contracted Hessians.
+//!
+//! [`Dynamics`] is the continuous model dx/dt = f(x, u), [`Step`](crate::step::Step) one step of it in time,
+//! [`Cost`] what is to be small along the way and at the end. An optimiser written against these three runs on every
+//! robot in both coordinate systems, and on whatever its user writes generically over the scalar:
+//!
+//! | implementation | of | derivatives |
+//! |---|---|---|
+//! | [`hamiltonian::SecondOrder`](crate::hamiltonian::SecondOrder) | [`Dynamics`], x = (q, p) | by hand |
+//! | [`lagrangian::SecondOrder`](crate::lagrangian::SecondOrder) | [`Dynamics`], x = (q, v) | by hand, one dual pass |
+//! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
+//! | [`QuadraticCost`] | [`Cost`] | by hand |
+//! | [`AutomaticCost`] | [`Cost`] of any function of (x, u) with one output | automatic |
+//! | everything in [`step`](crate::step) | [`Step`](crate::step::Step) over any [`Dynamics`] | from those of the model |
+
+mod automatic;
+mod automatic_cost;
+mod cost;
+mod quadratic_cost;
+mod robots;
+
+pub use automatic::Automatic;
+pub use automatic_cost::AutomaticCost;
+pub use cost::{Cost, CostGradient, CostHessian};
+pub use quadratic_cost::QuadraticCost;
+
+use crate::matrix::Block;
+use crate::scalar::Scalar;
+
+/// A model dx/dt = f(x, u) with its first two derivatives.
+///
+/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, a costate, as many as x. A workspace:
+/// evaluation writes into it, results are borrowed from it, no call allocates.
+pub trait Dynamics<S: Scalar> {
+    /// Why an evaluation may fail.
+    type Error: std::error::Error + 'static;
+
+    /// Length of x.
+    fn states(&self) -> usize;
+
+    /// Length of u.
+    fn controls(&self) -> usize;
+
+    /// What is constant or zero in every state.
+    fn structure(&self) -> Structure;
+
+    /// f(x, u).
+    ///
+    /// # Errors
+    /// A wrong length, or whatever the model has to say.
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error>;
+
+    /// f, f_x and f_u.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, Self::Error>;
+
+    /// f, f_x, f_u and the second derivatives of y'f.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, Self::Error>;
+
+    /// y'f_x and y'f_u, as long as x and u: what a costate equation and the gradient of a shooting method need.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn adjoint(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        y_f_x: &mut [S],
+        y_f_u: &mut [S],
+    ) -> Result<(), Self::Error> {
+        let first = self.linearise(x, u)?;
+        y_f_x.fill(S::zero());
+        y_f_u.fill(S::zero());
+        for (k, &y) in y.iter().enumerate() {
+            add_scaled(y_f_x, y, first.f_x.row(k));
+            add_scaled(y_f_u, y, first.f_u.row(k));
+        }
+        Ok(())
+    }
+
+    /// The second derivatives of y'f times (d_x, d_u): in the components of x and of u.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn hessian_product(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        [d_x, d_u]: [&[S]; 2],
+        [x_product, u_product]: [&mut [S]; 2],
+    ) -> Result<(), Self::Error> {
+        self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
+        Ok(())
+    }
+}
+
+/// What of the derivatives of a model is constant or zero whatever the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Structure {
+    /// f_u does not depend on x and u: then ux and uu of every [`Contraction`] are `None`.
+    pub constant_f_u: bool,
+    /// f_u does not depend on u: then uu of every [`Contraction`] is `None`.
+    pub affine_in_u: bool,
+    /// f_u depends on the first so many components of x at most: the columns that [`Contraction::ux`] has.
+    pub f_u_depends_on: usize,
+}
+
+impl Structure {
+    /// Nothing is known of a model with so many states.
+    pub fn general(states: usize) -> Self {
+        Self { constant_f_u: false, affine_in_u: false, f_u_depends_on: states }
+    }
+}
+
+/// f and its Jacobians; borrowed from a workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstOrder<'a, S> {
+    /// f(x, u), as long as x.
+    pub f: &'a [S],
+    /// df/dx, states x states.
+    pub f_x: Block<'a, S>,
+    /// df/du, states x controls.
+    pub f_u: Block<'a, S>,
+}
+
+/// f, its Jacobians, and the second derivatives of y'f; borrowed from a workspace.
+///
+/// Blocks in u that are zero by structure do not exist.
+#[derive(Clone, Copy, Debug)]
+pub struct Contraction<'a, S> {
+    /// f, f_x, f_u.
+    pub first: FirstOrder<'a, S>,
+    /// `sum_k y_k d2 f_k / dx dx`, states x states, symmetric.
+    pub xx: Block<'a, S>,
+    /// `sum_k y_k d2 f_k / du dx`, controls x the first [`Structure::f_u_depends_on`] states; zero in the others.
+    pub ux: Option<Block<'a, S>>,
+    /// `sum_k y_k d2 f_k / du du`, controls x controls, symmetric.
+    pub uu: Option<Block<'a, S>>,
+}
+
+impl<S: Scalar> Contraction<'_, S> {
+    /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u.
+    pub fn times(&self, [d_x, d_u]: [&[S]; 2], [x_product, u_product]: [&mut [S]; 2]) {
+        let dot = |row: &[S], d: &[S]| row.iter().zip(d).fold(S::zero(), |sum, (&a, &d)| sum + a * d);
+        x_product.iter_mut().zip(self.xx.iter_rows()).for_each(|(entry, row)| *entry = dot(row, d_x));
+        u_product.fill(S::zero());
+        if let Some(ux) = self.ux {
+            for ((row, &d), entry) in ux.iter_rows().zip(d_u).zip(&mut *u_product) {
+                add_scaled(x_product, d, row);
+                *entry = dot(row, d_x);
+            }
+        }
+        if let Some(uu) = self.uu {
+            u_product.iter_mut().zip(uu.iter_rows()).for_each(|(entry, row)| *entry += dot(row, d_u));
+        }
+    }
+}
+
+/// `target += factor source`, as far as both reach.
+pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
+    target.iter_mut().zip(source).for_each(|(target, &source)| *target += factor * source);
+}

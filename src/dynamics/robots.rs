@@ -1,0 +1,86 @@
+//! Robots as models, in both coordinate systems.
+
+use super::{Contraction, Dynamics, FirstOrder, Structure};
+use crate::error::{EvalError, check_length};
+use crate::scalar::Scalar;
+use crate::{hamiltonian, lagrangian};
+
+/// F of (17), (19): x = (q, p), u the actuation; f_u = (0; 1) is constant.
+impl<S: Scalar> Dynamics<S> for hamiltonian::SecondOrder<S> {
+    type Error = EvalError;
+
+    fn states(&self) -> usize {
+        2 * self.len()
+    }
+
+    fn controls(&self) -> usize {
+        self.len()
+    }
+
+    fn structure(&self) -> Structure {
+        Structure { constant_f_u: true, affine_in_u: true, f_u_depends_on: 0 }
+    }
+
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        self.first().phase_velocity(q, p, u)
+    }
+
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        let linear = self.first().jacobian(q, p, u)?;
+        Ok(FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() })
+    }
+
+    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        let second = self.contracted_hessian(q, p, u, y)?;
+        let linear = second.linearisation();
+        let first = FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() };
+        Ok(Contraction { first, xx: second.matrix(), ux: None, uu: None })
+    }
+}
+
+/// (9): x = (q, v), u the actuation; f_u = (0; M^-1) depends on q.
+impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
+    type Error = EvalError;
+
+    fn states(&self) -> usize {
+        2 * self.len()
+    }
+
+    fn controls(&self) -> usize {
+        self.len()
+    }
+
+    fn structure(&self) -> Structure {
+        Structure { constant_f_u: false, affine_in_u: true, f_u_depends_on: self.len() }
+    }
+
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        let (q, v) = halves(x, self.len())?;
+        self.first().state_equation(q, v, u)
+    }
+
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
+        let (q, v) = halves(x, self.len())?;
+        let state = self.first().state_jacobian(q, v, u)?;
+        Ok(FirstOrder { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() })
+    }
+
+    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
+        let n = self.len();
+        let (q, v) = halves(x, n)?;
+        check_length("y", y, 2 * n)?;
+        let second = self.contracted_hessian(q, v, u, &y[n..])?;
+        let state = second.state();
+        let first = FirstOrder { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() };
+        Ok(Contraction { first, xx: second.xx(), ux: Some(second.uq()), uu: None })
+    }
+}
+
+/// The first n and the last n of 2n components.
+fn halves<S>(x: &[S], n: usize) -> Result<(&[S], &[S]), EvalError> {
+    check_length("x", x, 2 * n)?;
+    Ok(x.split_at(n))
+}
