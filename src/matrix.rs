@@ -98,6 +98,18 @@ impl<S: Scalar> Matrix<S> {
     }
 }
 
+/// `sum_k a_k b_k`, as far as both reach.
+#[inline]
+pub(crate) fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
+    a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| sum + a * b)
+}
+
+/// `target += factor source`, as far as both reach.
+#[inline]
+pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
+    target.iter_mut().zip(source).for_each(|(target, &source)| *target += factor * source);
+}
+
 /// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
 ///
 /// Four columns at a time, whose sums stay in registers while the terms pass by.

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Coordinates, Lagrangian};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
@@ -82,7 +82,7 @@ fn christoffel_coefficients_do_not_allocate() {
         let (tree, n) = (Tree::from(&robot), robot.len());
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
-        let mut second = SecondOrder::<f64, _>::with_route(tree.clone(), Christoffel);
+        let mut second = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
         let mut coefficients = MassMatrixDerivatives::<f64>::new(&tree);
         let count = allocations(|| {
             first.jacobian(&q, &p, &u).unwrap();

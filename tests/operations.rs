@@ -8,7 +8,7 @@ mod robots;
 use costate::derivative::{
     CHUNK, Hessian, InnerNumber, Jacobian, NestedHessian, OperationTable, PhaseVelocity,
 };
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::kernels::{Contracted, Route};
 use costate::matrix::Block;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
@@ -42,11 +42,22 @@ fn by_hand<S: Scalar, R: Route>(robot: &Robot, route: R, x: &[S], u: &[S], y: &[
     let (q, p) = x.split_at(robot.len());
     let tree = Tree::from(robot);
     let mut first = Hamiltonian::<S, R>::with_route(tree.clone(), route.clone());
-    let mut second = SecondOrder::<S, R>::with_route(tree, route);
+    let mut second = DualPass::<S, R>::with_route(tree, route);
     let mut results = vec![("M", first.mass_matrix(q).unwrap().as_slice().to_vec())];
     results.push(("F", first.phase_velocity(q, p, u).unwrap().to_vec()));
     results.push(("F_x", flat(first.jacobian(q, p, u).unwrap().matrix())));
     results.push(("y'F_xx", flat(second.contracted_hessian(q, p, u, y).unwrap().matrix())));
+    results
+}
+
+fn by_rule<S: Scalar>(robot: &Robot, x: &[S], u: &[S], y: &[S]) -> Results<S> {
+    let (q, p) = x.split_at(robot.len());
+    let mut second = SecondOrder::<S>::new(robot);
+    let mut full = FullHessian::<S>::new(robot);
+    let mut results = vec![("y'F_xx", flat(second.contracted_hessian(q, p, u, y).unwrap().matrix()))];
+    results.push(("y'F_x", second.first().adjoint(q, p, u, y).unwrap().y_f_x.to_vec()));
+    results.push(("y'F_xx y", second.hessian_product(q, p, y, y).unwrap().to_vec()));
+    results.push(("F_xx", full.evaluate(q, p).unwrap().packed().to_vec()));
     results
 }
 
@@ -77,7 +88,8 @@ fn routes<T: InnerNumber>(
     let lifted = |values: &[f64]| values.iter().map(|&value| lift(value)).collect::<Vec<T>>();
     let (x, u, y) = (lifted(x), lifted(&vec![0.5; robot.len()]), lifted(y));
     run("tensors", &mut || by_hand(robot, Christoffel, &x, &u, &y));
-    run("analytic", &mut || by_hand(robot, Contracted, &x, &u, &y));
+    run("dual pass", &mut || by_hand(robot, Contracted, &x, &u, &y));
+    run("analytic", &mut || by_rule(robot, &x, &u, &y));
     run("dual", &mut || by_dual_numbers(robot, &x, &y));
     run("hyperdual", &mut || by_hyper_dual_numbers(robot, &x, &y));
 }

@@ -15,7 +15,7 @@ mod storage;
 use bench::{revolute, serial};
 use costate::EvalError;
 use costate::derivative::{Function, Hessian, Jacobian, PhaseVelocity, largest, relative_difference};
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, Hamiltonian, SecondOrder};
 use costate::kernels::{KernelOne, LagrangianHessian};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Tree;
@@ -121,7 +121,7 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let bound = tolerance(&robot, &case.q);
     let (q, p, u, y, n) = (&case.q, case.p(&robot), &case.u, &case.y, case.n());
     let tree = Tree::from(&robot);
-    let mut tensors = SecondOrder::<f64, _>::with_route(tree.clone(), Christoffel);
+    let mut tensors = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
     let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
     let mut analytic = SecondOrder::<f64>::from_tree(tree);
     let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot).under(u));

@@ -112,9 +112,6 @@ impl Worst {
     }
 }
 
-/// One figure of each route, or pair of routes.
-type Figure = fn(&StateReport, usize) -> f64;
-
 fn print(
     robot: &Robot,
     arguments: &Arguments,
@@ -131,38 +128,29 @@ fn print(
         arguments.seed
     )?;
     writeln!(out, "Largest relative difference, max |a - b| / max |b|:\n")?;
-    let mut table = Table::new(&["quantity", "routes", "at q = 0", "random states"], 2);
-    let pairs = [(0, 1), (0, 2), (1, 2)].map(|(a, b)| format!("{} - {}", Routes::NAMES[a], Routes::NAMES[b]));
-    let singles = Routes::NAMES.map(str::to_string);
-    let groups: [(&str, &[String; 3], Figure); 4] = [
-        ("F_x", &pairs, |report, k| report.differences[k].f_x),
-        ("y'F_xx", &pairs, |report, k| report.differences[k].y_f_xx),
-        ("asymmetry of J F_x (no friction)", &singles, |report, k| report.jacobian_asymmetry[k]),
-        ("asymmetry of y'F_xx", &singles, |report, k| report.hessian_asymmetry[k]),
-    ];
-    for (quantity, names, figure) in groups {
-        for (k, name) in names.iter().enumerate() {
-            let quantity = if k == 0 { quantity } else { "" };
-            let figures = [zero, random].map(|worst| worst.figure(|report| figure(report, k)));
-            table.row([vec![quantity.into(), name.clone()], figures.into()].concat());
-        }
+    let mut table = Table::new(&["quantity", "route", "at q = 0", "random states"], 2);
+    let mut above = "";
+    for (k, named) in zero.report.iter().chain(&random.report).flat_map(|report| &report.figures).enumerate()
+    {
+        let quantity = if named.quantity == above { "" } else { named.quantity };
+        above = named.quantity;
+        let figures = [zero, random].map(|worst| worst.figure(|report| report.figures[k].value));
+        table.row([vec![quantity.into(), named.route.into()], figures.into()].concat());
     }
-    let last: [(&str, Figure); 2] = [
-        ("energy drift dH/dt, u = D = 0", |report, _| report.energy_drift),
-        ("cond(M), largest", |report, _| report.condition),
-    ];
-    for (quantity, figure) in last {
-        let figures = [zero, random].map(|worst| worst.figure(|report| figure(report, 0)));
-        table.row([vec![quantity.into(), "-".into()], figures.into()].concat());
-    }
+    let conditions = [zero, random].map(|worst| worst.figure(|report| report.condition));
+    table.row([vec!["cond(M), largest".into(), "-".into()], conditions.into()].concat());
     writeln!(out, "{table}")?;
-    writeln!(out, "  analytic   F_x by hand (21)-(24), y'F_xx by one dual number carried through it")?;
-    writeln!(out, "  dual       dual numbers through F, and dual numbers in dual numbers")?;
-    writeln!(out, "  hyperdual  hyper-dual numbers through F")?;
-    writeln!(
-        out,
-        "  Where a quantity vanishes, b is the size of the terms that cancel: energies, forces.\n"
-    )?;
+    for line in [
+        "analytic       by hand: F_x (21)-(24), y'F_xx by the 2n+1 rule; y'F_x and y'F_xx y without the matrix",
+        "dual pass      one dual number through the analytic F_x",
+        "packed tensor  all second derivatives by hand, contracted with y",
+        "tensors        global inertia tensors and Christoffel coefficients; one dual number through them",
+        "dual           dual numbers through F and a, and dual numbers in dual numbers",
+        "Every route is set beside hyper-dual numbers through F and through a, the acceleration in (q, v).",
+        "Where a quantity vanishes, b is the size of the terms that cancel: energies, forces.\n",
+    ] {
+        writeln!(out, "  {line}")?;
+    }
     let excess = worse(zero.excess, random.excess);
     let allowed = format!("{tolerance:.0e} max(1, cond(M)/1000)");
     if excess <= 1.0 {

@@ -66,18 +66,23 @@ fn print(
         2,
     );
     let f = table.get("f", "analytic").unwrap_or_default().mul.max(1) as f64;
+    let mut above = "";
     for row in table.rows() {
         let needs_no_derivative = matches!(row.quantity, "mass_matrix" | "f");
         if needs_no_derivative && matches!(row.route, "dual" | "hyperdual") {
             continue;
         }
         let quantity = match row.quantity {
-            _ if row.route != OperationTable::ROUTES[0] => "",
+            quantity if quantity == above => "",
             "mass_matrix" => "M",
             "f" => "F",
             "f_x" => "F, F_x",
-            _ => "F, F_x, y'F_xx",
+            "y_f_xx" => "F, F_x, y'F_xx",
+            "y_f_x" => "F, y'F_x",
+            "y_f_xx_d" => "y'F_xx d",
+            _ => "F_x, all of F_xx",
         };
+        above = row.quantity;
         let o = row.operations;
         let counts = [o.mul, o.add, o.div, o.sqrt, o.sincos, o.exp, o.less].map(|count| count.to_string());
         let ratio = format!("{:.2}", o.mul as f64 / f);
@@ -88,7 +93,11 @@ fn print(
         out,
         "  tensors    global inertia tensors and Christoffel coefficients; y'F_xx by one dual pass"
     )?;
-    writeln!(out, "  analytic   F_x by hand (21)-(24), y'F_xx by one dual number carried through it")?;
+    writeln!(
+        out,
+        "  analytic   F_x by hand (21)-(24), second derivatives by the 2n+1 rule; y'F_x, y'F_xx d without matrix"
+    )?;
+    writeln!(out, "  dual pass  one dual number carried through the analytic F_x")?;
     writeln!(out, "  dual       dual numbers through F, and dual numbers in dual numbers")?;
     writeln!(out, "  hyperdual  hyper-dual numbers through F: all second derivatives at once")?;
     writeln!(out, "  M and F have no derivatives: by dual and hyperdual they are those of analytic.")

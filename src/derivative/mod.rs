@@ -15,9 +15,11 @@ mod forward_dynamics;
 mod function;
 mod hessian;
 mod jacobian;
+mod lagrangian_routes;
 mod nested;
 mod operations;
 mod phase_velocity;
+mod report;
 mod routes;
 
 pub use directional::{AlongDirection, Directional};
@@ -28,7 +30,8 @@ pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
 pub use operations::{OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
-pub use routes::{Differences, Routes, StateReport, largest, relative_difference, worse};
+pub use report::{Figure, StateReport, largest, relative_difference, worse};
+pub use routes::Routes;
 
 /// Number of derivatives that a dual number carries at once where nobody says otherwise.
 ///

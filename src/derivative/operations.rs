@@ -3,7 +3,7 @@
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
-use crate::hamiltonian::{Hamiltonian, SecondOrder};
+use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use crate::kernels::{Contracted, Route};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Constants, Count, Operations, count_with};
@@ -16,7 +16,9 @@ use crate::tensors::Christoffel;
 /// | `mass_matrix` | M(q) | by that route | as analytic | as analytic |
 /// | `f` | F | by that route | as analytic | as analytic |
 /// | `f_x` | F and F_x | by hand | [`Jacobian`] of F | [`Hessian`] of F, which gives all second derivatives |
-/// | `y_f_xx` | F, F_x and y'F_xx | one dual pass through F_x | and [`NestedHessian`] of F | and contracted with y |
+/// | `y_f_xx` | F, F_x and y'F_xx | one dual pass through F_x; 2n+1 rule | and [`NestedHessian`] of F | and contracted with y |
+///
+/// After these come quantities of some routes only, see [`MORE`](Self::MORE).
 ///
 /// The pipeline itself runs on [`Count`] numbers; q, p and y are variables. So is u in what is derived by hand; automatic
 /// differentiation lifts it as a constant like any other number, which is the same but where it meets a force that is
@@ -37,14 +39,16 @@ use crate::tensors::Christoffel;
 pub struct OperationTable {
     /// By quantity, then by route.
     counts: [[Operations; 4]; 4],
+    /// In the order of [`Self::MORE`].
+    more: [Operations; 5],
 }
 
 /// One quantity by one route, see [`OperationTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OperationRow {
-    /// One of [`OperationTable::QUANTITIES`].
+    /// One of [`OperationTable::QUANTITIES`] or [`OperationTable::MORE`].
     pub quantity: &'static str,
-    /// One of [`OperationTable::ROUTES`].
+    /// One of [`OperationTable::ROUTES`] or [`OperationTable::MORE`].
     pub route: &'static str,
     /// What it takes.
     pub operations: Operations,
@@ -75,6 +79,16 @@ impl OperationTable {
     /// The routes, in the order of the rows of one quantity.
     pub const ROUTES: [&'static str; 4] = ["tensors", "analytic", "dual", "hyperdual"];
 
+    /// Quantities of some routes only, as (quantity, route): `y_f_x` is F and y'F_x, `y_f_xx_d` a product y'F_xx d, both
+    /// without the matrix; `f_xx` F_x and the whole tensor; `dual pass` the one dual number through the analytic F_x.
+    pub const MORE: [(&'static str, &'static str); 5] = [
+        ("y_f_xx", "dual pass"),
+        ("y_f_x", "analytic"),
+        ("y_f_xx_d", "analytic"),
+        ("f_xx", "analytic"),
+        ("f_xx", "hyperdual"),
+    ];
+
     /// Counts everything, by running it.
     ///
     /// # Errors
@@ -85,25 +99,30 @@ impl OperationTable {
 
     fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
         let tree = Tree::from(robot);
-        let tensors = by_hand(&tree, Christoffel, constants, state)?;
-        let analytic = by_hand(&tree, Contracted, constants, state)?;
-        let [mass_matrix, f, ..] = analytic;
+        let tensors = by_dual_pass(&tree, Christoffel, constants, state)?;
+        let [mass_matrix, f, f_x, dual_pass] = by_dual_pass(&tree, Contracted, constants, state)?;
+        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?;
         let [dual, hyperdual] = automatic(robot, constants, state)?;
         let by_route = [
             tensors,
-            analytic,
+            [mass_matrix, f, f_x, y_f_xx],
             [mass_matrix, f, dual[0], dual[1]],
             [mass_matrix, f, hyperdual[0], hyperdual[1]],
         ];
-        Ok(Self { counts: [0, 1, 2, 3].map(|quantity| by_route.map(|counts| counts[quantity])) })
+        Ok(Self {
+            counts: [0, 1, 2, 3].map(|quantity| by_route.map(|counts| counts[quantity])),
+            more: [dual_pass, y_f_x, y_f_xx_d, f_xx, hyperdual[0]],
+        })
     }
 
-    /// Every quantity by every route.
+    /// Every quantity by every route, then [`MORE`](Self::MORE).
     pub fn rows(&self) -> impl Iterator<Item = OperationRow> {
-        Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
+        let every = Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
             let row = move |(route, operations)| OperationRow { quantity, route, operations };
             Self::ROUTES.into_iter().zip(counts).map(row)
-        })
+        });
+        let more = Self::MORE.into_iter().zip(self.more);
+        every.chain(more.map(|((quantity, route), operations)| OperationRow { quantity, route, operations }))
     }
 
     /// One quantity by one route, `None` if there is no such name.
@@ -112,8 +131,8 @@ impl OperationTable {
     }
 }
 
-/// Every quantity by a route through a Hessian of the Lagrangian.
-fn by_hand<R: Route>(
+/// Every quantity by a route through a Hessian of the Lagrangian, y'F_xx by one dual pass.
+fn by_dual_pass<R: Route>(
     tree: &Tree,
     route: R,
     constants: Constants,
@@ -121,12 +140,29 @@ fn by_hand<R: Route>(
 ) -> Result<[Operations; 4], EvalError> {
     let (q, p) = x.split_at(tree.len());
     let mut first = Hamiltonian::with_route(tree.clone(), route.clone());
-    let mut second = SecondOrder::with_route(tree.clone(), route);
+    let mut second = DualPass::with_route(tree.clone(), route);
     Ok([
         counted(constants, || first.mass_matrix(q).map(drop))?,
         counted(constants, || first.phase_velocity(q, p, u).map(drop))?,
         counted(constants, || first.jacobian(q, p, u).map(drop))?,
         counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+    ])
+}
+
+/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor.
+fn by_rule(
+    tree: &Tree,
+    constants: Constants,
+    State { x, u, y }: &State,
+) -> Result<[Operations; 4], EvalError> {
+    let (q, p) = x.split_at(tree.len());
+    let mut second = SecondOrder::from_tree(tree.clone());
+    let mut full = FullHessian::from_tree(tree.clone());
+    Ok([
+        counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+        counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?,
+        counted(constants, || second.hessian_product(q, p, y, x).map(drop))?,
+        counted(constants, || full.evaluate(q, p).map(drop))?,
     ])
 }
 
@@ -210,7 +246,7 @@ mod tests {
     #[test]
     fn rows_are_found_by_name() {
         let table = OperationTable::new(&robot(), Folded).unwrap();
-        assert_eq!(table.rows().count(), 16);
+        assert_eq!(table.rows().count(), 16 + OperationTable::MORE.len());
         for row in table.rows() {
             assert_eq!(table.get(row.quantity, row.route), Some(row.operations));
         }

@@ -1,94 +1,18 @@
-//! The library's own derivatives beside automatic ones: every route against every other.
+//! The library's own derivatives beside automatic ones: every route against hyper-dual numbers.
 
 use super::function::{DerivativeError, Function, check_length};
+use super::lagrangian_routes::LagrangianRoutes;
+use super::report::{
+    Figure, StateReport, asymmetry, in_relation, largest, relative_difference, vector_difference, worse,
+};
 use super::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
-use crate::hamiltonian::{Hamiltonian, SecondOrder};
-use crate::matrix::Block;
-use crate::robot::Robot;
+use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
+use crate::matrix::{Block, Matrix, dot};
+use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
+use crate::tensors::Christoffel;
 use nalgebra::{DMatrix, SymmetricEigen};
-
-/// `max |a - b| / max(max |b|, natural)` over all entries.
-///
-/// `natural` is the size of the terms that a quantity is the sum of: it can vanish though its terms do not (a balanced
-/// wheel, friction at rest, a pendulum at a right angle), and is then rounding, of which no digit can agree.
-pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -> f64 {
-    let (a, b) = (a.as_nalgebra(), b.as_nalgebra());
-    in_relation(largest(&(a - b)), largest(b), natural)
-}
-
-/// The largest absolute value; not-a-number if one is (which nalgebra's `amax` and `f64::max` would pass over).
-pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
-    values.into_iter().fold(0.0, |largest, value| worse(largest, value.abs()))
-}
-
-fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
-    if difference == 0.0 { 0.0 } else { difference / worse(size, natural) }
-}
-
-/// Largest relative difference between two routes to F_x and to y'F_xx, see [`StateReport`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Differences {
-    /// Names of the two routes.
-    pub routes: (&'static str, &'static str),
-    /// For F_x.
-    pub f_x: f64,
-    /// For y'F_xx.
-    pub y_f_xx: f64,
-}
-
-/// What the routes say of each other at one state.
-///
-/// Differences are relative to the largest entry or, where a quantity vanishes, to its natural size (see
-/// [`relative_difference`]): `e = sum |p_i v_i| + max |L_q|` for F_x; `max |y|` times e or a thousandth of `max |F_x|`
-/// for y'F_xx; `max |v|` times the same for dH/dt.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StateReport {
-    /// Condition number of M in the 2-norm.
-    pub condition: f64,
-    /// Every pair of routes.
-    pub differences: [Differences; 3],
-    /// For each route of [`Routes::NAMES`]: largest asymmetry of J F_x (friction off), relative to its largest entry.
-    pub jacobian_asymmetry: [f64; 3],
-    /// For each route: largest asymmetry of y'F_xx, relative to its largest entry.
-    pub hessian_asymmetry: [f64; 3],
-    /// `|dH/dt|` along u = D = 0 relative to `sum |H_x,i F_i|`, gradient of H by dual numbers through H.
-    pub energy_drift: f64,
-}
-
-impl StateReport {
-    /// The largest of all figures: what must be small.
-    pub fn worst(&self) -> f64 {
-        let pairs = self.differences.iter().flat_map(|d| [d.f_x, d.y_f_xx]);
-        let asymmetries = self.jacobian_asymmetry.iter().chain(&self.hessian_asymmetry).copied();
-        pairs.chain(asymmetries).chain([self.energy_drift]).fold(0.0, worse)
-    }
-
-    /// [`worst`](Self::worst) in units of what double precision allows, `tolerance max(1, condition / 1000)`.
-    pub fn excess(&self, tolerance: f64) -> f64 {
-        self.worst() / (tolerance * (self.condition / 1000.0).max(1.0))
-    }
-
-    /// The larger of each figure of two reports.
-    pub fn with_worse_of(mut self, other: &Self) -> Self {
-        self.condition = worse(self.condition, other.condition);
-        self.energy_drift = worse(self.energy_drift, other.energy_drift);
-        for k in 0..3 {
-            let (ours, theirs) = (&mut self.differences[k], &other.differences[k]);
-            ours.f_x = worse(ours.f_x, theirs.f_x);
-            ours.y_f_xx = worse(ours.y_f_xx, theirs.y_f_xx);
-            self.jacobian_asymmetry[k] = worse(self.jacobian_asymmetry[k], other.jacobian_asymmetry[k]);
-            self.hessian_asymmetry[k] = worse(self.hessian_asymmetry[k], other.hessian_asymmetry[k]);
-        }
-        self
-    }
-}
-
-/// The larger of two figures; not-a-number is the worst.
-pub fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
-}
 
 /// H(q, p) as a function of 2n inputs.
 struct TotalEnergy(Robot);
@@ -121,45 +45,70 @@ impl Function for TotalEnergy {
     }
 }
 
-/// Analytic derivatives, dual numbers and hyper-dual numbers on one robot.
+/// Every route to the derivatives of one robot's state equations, set beside hyper-dual numbers through F and a.
 ///
 /// | route | F_x | y'F_xx |
 /// |---|---|---|
-/// | analytic | hand-derived | one dual pass through the hand-derived F_x |
+/// | analytic | hand-derived | 2n+1 rule |
+/// | dual pass | | one dual number through the hand-derived F_x |
+/// | packed tensor | | contraction of the whole tensor, by hand |
+/// | tensors | Christoffel coefficients | one dual number through that |
 /// | dual | dual numbers through F | dual numbers in dual numbers through F |
-/// | hyperdual | hyper-dual numbers through F | hyper-dual numbers through F |
+///
+/// Besides: y'F_x and y'F_xx d without a matrix beside products with the matrix, dF/dt in (q, v), symmetries, and energy.
 pub struct Routes {
     analytic: SecondOrder<f64>,
+    dual_pass: DualPass<f64>,
+    full: FullHessian<f64>,
+    tensors: DualPass<f64, Christoffel>,
     dual: Jacobian<PhaseVelocity>,
     nested: NestedHessian<PhaseVelocity>,
     hyperdual: Hessian<PhaseVelocity>,
+    lagrangian: LagrangianRoutes,
     conservative: Hamiltonian<f64>,
-    conservative_dual: Jacobian<PhaseVelocity>,
-    conservative_hyperdual: Hessian<PhaseVelocity>,
     energy: Jacobian<TotalEnergy>,
+    contracted: Matrix<f64>,
+    natural: Natural,
+    figures: Vec<Figure>,
+}
+
+/// Sizes of the terms that a quantity is the sum of.
+#[derive(Clone, Copy, Debug, Default)]
+struct Natural {
+    /// `e = sum |p_i v_i| + max |L_q|`, for F_x.
+    energy: f64,
+    /// e or a thousandth of `max |F_x|`: times `max |y|` for y'F_xx, times `max |v|` for dH/dt.
+    along: f64,
 }
 
 impl Routes {
-    /// Names of the routes, in the order of every array.
-    pub const NAMES: [&'static str; 3] = ["analytic", "dual", "hyperdual"];
-
     /// Builds every workspace.
     pub fn new(robot: &Robot) -> Self {
-        let conservative = robot.without_friction();
+        let (conservative, tree) = (robot.without_friction(), Tree::from(robot));
+        let n = robot.len();
         let function = || PhaseVelocity::new(robot);
         Self {
-            analytic: SecondOrder::new(robot),
+            analytic: SecondOrder::from_tree(tree.clone()),
+            dual_pass: DualPass::from_tree(tree.clone()),
+            full: FullHessian::from_tree(tree.clone()),
+            tensors: DualPass::with_route(tree, Christoffel),
             dual: Jacobian::new(function()),
             nested: NestedHessian::new(function()),
             hyperdual: Hessian::new(function()),
+            lagrangian: LagrangianRoutes::new(robot),
             conservative: Hamiltonian::new(&conservative),
-            conservative_dual: Jacobian::new(PhaseVelocity::new(&conservative)),
-            conservative_hyperdual: Hessian::new(PhaseVelocity::new(&conservative)),
             energy: Jacobian::new(TotalEnergy(conservative)),
+            contracted: Matrix::zeros(2 * n, 2 * n),
+            natural: Natural::default(),
+            figures: Vec::new(),
         }
     }
 
-    /// Compares at x = (q, p) with actuation u and costate y (2n).
+    /// Compares at x = (q, p) with actuation u and costate y (2n), which is also the direction of products.
+    ///
+    /// Differences are relative to the largest entry or, where a quantity vanishes, to its natural size (see
+    /// [`relative_difference`]): `e = sum |p_i v_i| + max |L_q|` for F_x; `max |y|` times e or a thousandth of `max |F_x|`
+    /// for y'F_xx; `max |v|` times the same for dH/dt.
     ///
     /// # Errors
     /// Those of [`Hamiltonian`].
@@ -173,43 +122,90 @@ impl Routes {
         check_length("x", x, 2 * n)?;
         check_length("u", u, n)?;
         check_length("y", y, 2 * n)?;
-        let (q, p) = x.split_at(n);
         for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
         {
             function.u.copy_from_slice(u);
         }
+        self.figures.clear();
+        self.hyperdual.contracted(x, y)?;
+        let condition = self.compare_conservative(x)?;
+        self.compare_first(x, u, y)?;
+        self.compare_second(x, u, y)?;
+        let (q, p) = x.split_at(n);
+        let v = self.conservative.velocity(q, p)?;
+        self.lagrangian.compare([q, v, u, &y[n..]], &mut self.figures)?;
+        Ok(StateReport { condition, figures: self.figures.clone() })
+    }
+
+    /// Natural sizes, symmetry of J F_x and drift of energy without friction and actuation; the condition of M.
+    fn compare_conservative(&mut self, x: &[f64]) -> Result<f64, DerivativeError<EvalError>> {
+        let n = self.conservative.len();
+        let (q, p) = x.split_at(n);
         let conservative = self.conservative.jacobian(q, p, &vec![0.0; n])?;
         let rate = conservative.f().to_vec();
-        let j_f_x = [
-            conservative.matrix().to_nalgebra(),
-            self.conservative_dual.evaluate(x)?.jacobian.view().to_nalgebra(),
-            self.conservative_hyperdual.evaluate(x)?.jacobian().view().to_nalgebra(),
-        ]
-        .map(|f_x| times_j(&f_x));
-        let second = self.analytic.contracted_hessian(q, p, u, y)?;
-        let mass_matrix = second.linearisation().mass_matrix().view().to_nalgebra();
-        let first = self.dual.evaluate(x)?;
-        let nested = self.nested.contracted(x, y)?;
-        self.hyperdual.contracted(x, y)?;
-        let by_hyperdual = self.hyperdual.last_contracted();
-        let f_x =
-            [second.linearisation().matrix(), first.jacobian.view(), self.hyperdual.last().jacobian().view()];
-        let y_f_xx = [second.matrix(), nested.view(), by_hyperdual.view()];
+        let f_x = conservative.matrix().to_nalgebra();
+        let condition = condition(conservative.mass_matrix().view().to_nalgebra());
         let energy = p.iter().zip(&rate).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&rate[n..]);
-        let along = worse(energy, 1e-3 * largest(f_x[0].as_nalgebra()));
-        let pair = |a: usize, b: usize| Differences {
-            routes: (Self::NAMES[a], Self::NAMES[b]),
-            f_x: relative_difference(f_x[a], f_x[b], energy),
-            y_f_xx: relative_difference(y_f_xx[a], y_f_xx[b], largest(y) * along),
-        };
+        self.natural = Natural { energy, along: worse(energy, 1e-3 * largest(&f_x)) };
         let gradient = self.energy.evaluate(x)?.gradient();
-        Ok(StateReport {
-            condition: condition(mass_matrix),
-            differences: [pair(0, 1), pair(0, 2), pair(1, 2)],
-            jacobian_asymmetry: j_f_x.map(|j_f_x| asymmetry(&j_f_x, energy)),
-            hessian_asymmetry: y_f_xx.map(|h| asymmetry(&h.to_nalgebra(), largest(y) * along)),
-            energy_drift: drift(gradient, &rate, largest(&rate[..n]) * along),
-        })
+        let drift = drift(gradient, &rate, largest(&rate[..n]) * self.natural.along);
+        self.push("asymmetry of J F_x, D = 0", "analytic", asymmetry(&times_j(&f_x), energy));
+        self.push("energy drift dH/dt, u = D = 0", "analytic", drift);
+        Ok(condition)
+    }
+
+    /// F_x by every route, and y'F_x.
+    fn compare_first(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
+        let (q, p) = x.split_at(u.len());
+        let expected = self.hyperdual.last().jacobian();
+        let energy = self.natural.energy;
+        let off = |f_x: Block<'_, f64>| relative_difference(f_x, expected.view(), energy);
+        let by_hand = off(self.analytic.first().jacobian(q, p, u)?.matrix());
+        let tensors = off(self.tensors.first().jacobian(q, p, u)?.matrix());
+        let dual = off(self.dual.evaluate(x)?.jacobian.view());
+        let product: Vec<f64> =
+            (0..x.len()).map(|j| y.iter().enumerate().map(|(k, y)| y * expected[(k, j)]).sum()).collect();
+        let found = self.analytic.first().adjoint(q, p, u, y)?.y_f_x;
+        let natural = worse(energy, 1e-3 * largest(expected.as_slice())) * largest(y);
+        let adjoint = vector_difference(found, &product, natural);
+        for (route, value) in [("analytic", by_hand), ("tensors", tensors), ("dual", dual)] {
+            self.push("F_x", route, value);
+        }
+        self.push("y'F_x", "analytic", adjoint);
+        Ok(())
+    }
+
+    /// y'F_xx by every route, and its product with y.
+    fn compare_second(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
+        let (q, p) = x.split_at(u.len());
+        let expected = self.hyperdual.last_contracted();
+        let natural = largest(y) * self.natural.along;
+        let off = |y_f_xx: Block<'_, f64>| relative_difference(y_f_xx, expected.view(), natural);
+        let analytic = off(self.analytic.contracted_hessian(q, p, u, y)?.matrix());
+        let dual_pass = off(self.dual_pass.contracted_hessian(q, p, u, y)?.matrix());
+        let tensors = off(self.tensors.contracted_hessian(q, p, u, y)?.matrix());
+        self.full.evaluate(q, p)?.contract(y, &mut self.contracted)?;
+        let packed = off(self.contracted.view());
+        let by_dual = self.nested.contracted(x, y)?;
+        let nested = off(by_dual.view());
+        let asymmetry = asymmetry(&by_dual.view().to_nalgebra(), natural);
+        let product: Vec<f64> = (0..x.len()).map(|i| dot(expected.row(i), y)).collect();
+        let found = self.analytic.hessian_product(q, p, y, y)?;
+        let along = worse(natural, 1e-3 * largest(expected.as_slice())) * largest(y);
+        let product = vector_difference(found, &product, along);
+        for (route, value) in [("analytic", analytic), ("dual pass", dual_pass), ("packed tensor", packed)] {
+            self.push("y'F_xx", route, value);
+        }
+        // They round M in another way, and M^-1 enters three times.
+        self.figures.push(Figure { quantity: "y'F_xx", route: "tensors", value: tensors, sensitivity: 10.0 });
+        self.push("y'F_xx", "dual", nested);
+        self.push("asymmetry of y'F_xx", "dual", asymmetry);
+        self.push("y'F_xx y", "analytic", product);
+        Ok(())
+    }
+
+    fn push(&mut self, quantity: &'static str, route: &'static str, value: f64) {
+        self.figures.push(Figure { quantity, route, value, sensitivity: 1.0 });
     }
 }
 
@@ -225,33 +221,8 @@ fn times_j(f_x: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(2 * n, 2 * n, |i, j| if i < n { f_x[(n + i, j)] } else { -f_x[(i - n, j)] })
 }
 
-/// `max |a - a'| / max |a|`, see [`relative_difference`].
-fn asymmetry(a: &DMatrix<f64>, natural: f64) -> f64 {
-    in_relation(largest(&(a - a.transpose())), largest(a), natural)
-}
-
 /// Largest over smallest eigenvalue of a symmetric positive definite matrix.
 fn condition(mass_matrix: DMatrix<f64>) -> f64 {
     let values = SymmetricEigen::new(mass_matrix).eigenvalues;
     values.max() / values.min()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::relative_difference;
-    use crate::matrix::Matrix;
-
-    /// A figure that is not a number must never look like agreement.
-    #[test]
-    fn not_a_number_is_not_agreement() {
-        let good = Matrix::from_rows(2, &[1.0, 2.0, 3.0, 4.0]);
-        for at in 0..4 {
-            let mut entries = [1.0, 2.0, 3.0, 4.0];
-            entries[at] = f64::NAN;
-            let bad = Matrix::from_rows(2, &entries);
-            assert!(relative_difference(good.view(), bad.view(), 0.0).is_nan(), "entry {at}");
-            assert!(relative_difference(bad.view(), good.view(), 1.0).is_nan(), "entry {at}");
-        }
-        assert_eq!(relative_difference(good.view(), good.view(), 0.0), 0.0);
-    }
 }

@@ -24,7 +24,7 @@ pub use automatic_cost::AutomaticCost;
 pub use cost::{Cost, CostGradient, CostHessian};
 pub use quadratic_cost::QuadraticCost;
 
-use crate::matrix::Block;
+use crate::matrix::{Block, add_scaled, dot};
 use crate::scalar::Scalar;
 
 /// A model dx/dt = f(x, u) with its first two derivatives.
@@ -148,7 +148,6 @@ pub struct Contraction<'a, S> {
 impl<S: Scalar> Contraction<'_, S> {
     /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u.
     pub fn times(&self, [d_x, d_u]: [&[S]; 2], [x_product, u_product]: [&mut [S]; 2]) {
-        let dot = |row: &[S], d: &[S]| row.iter().zip(d).fold(S::zero(), |sum, (&a, &d)| sum + a * d);
         x_product.iter_mut().zip(self.xx.iter_rows()).for_each(|(entry, row)| *entry = dot(row, d_x));
         u_product.fill(S::zero());
         if let Some(ux) = self.ux {
@@ -161,9 +160,4 @@ impl<S: Scalar> Contraction<'_, S> {
             u_product.iter_mut().zip(uu.iter_rows()).for_each(|(entry, row)| *entry += dot(row, d_u));
         }
     }
-}
-
-/// `target += factor source`, as far as both reach.
-pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
-    target.iter_mut().zip(source).for_each(|(target, &source)| *target += factor * source);
 }

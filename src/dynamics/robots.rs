@@ -2,11 +2,12 @@
 
 use super::{Contraction, Dynamics, FirstOrder, Structure};
 use crate::error::{EvalError, check_length};
+use crate::hamiltonian::SecondOrder;
+use crate::lagrangian;
 use crate::scalar::Scalar;
-use crate::{hamiltonian, lagrangian};
 
 /// F of (17), (19): x = (q, p), u the actuation; f_u = (0; 1) is constant.
-impl<S: Scalar> Dynamics<S> for hamiltonian::SecondOrder<S> {
+impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
     type Error = EvalError;
 
     fn states(&self) -> usize {
@@ -38,6 +39,36 @@ impl<S: Scalar> Dynamics<S> for hamiltonian::SecondOrder<S> {
         let linear = second.linearisation();
         let first = FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() };
         Ok(Contraction { first, xx: second.matrix(), ux: None, uu: None })
+    }
+
+    fn adjoint(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        y_f_x: &mut [S],
+        y_f_u: &mut [S],
+    ) -> Result<(), EvalError> {
+        let n = self.len();
+        let (q, p) = halves(x, n)?;
+        let product = self.first().adjoint(q, p, u, y)?;
+        y_f_x.copy_from_slice(product.y_f_x);
+        y_f_u.copy_from_slice(&y[n..]);
+        Ok(())
+    }
+
+    fn hessian_product(
+        &mut self,
+        x: &[S],
+        _: &[S],
+        y: &[S],
+        [d_x, _]: [&[S]; 2],
+        [x_product, u_product]: [&mut [S]; 2],
+    ) -> Result<(), EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        x_product.copy_from_slice(SecondOrder::hessian_product(self, q, p, y, d_x)?);
+        u_product.fill(S::zero());
+        Ok(())
     }
 }
 

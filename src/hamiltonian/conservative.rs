@@ -2,7 +2,7 @@
 
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Matrix, add_rows};
+use crate::matrix::{Matrix, add_rows, dot};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -15,6 +15,8 @@ pub(super) struct Conservative<S, K> {
     pub v: Vec<S>,
     /// `W = M^-1 P = -F^q,q`.
     pub w: Matrix<S>,
+    /// `Z = D^-1 L'^-1 P`; W = L^-1 Z.
+    pub z: Matrix<S>,
     /// `M^-1 = F^q,p`.
     pub inverse: Matrix<S>,
     /// `L_qq - P' M^-1 P = F^p,q`, exactly symmetric.
@@ -31,6 +33,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             factor: Factor::new(tree),
             v: vec![S::zero(); n],
             w: square.clone(),
+            z: square.clone(),
             inverse: square.clone(),
             reduced: square.clone(),
             half: square,
@@ -59,6 +62,14 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.kernel.set_velocity(tree, &self.v)
     }
 
+    /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p), after the third stage of the kernel.
+    pub fn velocity_change(&self, d_q: &[S], d_p: &[S], change: &mut [S]) {
+        for ((change, &d_p), i) in change.iter_mut().zip(d_p).zip(0..) {
+            *change = d_p - dot(self.kernel.l_vq().row(i), d_q);
+        }
+        self.factor.solve(change);
+    }
+
     /// W, M^-1 and `L_qq - P' M^-1 P` (21), after [`first_order`](Self::first_order).
     ///
     /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
@@ -67,17 +78,18 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.kernel.second_order(tree);
         self.half.copy_from(self.kernel.l_vq());
         self.factor.solve_first_half(&mut self.half);
-        self.factor.divide_by_pivots(&self.half, &mut self.w);
+        self.factor.divide_by_pivots(&self.half, &mut self.z);
         self.reduced.copy_from(self.kernel.l_qq());
         for i in 0..n {
             let column = (0..n).map(|k| (k, -self.half[(k, i)]));
-            add_rows(&mut self.reduced.row_mut(i)[..=i], self.w.as_slice(), n, column);
+            add_rows(&mut self.reduced.row_mut(i)[..=i], self.z.as_slice(), n, column);
         }
         for i in 0..n {
             for j in 0..i {
                 self.reduced[(j, i)] = self.reduced[(i, j)];
             }
         }
+        self.w.copy_from(&self.z);
         self.factor.solve_second_half(&mut self.w);
         self.factor.inverse(&mut self.inverse);
     }

@@ -6,18 +6,31 @@
 //! F^q = M^-1 p = v      F^p = L_q(q, v) + D(v)      dx/dt = F(x) + (0, u)                        (17), (19)
 //! ```
 //!
-//! [`Hamiltonian`] computes F and F_x for any scalar, [`SecondOrder`] adds y'F_xx;
+//! [`Hamiltonian`] computes F, F_x and the adjoint product y'F_x for any scalar, [`SecondOrder`] adds y'F_xx and its product
+//! with a vector, [`FullHessian`] gives the whole tensor; [`DualPass`] is a second way to y'F_xx and the one for other routes.
 //! [`PhaseVelocity`](crate::derivative::PhaseVelocity) is F as a function that can be differentiated automatically.
 
+mod adjoint;
+mod congruence;
 mod conservative;
+mod contracted;
+mod direction;
+mod dual_pass;
+mod full;
 mod jacobian;
 mod legendre;
 mod second_order;
 mod state;
+mod tensor;
 
+pub use adjoint::AdjointProduct;
+pub use contracted::ContractedHessian;
+pub use dual_pass::DualPass;
+pub use full::FullHessian;
 pub use jacobian::Linearisation;
 pub use legendre::{MomentumJacobian, VelocityJacobian};
-pub use second_order::{ContractedHessian, SecondOrder};
+pub use second_order::SecondOrder;
+pub use tensor::HessianTensor;
 
 use crate::error::{EvalError, check_length};
 use crate::kernels::{Contracted, LagrangianHessian, Route};
@@ -25,6 +38,7 @@ use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
+use direction::Direction;
 use state::StateEquation;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
@@ -41,6 +55,9 @@ pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,
     flow: Conservative<S, R::Hessian<S>>,
     state: StateEquation<S>,
+    direction: Direction<S>,
+    /// y'F_x.
+    product: Vec<S>,
 }
 
 /// Kinetic and potential energy (J).
@@ -75,7 +92,14 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_route(tree: Tree, _: R) -> Self {
-        Self { flow: Conservative::new(&tree), state: StateEquation::new(&tree), tree }
+        let n = tree.len();
+        Self {
+            flow: Conservative::new(&tree),
+            state: StateEquation::new(&tree),
+            direction: Direction::new(n),
+            product: vec![S::zero(); 2 * n],
+            tree,
+        }
     }
 
     /// Number of joints, n.

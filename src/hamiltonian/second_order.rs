@@ -1,70 +1,47 @@
-//! The contracted Hessian of the phase velocities by one dual pass through the analytic Jacobian.
+//! The contracted Hessian of the phase velocities by the 2n+1 rule.
 
-use super::conservative::Conservative;
-use super::{Hamiltonian, Linearisation, check};
+use super::congruence::Congruence;
+use super::{ContractedHessian, Hamiltonian, check};
 use crate::error::EvalError;
-use crate::kernels::{Contracted, LagrangianHessian, Route, friction};
-use crate::matrix::{Block, Matrix};
+use crate::kernels::{KernelTwo, friction};
+use crate::matrix::{Matrix, add_scaled, dot};
 use crate::robot::{Robot, Tree};
-use crate::scalar::{Scalar, Tangent};
+use crate::scalar::Scalar;
 
 /// Workspace for F, F_x and y'F_xx of one robot; no call allocates.
 ///
-/// F without friction is J grad H, so `y'F = w . grad H` with `w = (-y_p, y_q)` and
+/// F without friction is J grad H, so `y'F = w . grad H` with `w = (-y_p, y_q)`, and y'F_xx is the third derivative of
+/// H along w. H is the extremal value of p.v - L(q, v) over v; third derivatives of an extremal value need only the
+/// first-order response of the extremiser (Wigner's 2n+1 rule), which is `V = dv/dx = [-M^-1 P, M^-1]`:
 ///
 /// ```text
-/// y'F_xx = D_w (Hess H) ,   Hess H = J^-1 F_x :
+/// y'F_xx = -E' ( D_w~ [ L_qq P' ; P M ] ) E ,    E = [ 1 0 ; V ] ,    w~ = (w_q, V w)
 /// ```
 ///
-/// one dual number ([`Tangent`]), seeded with x' = w, carried through the analytic Jacobian gives the whole matrix. Friction
-/// D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`, `V = [-M^-1 P, M^-1]`; the
-/// dual pass goes through the conservative part alone.
+/// D_w~ is [`KernelTwo`]; what is left are products of n x n matrices with the factors of M, none of which is ever
+/// differentiated. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
+///
+/// ```
+/// use costate::hamiltonian::SecondOrder;
+/// use costate::robot::Robot;
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// let mut second = SecondOrder::<f64>::new(&robot);
+/// let (q, p, u, y) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0], [1.0, -2.0, 0.5, 0.3]);
+/// let all = second.contracted_hessian(&q, &p, &u, &y)?;
+/// println!("{}{}", all.linearisation().matrix().as_nalgebra(), all.matrix().as_nalgebra());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
-pub struct SecondOrder<S: Scalar, R: Route = Contracted> {
-    first: Hamiltonian<S, R>,
-    tangent: Conservative<Tangent<S>, R::Hessian<Tangent<S>>>,
-    l_q: Vec<S>,
-    mass_matrix: Matrix<S>,
-    q: Vec<Tangent<S>>,
-    p: Vec<Tangent<S>>,
+pub struct SecondOrder<S: Scalar> {
+    first: Hamiltonian<S>,
+    along: KernelTwo<S>,
+    congruence: Congruence<S>,
     y_f_xx: Matrix<S>,
-}
-
-/// F, F_x and y'F_xx at one state; borrowed from the workspace.
-#[derive(Clone, Copy, Debug)]
-pub struct ContractedHessian<'a, S> {
-    linearisation: Linearisation<'a, S>,
-    y_f_xx: &'a Matrix<S>,
-}
-
-impl<'a, S: Scalar> ContractedHessian<'a, S> {
-    /// F and F_x.
-    pub fn linearisation(&self) -> Linearisation<'a, S> {
-        self.linearisation
-    }
-
-    /// `sum_k y_k d2 F_k / dx dx`, 2n x 2n, symmetric, rows and columns in the order (q, p).
-    pub fn matrix(&self) -> Block<'a, S> {
-        self.y_f_xx.view()
-    }
-
-    /// Its block in (q, q), n x n.
-    pub fn qq(&self) -> Block<'a, S> {
-        let n = self.y_f_xx.rows() / 2;
-        self.y_f_xx.block(0, 0, n, n)
-    }
-
-    /// Its block in (q, p), n x n; that in (p, q) is the transpose.
-    pub fn qp(&self) -> Block<'a, S> {
-        let n = self.y_f_xx.rows() / 2;
-        self.y_f_xx.block(0, n, n, n)
-    }
-
-    /// Its block in (p, p), n x n.
-    pub fn pp(&self) -> Block<'a, S> {
-        let n = self.y_f_xx.rows() / 2;
-        self.y_f_xx.block(n, n, n, n)
-    }
+    /// V d and what multiplies V' in a product with d.
+    change: Vec<S>,
+    pull: Vec<S>,
+    product: Vec<S>,
 }
 
 impl<S: Scalar> SecondOrder<S> {
@@ -75,23 +52,15 @@ impl<S: Scalar> SecondOrder<S> {
 
     /// As [`new`](Self::new), from a model that was turned already.
     pub fn from_tree(tree: Tree) -> Self {
-        Self::with_route(tree, Contracted)
-    }
-}
-
-impl<S: Scalar, R: Route> SecondOrder<S, R> {
-    /// The workspace of another route, as [`Hamiltonian::with_route`].
-    pub fn with_route(tree: Tree, route: R) -> Self {
         let n = tree.len();
-        let zero = Tangent::zero();
         Self {
-            tangent: Conservative::new(&tree),
-            first: Hamiltonian::with_route(tree, route),
-            l_q: vec![S::zero(); n],
-            mass_matrix: Matrix::zeros(n, n),
-            q: vec![zero; n],
-            p: vec![zero; n],
+            along: KernelTwo::new(&tree),
+            congruence: Congruence::new(n),
+            first: Hamiltonian::from_tree(tree),
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
+            change: vec![S::zero(); n],
+            pull: vec![S::zero(); n],
+            product: vec![S::zero(); 2 * n],
         }
     }
 
@@ -101,8 +70,8 @@ impl<S: Scalar, R: Route> SecondOrder<S, R> {
         self.first.len()
     }
 
-    /// What gives F and F_x alone.
-    pub fn first(&mut self) -> &mut Hamiltonian<S, R> {
+    /// What gives F, F_x and y'F_x alone.
+    pub fn first(&mut self) -> &mut Hamiltonian<S> {
         &mut self.first
     }
 
@@ -117,80 +86,74 @@ impl<S: Scalar, R: Route> SecondOrder<S, R> {
         u: &[S],
         y: &[S],
     ) -> Result<ContractedHessian<'_, S>, EvalError> {
-        let n = self.first.len();
-        self.first.check(&[("q", q), ("p", p), ("u", u)])?;
-        check(&self.first.tree, "y", y, 2 * n)?;
-        if !self.first.tree.is_conservative() {
-            self.first.flow.solve_velocity(&self.first.tree, q, p)?;
-        }
-        let (y_q, y_p) = y.split_at(n);
-        for (i, joint) in self.first.tree.joints().iter().enumerate() {
-            let mut direction = y_q[i];
-            if !joint.friction.is_none() {
-                direction += friction(&joint.friction, self.first.flow.v[i]).first * y_p[i];
-            }
-            self.q[i] = Tangent::new(q[i], -y_p[i]);
-            self.p[i] = Tangent::new(p[i], direction);
-        }
-        self.tangent.first_order(&self.first.tree, &self.q, &self.p)?;
-        self.tangent.second_order(&self.first.tree);
-        self.take_values();
-        let Hamiltonian { tree, flow, state } = &mut self.first;
-        state.rate_of_change(tree, &flow.v, &self.l_q, u);
-        state.assemble(tree, flow);
-        self.take_derivative();
-        self.add_friction(y_p);
-        let linearisation = self.first.state.linearisation(&self.mass_matrix);
+        check(&self.first.tree, "y", y, 2 * self.len())?;
+        self.first.jacobian(q, p, u)?;
+        self.differentiate(y)?;
+        self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
+        let Hamiltonian { tree, flow, state, .. } = &self.first;
+        state.add_curvature(tree, &y[tree.len()..], &mut self.y_f_xx);
+        let linearisation = state.linearisation(flow.kernel.mass_matrix());
         Ok(ContractedHessian { linearisation, y_f_xx: &self.y_f_xx })
     }
 
-    /// The values of the dual pass without their derivatives.
-    fn take_values(&mut self) {
-        fn take<S: Scalar>(values: &mut [S], duals: &[Tangent<S>]) {
-            values.iter_mut().zip(duals).for_each(|(value, dual)| *value = dual.re);
+    /// `y'F_xx d` for the costate y and a direction d = (d_q, d_p), 2n each, without the matrix and without F_x.
+    ///
+    /// With `e = V d` and kernel two as above, of which A, B, C are the blocks: `b = B d_q + C e`, minus the curvature of
+    /// friction, and `y'F_xx d = -( A d_q + B' e - P' M^-1 b , M^-1 b )`. All products are those of a matrix and a vector.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
+        let n = self.len();
+        self.first.check(&[("q", q), ("p", p)])?;
+        check(&self.first.tree, "y", y, 2 * n)?;
+        check(&self.first.tree, "d", d, 2 * n)?;
+        self.first.flow.first_order(&self.first.tree, q, p)?;
+        self.first.flow.kernel.second_order(&self.first.tree);
+        self.differentiate(y)?;
+        let Hamiltonian { tree, flow, .. } = &self.first;
+        let (d_q, d_p) = d.split_at(n);
+        flow.velocity_change(d_q, d_p, &mut self.change);
+        let (b, c) = (self.along.l_vq(), self.along.mass_matrix());
+        for (i, joint) in tree.joints().iter().enumerate() {
+            self.pull[i] = dot(b.row(i), d_q) + dot(c.row(i), &self.change);
+            if joint.friction.coulomb != 0.0 {
+                let curvature = friction(&joint.friction, flow.v[i]).second;
+                self.pull[i] -= y[n + i] * curvature * self.change[i];
+            }
         }
-        let (flow, tangent) = (&mut self.first.flow, &self.tangent);
-        take(&mut flow.v, &tangent.v);
-        take(&mut self.l_q, tangent.kernel.l_q());
-        for i in 0..self.l_q.len() {
-            take(self.mass_matrix.row_mut(i), tangent.kernel.mass_matrix().row(i));
-            take(flow.w.row_mut(i), tangent.w.row(i));
-            take(flow.inverse.row_mut(i), tangent.inverse.row(i));
-            take(flow.reduced.row_mut(i), tangent.reduced.row(i));
-        }
-    }
-
-    /// `D_w (Hess H)`, `Hess H = [ -F^p,q , -F^p,p ; F^q,q , F^q,p ]` of the conservative part.
-    fn take_derivative(&mut self) {
-        let n = self.first.len();
-        let (w, inverse, reduced) = (&self.tangent.w, &self.tangent.inverse, &self.tangent.reduced);
+        flow.factor.solve(&mut self.pull);
+        let (product_q, product_p) = self.product.split_at_mut(n);
         for i in 0..n {
-            for j in 0..n {
-                self.y_f_xx[(i, j)] = -reduced[(i, j)].eps;
-                self.y_f_xx[(n + i, j)] = -w[(i, j)].eps;
-                self.y_f_xx[(j, n + i)] = -w[(i, j)].eps;
-                self.y_f_xx[(n + i, n + j)] = inverse[(i, j)].eps;
-            }
+            product_q[i] = -dot(self.along.l_qq().row(i), d_q);
+            product_p[i] = -self.pull[i];
         }
+        for k in 0..n {
+            add_scaled(product_q, -self.change[k], b.row(k));
+            add_scaled(product_q, self.pull[k], flow.kernel.l_vq().row(k));
+        }
+        Ok(&self.product)
     }
 
-    /// Adds `sum_k y_p,k D''_k V_k' V_k`, V_k the k-th row of `[-M^-1 P, M^-1]`.
-    fn add_friction(&mut self, y_p: &[S]) {
-        for (k, joint) in self.first.tree.joints().iter().enumerate() {
-            if joint.friction.coulomb == 0.0 {
-                continue;
-            }
-            let curvature = y_p[k] * self.first.state.friction[k].second;
-            let row = self.first.state.f_x.row(k);
-            for i in 0..row.len() {
-                let scaled = curvature * row[i];
-                for (j, &v) in row[..=i].iter().enumerate() {
-                    self.y_f_xx[(i, j)] += scaled * v;
-                    if i != j {
-                        self.y_f_xx[(j, i)] += scaled * v;
-                    }
-                }
-            }
+    /// Kernel two along w~, once kernel one has come to its third stage and M is factored.
+    fn differentiate(&mut self, y: &[S]) -> Result<(), EvalError> {
+        let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
+        direction.set_costate(tree, &flow.v, y);
+        flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
+        self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)
+    }
+
+    /// The third derivative of H along the axis of q_l, at the state of the last Jacobian; 2n x 2n.
+    pub(super) fn along_joint(&mut self, l: usize) -> Result<&Matrix<S>, EvalError> {
+        let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
+        direction.q.fill(S::zero());
+        direction.p.fill(S::zero());
+        direction.q[l] = S::one();
+        for (i, v) in direction.v.iter_mut().enumerate() {
+            *v = -flow.w[(i, l)];
         }
+        self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)?;
+        self.congruence.apply(&self.along, flow, &mut self.y_f_xx);
+        Ok(&self.y_f_xx)
     }
 }

@@ -60,6 +60,23 @@ impl<S: Scalar> StateEquation<S> {
         }
     }
 
+    /// Adds `sum_k y_p,k D''_k V_k' V_k`, V_k the k-th row of `V = [-M^-1 P, M^-1]`, to both triangles.
+    pub fn add_curvature(&self, tree: &Tree, y_p: &[S], y_f_xx: &mut Matrix<S>) {
+        for (k, joint) in tree.joints().iter().enumerate() {
+            if joint.friction.coulomb == 0.0 {
+                continue;
+            }
+            let (curvature, row) = (y_p[k] * self.friction[k].second, self.f_x.row(k));
+            for i in 0..row.len() {
+                let scaled = curvature * row[i];
+                for (j, &v) in row[..=i].iter().enumerate() {
+                    y_f_xx[(i, j)] += scaled * v;
+                    y_f_xx[(j, i)] = y_f_xx[(i, j)];
+                }
+            }
+        }
+    }
+
     pub fn linearisation<'a>(&'a self, mass_matrix: &'a Matrix<S>) -> Linearisation<'a, S> {
         Linearisation { f: &self.f, f_x: &self.f_x, f_u: &self.f_u, mass_matrix }
     }

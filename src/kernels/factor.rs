@@ -65,6 +65,26 @@ impl<S: Scalar> Factor<S> {
         (&self.columns[range.clone()], &self.lower[range])
     }
 
+    /// Entries of row k of L as terms (i, -L_ki), rising.
+    #[inline]
+    pub(super) fn row_terms(&self, k: usize) -> impl Iterator<Item = (usize, S)> + Clone {
+        let (columns, values) = self.row(k);
+        columns.iter().zip(values).map(|(&i, &l)| (i, -l))
+    }
+
+    /// Entries of column i of L below the diagonal as terms (k, -L_ki), rising.
+    #[inline]
+    pub(super) fn column_terms(&self, i: usize) -> impl Iterator<Item = (usize, S)> + Clone {
+        let column = &self.column_entries[self.column_starts[i]..self.column_starts[i + 1]];
+        column.iter().map(|&(k, at)| (k, -self.lower[at]))
+    }
+
+    /// `1 / D_k`, n.
+    #[inline]
+    pub(super) fn inverse_pivots(&self) -> &[S] {
+        &self.inverse_pivots
+    }
+
     /// Factors the n x n matrix; `size_of(k)` is what the rounding of entry (k, k) is in proportion to.
     ///
     /// # Errors
@@ -157,12 +177,11 @@ impl<S: Scalar> Factor<S> {
         let stride = y.columns();
         for i in (0..self.inverse_pivots.len()).rev() {
             let (target, after) = y.row_mut_and_after(i);
-            let column = &self.column_entries[self.column_starts[i]..self.column_starts[i + 1]];
-            add_rows(target, after, stride, column.iter().map(|&(k, at)| (k - i - 1, -self.lower[at])));
+            add_rows(target, after, stride, self.column_terms(i).map(|(k, factor)| (k - i - 1, factor)));
         }
     }
 
-    /// `Z = D^-1 Y`.
+    /// `Z = D^-1 Y`, for Y and Z of n rows.
     pub fn divide_by_pivots(&self, y: &Matrix<S>, z: &mut Matrix<S>) {
         for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
             for (z, &y) in z.row_mut(k).iter_mut().zip(y.row(k)) {
@@ -175,9 +194,8 @@ impl<S: Scalar> Factor<S> {
     pub fn solve_second_half(&self, z: &mut Matrix<S>) {
         let stride = z.columns();
         for k in 0..self.inverse_pivots.len() {
-            let (columns, values) = self.row(k);
             let (target, before) = z.row_mut_and_before(k);
-            add_rows(target, before, stride, columns.iter().zip(values).map(|(&i, &l)| (i, -l)));
+            add_rows(target, before, stride, self.row_terms(k));
         }
     }
 

@@ -1,5 +1,6 @@
 //! What everything is computed from: the Hessian of the Lagrangian, and the factorisation of the mass matrix.
 
+mod congruence;
 mod dissipation;
 mod factor;
 mod hessian;

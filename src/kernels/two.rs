@@ -1,8 +1,8 @@
 //! Kernel two: the derivative of kernel one along a direction.
 
+use super::KernelOne;
 use super::position::{across_joint, unit_momentum};
 use super::velocity::AxisRate;
-use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
@@ -30,7 +30,6 @@ pub struct KernelTwo<S> {
     pub(super) gravity: Vec<Vec3<S>>,
     pub(super) momenta: Vec<Force<S>>,
     pub(super) composites: Vec<Inertia<S>>,
-    pub(super) roots: Vec<RootAxis<S>>,
     /// dF_j seen from the frame of the ancestor reached last.
     pub(super) forces: Vec<Force<S>>,
     /// dG_j, likewise.
@@ -105,7 +104,6 @@ impl<S: Scalar> KernelTwo<S> {
             gravity: vec![zero; n],
             momenta: vec![Force::zero(); n],
             composites: vec![none; n],
-            roots: vec![RootAxis { motion: Motion::zero(), gravity: zero }; n],
             forces: vec![Force::zero(); n],
             rates: vec![Force::zero(); n],
             mass_matrix: square.clone(),

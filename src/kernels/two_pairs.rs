@@ -93,7 +93,6 @@ impl<S: Scalar> KernelTwo<S> {
         for &child in tree.children(i) {
             let root = kernel.roots[child];
             let change = self.change_of_root(tree, kernel, i, child, dgamma);
-            self.roots[child] = change;
             let beyond = tree.pairs_of(child);
             let before = kernel.carried[beyond.clone()].iter().zip(&kernel.rates[beyond]);
             for ((carried, rate), &j) in before.zip(tree.subtree(child)) {

@@ -2,58 +2,31 @@
 
 use super::line::{Answer, Motion, State};
 use super::{Evaluator, Route};
-use costate::EvalError;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{self, SecondOrder};
-use costate::kernels::{self, Contracted};
+use costate::hamiltonian::{self, ContractedHessian, DualPass, Linearisation, SecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
 
 /// The workspaces of one route.
 enum Workspace {
-    Analytic(Box<ByHand<Contracted>>),
-    Tensors(Box<ByHand<Christoffel>>),
+    Analytic(Box<SecondOrder<f64>>),
+    Tensors(Box<DualPass<f64, Christoffel>>),
     Dual(Box<Jacobian<PhaseVelocity>>, Box<NestedHessian<PhaseVelocity>>),
     Hyperdual(Box<Hessian<PhaseVelocity>>),
 }
 
-/// F and F_x, and y'F_xx by one dual pass through them.
-struct ByHand<R: kernels::Route> {
-    first: hamiltonian::Hamiltonian<f64, R>,
-    second: SecondOrder<f64, R>,
-}
-
-impl<R: kernels::Route> ByHand<R> {
-    fn new(robot: &Robot, route: R) -> Self {
-        let tree = Tree::from(robot);
-        Self {
-            first: hamiltonian::Hamiltonian::with_route(tree.clone(), route.clone()),
-            second: SecondOrder::with_route(tree, route),
-        }
-    }
-
-    fn add_to(
-        &mut self,
-        answer: &mut Answer,
-        (q, p, u): (&[f64], &[f64], &[f64]),
-        y: Option<&[f64]>,
-    ) -> Result<(), EvalError> {
-        let linear = match y {
-            None => self.first.jacobian(q, p, u)?,
-            Some(y) => {
-                let second = self.second.contracted_hessian(q, p, u, y)?;
-                answer.matrix("y_f_xx", second.matrix());
-                second.linearisation()
-            }
-        };
-        answer.matrix("M", linear.mass_matrix().view());
-        answer.derivatives(linear.f(), linear.matrix());
-        Ok(())
-    }
-}
-
 impl Answer {
+    fn linear(&mut self, linear: Linearisation<'_, f64>) {
+        self.matrix("M", linear.mass_matrix().view());
+        self.derivatives(linear.f(), linear.matrix());
+    }
+
+    fn contracted(&mut self, second: ContractedHessian<'_, f64>) {
+        self.matrix("y_f_xx", second.matrix());
+        self.linear(second.linearisation());
+    }
+
     fn derivatives(&mut self, f: &[f64], f_x: Block<'_, f64>) {
         self.vector("v", &f[..f.len() / 2]);
         self.vector("f", f);
@@ -70,8 +43,10 @@ impl Hamiltonian {
     pub fn new(robot: &Robot, route: Route) -> Self {
         let function = || PhaseVelocity::new(robot);
         let workspace = match route {
-            Route::Analytic => Workspace::Analytic(Box::new(ByHand::new(robot, Contracted))),
-            Route::Tensors => Workspace::Tensors(Box::new(ByHand::new(robot, Christoffel))),
+            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Tensors => {
+                Workspace::Tensors(Box::new(DualPass::with_route(Tree::from(robot), Christoffel)))
+            }
             Route::Dual => {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
@@ -97,8 +72,14 @@ impl Evaluator for Hamiltonian {
         let x = [q.as_slice(), &p].concat();
         let y = state.y.as_deref();
         match &mut self.workspace {
-            Workspace::Analytic(by_hand) => by_hand.add_to(&mut answer, (q, &p, u), y)?,
-            Workspace::Tensors(by_hand) => by_hand.add_to(&mut answer, (q, &p, u), y)?,
+            Workspace::Analytic(second) => match y {
+                None => answer.linear(second.first().jacobian(q, &p, u)?),
+                Some(y) => answer.contracted(second.contracted_hessian(q, &p, u, y)?),
+            },
+            Workspace::Tensors(second) => match y {
+                None => answer.linear(second.first().jacobian(q, &p, u)?),
+                Some(y) => answer.contracted(second.contracted_hessian(q, &p, u, y)?),
+            },
             Workspace::Dual(jacobian, nested) => {
                 jacobian.function_mut().u.copy_from_slice(u);
                 nested.function_mut().u.copy_from_slice(u);

@@ -1,0 +1,55 @@
+//! Derivatives of forward dynamics by hand beside automatic ones.
+
+use super::function::DerivativeError;
+use super::report::{Figure, largest, relative_difference};
+use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
+use crate::error::EvalError;
+use crate::lagrangian::SecondOrder;
+use crate::robot::Robot;
+
+/// a(q, v, u) by every route.
+pub(super) struct LagrangianRoutes {
+    analytic: SecondOrder<f64>,
+    dual: Jacobian<ForwardDynamics>,
+    nested: NestedHessian<ForwardDynamics>,
+    hyperdual: Hessian<ForwardDynamics>,
+}
+
+impl LagrangianRoutes {
+    /// Builds every workspace.
+    pub fn new(robot: &Robot) -> Self {
+        let function = || ForwardDynamics::new(robot);
+        Self {
+            analytic: SecondOrder::new(robot),
+            dual: Jacobian::new(function()),
+            nested: NestedHessian::new(function()),
+            hyperdual: Hessian::new(function()),
+        }
+    }
+
+    /// a_z and y'a_zz, z = (q, v, u), beside hyper-dual numbers; appended to `figures`.
+    pub fn compare(
+        &mut self,
+        [q, v, u, y]: [&[f64]; 4],
+        figures: &mut Vec<Figure>,
+    ) -> Result<(), DerivativeError<EvalError>> {
+        let z = [q, v, u].concat();
+        self.hyperdual.contracted(&z, y)?;
+        let (expected, contracted) = (self.hyperdual.last().jacobian(), self.hyperdual.last_contracted());
+        let second = self.analytic.contracted_hessian(q, v, u, y)?;
+        let natural = 1e-3 * largest(y) * largest(expected.as_slice());
+        let dual = self.dual.evaluate(&z)?;
+        let nested = self.nested.contracted(&z, y)?;
+        let off_first = |found| relative_difference(found, expected.view(), 0.0);
+        let off_second = |found| relative_difference(found, contracted.view(), natural);
+        for (quantity, route, value) in [
+            ("a_z, z = (q, v, u)", "analytic", off_first(second.linearisation().matrix())),
+            ("a_z, z = (q, v, u)", "dual", off_first(dual.jacobian.view())),
+            ("y'a_zz", "analytic", off_second(second.to_matrix().view())),
+            ("y'a_zz", "dual", off_second(nested.view())),
+        ] {
+            figures.push(Figure { quantity, route, value, sensitivity: 1.0 });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! The adjoint product y'F_x: the costate equation without F_x.
+
+use super::{Hamiltonian, check};
+use crate::error::EvalError;
+use crate::kernels::{LagrangianHessian, Route};
+use crate::matrix::{add_scaled, dot};
+use crate::scalar::Scalar;
+
+/// F and y'F_x at one state; borrowed from the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct AdjointProduct<'a, S> {
+    /// `dx/dt`, 2n.
+    pub f: &'a [S],
+    /// `F_x' y`, 2n: minus the rate of a costate y with dy/dt = -F_x' y.
+    pub y_f_x: &'a [S],
+}
+
+impl<S: Scalar, R: Route> Hamiltonian<S, R> {
+    /// F and y'F_x for the costate y = (y_q, y_p) of length 2n, at little more than the cost of F.
+    ///
+    /// With `w = (-y_p, y_q + D_v y_p)` and the change of the velocities `V w = M^-1 (w_p - P w_q)` along it,
+    /// `y'F_x = Hess H w = ( -L_qq w_q - P' V w , V w )`: two products with matrices of kernel one and one solution with the
+    /// factors of M. No matrix is inverted or multiplied with another.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn adjoint(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+        y: &[S],
+    ) -> Result<AdjointProduct<'_, S>, EvalError> {
+        let n = self.tree.len();
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        check(&self.tree, "y", y, 2 * n)?;
+        let Self { tree, flow, state, direction, product } = self;
+        flow.first_order(tree, q, p)?;
+        flow.kernel.second_order(tree);
+        state.rate_of_change(tree, &flow.v, flow.kernel.l_q(), u);
+        direction.set_costate(tree, &flow.v, y);
+        flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
+        let (product_q, product_p) = product.split_at_mut(n);
+        product_p.copy_from_slice(&direction.v);
+        for (i, entry) in product_q.iter_mut().enumerate() {
+            *entry = -dot(flow.kernel.l_qq().row(i), &direction.q);
+        }
+        for (k, &v) in direction.v.iter().enumerate() {
+            add_scaled(product_q, -v, flow.kernel.l_vq().row(k));
+        }
+        Ok(AdjointProduct { f: &self.state.f, y_f_x: &self.product })
+    }
+}
