@@ -5,7 +5,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::robot::Robot;
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
 use std::hint::black_box;
@@ -32,7 +32,7 @@ fn main() {
 }
 
 /// One route: its name in the table and the file name under which its figures are kept.
-const ROUTES: [(&str, &str); 13] = [
+const ROUTES: [(&str, &str); 17] = [
     ("F", "f"),
     ("F, F_x: analytic", "f_x analytic"),
     ("F, F_x: dual, 1 at once", "f_x dual 1"),
@@ -42,7 +42,11 @@ const ROUTES: [(&str, &str); 13] = [
     ("F, F_x: dual, 8 at once", "f_x dual 8"),
     ("F, F_x: dual, 12 at once", "f_x dual 12"),
     ("F, F_x: central differences of F", "f_x central differences"),
-    ("F, F_x, y'F_xx: one dual pass through analytic F_x", "y_f_xx analytic"),
+    ("F, y'F_x: adjoint product", "y_f_x adjoint"),
+    ("y'F_xx d: product with a vector", "y_f_xx product"),
+    ("F, F_x, y'F_xx: 2n+1 rule", "y_f_xx rule"),
+    ("F, F_x, y'F_xx: one dual pass through analytic F_x", "y_f_xx dual pass"),
+    ("F_x, all of F_xx: packed tensor", "f_xx packed"),
     ("y'F_xx: central differences of analytic F_x", "y_f_xx central differences"),
     ("y'F_xx: dual in dual numbers through F", "y_f_xx dual"),
     ("F, F_x, y'F_xx: hyper-dual numbers through F", "y_f_xx hyperdual"),
@@ -83,9 +87,21 @@ fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
         });
     });
     let mut second = SecondOrder::<f64>::new(robot);
-    group.bench_function("y_f_xx analytic", |b| {
+    group.bench_function("y_f_x adjoint", |b| {
+        b.iter(|| second.first().adjoint(black_box(&q), &p, &u, &y).unwrap().y_f_x[0]);
+    });
+    group.bench_function("y_f_xx product", |b| {
+        b.iter(|| second.hessian_product(black_box(&q), &p, &y, &x).unwrap()[0]);
+    });
+    group.bench_function("y_f_xx rule", |b| {
         b.iter(|| second.contracted_hessian(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
     });
+    let mut dual_pass = DualPass::<f64>::new(robot);
+    group.bench_function("y_f_xx dual pass", |b| {
+        b.iter(|| dual_pass.contracted_hessian(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
+    });
+    let mut full = FullHessian::<f64>::new(robot);
+    group.bench_function("f_xx packed", |b| b.iter(|| full.evaluate(black_box(&q), &p).unwrap().packed()[0]));
     group.bench_function("y_f_xx central differences", |b| {
         b.iter(|| {
             let mut y_f_x = |x: &[f64], sign: f64, column: &mut [f64]| {

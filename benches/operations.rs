@@ -107,6 +107,21 @@ fn table() -> String {
             }
         }
     }
+    let more = ["F, F_x, y'F_xx", "F, y'F_x", "y'F_xx d", "F_x, all of F_xx", "F_x, all of F_xx"];
+    for ((quantity, route), title) in OperationTable::MORE.into_iter().zip(more) {
+        let cells = folded.iter().map(|table| cell(table.get(quantity, route).unwrap())).collect();
+        line(&format!("{title}: {route}"), cells);
+    }
+    for (title, tables) in [("", &folded), (", constants not folded", &kept)] {
+        for route in ["analytic", "hyperdual"] {
+            let ratio = |table: &OperationTable| {
+                let of = |quantity, route| table.get(quantity, route).unwrap().mul as f64;
+                format!("{:.2}", of("y_f_xx", route) / of("f_x", "analytic"))
+            };
+            let title = format!("F, F_x, y'F_xx: {route} / F, F_x: analytic{title}");
+            line(&title, tables.iter().map(ratio).collect());
+        }
+    }
     let by_lagrangian: Vec<_> = robots.iter().map(|(_, robot, _)| lagrangian(robot)).collect();
     line("a(q, v, u): Lagrangian, analytic", by_lagrangian.iter().map(|[a, _]| cell(*a)).collect());
     line(

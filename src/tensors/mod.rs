@@ -8,7 +8,7 @@
 //!
 //! [`MassMatrixDerivatives`] computes and holds the coefficients, [`ChristoffelKernel`] contracts them with the
 //! velocity, and [`Christoffel`] is the route that gives it to [`Hamiltonian`](crate::hamiltonian::Hamiltonian) and
-//! [`SecondOrder`](crate::hamiltonian::SecondOrder). The effort grows with the fourth power of the depth of the tree; the
+//! [`DualPass`](crate::hamiltonian::DualPass). The effort grows with the fourth power of the depth of the tree; the
 //! [kernel](crate::kernels::KernelOne) that contracts first does with the second. This route is for those who need the
 //! coefficients (adaptive control, geometry) and for checking the other one.
 //!
