@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{DualPass, Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Coordinates, Lagrangian};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
@@ -59,6 +59,8 @@ fn analytic_derivatives_do_not_allocate() {
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
         let mut second = SecondOrder::<f64>::new(&robot);
+        let (mut dual_pass, mut full) = (DualPass::<f64>::new(&robot), FullHessian::<f64>::new(&robot));
+        let mut contracted = Matrix::zeros(2 * n, 2 * n);
         let mut x = p.clone();
         let count = allocations(|| {
             hamiltonian.phase_velocity(&q, &p, &u).unwrap();
@@ -70,6 +72,10 @@ fn analytic_derivatives_do_not_allocate() {
             hamiltonian.inverse_mass_matrix(&q).unwrap();
             hamiltonian.solve_mass_matrix(&q, &mut x).unwrap();
             second.contracted_hessian(&q, &p, &u, &y).unwrap();
+            second.hessian_product(&q, &p, &y, &y).unwrap();
+            second.first().adjoint(&q, &p, &u, &y).unwrap();
+            dual_pass.contracted_hessian(&q, &p, &u, &y).unwrap();
+            full.evaluate(&q, &p).unwrap().contract(&y, &mut contracted).unwrap();
         });
         assert_eq!(count, 0, "{name}");
     }

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{FullHessian, Hamiltonian, SecondOrder};
 use costate::lagrangian::Lagrangian;
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
@@ -63,6 +63,10 @@ fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S
     let contracted = second.contracted_hessian(&q, &p, &u, &y).unwrap();
     all.push(("F_x of the second order", flat(contracted.linearisation().matrix())));
     all.push(("y'F_xx", flat(contracted.matrix())));
+    all.push(("y'F_x", second.first().adjoint(&q, &p, &u, &y).unwrap().y_f_x.to_vec()));
+    all.push(("y'F_xx y", second.hessian_product(&q, &p, &y, &y).unwrap().to_vec()));
+    let mut full = FullHessian::<S>::new(robot);
+    all.push(("F_xx", full.evaluate(&q, &p).unwrap().packed().to_vec()));
     all
 }
 
@@ -164,7 +168,7 @@ fn every_kind_of_number_in_lagrangian_coordinates_and_by_tensors() {
 
 /// The contracted Hessian itself can be differentiated: its derivative along p, beside a central difference.
 #[test]
-fn the_dual_pass_nests() {
+fn second_derivatives_can_be_differentiated() {
     fn trace<S: Scalar>(robot: &Robot, state: &[f64], direction: S) -> S {
         let n = robot.len();
         let lift = |x: &f64| S::from_f64(*x);
