@@ -130,8 +130,8 @@ fn print(
     writeln!(out, "Largest relative difference, max |a - b| / max |b|:\n")?;
     let mut table = Table::new(&["quantity", "route", "at q = 0", "random states"], 2);
     let mut above = "";
-    for (k, named) in zero.report.iter().chain(&random.report).flat_map(|report| &report.figures).enumerate()
-    {
+    let report = zero.report.as_ref().or(random.report.as_ref());
+    for (k, named) in report.iter().flat_map(|report| &report.figures).enumerate() {
         let quantity = if named.quantity == above { "" } else { named.quantity };
         above = named.quantity;
         let figures = [zero, random].map(|worst| worst.figure(|report| report.figures[k].value));

@@ -285,7 +285,9 @@ fn check_passes_and_fails_by_its_tolerance() {
     let output = costate(&["check", "robots/ur5.urdf", "--samples", "5"], b"");
     let table = stdout(&output);
     assert!(output.status.success() && table.contains("PASS"), "{table}");
-    for row in ["F_x", "y'F_xx", "asymmetry of J F_x", "asymmetry of y'F_xx", "energy drift", "hyperdual"] {
+    let quantities =
+        ["F_x", "y'F_x", "y'F_xx", "y'F_xx y", "a_z", "y'a_zz", "asymmetry of J F_x", "energy drift"];
+    for row in quantities.into_iter().chain(["analytic", "dual pass", "packed tensor", "tensors", "dual"]) {
         assert!(table.contains(row), "{row}");
     }
     let output = costate(&["check", "robots/biped.toml", "--samples", "5", "--tolerance", "1e-25"], b"");
@@ -310,6 +312,8 @@ fn count_as_json_and_as_a_table() {
     for quantity in ["mass_matrix", "f", "f_x", "y_f_xx"] {
         expected.extend(["tensors", "analytic", "dual", "hyperdual"].map(|route| (quantity, route)));
     }
+    expected.extend([("y_f_xx", "dual pass"), ("y_f_x", "analytic"), ("y_f_xx_d", "analytic")]);
+    expected.extend(["analytic", "hyperdual"].map(|route| ("f_xx", route)));
     assert_eq!(rows.len(), expected.len());
     let number = |row: &Value, key: &str| row[key].as_u64().unwrap();
     for (row, (quantity, route)) in rows.iter().zip(expected) {

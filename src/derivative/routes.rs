@@ -81,6 +81,9 @@ struct Natural {
     along: f64,
 }
 
+/// Condition of M, and what friction and actuation would spoil.
+type Conserved = (f64, [(&'static str, f64); 2]);
+
 impl Routes {
     /// Builds every workspace.
     pub fn new(robot: &Robot) -> Self {
@@ -128,17 +131,18 @@ impl Routes {
         }
         self.figures.clear();
         self.hyperdual.contracted(x, y)?;
-        let condition = self.compare_conservative(x)?;
+        let (condition, conservative) = self.compare_conservative(x)?;
         self.compare_first(x, u, y)?;
         self.compare_second(x, u, y)?;
         let (q, p) = x.split_at(n);
         let v = self.conservative.velocity(q, p)?;
         self.lagrangian.compare([q, v, u, &y[n..]], &mut self.figures)?;
+        conservative.into_iter().for_each(|(quantity, value)| self.push(quantity, "analytic", value));
         Ok(StateReport { condition, figures: self.figures.clone() })
     }
 
-    /// Natural sizes, symmetry of J F_x and drift of energy without friction and actuation; the condition of M.
-    fn compare_conservative(&mut self, x: &[f64]) -> Result<f64, DerivativeError<EvalError>> {
+    /// Natural sizes; the condition of M; symmetry of J F_x and drift of energy without friction and actuation.
+    fn compare_conservative(&mut self, x: &[f64]) -> Result<Conserved, DerivativeError<EvalError>> {
         let n = self.conservative.len();
         let (q, p) = x.split_at(n);
         let conservative = self.conservative.jacobian(q, p, &vec![0.0; n])?;
@@ -149,9 +153,8 @@ impl Routes {
         self.natural = Natural { energy, along: worse(energy, 1e-3 * largest(&f_x)) };
         let gradient = self.energy.evaluate(x)?.gradient();
         let drift = drift(gradient, &rate, largest(&rate[..n]) * self.natural.along);
-        self.push("asymmetry of J F_x, D = 0", "analytic", asymmetry(&times_j(&f_x), energy));
-        self.push("energy drift dH/dt, u = D = 0", "analytic", drift);
-        Ok(condition)
+        let asymmetry = asymmetry(&times_j(&f_x), energy);
+        Ok((condition, [("asymmetry of J F_x, D = 0", asymmetry), ("energy drift dH/dt, u = D = 0", drift)]))
     }
 
     /// F_x by every route, and y'F_x.
