@@ -194,6 +194,12 @@ impl<'a, S: Scalar> Block<'a, S> {
         &self.matrix.row(self.top + i)[self.left..self.left + self.columns]
     }
 
+    /// The first `rows` rows and `columns` columns.
+    pub(crate) fn corner(&self, rows: usize, columns: usize) -> Self {
+        assert!(rows <= self.rows && columns <= self.columns, "a corner is no larger than its block");
+        Self { rows, columns, ..*self }
+    }
+
     /// The rows, from the first to the last.
     pub fn iter_rows(&self) -> impl Iterator<Item = &'a [S]> {
         let block = *self;
@@ -206,7 +212,8 @@ impl<'a> Block<'a, f64> {
     pub fn as_nalgebra(&self) -> DMatrixView<'a, f64, Dyn, Dyn> {
         let columns = self.matrix.columns;
         let start = self.top * columns + self.left;
-        let end = start + (self.rows.max(1) - 1) * columns + self.columns;
+        let empty = self.rows == 0 || self.columns == 0;
+        let end = if empty { start } else { start + (self.rows - 1) * columns + self.columns };
         DMatrixView::from_slice_with_strides_generic(
             &self.matrix.data[start..end],
             Dyn::from_usize(self.rows),
@@ -253,6 +260,11 @@ mod tests {
             }
         }
         assert_eq!(m.view().to_nalgebra()[(3, 5)], 35.0);
+        for (rows, columns) in [(0, 3), (3, 0), (0, 0)] {
+            let empty = Matrix::<f64>::zeros(rows, columns);
+            assert_eq!(empty.view().to_nalgebra().shape(), (rows, columns));
+            assert_eq!(empty.view().iter_rows().count(), rows);
+        }
     }
 
     #[test]

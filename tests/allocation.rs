@@ -7,6 +7,10 @@ use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Coordinates, Lagrangian};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
+use costate::step::{
+    AutomaticStep, HamiltonianRobot, ImplicitMidpoint, OneStep, RungeKutta4, SemiImplicitEuler, Step,
+    StoermerVerlet, Verlet,
+};
 use costate::tensors::{Christoffel, MassMatrixDerivatives};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -156,6 +160,37 @@ fn automatic_derivatives_do_not_allocate() {
         hyperdual.contracted(&x, &y).unwrap();
     });
     assert_eq!(count, 0);
+}
+
+#[test]
+fn steps_do_not_allocate() {
+    for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
+        let robot = robot(name);
+        let n = robot.len();
+        let (x, u, y) = (vec![0.3; 2 * n], vec![0.1; n], vec![0.4; 2 * n]);
+        let momenta = || SecondOrder::<f64>::new(&robot);
+        let mut rk4 = RungeKutta4::new(momenta());
+        let mut verlet = StoermerVerlet::new(momenta());
+        let mut midpoint = ImplicitMidpoint::new(momenta());
+        let mut euler = SemiImplicitEuler::new(lagrangian::SecondOrder::<f64>::new(&robot));
+        let mut automatic: AutomaticStep<_> =
+            AutomaticStep::new(OneStep::<_, Verlet>::new(HamiltonianRobot::from(&robot)));
+        let steps: [&mut dyn Step<f64, Error = _>; 4] = [&mut rk4, &mut verlet, &mut midpoint, &mut euler];
+        for (i, step) in steps.into_iter().enumerate() {
+            let count = allocations(|| {
+                step.advance(&x, &u, 1e-3).unwrap();
+                step.linearise(&x, &u, 1e-3).unwrap();
+                step.contract(&x, &u, 1e-3, &y).unwrap();
+                let is_explicit = i == 0 || i == 3;
+                assert!(is_explicit || step.advance(&x, &u, 1e300).is_err());
+            });
+            assert_eq!(count, 0, "{name}, scheme {i}");
+        }
+        let count = allocations(|| {
+            automatic.linearise(&x, &u, 1e-3).unwrap();
+        });
+        assert_eq!(count, 0, "{name}, automatic");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use costate::EvalError;
 use costate::derivative::{DerivativeError, Routes, StateReport, worse};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Joint, JointKind, Robot};
+use costate::step::{StepError, StepRoutes};
 use fastrand::Rng;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
@@ -25,6 +26,9 @@ pub struct Arguments {
     #[arg(long, default_value = "1e-12")]
     tolerance: f64,
 }
+
+/// Duration of the steps that are checked (s).
+const STEP: f64 = 1e-3;
 
 /// A state, what acts on it, and the costate to contract with.
 struct Sample {
@@ -48,31 +52,61 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
     let mut rng = Rng::with_seed(arguments.seed);
     let mut routes = Routes::new(&robot);
+    let mut steps = StepRoutes::new(&robot);
     let mut hamiltonian = Hamiltonian::new(&robot);
     let bar = ProgressBar::new(arguments.samples as u64 + 1);
     bar.set_style(ProgressStyle::with_template("{bar:40} {pos}/{len} states, {eta} left")?);
-    let (mut at_zero, mut at_random, mut singular) = (Worst::default(), Worst::default(), Vec::new());
+    let (mut at_zero, mut at_random, mut left_out) = (Worst::default(), Worst::default(), Vec::new());
     for k in 0..=arguments.samples {
         let sample = random_sample(&robot, &mut hamiltonian, &mut rng, k == 0)?;
         let worst = if k == 0 { &mut at_zero } else { &mut at_random };
-        match routes.compare(&sample.x, &sample.u, &sample.y) {
+        match compare(&mut routes, &mut steps, &sample) {
             Ok(report) => worst.include(report, arguments.tolerance),
-            Err(DerivativeError::Function(error @ EvalError::SingularMassMatrix { .. })) => {
-                singular.push(error)
-            }
-            Err(error) => return Err(error.into()),
+            Err(Left::Out(reason)) => left_out.push(reason),
+            Err(Left::Failed(error)) => return Err(error),
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    if let Some(first) = singular.first() {
-        eprintln!("warning: {} of {} states are left out: {first}", singular.len(), arguments.samples + 1);
+    if let Some(first) = left_out.first() {
+        eprintln!("warning: {} of {} states are left out: {first}", left_out.len(), arguments.samples + 1);
     }
-    if singular.len() > arguments.samples {
+    if left_out.len() > arguments.samples {
         return Err("no state could be evaluated".into());
     }
     let mut out = std::io::stdout().lock();
     print(&robot, arguments, &at_zero, &at_random, &mut out)
+}
+
+/// Why a state gives no figures.
+enum Left {
+    /// It is singular, or so near to it that an implicit step has no solution.
+    Out(String),
+    Failed(Box<dyn std::error::Error>),
+}
+
+impl From<EvalError> for Left {
+    fn from(error: EvalError) -> Self {
+        match error {
+            EvalError::SingularMassMatrix { .. } => Self::Out(error.to_string()),
+            _ => Self::Failed(error.into()),
+        }
+    }
+}
+
+/// All figures at one state.
+fn compare(routes: &mut Routes, steps: &mut StepRoutes, sample: &Sample) -> Result<StateReport, Left> {
+    let Sample { x, u, y } = sample;
+    let mut report = routes.compare(x, u, y).map_err(|error| match error {
+        DerivativeError::Function(error) => error.into(),
+        error => Left::Failed(error.into()),
+    })?;
+    steps.compare(x, u, STEP, y, &mut report.figures).map_err(|error| match error {
+        StepError::Dynamics(error) => error.into(),
+        StepError::NotConverged { .. } => Left::Out(error.to_string()),
+        error => Left::Failed(error.into()),
+    })?;
+    Ok(report)
 }
 
 /// q uniform over its range; v, u and y uniform in +-1.
@@ -146,7 +180,8 @@ fn print(
         "packed tensor  all second derivatives by hand, contracted with y",
         "tensors        global inertia tensors and Christoffel coefficients; one dual number through them",
         "dual           dual numbers through F and a, and dual numbers in dual numbers",
-        "Every route is set beside hyper-dual numbers through F and through a, the acceleration in (q, v).",
+        "Phi            one step of 1 ms, by the adjoint of its stages; d = (y, u)",
+        "Every route is set beside hyper-dual numbers through F, a, the acceleration in (q, v), and Phi.",
         "Where a quantity vanishes, b is the size of the terms that cancel: energies, forces.\n",
     ] {
         writeln!(out, "  {line}")?;

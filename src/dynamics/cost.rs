@@ -35,6 +35,31 @@ pub trait Cost<S: Scalar> {
     fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, Self::Error>;
 }
 
+/// A cost that is lent.
+impl<S: Scalar, C: Cost<S>> Cost<S> for &mut C {
+    type Error = C::Error;
+
+    fn states(&self) -> usize {
+        C::states(self)
+    }
+
+    fn controls(&self) -> usize {
+        C::controls(self)
+    }
+
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error> {
+        C::value(self, x, u)
+    }
+
+    fn gradient(&mut self, x: &[S], u: &[S]) -> Result<CostGradient<'_, S>, Self::Error> {
+        C::gradient(self, x, u)
+    }
+
+    fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, Self::Error> {
+        C::hessian(self, x, u)
+    }
+}
+
 /// A cost and its gradient; borrowed from a workspace.
 #[derive(Clone, Copy, Debug)]
 pub struct CostGradient<'a, S> {

@@ -101,6 +101,57 @@ pub trait Dynamics<S: Scalar> {
     }
 }
 
+/// A model that is lent.
+impl<S: Scalar, D: Dynamics<S>> Dynamics<S> for &mut D {
+    type Error = D::Error;
+
+    fn states(&self) -> usize {
+        D::states(self)
+    }
+
+    fn controls(&self) -> usize {
+        D::controls(self)
+    }
+
+    fn structure(&self) -> Structure {
+        D::structure(self)
+    }
+
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error> {
+        D::value(self, x, u)
+    }
+
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, Self::Error> {
+        D::linearise(self, x, u)
+    }
+
+    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, Self::Error> {
+        D::contract(self, x, u, y)
+    }
+
+    fn adjoint(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        y_f_x: &mut [S],
+        y_f_u: &mut [S],
+    ) -> Result<(), Self::Error> {
+        D::adjoint(self, x, u, y, y_f_x, y_f_u)
+    }
+
+    fn hessian_product(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        d: [&[S]; 2],
+        product: [&mut [S]; 2],
+    ) -> Result<(), Self::Error> {
+        D::hessian_product(self, x, u, y, d, product)
+    }
+}
+
 /// What of the derivatives of a model is constant or zero whatever the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Structure {

@@ -62,8 +62,9 @@ impl_chain_rule!(HyperDualVec, M, N; |x, f1, f2, _f3|
     x.eps1 * f1, x.eps2 * f1, x.eps1eps2 * f1 + &x.eps1 * &x.eps2 * f2);
 
 macro_rules! forward_to_num_dual {
-    () => {
+    ($order:literal) => {
         const EPSILON: f64 = T::EPSILON;
+        const ORDER: usize = T::ORDER + $order;
         const CHECKED: bool = T::CHECKED;
         #[inline]
         fn from_f64(value: f64) -> Self {
@@ -115,10 +116,10 @@ macro_rules! forward_to_num_dual {
 
 /// Numbers whose parts are plain scalars: `select` goes part by part, for any mask.
 macro_rules! impl_scalar_by_parts {
-    ($dual:ident, $($part:ident),*) => {
+    ($dual:ident, $order:literal, $($part:ident),*) => {
         impl<T: DualNum + Scalar> Scalar for $dual<T> {
             type Mask = T::Mask;
-            forward_to_num_dual!();
+            forward_to_num_dual!($order);
             #[inline]
             fn select(mask: T::Mask, if_true: Self, if_false: Self) -> Self {
                 Self {
@@ -130,18 +131,18 @@ macro_rules! impl_scalar_by_parts {
     };
 }
 
-impl_scalar_by_parts!(Dual, eps);
-impl_scalar_by_parts!(Dual2, v1, v2);
-impl_scalar_by_parts!(Dual3, v1, v2, v3);
-impl_scalar_by_parts!(HyperDual, eps1, eps2, eps1eps2);
-impl_scalar_by_parts!(HyperHyperDual, eps1, eps2, eps3, eps1eps2, eps1eps3, eps2eps3, eps1eps2eps3);
+impl_scalar_by_parts!(Dual, 1, eps);
+impl_scalar_by_parts!(Dual2, 2, v1, v2);
+impl_scalar_by_parts!(Dual3, 3, v1, v2, v3);
+impl_scalar_by_parts!(HyperDual, 2, eps1, eps2, eps1eps2);
+impl_scalar_by_parts!(HyperHyperDual, 3, eps1, eps2, eps3, eps1eps2, eps1eps3, eps2eps3, eps1eps2eps3);
 
 /// Numbers with a vector of derivatives: `select` takes one of the two as a whole.
 macro_rules! impl_scalar_as_a_whole {
-    ($dual:ident, $($size:ident),*) => {
+    ($dual:ident, $order:literal, $($size:ident),*) => {
         impl<T: DualNum + Scalar<Mask = bool>, $(const $size: usize),*> Scalar for $dual<T, $(Const<$size>),*> {
             type Mask = bool;
-            forward_to_num_dual!();
+            forward_to_num_dual!($order);
             #[inline]
             fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
                 if mask { if_true } else { if_false }
@@ -150,9 +151,9 @@ macro_rules! impl_scalar_as_a_whole {
     };
 }
 
-impl_scalar_as_a_whole!(DualVec, N);
-impl_scalar_as_a_whole!(Dual2Vec, N);
-impl_scalar_as_a_whole!(HyperDualVec, M, N);
+impl_scalar_as_a_whole!(DualVec, 1, N);
+impl_scalar_as_a_whole!(Dual2Vec, 2, N);
+impl_scalar_as_a_whole!(HyperDualVec, 2, M, N);
 
 #[cfg(test)]
 mod tests {

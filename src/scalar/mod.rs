@@ -54,6 +54,11 @@ pub trait Scalar:
     /// Relative spacing of the numbers at the bottom: the rounding of one operation.
     const EPSILON: f64;
 
+    /// Order of the highest derivatives that the number carries; 0 for one that is a value and nothing else.
+    ///
+    /// What is iterated to a fixed point (see [`step`](crate::step)) needs it: derivatives converge after the value.
+    const ORDER: usize;
+
     /// Whether values are checked at the edge of the library (finite input, regular mass matrix).
     ///
     /// `false` for a scalar that only counts or records: what it computes holds for any input.
@@ -145,8 +150,12 @@ fn real_tanh_and_slope<S: Scalar>(x: S) -> (S, S) {
 
 #[cfg(test)]
 mod tests {
-    use super::Scalar;
-    use num_dual::{Dual3_64, Dual64, DualSVec64, HyperDual64};
+    use super::{Count, Scalar, Tangent};
+    use nalgebra::Const;
+    use num_dual::{
+        Derivative, Dual, Dual2_64, Dual2SVec64, Dual3_64, Dual64, DualSVec64, HyperDual64, HyperDualSVec64,
+        HyperHyperDual64,
+    };
 
     #[test]
     fn tanh_is_accurate_and_free_of_overflow() {
@@ -198,5 +207,44 @@ mod tests {
         assert_eq!((smaller.eps1, smaller.eps2, smaller.eps1eps2), (2.0, 3.0, 4.0));
         let x = DualSVec64::<2>::from_re(-3.0).derivative(1);
         assert_eq!(Scalar::abs(x).eps.0.unwrap()[1], -1.0);
+    }
+
+    /// With value 0 and all derivatives 1, the power `ORDER` is the last that is not zero.
+    #[test]
+    fn the_order_is_that_of_the_last_power_of_an_infinitesimal() {
+        fn is_last<S: Scalar>(x: S, parts: impl Fn(S) -> Vec<f64>) {
+            let power = (0..S::ORDER).fold(S::one(), |power, _| power * x);
+            assert!(parts(power).iter().any(|part| *part != 0.0), "order {} is too high", S::ORDER);
+            assert!(parts(power * x).iter().all(|part| *part == 0.0), "order {} is too low", S::ORDER);
+        }
+        fn all<const M: usize, const N: usize>(
+            part: Derivative<f64, Const<M>, Const<N>>,
+        ) -> impl Iterator<Item = f64> {
+            part.0.into_iter().flat_map(|entries| entries.iter().copied().collect::<Vec<_>>())
+        }
+        let ones = || nalgebra::Vector2::repeat(1.0);
+        is_last(0.0_f64, |x| vec![x]);
+        is_last(0.0_f32, |x| vec![f64::from(x)]);
+        is_last(Count::variable(0.0), |x| vec![x.value()]);
+        is_last(Tangent::new(0.0, 1.0), |x| vec![x.re, x.eps]);
+        is_last(Dual64::new(0.0, 1.0), |x| vec![x.re, x.eps]);
+        is_last(Dual2_64::new(0.0, 1.0, 1.0), |x| vec![x.re, x.v1, x.v2]);
+        is_last(Dual3_64::new(0.0, 1.0, 1.0, 1.0), |x| vec![x.re, x.v1, x.v2, x.v3]);
+        is_last(HyperDual64::new(0.0, 1.0, 1.0, 1.0), |x| vec![x.re, x.eps1, x.eps2, x.eps1eps2]);
+        is_last(HyperHyperDual64::new(0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), |x| {
+            vec![x.re, x.eps1, x.eps2, x.eps3, x.eps1eps2, x.eps1eps3, x.eps2eps3, x.eps1eps2eps3]
+        });
+        is_last(DualSVec64::new(0.0, Derivative::some(ones())), |x| all(x.eps).chain([x.re]).collect());
+        let v2 = Derivative::some(nalgebra::Matrix2::repeat(1.0));
+        let x = Dual2SVec64::new(0.0, Derivative::some(ones().transpose()), v2);
+        is_last(x, |x| all(x.v1).chain(all(x.v2)).chain([x.re]).collect());
+        let x = HyperDualSVec64::new(0.0, Derivative::some(ones()), Derivative::some(ones().transpose()), v2);
+        is_last(x, |x| all(x.eps1).chain(all(x.eps2)).chain(all(x.eps1eps2)).chain([x.re]).collect());
+        let nested = Dual::new(HyperDual64::new(0.0, 1.0, 1.0, 1.0), HyperDual64::new(1.0, 1.0, 1.0, 1.0));
+        is_last(nested, |x| {
+            [x.re, x.eps].iter().flat_map(|part| [part.re, part.eps1, part.eps2, part.eps1eps2]).collect()
+        });
+        let nested = Tangent::new(Tangent::new(0.0, 1.0), Tangent::new(1.0, 1.0));
+        is_last(nested, |x| vec![x.re.re, x.re.eps, x.eps.re, x.eps.eps]);
     }
 }

@@ -7,6 +7,7 @@ macro_rules! impl_scalar_for_float {
         impl Scalar for $float {
             type Mask = bool;
             const EPSILON: f64 = $float::EPSILON as f64;
+            const ORDER: usize = 0;
 
             #[inline]
             fn from_f64(value: f64) -> Self {

@@ -89,6 +89,7 @@ impl<S: Scalar> MulAssign for Tangent<S> {
 impl<S: Scalar> Scalar for Tangent<S> {
     type Mask = S::Mask;
     const EPSILON: f64 = S::EPSILON;
+    const ORDER: usize = S::ORDER + 1;
     const CHECKED: bool = S::CHECKED;
 
     #[inline(always)]

@@ -1,8 +1,39 @@
 //! One step in time: `x_next = Phi(x, u, h)` with its first two derivatives.
+//!
+//! | scheme | order | state | implicit equations | symmetric | symplectic (no friction, u constant) |
+//! |---|---|---|---|---|---|
+//! | [`RungeKutta4`] | 4 | any | none | no | no |
+//! | [`SemiImplicitEuler`] | 1 | (q, v) | none | no | where M is constant |
+//! | [`StoermerVerlet`] | 2 | two halves, made for (q, p) | two of n numbers | yes | in (q, p) |
+//! | [`ImplicitMidpoint`] | 2 | any | one of 2n numbers | yes | in (q, p) |
+//! | [`RungeKutta`] of any [`Tableau`] | | any | those of its diagonal | | |
+//! | [`AutomaticStep`] of any function of (x, u, h) | | any | | | |
+//!
+//! The control is constant along a step. Second derivatives come from the adjoint of the stages, those of an implicit
+//! scheme from its equations at the solution: see [`RungeKutta`]. [`OneStep`] is a step as a function, for dual numbers
+//! to judge; [`StepRoutes`] lets them.
 
+mod automatic;
 mod error;
+mod lu;
+mod newton;
+mod one_step;
+mod outcome;
+mod routes;
+mod runge_kutta;
+mod semi_implicit_euler;
+mod stage;
+mod tableau;
 
+pub use automatic::AutomaticStep;
 pub use error::StepError;
+pub use one_step::{HamiltonianRobot, LagrangianRobot, ModelFamily, OneStep, Scheme, SemiImplicit};
+pub use routes::StepRoutes;
+pub use runge_kutta::RungeKutta;
+pub use semi_implicit_euler::{SemiImplicitEuler, VelocityForm};
+pub use tableau::{
+    Classical, ImplicitMidpoint, Midpoint, Pair, RungeKutta4, StoermerVerlet, Tableau, Verlet,
+};
 
 use crate::matrix::Block;
 use crate::scalar::Scalar;
@@ -38,6 +69,31 @@ pub trait Step<S: Scalar> {
     /// # Errors
     /// As [`advance`](Self::advance).
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error>;
+}
+
+/// A step that is lent.
+impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
+    type Error = P::Error;
+
+    fn states(&self) -> usize {
+        P::states(self)
+    }
+
+    fn controls(&self) -> usize {
+        P::controls(self)
+    }
+
+    fn advance(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
+        P::advance(self, x, u, h)
+    }
+
+    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepFirstOrder<'_, S>, Self::Error> {
+        P::linearise(self, x, u, h)
+    }
+
+    fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error> {
+        P::contract(self, x, u, h, y)
+    }
 }
 
 /// One step and its Jacobians; borrowed from a workspace.

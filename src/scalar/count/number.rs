@@ -127,6 +127,7 @@ impl MulAssign for Count {
 impl Scalar for Count {
     type Mask = bool;
     const EPSILON: f64 = f64::EPSILON;
+    const ORDER: usize = 0;
     const CHECKED: bool = false;
 
     fn from_f64(value: f64) -> Self {

@@ -1,0 +1,80 @@
+//! Trajectories, and rolling them out.
+
+use super::problem::{Failure, Problem};
+use super::sweep::Policy;
+use costate::dynamics::Cost;
+use costate::step::Step;
+use nalgebra::DVector;
+
+/// States x_0 ... x_N and controls u_0 ... u_{N-1} between them, with their cost.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    pub x: Vec<DVector<f64>>,
+    pub u: Vec<DVector<f64>>,
+    /// `h sum_k l(x_k, u_k) + l_end(x_N)`.
+    pub cost: f64,
+    /// The sum of the absolute values of these terms: what the rounding of the cost is relative to.
+    pub terms: f64,
+}
+
+impl Trajectory {
+    /// Controls from a state; the states after it are still to be rolled out.
+    pub fn start(x: &[f64], u: &[DVector<f64>]) -> Self {
+        Self { x: vec![DVector::from_column_slice(x); u.len() + 1], u: u.to_vec(), cost: 0.0, terms: 0.0 }
+    }
+
+    /// Changes of the cost below this are rounding.
+    pub fn rounding(&self) -> f64 {
+        self.u.len() as f64 * f64::EPSILON * self.terms
+    }
+
+    fn add_cost(&mut self, term: f64) {
+        self.cost += term;
+        self.terms += term.abs();
+    }
+}
+
+/// The policies of all stages and how far to follow them.
+#[derive(Clone, Copy)]
+pub struct Following<'a> {
+    pub policies: &'a [Policy],
+    pub alpha: f64,
+}
+
+impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
+    /// Rolls `old` out anew into `new`, following the policies if there are any, always inside the box.
+    ///
+    /// # Errors
+    /// A stage that could not be evaluated, or whose cost is not finite. `new` is then not to be used.
+    pub fn roll_out(
+        &mut self,
+        old: &Trajectory,
+        follow: Option<Following<'_>>,
+        new: &mut Trajectory,
+    ) -> Result<(), Failure> {
+        let stages = old.u.len();
+        (new.cost, new.terms) = (0.0, 0.0);
+        new.x[0].copy_from(&old.x[0]);
+        for k in 0..stages {
+            let u = &mut new.u[k];
+            u.copy_from(&old.u[k]);
+            if let Some(Following { policies, alpha }) = follow {
+                u.axpy(alpha, &policies[k].d, 1.0);
+                u.gemv(1.0, &policies[k].gain, &(&new.x[k] - &old.x[k]), 1.0);
+            }
+            (0..u.len()).for_each(|i| u[i] = u[i].clamp(self.lower[i], self.upper[i]));
+            let (x, u) = (new.x[k].as_slice(), new.u[k].as_slice());
+            let cost = self.running.value(x, u).map_err(|source| Failure::at(k, source))?;
+            let next = self.step.advance(x, u, self.h).map_err(|source| Failure::at(k, source))?;
+            self.count.advances += 1;
+            new.x[k + 1].copy_from_slice(next);
+            new.add_cost(self.h * cost);
+            if !new.cost.is_finite() {
+                return Err(Failure::NotFinite { stage: k });
+            }
+        }
+        let end = self.terminal.value(new.x[stages].as_slice(), &[]);
+        new.add_cost(end.map_err(|source| Failure::at(stages, source))?);
+        if new.cost.is_finite() { Ok(()) } else { Err(Failure::NotFinite { stage: stages }) }
+    }
+}

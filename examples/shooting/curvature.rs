@@ -1,0 +1,144 @@
+//! Values, first derivatives and, by choice, second derivatives of the problem, node by node.
+
+use crate::problem::{NotEvaluated, Problem, Values};
+use costate::dynamics::{Cost, CostHessian};
+use costate::matrix::Block;
+use costate::step::Step;
+use nalgebra::{DMatrix, DVector};
+
+/// Which second derivatives the solver is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// Of the Lagrangian: those of the cost and those of y'Phi, exact.
+    Exact,
+    /// Of the cost alone: those of Phi are dropped.
+    CostOnly,
+    /// The same and a multiple of the identity in the states: more after a step that was shortened, less after others.
+    Damped,
+    /// None beyond the cost at the start: each node's block is learnt by damped BFGS.
+    Bfgs,
+}
+
+impl Curvature {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::CostOnly => "Gauss-Newton",
+            Self::Damped => "damped G.-N.",
+            Self::Bfgs => "BFGS",
+        }
+    }
+
+    /// All kinds, the exact one first.
+    pub const ALL: [Self; 4] = [Self::Exact, Self::CostOnly, Self::Damped, Self::Bfgs];
+}
+
+/// The problem and its derivatives at one chain of nodes.
+pub struct Model {
+    pub values: Values,
+    /// Gradient of the cost, node by node.
+    pub gradient: Vec<DVector<f64>>,
+    /// (Phi_x, Phi_u), node by node.
+    pub jacobian: Vec<DMatrix<f64>>,
+    /// Hessian of the Lagrangian (or of the cost), node by node.
+    pub hessian: Vec<DMatrix<f64>>,
+}
+
+impl Model {
+    /// Costates `y_(k+1)` of the defects in; gradient of `cost + sum_k y_(k+1)'defect_k` out.
+    pub fn lagrangian_gradient(&self, costates: &[DVector<f64>]) -> Vec<DVector<f64>> {
+        let mut gradient = self.gradient.clone();
+        for (k, costate) in costates.iter().enumerate() {
+            gradient[k].gemv_tr(1.0, &self.jacobian[k], costate, 1.0);
+            let mut next = gradient[k + 1].rows_mut(0, costate.len());
+            next -= costate;
+        }
+        gradient
+    }
+}
+
+impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
+    /// Everything a step of the solver needs; second derivatives of y'Phi only where they are asked for.
+    pub fn model(
+        &mut self,
+        nodes: &[DVector<f64>],
+        costates: &[DVector<f64>],
+        curvature: Curvature,
+    ) -> Result<Model, NotEvaluated> {
+        let (n, m, h) = (self.states(), self.controls(), self.h);
+        let mut gradient = Vec::with_capacity(nodes.len());
+        let mut hessian = Vec::with_capacity(nodes.len());
+        let mut jacobian = Vec::with_capacity(costates.len());
+        let mut defects = Vec::with_capacity(costates.len());
+        let mut cost = 0.0;
+        for (pair, costate) in nodes.windows(2).zip(costates) {
+            let (x, u) = pair[0].as_slice().split_at(n);
+            let running = self.running.hessian(x, u).map_err(NotEvaluated::because)?;
+            let (value, slope, mut second) = cost_at_node(&running, h, n, m);
+            let first = if curvature == Curvature::Exact {
+                let phi = self.step.contract(x, u, h, costate.as_slice()).map_err(NotEvaluated::because)?;
+                add(&mut second, (0, 0), phi.xx, 1.0);
+                add(&mut second, (n, 0), phi.ux, 1.0);
+                add_transposed(&mut second, (0, n), phi.ux, 1.0);
+                add(&mut second, (n, n), phi.uu, 1.0);
+                phi.first
+            } else {
+                self.step.linearise(x, u, h).map_err(NotEvaluated::because)?
+            };
+            let mut both = DMatrix::zeros(n, n + m);
+            add(&mut both, (0, 0), first.phi_x, 1.0);
+            add(&mut both, (0, n), first.phi_u, 1.0);
+            defects.push(DVector::from_column_slice(first.next) - pair[1].rows(0, n));
+            cost += value;
+            gradient.push(slope);
+            hessian.push(second);
+            jacobian.push(both);
+        }
+        let last = nodes[self.intervals].as_slice();
+        let terminal = self.terminal.hessian(last, &[]).map_err(NotEvaluated::because)?;
+        let (value, slope, second) = cost_at_node(&terminal, 1.0, n, 0);
+        gradient.push(slope);
+        hessian.push(second);
+        Ok(Model { values: Values::new(cost + value, defects)?, gradient, jacobian, hessian })
+    }
+}
+
+/// Weight times a cost, its gradient and its Hessian.
+fn cost_at_node(
+    cost: &CostHessian<'_, f64>,
+    h: f64,
+    n: usize,
+    m: usize,
+) -> (f64, DVector<f64>, DMatrix<f64>) {
+    let slope = cost.gradient.x.iter().chain(cost.gradient.u).map(|entry| h * entry);
+    let gradient = DVector::from_iterator(n + m, slope);
+    let mut hessian = DMatrix::zeros(n + m, n + m);
+    add(&mut hessian, (0, 0), cost.xx, h);
+    add(&mut hessian, (n, n), cost.uu, h);
+    if let Some(ux) = cost.ux {
+        add(&mut hessian, (n, 0), ux, h);
+        add_transposed(&mut hessian, (0, n), ux, h);
+    }
+    (h * cost.gradient.value, gradient, hessian)
+}
+
+fn add(target: &mut DMatrix<f64>, (top, left): (usize, usize), block: Block<'_, f64>, factor: f64) {
+    for (i, row) in block.iter_rows().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            target[(top + i, left + j)] += factor * entry;
+        }
+    }
+}
+
+fn add_transposed(
+    target: &mut DMatrix<f64>,
+    (top, left): (usize, usize),
+    block: Block<'_, f64>,
+    factor: f64,
+) {
+    for (i, row) in block.iter_rows().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            target[(top + j, left + i)] += factor * entry;
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Newton's method for the implicit part of a stage.
+
+use super::StepError;
+use super::stage::{Implicit, Stage};
+use crate::dynamics::Dynamics;
+use crate::scalar::Scalar;
+use std::ops::{Range, RangeInclusive};
+
+/// Iterations after which a value that has not converged is given up.
+const MOST: usize = 20;
+
+/// Iterations of numbers that are not checked, as many as short steps of robots take.
+const UNCHECKED: usize = 3;
+
+/// Powers of ten that the last change is compared with where it did not become small.
+const DECADES: RangeInclusive<i32> = -16..=300;
+
+/// Workspace for the solution of `X_k = g_k + h a f_k(X, u)`, k in a range, all other X_k known.
+#[derive(Clone, Debug)]
+pub(super) struct Newton<S> {
+    /// f somewhere near, for a first guess.
+    pub slope: Vec<S>,
+    known: Vec<S>,
+    change: Vec<S>,
+    /// Iterations of all stages since this was last set to 0.
+    pub iterations: usize,
+}
+
+impl<S: Scalar> Newton<S> {
+    pub fn new(states: usize) -> Self {
+        let zero = vec![S::zero(); states];
+        Self { slope: zero.clone(), known: zero.clone(), change: zero, iterations: 0 }
+    }
+
+    /// Solves for `stage.x`, which holds g, from the guess `g + h a slope`.
+    ///
+    /// Convergence is quadratic: once a change is as small as [`Self::is_small`] asks, the next one would be rounding.
+    /// Numbers that carry derivatives of order d go on: from a value that is right, an iteration with the Jacobian in
+    /// the same numbers makes right what is of first order, the next what is up to third, then up to seventh; that is
+    /// `ceil(log2(d + 1))` more of them.
+    pub fn solve<D: Dynamics<S>>(
+        &mut self,
+        model: &mut D,
+        stage: &mut Stage<S>,
+        u: &[S],
+        h: S,
+    ) -> Result<(), StepError<D::Error>> {
+        let Some(implicit) = &mut stage.implicit else { return Ok(()) };
+        let (x, range) = (&mut stage.x, implicit.range.clone());
+        let factor = h.times(implicit.a);
+        self.known.copy_from_slice(x);
+        for k in range {
+            x[k] += factor * self.slope[k];
+        }
+        let mut iterations = 0;
+        let mut left = if S::CHECKED { None } else { Some(UNCHECKED + more_for_derivatives::<S>()) };
+        while left != Some(0) {
+            if S::CHECKED && !x.iter().all(|x| x.is_finite()) {
+                return Err(StepError::NotConverged { iterations, change: f64::INFINITY });
+            }
+            if S::CHECKED && iterations == MOST {
+                return Err(StepError::NotConverged { iterations, change: self.decade(implicit, x) });
+            }
+            self.iterate(model, implicit, x, u, h)?;
+            iterations += 1;
+            left = match left {
+                Some(left) => Some(left - 1),
+                None => self.is_small(implicit, x).then(more_for_derivatives::<S>),
+            };
+        }
+        self.iterations += iterations;
+        Ok(())
+    }
+
+    /// `X <- X + (1 - h a f_x)^-1 (g + h a f - X)`.
+    fn iterate<D: Dynamics<S>>(
+        &mut self,
+        model: &mut D,
+        implicit: &mut Implicit<S>,
+        x: &mut [S],
+        u: &[S],
+        h: S,
+    ) -> Result<(), D::Error> {
+        let range = implicit.range.clone();
+        let factor = h.times(implicit.a);
+        let first = model.linearise(x, u)?;
+        for k in range.clone() {
+            self.change[k] = self.known[k] - x[k] + factor * first.f[k];
+        }
+        implicit.factor(h, |k| first.f_x.row(k));
+        implicit.matrix.solve(&mut self.change[range.clone()]);
+        range.for_each(|k| x[k] += self.change[k]);
+        Ok(())
+    }
+
+    /// Whether every change is below `sqrt(eps)/64` of the largest of its half, or below `512 eps`.
+    ///
+    /// The first is for states of any size, the second for one at rest, whose change is rounding of forces in balance.
+    fn is_small(&self, implicit: &Implicit<S>, x: &[S]) -> bool {
+        self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0).plus(512.0 * S::EPSILON))
+    }
+
+    /// The least power of ten that the last change is below, relative to the largest of its half and 1.
+    fn decade(&self, implicit: &Implicit<S>, x: &[S]) -> f64 {
+        let below = |power: &f64| self.is_below(implicit, x, |size| size.plus(1.0).times(*power));
+        DECADES.map(|exponent| 10_f64.powi(exponent)).find(below).unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether every change is below a bound made from the largest entry of its half.
+    fn is_below(&self, implicit: &Implicit<S>, x: &[S], bound: impl Fn(S) -> S) -> bool {
+        let (half, Range { start, end }) = (x.len() / 2, implicit.range.clone());
+        [start..end.min(half), start.max(half)..end].into_iter().all(|range| {
+            let bound = bound(largest(&x[range.clone()]));
+            self.change[range].iter().all(|change| S::all(change.abs().less(bound)))
+        })
+    }
+}
+
+/// The largest absolute value.
+fn largest<S: Scalar>(values: &[S]) -> S {
+    values.iter().fold(S::zero(), |largest, value| {
+        let size = value.abs();
+        S::select(largest.less(size), size, largest)
+    })
+}
+
+/// `ceil(log2(d + 1))` for derivatives up to order d.
+fn more_for_derivatives<S: Scalar>() -> usize {
+    (S::ORDER + 1).next_power_of_two().trailing_zeros() as usize
+}

@@ -1,0 +1,141 @@
+//! Steps of a robot by every scheme beside hyper-dual numbers through them.
+
+use super::{
+    Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
+    StepContraction, StepError, Verlet,
+};
+use crate::derivative::{Figure, largest, relative_difference, worse};
+use crate::error::EvalError;
+use crate::hamiltonian::Hamiltonian;
+use crate::matrix::{Matrix, add_scaled, dot};
+use crate::robot::Robot;
+use num_dual::HyperDual64;
+
+/// The derivatives of one step of a robot, every scheme set beside hyper-dual numbers through the step itself, the
+/// iterations of implicit schemes included.
+///
+/// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction.
+pub struct StepRoutes {
+    momenta: Hamiltonian<f64>,
+    runge_kutta: Compared<HamiltonianRobot, Classical>,
+    verlet: Compared<HamiltonianRobot, Verlet>,
+    midpoint: Compared<HamiltonianRobot, Midpoint>,
+    semi_implicit: Compared<LagrangianRobot, SemiImplicit>,
+}
+
+impl StepRoutes {
+    /// Builds every workspace.
+    pub fn new(robot: &Robot) -> Self {
+        let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
+        Self {
+            momenta: Hamiltonian::new(robot),
+            runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian),
+            verlet: Compared::new("Verlet (q, p)", &hamiltonian),
+            midpoint: Compared::new("midpoint (q, p)", &hamiltonian),
+            semi_implicit: Compared::new("semi-implicit (q, v)", &lagrangian),
+        }
+    }
+
+    /// Compares a step of duration h from x = (q, p) under u, with the costate y, which is also the direction in x; that in
+    /// u is u itself. Figures are appended.
+    ///
+    /// # Errors
+    /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
+    pub fn compare(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+        figures: &mut Vec<Figure>,
+    ) -> Result<(), StepError<EvalError>> {
+        let n = self.momenta.len();
+        for (what, found, expected) in [("x", x.len(), 2 * n), ("u", u.len(), n), ("y", y.len(), 2 * n)] {
+            if found != expected {
+                return Err(StepError::WrongLength { what, expected, found });
+            }
+        }
+        let start = figures.len();
+        self.runge_kutta.compare(x, u, h, y, figures)?;
+        self.verlet.compare(x, u, h, y, figures)?;
+        self.midpoint.compare(x, u, h, y, figures)?;
+        let (q, p) = x.split_at(n);
+        let v = self.momenta.velocity(q, p)?;
+        self.semi_implicit.compare(&[q, v].concat(), u, h, y, figures)?;
+        figures[start..].sort_by_key(|figure| figure.quantity);
+        Ok(())
+    }
+}
+
+/// One scheme and its judge.
+struct Compared<F: ModelFamily, M: Scheme<F>> {
+    name: &'static str,
+    step: M::Step<f64>,
+    judge: M::Step<HyperDual64>,
+    z: Vec<HyperDual64>,
+}
+
+impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
+    fn new(name: &'static str, family: &F) -> Self {
+        let step = M::step(family.model::<f64>());
+        let inputs = step.states() + step.controls() + 1;
+        Self { name, judge: M::step(family.model()), z: vec![HyperDual64::from_re(0.0); inputs], step }
+    }
+
+    fn compare(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+        figures: &mut Vec<Figure>,
+    ) -> Result<(), StepError<F::Error>> {
+        let (states, inputs) = (x.len(), self.z.len());
+        let direction = [y, u, &[0.0]].concat();
+        let values = [x, u, &[h]].concat();
+        let (mut phi_z, mut product) = (Matrix::zeros(states, inputs), Matrix::zeros(1, inputs - 1));
+        for j in 0..inputs {
+            for (l, z) in self.z.iter_mut().enumerate() {
+                *z = HyperDual64::new(values[l], direction[l], f64::from(u8::from(l == j)), 0.0);
+            }
+            let (start, rest) = self.z.split_at(states);
+            let (control, duration) = rest.split_at(u.len());
+            let next = self.judge.advance(start, control, duration[0])?;
+            next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.eps2);
+            if j + 1 < inputs {
+                product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.eps1eps2 * y).sum();
+            }
+        }
+        let found = self.step.contract(x, u, h, y)?;
+        let first = jacobian(&found);
+        let mut by_hand = Matrix::zeros(1, inputs - 1);
+        times(&found, [y, u], by_hand.row_mut(0));
+        let largest_first = largest(phi_z.as_slice());
+        let natural = 1e-3 * largest(y) * worse(largest(y), largest(u)) * largest_first;
+        for (quantity, value) in [
+            ("Phi_z, z = (x, u, h)", relative_difference(first.view(), phi_z.view(), 0.0)),
+            ("y'Phi_zz d, z = (x, u)", relative_difference(by_hand.view(), product.view(), natural)),
+        ] {
+            figures.push(Figure { quantity, route: self.name, value, sensitivity: 1.0 });
+        }
+        Ok(())
+    }
+}
+
+/// `[Phi_x, Phi_u, Phi_h]`.
+fn jacobian(found: &StepContraction<'_, f64>) -> Matrix<f64> {
+    let first = &found.first;
+    let rows = first.phi_x.iter_rows().zip(first.phi_u.iter_rows()).zip(first.phi_h);
+    let entries: Vec<f64> = rows.flat_map(|((x, u), h)| [x, u, std::slice::from_ref(h)].concat()).collect();
+    Matrix::from_rows(entries.len() / first.next.len().max(1), &entries)
+}
+
+/// `y'Phi_zz (d_x, d_u)`.
+fn times(found: &StepContraction<'_, f64>, [d_x, d_u]: [&[f64]; 2], product: &mut [f64]) {
+    let (in_x, in_u) = product.split_at_mut(d_x.len());
+    in_x.iter_mut().zip(found.xx.iter_rows()).for_each(|(entry, row)| *entry = dot(row, d_x));
+    for (k, entry) in in_u.iter_mut().enumerate() {
+        add_scaled(in_x, d_u[k], found.ux.row(k));
+        *entry = dot(found.ux.row(k), d_x) + dot(found.uu.row(k), d_u);
+    }
+}
