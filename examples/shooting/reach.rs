@@ -4,7 +4,7 @@ use crate::curvature::Curvature;
 use crate::problem::{Bounds, Problem};
 use crate::solver::{Options, Solution, Status, solve};
 use costate::dynamics::{Cost, QuadraticCost};
-use costate::step::{Step, StepContraction, StepFirstOrder};
+use costate::step::Step;
 use nalgebra::DVector;
 
 /// Weight of the effort, relative to the bounds, beside the squared distance from the end: makes the controls unique.
@@ -51,7 +51,7 @@ fn solve_nearest<M: Step<f64>, L, F>(
     let mut nearest = Problem {
         running: QuadraticCost::running(&vec![0.0; end.len()], &weights),
         terminal: QuadraticCost::terminal(&vec![1.0; end.len()]).about(end, &[]),
-        step: Borrowed(&mut problem.step),
+        step: &mut problem.step,
         intervals: problem.intervals,
         h: problem.h,
         start: problem.start.clone(),
@@ -64,37 +64,4 @@ fn solve_nearest<M: Step<f64>, L, F>(
         guess,
         &Options { tolerance: 1e-8, least_barrier: 1e-9, ..Options::new(Curvature::Exact) },
     )
-}
-
-/// A step of another problem.
-struct Borrowed<'m, M>(&'m mut M);
-
-impl<M: Step<f64>> Step<f64> for Borrowed<'_, M> {
-    type Error = M::Error;
-
-    fn states(&self) -> usize {
-        self.0.states()
-    }
-
-    fn controls(&self) -> usize {
-        self.0.controls()
-    }
-
-    fn advance(&mut self, x: &[f64], u: &[f64], h: f64) -> Result<&[f64], M::Error> {
-        self.0.advance(x, u, h)
-    }
-
-    fn linearise(&mut self, x: &[f64], u: &[f64], h: f64) -> Result<StepFirstOrder<'_, f64>, M::Error> {
-        self.0.linearise(x, u, h)
-    }
-
-    fn contract(
-        &mut self,
-        x: &[f64],
-        u: &[f64],
-        h: f64,
-        y: &[f64],
-    ) -> Result<StepContraction<'_, f64>, M::Error> {
-        self.0.contract(x, u, h, y)
-    }
 }
