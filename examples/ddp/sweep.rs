@@ -65,10 +65,7 @@ impl Stage {
         self.l_u.iter_mut().zip(cost.gradient.u).for_each(|(to, from)| *to = h * from);
         set(&mut self.l_xx, cost.xx, h);
         set(&mut self.l_uu, cost.uu, h);
-        match cost.ux {
-            Some(ux) => set(&mut self.l_ux, ux, h),
-            None => self.l_ux.fill(0.0),
-        }
+        set_or_clear(&mut self.l_ux, cost.ux, h);
     }
 
     /// Takes the Jacobians of a step.
@@ -80,8 +77,8 @@ impl Stage {
     /// Takes `share` of the second derivatives of a step.
     pub fn set_curvature(&mut self, step: &StepContraction<'_, f64>, share: f64) {
         set(&mut self.xx, step.xx, share);
-        set(&mut self.ux, step.ux, share);
-        set(&mut self.uu, step.uu, share);
+        set_or_clear(&mut self.ux, step.ux, share);
+        set_or_clear(&mut self.uu, step.uu, share);
     }
 
     /// Takes none of them.
@@ -186,6 +183,14 @@ impl Promise {
     /// The promised change of the cost; not positive for alpha from 0 to 1.
     pub fn change(&self, alpha: f64) -> f64 {
         alpha * (self.slope + 0.5 * alpha * self.curvature)
+    }
+}
+
+/// A block that may be zero by structure, in the columns that it has.
+fn set_or_clear(to: &mut DMatrix<f64>, from: Option<Block<'_, f64>>, factor: f64) {
+    to.fill(0.0);
+    if let Some(from) = from {
+        set(to, from, factor);
     }
 }
 

@@ -78,9 +78,13 @@ impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
             let first = if curvature == Curvature::Exact {
                 let phi = self.step.contract(x, u, h, costate.as_slice()).map_err(NotEvaluated::because)?;
                 add(&mut second, (0, 0), phi.xx, 1.0);
-                add(&mut second, (n, 0), phi.ux, 1.0);
-                add_transposed(&mut second, (0, n), phi.ux, 1.0);
-                add(&mut second, (n, n), phi.uu, 1.0);
+                if let Some(ux) = phi.ux {
+                    add(&mut second, (n, 0), ux, 1.0);
+                    add_transposed(&mut second, (0, n), ux, 1.0);
+                }
+                if let Some(uu) = phi.uu {
+                    add(&mut second, (n, n), uu, 1.0);
+                }
                 phi.first
             } else {
                 self.step.linearise(x, u, h).map_err(NotEvaluated::because)?

@@ -198,17 +198,27 @@ pub struct Contraction<'a, S> {
 
 impl<S: Scalar> Contraction<'_, S> {
     /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u.
-    pub fn times(&self, [d_x, d_u]: [&[S]; 2], [x_product, u_product]: [&mut [S]; 2]) {
-        x_product.iter_mut().zip(self.xx.iter_rows()).for_each(|(entry, row)| *entry = dot(row, d_x));
-        u_product.fill(S::zero());
-        if let Some(ux) = self.ux {
-            for ((row, &d), entry) in ux.iter_rows().zip(d_u).zip(&mut *u_product) {
-                add_scaled(x_product, d, row);
-                *entry = dot(row, d_x);
-            }
+    pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
+        times(self.xx, [self.ux, self.uu], d, product);
+    }
+}
+
+/// `[ xx ux' ; ux uu ] (d_x ; d_u)`; ux is zero in the states beyond its columns.
+pub(crate) fn times<S: Scalar>(
+    xx: Block<'_, S>,
+    [ux, uu]: [Option<Block<'_, S>>; 2],
+    [d_x, d_u]: [&[S]; 2],
+    [x_product, u_product]: [&mut [S]; 2],
+) {
+    x_product.iter_mut().zip(xx.iter_rows()).for_each(|(entry, row)| *entry = dot(row, d_x));
+    u_product.fill(S::zero());
+    if let Some(ux) = ux {
+        for ((row, &d), entry) in ux.iter_rows().zip(d_u).zip(&mut *u_product) {
+            add_scaled(x_product, d, row);
+            *entry = dot(row, d_x);
         }
-        if let Some(uu) = self.uu {
-            u_product.iter_mut().zip(uu.iter_rows()).for_each(|(entry, row)| *entry += dot(row, d_u));
-        }
+    }
+    if let Some(uu) = uu {
+        u_product.iter_mut().zip(uu.iter_rows()).for_each(|(entry, row)| *entry += dot(row, d_u));
     }
 }

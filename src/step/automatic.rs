@@ -4,7 +4,7 @@ use super::error::check;
 use super::outcome::Outcome;
 use super::{Step, StepContraction, StepError, StepFirstOrder};
 use crate::derivative::{DerivativeError, Function, InnerNumber};
-use crate::dynamics::{Automatic, Contraction, Dynamics, FirstOrder};
+use crate::dynamics::{Automatic, Dynamics, FirstOrder};
 use crate::scalar::Scalar;
 
 /// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs as states.
@@ -120,13 +120,11 @@ where
         self.set([x, u], h, Some(y))?;
         let second = self.automatic.contract(x, &self.u_h, y)?;
         take(&mut self.outcome, &second.first);
-        let without_h = Contraction {
+        Ok(StepContraction {
+            first: self.outcome.first(),
+            xx: second.xx,
             ux: second.ux.map(|ux| ux.corner(u.len(), x.len())),
             uu: second.uu.map(|uu| uu.corner(u.len(), u.len())),
-            ..second
-        };
-        self.outcome.clear_hessian();
-        self.outcome.add(&without_h, None);
-        Ok(self.outcome.contraction())
+        })
     }
 }

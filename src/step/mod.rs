@@ -15,6 +15,7 @@
 
 mod automatic;
 mod error;
+mod hessian;
 mod lu;
 mod newton;
 mod one_step;
@@ -35,6 +36,7 @@ pub use tableau::{
     Classical, ImplicitMidpoint, Midpoint, Pair, RungeKutta4, StoermerVerlet, Tableau, Verlet,
 };
 
+use crate::dynamics::times;
 use crate::matrix::Block;
 use crate::scalar::Scalar;
 
@@ -110,14 +112,23 @@ pub struct StepFirstOrder<'a, S> {
 }
 
 /// One step, its Jacobians, and the second derivatives of y'Phi; borrowed from a workspace.
+///
+/// Blocks in u that are zero by structure do not exist: those of a scheme that is as simple as its model.
 #[derive(Clone, Copy, Debug)]
 pub struct StepContraction<'a, S> {
     /// Phi, Phi_x, Phi_u, Phi_h.
     pub first: StepFirstOrder<'a, S>,
     /// `sum_k y_k d2 Phi_k / dx dx`, states x states, symmetric.
     pub xx: Block<'a, S>,
-    /// `sum_k y_k d2 Phi_k / du dx`, controls x states.
-    pub ux: Block<'a, S>,
+    /// `sum_k y_k d2 Phi_k / du dx`, controls x as many of the first states as it has columns; zero in the others.
+    pub ux: Option<Block<'a, S>>,
     /// `sum_k y_k d2 Phi_k / du du`, controls x controls, symmetric.
-    pub uu: Block<'a, S>,
+    pub uu: Option<Block<'a, S>>,
+}
+
+impl<S: Scalar> StepContraction<'_, S> {
+    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u.
+    pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
+        times(self.xx, [self.ux, self.uu], d, product);
+    }
 }

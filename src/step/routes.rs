@@ -7,7 +7,7 @@ use super::{
 use crate::derivative::{Figure, largest, relative_difference, worse};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
-use crate::matrix::{Matrix, add_scaled, dot};
+use crate::matrix::Matrix;
 use crate::robot::Robot;
 use num_dual::HyperDual64;
 
@@ -109,7 +109,8 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         let found = self.step.contract(x, u, h, y)?;
         let first = jacobian(&found);
         let mut by_hand = Matrix::zeros(1, inputs - 1);
-        times(&found, [y, u], by_hand.row_mut(0));
+        let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(states);
+        found.times([y, u], [in_x, in_u]);
         let largest_first = largest(phi_z.as_slice());
         let natural = 1e-3 * largest(y) * worse(largest(y), largest(u)) * largest_first;
         for (quantity, value) in [
@@ -128,14 +129,4 @@ fn jacobian(found: &StepContraction<'_, f64>) -> Matrix<f64> {
     let rows = first.phi_x.iter_rows().zip(first.phi_u.iter_rows()).zip(first.phi_h);
     let entries: Vec<f64> = rows.flat_map(|((x, u), h)| [x, u, std::slice::from_ref(h)].concat()).collect();
     Matrix::from_rows(entries.len() / first.next.len().max(1), &entries)
-}
-
-/// `y'Phi_zz (d_x, d_u)`.
-fn times(found: &StepContraction<'_, f64>, [d_x, d_u]: [&[f64]; 2], product: &mut [f64]) {
-    let (in_x, in_u) = product.split_at_mut(d_x.len());
-    in_x.iter_mut().zip(found.xx.iter_rows()).for_each(|(entry, row)| *entry = dot(row, d_x));
-    for (k, entry) in in_u.iter_mut().enumerate() {
-        add_scaled(in_x, d_u[k], found.ux.row(k));
-        *entry = dot(found.ux.row(k), d_x) + dot(found.uu.row(k), d_u);
-    }
 }

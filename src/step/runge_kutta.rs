@@ -1,6 +1,7 @@
 //! Any scheme of a tableau as a step, with its derivatives by the adjoint of the stages.
 
 use super::error::check;
+use super::hessian::StageHessians;
 use super::newton::Newton;
 use super::outcome::Outcome;
 use super::stage::{Stage, differentiate_sum, sum};
@@ -30,6 +31,7 @@ pub struct RungeKutta<S, D, T> {
     stages: Vec<Stage<S>>,
     newton: Newton<S>,
     outcome: Outcome<S>,
+    hessians: StageHessians<S>,
     tableau: PhantomData<T>,
 }
 
@@ -62,6 +64,7 @@ impl<S: Scalar, D: Dynamics<S>, T: Tableau> RungeKutta<S, D, T> {
             stages: T::A.iter().map(|row| Stage::new(states, controls, row)).collect(),
             newton: Newton::new(states),
             outcome: Outcome::new(states, controls),
+            hessians: StageHessians::new(states, controls),
             model,
             tableau: PhantomData,
         }
@@ -167,7 +170,7 @@ impl<S: Scalar, D: Dynamics<S>, T: Tableau> Step<S> for RungeKutta<S, D, T> {
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error> {
         check(self.sizes(), [x, u], h, Some(y))?;
         self.newton.iterations = 0;
-        self.outcome.clear_hessian();
+        self.hessians.clear();
         let last = T::A.len() - 1;
         let last_is_explicit = self.stages[last].implicit.is_none();
         for i in 0..last {
@@ -190,9 +193,10 @@ impl<S: Scalar, D: Dynamics<S>, T: Tableau> Step<S> for RungeKutta<S, D, T> {
                 stage.differentiate(h, coefficients(T::A[i], before));
             }
             stage.turn_back();
-            self.outcome.add(&second, (!stage.is_start).then_some(&stage.x_z));
+            self.hessians.add(&second, (!stage.is_start).then_some(&stage.x_z));
         }
         self.arrive_with_derivatives(x, h);
-        Ok(self.outcome.contraction())
+        let [xx, ux, uu] = self.hessians.blocks();
+        Ok(StepContraction { first: self.outcome.first(), xx, ux: Some(ux), uu: Some(uu) })
     }
 }

@@ -3,7 +3,7 @@
 use super::error::check;
 use super::outcome::Outcome;
 use super::{Step, StepContraction, StepError, StepFirstOrder};
-use crate::dynamics::{Dynamics, FirstOrder};
+use crate::dynamics::{Contraction, Dynamics, FirstOrder};
 use crate::lagrangian;
 use crate::matrix::add_scaled;
 use crate::scalar::Scalar;
@@ -124,14 +124,14 @@ impl<S: Scalar, D: VelocityForm<S>> Step<S> for SemiImplicitEuler<S, D> {
 
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error> {
         check(self.sizes(), [x, u], h, Some(y))?;
+        let Self { model, outcome, mu } = self;
         let n = x.len() / 2;
         for k in 0..n {
-            self.mu[n + k] = h * (y[n + k] + h * y[k]);
+            mu[n + k] = h * (y[n + k] + h * y[k]);
         }
-        let second = self.model.contract(x, u, &self.mu)?;
-        arrive_with_derivatives(&mut self.outcome, x, h, &second.first);
-        self.outcome.clear_hessian();
-        self.outcome.add(&second, None);
-        Ok(self.outcome.contraction())
+        let second = model.contract(x, u, mu)?;
+        arrive_with_derivatives(outcome, x, h, &second.first);
+        let Contraction { xx, ux, uu, .. } = second;
+        Ok(StepContraction { first: outcome.first(), xx, ux, uu })
     }
 }

@@ -1,7 +1,7 @@
 //! Contracted Hessians and Jacobians of steps against hyper-dual numbers through the step.
 
 use super::random_robot::{Case, cases, condition};
-use super::{flat, made, off};
+use super::{filled, flat, made, off};
 use costate::derivative::{DerivativeError, Hessian, largest};
 use costate::dynamics::Dynamics;
 use costate::matrix::Matrix;
@@ -37,6 +37,7 @@ pub fn differences<F: ModelFamily + Clone, M: Scheme<F>>(
     let natural = 1e-3 * h.abs() * largest(y) * largest(&f_x);
     let mut step = M::step::<f64>(family.model());
     let found = step.contract(x, u, h, y)?;
+    let controls = inputs - states;
     let in_u = largest(&flat(found.first.phi_u));
     let states_and = |rest| columns(0..states, rest, jacobian);
     Ok([
@@ -45,8 +46,12 @@ pub fn differences<F: ModelFamily + Clone, M: Scheme<F>>(
         off(&flat(found.first.phi_u), &states_and(states..inputs), 0.0),
         off(found.first.phi_h, &states_and(inputs..inputs + 1), 1e-3 * largest(&f_x)),
         off(&flat(found.xx), &columns(0..states, 0..states, &whole), natural),
-        off(&flat(found.ux), &columns(states..inputs, 0..states, &whole), natural * in_u),
-        off(&flat(found.uu), &columns(states..inputs, states..inputs, &whole), natural * in_u * in_u),
+        off(&filled(found.ux, controls, states), &columns(states..inputs, 0..states, &whole), natural * in_u),
+        off(
+            &filled(found.uu, controls, controls),
+            &columns(states..inputs, states..inputs, &whole),
+            natural * in_u * in_u,
+        ),
     ])
 }
 

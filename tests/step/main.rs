@@ -20,6 +20,12 @@ fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
 }
 
+/// A block with the zeros that are so by structure, `rows` x `columns`.
+fn filled(block: Option<Block<'_, f64>>, rows: usize, columns: usize) -> Vec<f64> {
+    let Some(block) = block else { return vec![0.0; rows * columns] };
+    block.iter_rows().flat_map(|row| [row, &vec![0.0; columns - row.len()]].concat()).collect()
+}
+
 /// `max |a - b| / max(max |b|, natural)`.
 fn off(found: &[f64], expected: &[f64], natural: f64) -> f64 {
     assert_eq!(found.len(), expected.len());

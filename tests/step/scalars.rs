@@ -104,8 +104,9 @@ fn contractions_nest() {
         let mut midpoint = ImplicitMidpoint::new(SecondOrder::<S>::new(&arm));
         let verlet = verlet.contract(&x, &u, h, &y).unwrap();
         let midpoint = midpoint.contract(&x, &u, h, &y).unwrap();
-        [verlet.xx, verlet.ux, midpoint.xx, midpoint.ux]
+        [Some(verlet.xx), verlet.ux, Some(midpoint.xx), midpoint.ux]
             .iter()
+            .flatten()
             .flat_map(|b| b.iter_rows().flatten().copied())
             .collect()
     }
