@@ -145,7 +145,10 @@ proptest! {
         let robot = case.robot();
         let tree = || Tree::from(&robot);
         let mut model = hamiltonian::SecondOrder::from_tree(tree());
-        models_agree(&mut model, &mut Automatic::new(Momenta(tree())), (&case, &case.x(&robot)))?;
+        let mut judge = Automatic::new(Momenta(tree()));
+        models_agree(&mut model, &mut judge, (&case, &case.x(&robot)))?;
+        let mut model = hamiltonian::DualPass::from_tree(tree());
+        models_agree(&mut &mut model, &mut judge, (&case, &case.x(&robot)))?;
         let mut model = lagrangian::SecondOrder::from_tree(tree());
         let z = [case.q.as_slice(), &case.v].concat();
         models_agree(&mut model, &mut Automatic::new(Velocities(tree())), (&case, &z))?;

@@ -149,6 +149,26 @@ fn the_jacobian_takes_few_multiplications() {
     }
 }
 
+/// What second derivatives add: less by the 2n+1 rule than by one dual pass, products less than the matrix.
+#[test]
+fn second_derivatives_take_few_multiplications() {
+    for robot in [robots::file("puma560.toml"), robots::file("biped.toml"), robots::random("general", 6, 1)] {
+        for constants in [Constants::Folded, Constants::Kept] {
+            let table = OperationTable::new(&robot, constants).unwrap();
+            let of = |quantity, route| table.get(quantity, route).unwrap().mul as f64;
+            let analytic = |quantity| of(quantity, "analytic");
+            let name = robot.name();
+            assert!(analytic("y_f_xx") < of("y_f_xx", "dual pass"), "{name}: the rule");
+            assert!(analytic("y_f_xx") < 2.9 * analytic("f_x"), "{name}: beside F, F_x");
+            assert!(analytic("y_f_x") < 2.5 * analytic("f"), "{name}: adjoint product beside F");
+            assert!(analytic("y_f_x") < analytic("f_x"), "{name}: adjoint product beside F_x");
+            assert!(analytic("y_f_xx_d") < 0.8 * analytic("y_f_xx"), "{name}: product");
+            assert!(analytic("f_xx") < robot.len() as f64 * analytic("y_f_xx"), "{name}: whole tensor");
+            assert!(of("y_f_xx", "hyperdual") > 25.0 * analytic("y_f_xx"), "{name}: hyper-dual numbers");
+        }
+    }
+}
+
 /// A chain of six joints whose frames are turned by `rpy` from one to the next.
 fn chain(rpy: [f64; 3], offset: [f64; 3]) -> Robot {
     let mut builder = Robot::builder("chain");

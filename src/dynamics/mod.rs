@@ -7,6 +7,7 @@
 //! | implementation | of | derivatives |
 //! |---|---|---|
 //! | [`hamiltonian::SecondOrder`](crate::hamiltonian::SecondOrder) | [`Dynamics`], x = (q, p) | by hand |
+//! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | by hand, one dual pass |
 //! | [`lagrangian::SecondOrder`](crate::lagrangian::SecondOrder) | [`Dynamics`], x = (q, v) | by hand, one dual pass |
 //! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
 //! | [`QuadraticCost`] | [`Cost`] | by hand |

@@ -2,9 +2,35 @@
 
 use super::{Contraction, Dynamics, FirstOrder, Structure};
 use crate::error::{EvalError, check_length};
-use crate::hamiltonian::SecondOrder;
+use crate::hamiltonian::{ContractedHessian, DualPass, Hamiltonian, Linearisation, SecondOrder};
+use crate::kernels::Route;
 use crate::lagrangian;
 use crate::scalar::Scalar;
+
+/// What is constant in x = (q, p): f_u = (0; 1).
+const HAMILTONIAN: Structure = Structure { constant_f_u: true, affine_in_u: true, f_u_depends_on: 0 };
+
+/// F and its Jacobians.
+fn first_order<'a, S: Scalar>(linear: Linearisation<'a, S>) -> FirstOrder<'a, S> {
+    FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() }
+}
+
+/// F, its Jacobians and y'F_xx.
+fn contraction<'a, S: Scalar>(second: ContractedHessian<'a, S>) -> Contraction<'a, S> {
+    Contraction { first: first_order(second.linearisation()), xx: second.matrix(), ux: None, uu: None }
+}
+
+/// y'F_x without F_x, and y'F_u.
+fn adjoint<S: Scalar, R: Route>(
+    first: &mut Hamiltonian<S, R>,
+    [x, u, y]: [&[S]; 3],
+    [y_f_x, y_f_u]: [&mut [S]; 2],
+) -> Result<(), EvalError> {
+    let (q, p) = halves(x, first.len())?;
+    y_f_x.copy_from_slice(first.adjoint(q, p, u, y)?.y_f_x);
+    y_f_u.copy_from_slice(&y[first.len()..]);
+    Ok(())
+}
 
 /// F of (17), (19): x = (q, p), u the actuation; f_u = (0; 1) is constant.
 impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
@@ -19,7 +45,7 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
     }
 
     fn structure(&self) -> Structure {
-        Structure { constant_f_u: true, affine_in_u: true, f_u_depends_on: 0 }
+        HAMILTONIAN
     }
 
     fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
@@ -29,16 +55,12 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
 
     fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
         let (q, p) = halves(x, self.len())?;
-        let linear = self.first().jacobian(q, p, u)?;
-        Ok(FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() })
+        self.first().jacobian(q, p, u).map(first_order)
     }
 
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
         let (q, p) = halves(x, self.len())?;
-        let second = self.contracted_hessian(q, p, u, y)?;
-        let linear = second.linearisation();
-        let first = FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() };
-        Ok(Contraction { first, xx: second.matrix(), ux: None, uu: None })
+        self.contracted_hessian(q, p, u, y).map(contraction)
     }
 
     fn adjoint(
@@ -49,12 +71,7 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
         y_f_x: &mut [S],
         y_f_u: &mut [S],
     ) -> Result<(), EvalError> {
-        let n = self.len();
-        let (q, p) = halves(x, n)?;
-        let product = self.first().adjoint(q, p, u, y)?;
-        y_f_x.copy_from_slice(product.y_f_x);
-        y_f_u.copy_from_slice(&y[n..]);
-        Ok(())
+        adjoint(self.first(), [x, u, y], [y_f_x, y_f_u])
     }
 
     fn hessian_product(
@@ -69,6 +86,49 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
         x_product.copy_from_slice(SecondOrder::hessian_product(self, q, p, y, d_x)?);
         u_product.fill(S::zero());
         Ok(())
+    }
+}
+
+/// The same by any route, y'F_xx by one dual pass.
+impl<S: Scalar, R: Route> Dynamics<S> for DualPass<S, R> {
+    type Error = EvalError;
+
+    fn states(&self) -> usize {
+        2 * self.len()
+    }
+
+    fn controls(&self) -> usize {
+        self.len()
+    }
+
+    fn structure(&self) -> Structure {
+        HAMILTONIAN
+    }
+
+    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        self.first().phase_velocity(q, p, u)
+    }
+
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        self.first().jacobian(q, p, u).map(first_order)
+    }
+
+    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
+        let (q, p) = halves(x, self.len())?;
+        self.contracted_hessian(q, p, u, y).map(contraction)
+    }
+
+    fn adjoint(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        y_f_x: &mut [S],
+        y_f_u: &mut [S],
+    ) -> Result<(), EvalError> {
+        adjoint(self.first(), [x, u, y], [y_f_x, y_f_u])
     }
 }
 
