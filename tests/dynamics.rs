@@ -215,6 +215,11 @@ fn wrong_lengths_are_errors() {
         assert!(model.contract(&x[1..], &u, &x).is_err() && model.contract(&x, &x, &x).is_err());
         let error = model.contract(&x, &u, &u).map(|_| ()).unwrap_err();
         assert!(error.to_string().contains('y') && error.to_string().contains("entries"), "{error}");
+        let (mut in_x, mut in_u) = (x.clone(), u.clone());
+        assert!(model.adjoint(&x, &u, &x, &mut in_x, &mut in_u).is_ok());
+        assert!(model.adjoint(&x, &u, &u, &mut in_x, &mut in_u).is_err());
+        assert!(model.adjoint(&x, &u, &[&x[..], &u].concat(), &mut in_x, &mut in_u).is_err());
+        assert!(model.hessian_product(&x, &u, &u, [&x, &u], [&mut in_x, &mut in_u]).is_err());
         assert!(model.value(&x, &u).is_ok());
     }
     fn cost_refuses<C: Cost<f64>>(mut cost: C) {
@@ -226,6 +231,7 @@ fn wrong_lengths_are_errors() {
     }
     let robot = Robot::from_file(format!("{}/robots/two_link.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
     model_refuses(hamiltonian::SecondOrder::new(&robot));
+    model_refuses(hamiltonian::DualPass::new(&robot));
     model_refuses(lagrangian::SecondOrder::new(&robot));
     model_refuses(Automatic::<_, f64>::new(Momenta(Tree::from(&robot))));
     cost_refuses(QuadraticCost::<f64>::running(&WEIGHTS.0, &WEIGHTS.1));

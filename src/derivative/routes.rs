@@ -111,7 +111,7 @@ impl Routes {
     ///
     /// Differences are relative to the largest entry or, where a quantity vanishes, to its natural size (see
     /// [`relative_difference`]): `e = sum |p_i v_i| + max |L_q|` for F_x; `max |y|` times e or a thousandth of `max |F_x|`
-    /// for y'F_xx; `max |v|` times the same for dH/dt.
+    /// for y'F_xx; `max |v|` times the same for dH/dt; the largest entry of the matrix times that of the vector for products.
     ///
     /// # Errors
     /// Those of [`Hamiltonian`].
@@ -169,7 +169,7 @@ impl Routes {
         let product: Vec<f64> =
             (0..x.len()).map(|j| y.iter().enumerate().map(|(k, y)| y * expected[(k, j)]).sum()).collect();
         let found = self.analytic.first().adjoint(q, p, u, y)?.y_f_x;
-        let natural = worse(energy, 1e-3 * largest(expected.as_slice())) * largest(y);
+        let natural = worse(energy, largest(expected.as_slice())) * largest(y);
         let adjoint = vector_difference(found, &product, natural);
         for (route, value) in [("analytic", by_hand), ("tensors", tensors), ("dual", dual)] {
             self.push("F_x", route, value);
@@ -194,7 +194,7 @@ impl Routes {
         let asymmetry = asymmetry(&by_dual.view().to_nalgebra(), natural);
         let product: Vec<f64> = (0..x.len()).map(|i| dot(expected.row(i), y)).collect();
         let found = self.analytic.hessian_product(q, p, y, y)?;
-        let along = worse(natural, 1e-3 * largest(expected.as_slice())) * largest(y);
+        let along = worse(natural, largest(expected.as_slice())) * largest(y);
         let product = vector_difference(found, &product, along);
         for (route, value) in [("analytic", analytic), ("dual pass", dual_pass), ("packed tensor", packed)] {
             self.push("y'F_xx", route, value);

@@ -95,6 +95,16 @@ impl<F: Function, T: InnerNumber> Parts<F, T> {
         Ok(())
     }
 
+    /// `y` belongs to the outputs.
+    pub fn check_costate(&self, y: &[T]) -> Result<(), DerivativeError<F::Error>> {
+        match (self.value.len(), y.len()) {
+            (expected, found) if expected != found => {
+                Err(DerivativeError::WrongLength { what: "y", expected, found })
+            }
+            _ => Ok(()),
+        }
+    }
+
     pub fn evaluate(&mut self) -> Result<(), DerivativeError<F::Error>> {
         Ok(self.function.evaluate(&mut self.workspace, &self.z, &mut self.value)?)
     }
@@ -178,6 +188,19 @@ where
         self.parts.set(x, u)?;
         self.differentiate()?;
         Ok(self.first())
+    }
+
+    fn adjoint(
+        &mut self,
+        x: &[T],
+        u: &[T],
+        y: &[T],
+        y_f_x: &mut [T],
+        y_f_u: &mut [T],
+    ) -> Result<(), Self::Error> {
+        self.parts.check_costate(y)?;
+        self.linearise(x, u)?.adjoint(y, [y_f_x, y_f_u]);
+        Ok(())
     }
 
     fn contract(&mut self, x: &[T], u: &[T], y: &[T]) -> Result<Contraction<'_, T>, Self::Error> {

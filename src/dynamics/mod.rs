@@ -75,13 +75,7 @@ pub trait Dynamics<S: Scalar> {
         y_f_x: &mut [S],
         y_f_u: &mut [S],
     ) -> Result<(), Self::Error> {
-        let first = self.linearise(x, u)?;
-        y_f_x.fill(S::zero());
-        y_f_u.fill(S::zero());
-        for (k, &y) in y.iter().enumerate() {
-            add_scaled(y_f_x, y, first.f_x.row(k));
-            add_scaled(y_f_u, y, first.f_u.row(k));
-        }
+        self.linearise(x, u)?.adjoint(y, [y_f_x, y_f_u]);
         Ok(())
     }
 
@@ -180,6 +174,18 @@ pub struct FirstOrder<'a, S> {
     pub f_x: Block<'a, S>,
     /// df/du, states x controls.
     pub f_u: Block<'a, S>,
+}
+
+impl<S: Scalar> FirstOrder<'_, S> {
+    /// y'f_x and y'f_u.
+    pub fn adjoint(&self, y: &[S], [y_f_x, y_f_u]: [&mut [S]; 2]) {
+        y_f_x.fill(S::zero());
+        y_f_u.fill(S::zero());
+        for ((&y, f_x), f_u) in y.iter().zip(self.f_x.iter_rows()).zip(self.f_u.iter_rows()) {
+            add_scaled(y_f_x, y, f_x);
+            add_scaled(y_f_u, y, f_u);
+        }
+    }
 }
 
 /// f, its Jacobians, and the second derivatives of y'f; borrowed from a workspace.

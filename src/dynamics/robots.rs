@@ -27,52 +27,61 @@ fn adjoint<S: Scalar, R: Route>(
     [y_f_x, y_f_u]: [&mut [S]; 2],
 ) -> Result<(), EvalError> {
     let (q, p) = halves(x, first.len())?;
+    check_length("y_f_x", y_f_x, x.len())?;
+    check_length("y_f_u", y_f_u, first.len())?;
     y_f_x.copy_from_slice(first.adjoint(q, p, u, y)?.y_f_x);
     y_f_u.copy_from_slice(&y[first.len()..]);
     Ok(())
 }
 
+/// What does not depend on how y'F_xx is computed.
+macro_rules! in_phase_space {
+    () => {
+        type Error = EvalError;
+
+        fn states(&self) -> usize {
+            2 * self.len()
+        }
+
+        fn controls(&self) -> usize {
+            self.len()
+        }
+
+        fn structure(&self) -> Structure {
+            HAMILTONIAN
+        }
+
+        fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
+            let (q, p) = halves(x, self.len())?;
+            self.first().phase_velocity(q, p, u)
+        }
+
+        fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
+            let (q, p) = halves(x, self.len())?;
+            self.first().jacobian(q, p, u).map(first_order)
+        }
+
+        fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
+            let (q, p) = halves(x, self.len())?;
+            self.contracted_hessian(q, p, u, y).map(contraction)
+        }
+
+        fn adjoint(
+            &mut self,
+            x: &[S],
+            u: &[S],
+            y: &[S],
+            y_f_x: &mut [S],
+            y_f_u: &mut [S],
+        ) -> Result<(), EvalError> {
+            adjoint(self.first(), [x, u, y], [y_f_x, y_f_u])
+        }
+    };
+}
+
 /// F of (17), (19): x = (q, p), u the actuation; f_u = (0; 1) is constant.
 impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
-    type Error = EvalError;
-
-    fn states(&self) -> usize {
-        2 * self.len()
-    }
-
-    fn controls(&self) -> usize {
-        self.len()
-    }
-
-    fn structure(&self) -> Structure {
-        HAMILTONIAN
-    }
-
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
-        let (q, p) = halves(x, self.len())?;
-        self.first().phase_velocity(q, p, u)
-    }
-
-    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
-        let (q, p) = halves(x, self.len())?;
-        self.first().jacobian(q, p, u).map(first_order)
-    }
-
-    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
-        let (q, p) = halves(x, self.len())?;
-        self.contracted_hessian(q, p, u, y).map(contraction)
-    }
-
-    fn adjoint(
-        &mut self,
-        x: &[S],
-        u: &[S],
-        y: &[S],
-        y_f_x: &mut [S],
-        y_f_u: &mut [S],
-    ) -> Result<(), EvalError> {
-        adjoint(self.first(), [x, u, y], [y_f_x, y_f_u])
-    }
+    in_phase_space!();
 
     fn hessian_product(
         &mut self,
@@ -83,6 +92,7 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
         [x_product, u_product]: [&mut [S]; 2],
     ) -> Result<(), EvalError> {
         let (q, p) = halves(x, self.len())?;
+        check_length("x_product", x_product, x.len())?;
         x_product.copy_from_slice(SecondOrder::hessian_product(self, q, p, y, d_x)?);
         u_product.fill(S::zero());
         Ok(())
@@ -91,45 +101,7 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
 
 /// The same by any route, y'F_xx by one dual pass.
 impl<S: Scalar, R: Route> Dynamics<S> for DualPass<S, R> {
-    type Error = EvalError;
-
-    fn states(&self) -> usize {
-        2 * self.len()
-    }
-
-    fn controls(&self) -> usize {
-        self.len()
-    }
-
-    fn structure(&self) -> Structure {
-        HAMILTONIAN
-    }
-
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
-        let (q, p) = halves(x, self.len())?;
-        self.first().phase_velocity(q, p, u)
-    }
-
-    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
-        let (q, p) = halves(x, self.len())?;
-        self.first().jacobian(q, p, u).map(first_order)
-    }
-
-    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
-        let (q, p) = halves(x, self.len())?;
-        self.contracted_hessian(q, p, u, y).map(contraction)
-    }
-
-    fn adjoint(
-        &mut self,
-        x: &[S],
-        u: &[S],
-        y: &[S],
-        y_f_x: &mut [S],
-        y_f_u: &mut [S],
-    ) -> Result<(), EvalError> {
-        adjoint(self.first(), [x, u, y], [y_f_x, y_f_u])
-    }
+    in_phase_space!();
 }
 
 /// (9): x = (q, v), u the actuation; f_u = (0; M^-1) depends on q.
@@ -167,6 +139,19 @@ impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
         let state = second.state();
         let first = FirstOrder { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() };
         Ok(Contraction { first, xx: second.xx(), ux: Some(second.uq()), uu: None })
+    }
+
+    fn adjoint(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        y_f_x: &mut [S],
+        y_f_u: &mut [S],
+    ) -> Result<(), EvalError> {
+        check_length("y", y, 2 * self.len())?;
+        self.linearise(x, u)?.adjoint(y, [y_f_x, y_f_u]);
+        Ok(())
     }
 }
 

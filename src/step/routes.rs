@@ -112,7 +112,8 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(states);
         found.times([y, u], [in_x, in_u]);
         let largest_first = largest(phi_z.as_slice());
-        let natural = 1e-3 * largest(y) * worse(largest(y), largest(u)) * largest_first;
+        let largest_second = found.xx.iter_rows().map(largest).fold(1e-3 * largest(y) * largest_first, worse);
+        let natural = largest_second * worse(largest(y), largest(u));
         for (quantity, value) in [
             ("Phi_z, z = (x, u, h)", relative_difference(first.view(), phi_z.view(), 0.0)),
             ("y'Phi_zz d, z = (x, u)", relative_difference(by_hand.view(), product.view(), natural)),
