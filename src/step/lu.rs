@@ -1,6 +1,6 @@
 //! Solutions with the matrix of Newton's method.
 
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, dot};
 use crate::scalar::Scalar;
 
 /// `A = L U` of a square matrix, L with ones on its diagonal, without exchange of rows.
@@ -42,7 +42,6 @@ impl<S: Scalar> Lu<S> {
 
     /// `b <- A^-1 b`.
     pub fn solve(&self, b: &mut [S]) {
-        let dot = |row: &[S], b: &[S]| row.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| sum + a * b);
         for i in 0..self.size() {
             let known = dot(&self.a.row(i)[..i], &b[..i]);
             b[i] -= known;
