@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum EvalError {
     /// An argument of the wrong length.
-    #[error("{what} has {found} entries, not {expected}; the robot's joints fix the length")]
+    #[error("{what} has {found} entries, not {expected}")]
     WrongLength {
         /// The argument.
         what: &'static str,

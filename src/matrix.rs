@@ -211,9 +211,9 @@ impl<'a> Block<'a, f64> {
     /// The same numbers as a view of nalgebra, without a copy.
     pub fn as_nalgebra(&self) -> DMatrixView<'a, f64, Dyn, Dyn> {
         let columns = self.matrix.columns;
-        let start = self.top * columns + self.left;
         let empty = self.rows == 0 || self.columns == 0;
-        let end = if empty { start } else { start + (self.rows - 1) * columns + self.columns };
+        let start = if empty { 0 } else { self.top * columns + self.left };
+        let end = if empty { 0 } else { start + (self.rows - 1) * columns + self.columns };
         DMatrixView::from_slice_with_strides_generic(
             &self.matrix.data[start..end],
             Dyn::from_usize(self.rows),
@@ -265,6 +265,7 @@ mod tests {
             assert_eq!(empty.view().to_nalgebra().shape(), (rows, columns));
             assert_eq!(empty.view().iter_rows().count(), rows);
         }
+        assert_eq!(m.block(4, 6, 0, 0).to_nalgebra().shape(), (0, 0));
     }
 
     #[test]

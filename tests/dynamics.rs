@@ -220,6 +220,19 @@ fn wrong_lengths_are_errors() {
         assert!(model.adjoint(&x, &u, &u, &mut in_x, &mut in_u).is_err());
         assert!(model.adjoint(&x, &u, &[&x[..], &u].concat(), &mut in_x, &mut in_u).is_err());
         assert!(model.hessian_product(&x, &u, &u, [&x, &u], [&mut in_x, &mut in_u]).is_err());
+        assert!(model.hessian_product(&x, &u, &x, [&u, &u], [&mut in_x, &mut in_u]).is_err());
+        assert!(model.hessian_product(&x, &u, &x, [&x, &[]], [&mut in_x, &mut in_u]).is_err());
+        assert!(model.hessian_product(&x, &u, &x, [&x, &u], [&mut in_x, &mut []]).is_err());
+        assert!(model.adjoint(&x, &u, &x, &mut in_u, &mut []).is_err());
+        let mut bad = x.clone();
+        for k in [0, x.len() - 1] {
+            bad[k] = f64::NAN;
+            assert!(model.value(&bad, &u).is_err() && model.contract(&x, &u, &bad).is_err());
+            assert!(model.adjoint(&x, &u, &bad, &mut in_x, &mut in_u).is_err());
+            assert!(model.hessian_product(&x, &u, &x, [&bad, &u], [&mut in_x, &mut in_u]).is_err());
+            bad[k] = 0.0;
+        }
+        assert!(model.hessian_product(&x, &u, &x, [&x, &u], [&mut in_x, &mut in_u]).is_ok());
         assert!(model.value(&x, &u).is_ok());
     }
     fn cost_refuses<C: Cost<f64>>(mut cost: C) {

@@ -202,6 +202,9 @@ fn wrong_lengths_and_numbers_are_named() {
     assert_eq!(full.evaluate(&four, &two).map(drop).unwrap_err(), wrong("q", 2, 4));
     let tensor = full.evaluate(&two, &two).unwrap();
     assert_eq!(tensor.contract(&two, &mut Matrix::zeros(4, 4)).unwrap_err(), wrong("y", 4, 2));
-    assert_eq!(tensor.contract(&four, &mut Matrix::zeros(4, 3)).unwrap_err(), wrong("contracted", 4, 3));
+    assert_eq!(
+        tensor.contract(&four, &mut Matrix::zeros(4, 3)).unwrap_err(),
+        wrong("a row of contracted", 4, 3)
+    );
     assert_eq!(second.value(&two, &two).map(drop).unwrap_err(), wrong("x", 4, 2));
 }

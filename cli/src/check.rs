@@ -57,11 +57,15 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let bar = ProgressBar::new(arguments.samples as u64 + 1);
     bar.set_style(ProgressStyle::with_template("{bar:40} {pos}/{len} states, {eta} left")?);
     let (mut at_zero, mut at_random, mut left_out) = (Worst::default(), Worst::default(), Vec::new());
+    let mut steps_left_out = 0;
     for k in 0..=arguments.samples {
         let sample = random_sample(&robot, &mut hamiltonian, &mut rng, k == 0)?;
         let worst = if k == 0 { &mut at_zero } else { &mut at_random };
         match compare(&mut routes, &mut steps, &sample) {
-            Ok(report) => worst.include(report, arguments.tolerance),
+            Ok((report, unsolved)) => {
+                worst.include(report, arguments.tolerance);
+                steps_left_out += usize::from(unsolved);
+            }
             Err(Left::Out(reason)) => left_out.push(reason),
             Err(Left::Failed(error)) => return Err(error),
         }
@@ -75,12 +79,18 @@ pub fn run(arguments: &Arguments) -> Outcome {
         return Err("no state could be evaluated".into());
     }
     let mut out = std::io::stdout().lock();
+    if steps_left_out > 0 {
+        writeln!(
+            out,
+            "In {steps_left_out} states an implicit step of 1 ms was not solved: no figures of steps there.\n"
+        )?;
+    }
     print(&robot, arguments, &at_zero, &at_random, &mut out)
 }
 
 /// Why a state gives no figures.
 enum Left {
-    /// It is singular, or so near to it that an implicit step has no solution.
+    /// It is singular.
     Out(String),
     Failed(Box<dyn std::error::Error>),
 }
@@ -94,19 +104,23 @@ impl From<EvalError> for Left {
     }
 }
 
-/// All figures at one state.
-fn compare(routes: &mut Routes, steps: &mut StepRoutes, sample: &Sample) -> Result<StateReport, Left> {
+/// All figures at one state, and whether those of steps are missing: near a singular M they may have no solution.
+fn compare(
+    routes: &mut Routes,
+    steps: &mut StepRoutes,
+    sample: &Sample,
+) -> Result<(StateReport, bool), Left> {
     let Sample { x, u, y } = sample;
     let mut report = routes.compare(x, u, y).map_err(|error| match error {
         DerivativeError::Function(error) => error.into(),
         error => Left::Failed(error.into()),
     })?;
-    steps.compare(x, u, STEP, y, &mut report.figures).map_err(|error| match error {
-        StepError::Dynamics(error) => error.into(),
-        StepError::NotConverged { .. } => Left::Out(error.to_string()),
-        error => Left::Failed(error.into()),
-    })?;
-    Ok(report)
+    match steps.compare(x, u, STEP, y, &mut report.figures) {
+        Ok(()) => Ok((report, false)),
+        Err(StepError::NotConverged { .. }) => Ok((report, true)),
+        Err(StepError::Dynamics(error)) => Err(error.into()),
+        Err(error) => Err(Left::Failed(error.into())),
+    }
 }
 
 /// q uniform over its range; v, u and y uniform in +-1.
@@ -141,8 +155,8 @@ impl Worst {
     }
 
     /// One figure of the report, in print; a dash where no state was evaluated.
-    fn figure(&self, figure: impl Fn(&StateReport) -> f64) -> String {
-        self.report.as_ref().map_or("-".into(), |report| scientific(figure(report)))
+    fn figure(&self, figure: impl Fn(&StateReport) -> Option<f64>) -> String {
+        self.report.as_ref().and_then(figure).map_or("-".into(), scientific)
     }
 }
 
@@ -164,14 +178,15 @@ fn print(
     writeln!(out, "Largest relative difference, max |a - b| / max |b|:\n")?;
     let mut table = Table::new(&["quantity", "route", "at q = 0", "random states"], 2);
     let mut above = "";
-    let report = zero.report.as_ref().or(random.report.as_ref());
-    for (k, named) in report.iter().flat_map(|report| &report.figures).enumerate() {
+    let reports = zero.report.iter().chain(&random.report);
+    let fullest = reports.max_by_key(|report| report.figures.len());
+    for (k, named) in fullest.iter().flat_map(|report| &report.figures).enumerate() {
         let quantity = if named.quantity == above { "" } else { named.quantity };
         above = named.quantity;
-        let figures = [zero, random].map(|worst| worst.figure(|report| report.figures[k].value));
+        let figures = [zero, random].map(|worst| worst.figure(|report| Some(report.figures.get(k)?.value)));
         table.row([vec![quantity.into(), named.route.into()], figures.into()].concat());
     }
-    let conditions = [zero, random].map(|worst| worst.figure(|report| report.condition));
+    let conditions = [zero, random].map(|worst| worst.figure(|report| Some(report.condition)));
     table.row([vec!["cond(M), largest".into(), "-".into()], conditions.into()].concat());
     writeln!(out, "{table}")?;
     for line in [

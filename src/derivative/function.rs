@@ -82,13 +82,21 @@ pub enum DerivativeError<E: std::error::Error> {
         /// Length it has.
         found: usize,
     },
+    /// An argument with an infinite or undefined entry.
+    #[error("{what}[{index}] is not finite; check what produced it")]
+    NonFinite {
+        /// The argument.
+        what: &'static str,
+        /// Position of the entry, from 0.
+        index: usize,
+    },
     /// The function itself failed.
     #[error(transparent)]
     Function(#[from] E),
 }
 
 /// `slice` must have `expected` entries.
-pub(super) fn check_length<T, E: std::error::Error>(
+pub(crate) fn check_length<T, E: std::error::Error>(
     what: &'static str,
     slice: &[T],
     expected: usize,

@@ -24,6 +24,7 @@ mod routes;
 
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
+pub(crate) use function::check_length;
 pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};

@@ -21,7 +21,7 @@ pub struct Figure {
 pub struct StateReport {
     /// Condition number of M in the 2-norm.
     pub condition: f64,
-    /// Every comparison; the same in every report on one robot.
+    /// Every comparison; the same in every report on one robot, but that the last may be missing.
     pub figures: Vec<Figure>,
 }
 
@@ -43,12 +43,13 @@ impl StateReport {
         self.figures.iter().map(|figure| figure.value / allowed(figure)).fold(0.0, worse)
     }
 
-    /// The larger of each figure of two reports on one robot.
+    /// The larger of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
     pub fn with_worse_of(mut self, other: &Self) -> Self {
         self.condition = worse(self.condition, other.condition);
         for (ours, theirs) in self.figures.iter_mut().zip(&other.figures) {
             ours.value = worse(ours.value, theirs.value);
         }
+        self.figures.extend(other.figures.iter().skip(self.figures.len()));
         self
     }
 }
@@ -57,6 +58,9 @@ impl StateReport {
 ///
 /// `natural` is the size of the terms that a quantity is the sum of: it can vanish though its terms do not (a balanced
 /// wheel, friction at rest, a pendulum at a right angle), and is then rounding, of which no digit can agree.
+///
+/// # Panics
+/// If the blocks differ in shape.
 pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -> f64 {
     let (a, b) = (a.as_nalgebra(), b.as_nalgebra());
     in_relation(largest(&(a - b)), largest(b), natural)

@@ -1,7 +1,7 @@
 //! Any function generic over the scalar as a model, by automatic differentiation.
 
 use super::{Contraction, Dynamics, FirstOrder, Structure};
-use crate::derivative::{CHUNK, DerivativeError, Function, Hessian, InnerNumber, Jacobian};
+use crate::derivative::{CHUNK, DerivativeError, Function, Hessian, InnerNumber, Jacobian, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
@@ -85,11 +85,10 @@ impl<F: Function, T: InnerNumber> Parts<F, T> {
     /// z = (x, u).
     pub fn set(&mut self, x: &[T], u: &[T]) -> Result<(), DerivativeError<F::Error>> {
         let states = self.states();
-        for (what, found, expected) in [("x", x.len(), states), ("u", u.len(), self.controls())] {
-            if found != expected {
-                return Err(DerivativeError::WrongLength { what, expected, found });
-            }
-        }
+        check_length("x", x, states)?;
+        check_length("u", u, self.controls())?;
+        check_finite("x", x)?;
+        check_finite("u", u)?;
         self.z[..states].copy_from_slice(x);
         self.z[states..].copy_from_slice(u);
         Ok(())
@@ -97,12 +96,8 @@ impl<F: Function, T: InnerNumber> Parts<F, T> {
 
     /// `y` belongs to the outputs.
     pub fn check_costate(&self, y: &[T]) -> Result<(), DerivativeError<F::Error>> {
-        match (self.value.len(), y.len()) {
-            (expected, found) if expected != found => {
-                Err(DerivativeError::WrongLength { what: "y", expected, found })
-            }
-            _ => Ok(()),
-        }
+        check_length("y", y, self.value.len())?;
+        check_finite("y", y)
     }
 
     pub fn evaluate(&mut self) -> Result<(), DerivativeError<F::Error>> {
@@ -122,6 +117,17 @@ impl<F: Function, T: InnerNumber> Parts<F, T> {
             self.uu.row_mut(i).copy_from_slice(right);
         }
         Ok(())
+    }
+}
+
+/// Every entry is finite.
+fn check_finite<T: InnerNumber, E: std::error::Error>(
+    what: &'static str,
+    values: &[T],
+) -> Result<(), DerivativeError<E>> {
+    match values.iter().position(|value| T::CHECKED && !Scalar::is_finite(*value)) {
+        Some(index) => Err(DerivativeError::NonFinite { what, index }),
+        None => Ok(()),
     }
 }
 
@@ -199,12 +205,33 @@ where
         y_f_u: &mut [T],
     ) -> Result<(), Self::Error> {
         self.parts.check_costate(y)?;
+        check_length("y_f_x", y_f_x, x.len())?;
+        check_length("y_f_u", y_f_u, u.len())?;
         self.linearise(x, u)?.adjoint(y, [y_f_x, y_f_u]);
+        Ok(())
+    }
+
+    fn hessian_product(
+        &mut self,
+        x: &[T],
+        u: &[T],
+        y: &[T],
+        [d_x, d_u]: [&[T]; 2],
+        [x_product, u_product]: [&mut [T]; 2],
+    ) -> Result<(), Self::Error> {
+        check_length("d_x", d_x, x.len())?;
+        check_length("d_u", d_u, u.len())?;
+        check_length("x_product", x_product, x.len())?;
+        check_length("u_product", u_product, u.len())?;
+        check_finite("d_x", d_x)?;
+        check_finite("d_u", d_u)?;
+        self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
         Ok(())
     }
 
     fn contract(&mut self, x: &[T], u: &[T], y: &[T]) -> Result<Contraction<'_, T>, Self::Error> {
         self.parts.set(x, u)?;
+        self.parts.check_costate(y)?;
         self.differentiate()?;
         self.parts.contract(y)?;
         let Parts { xx, ux, uu, .. } = &self.parts;

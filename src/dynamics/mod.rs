@@ -177,7 +177,7 @@ pub struct FirstOrder<'a, S> {
 }
 
 impl<S: Scalar> FirstOrder<'_, S> {
-    /// y'f_x and y'f_u.
+    /// y'f_x and y'f_u, as far as the slices and the Jacobians both reach.
     pub fn adjoint(&self, y: &[S], [y_f_x, y_f_u]: [&mut [S]; 2]) {
         y_f_x.fill(S::zero());
         y_f_u.fill(S::zero());
@@ -204,7 +204,7 @@ pub struct Contraction<'a, S> {
 }
 
 impl<S: Scalar> Contraction<'_, S> {
-    /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u.
+    /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u, as far as the slices reach.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
         times(self.xx, [self.ux, self.uu], d, product);
     }

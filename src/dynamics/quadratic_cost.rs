@@ -44,7 +44,10 @@ impl<S: Scalar> QuadraticCost<S> {
         Self::running(states, &[])
     }
 
-    /// The same about other targets, as long as the weights.
+    /// The same about other targets, as long as the weights: `&[]` for the controls of a terminal cost.
+    ///
+    /// # Panics
+    /// If a target is not as long as its weights.
     pub fn about(mut self, states: &[f64], controls: &[f64]) -> Self {
         for (target, new) in self.targets.iter_mut().zip([states, controls]) {
             target.copy_from_slice(new);

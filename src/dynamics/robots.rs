@@ -2,9 +2,10 @@
 
 use super::{Contraction, Dynamics, FirstOrder, Structure};
 use crate::error::{EvalError, check_length};
-use crate::hamiltonian::{ContractedHessian, DualPass, Hamiltonian, Linearisation, SecondOrder};
+use crate::hamiltonian::{ContractedHessian, DualPass, Hamiltonian, Linearisation, SecondOrder, check};
 use crate::kernels::Route;
 use crate::lagrangian;
+use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 /// What is constant in x = (q, p): f_u = (0; 1).
@@ -86,13 +87,13 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
     fn hessian_product(
         &mut self,
         x: &[S],
-        _: &[S],
+        u: &[S],
         y: &[S],
-        [d_x, _]: [&[S]; 2],
+        [d_x, d_u]: [&[S]; 2],
         [x_product, u_product]: [&mut [S]; 2],
     ) -> Result<(), EvalError> {
         let (q, p) = halves(x, self.len())?;
-        check_length("x_product", x_product, x.len())?;
+        check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
         x_product.copy_from_slice(SecondOrder::hessian_product(self, q, p, y, d_x)?);
         u_product.fill(S::zero());
         Ok(())
@@ -102,6 +103,19 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
 /// The same by any route, y'F_xx by one dual pass.
 impl<S: Scalar, R: Route> Dynamics<S> for DualPass<S, R> {
     in_phase_space!();
+
+    fn hessian_product(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        [d_x, d_u]: [&[S]; 2],
+        [x_product, u_product]: [&mut [S]; 2],
+    ) -> Result<(), EvalError> {
+        check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
+        self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
+        Ok(())
+    }
 }
 
 /// (9): x = (q, v), u the actuation; f_u = (0; M^-1) depends on q.
@@ -134,7 +148,7 @@ impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
         let n = self.len();
         let (q, v) = halves(x, n)?;
-        check_length("y", y, 2 * n)?;
+        check(self.first().tree(), "y", y, 2 * n)?;
         let second = self.contracted_hessian(q, v, u, &y[n..])?;
         let state = second.state();
         let first = FirstOrder { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() };
@@ -149,10 +163,40 @@ impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
         y_f_x: &mut [S],
         y_f_u: &mut [S],
     ) -> Result<(), EvalError> {
-        check_length("y", y, 2 * self.len())?;
+        let n = self.len();
+        check(self.first().tree(), "y", y, 2 * n)?;
+        check_length("y_f_x", y_f_x, x.len())?;
+        check_length("y_f_u", y_f_u, u.len())?;
         self.linearise(x, u)?.adjoint(y, [y_f_x, y_f_u]);
         Ok(())
     }
+
+    fn hessian_product(
+        &mut self,
+        x: &[S],
+        u: &[S],
+        y: &[S],
+        [d_x, d_u]: [&[S]; 2],
+        [x_product, u_product]: [&mut [S]; 2],
+    ) -> Result<(), EvalError> {
+        check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
+        self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
+        Ok(())
+    }
+}
+
+/// What a product takes besides x and y, and where it goes.
+fn check_product<S: Scalar>(
+    tree: &Tree,
+    [u, d_x, d_u]: [&[S]; 3],
+    [x_product, u_product]: [&[S]; 2],
+) -> Result<(), EvalError> {
+    let n = tree.len();
+    check(tree, "u", u, n)?;
+    check(tree, "d_x", d_x, 2 * n)?;
+    check(tree, "d_u", d_u, n)?;
+    check_length("x_product", x_product, 2 * n)?;
+    check_length("u_product", u_product, n)
 }
 
 /// The first n and the last n of 2n components.

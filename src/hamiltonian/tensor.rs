@@ -99,6 +99,7 @@ impl<S: Scalar> HessianTensor<S> {
     /// # Panics
     /// If an index is not below 2n.
     pub fn entry(&self, k: usize, i: usize, j: usize) -> S {
+        assert!(k < 2 * self.n, "({k}, {i}, {j}) is outside a tensor of {} indices", 2 * self.n);
         if k < self.n {
             return self.third(self.n + k, i, j);
         }
@@ -119,9 +120,11 @@ impl<S: Scalar> HessianTensor<S> {
     pub fn contract(&self, y: &[S], contracted: &mut Matrix<S>) -> Result<(), EvalError> {
         let size = 2 * self.n;
         check_length("y", y, size)?;
-        for count in [contracted.rows(), contracted.columns()] {
-            if count != size {
-                return Err(EvalError::WrongLength { what: "contracted", expected: size, found: count });
+        for (what, found) in
+            [("a column of contracted", contracted.rows()), ("a row of contracted", contracted.columns())]
+        {
+            if found != size {
+                return Err(EvalError::WrongLength { what, expected: size, found });
             }
         }
         for i in 0..size {

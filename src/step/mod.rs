@@ -127,7 +127,7 @@ pub struct StepContraction<'a, S> {
 }
 
 impl<S: Scalar> StepContraction<'_, S> {
-    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u.
+    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u, as far as the slices reach.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
         times(self.xx, [self.ux, self.uu], d, product);
     }

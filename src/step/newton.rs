@@ -93,9 +93,9 @@ impl<S: Scalar> Newton<S> {
         Ok(())
     }
 
-    /// Whether every change is below `sqrt(eps)/64` of the largest of its half, or below `512 eps`.
+    /// Whether every change is below `sqrt(eps)/64` of the largest of its half, plus `512 eps`.
     ///
-    /// The first is for states of any size, the second for one at rest, whose change is rounding of forces in balance.
+    /// The first term is for states of any size, the second for one at rest, whose change is rounding of forces in balance.
     fn is_small(&self, implicit: &Implicit<S>, x: &[S]) -> bool {
         self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0).plus(512.0 * S::EPSILON))
     }

@@ -37,7 +37,7 @@ impl StepRoutes {
     }
 
     /// Compares a step of duration h from x = (q, p) under u, with the costate y, which is also the direction in x; that in
-    /// u is u itself. Figures are appended.
+    /// u is u itself. Figures are appended: all of them, or with an error none.
     ///
     /// # Errors
     /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
@@ -56,14 +56,29 @@ impl StepRoutes {
             }
         }
         let start = figures.len();
+        let outcome = self.compare_all(x, u, h, y, figures);
+        match outcome {
+            Ok(()) => figures[start..].sort_by_key(|figure| figure.quantity),
+            Err(_) => figures.truncate(start),
+        }
+        outcome
+    }
+
+    fn compare_all(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+        figures: &mut Vec<Figure>,
+    ) -> Result<(), StepError<EvalError>> {
+        let n = self.momenta.len();
         self.runge_kutta.compare(x, u, h, y, figures)?;
         self.verlet.compare(x, u, h, y, figures)?;
         self.midpoint.compare(x, u, h, y, figures)?;
         let (q, p) = x.split_at(n);
         let v = self.momenta.velocity(q, p)?;
-        self.semi_implicit.compare(&[q, v].concat(), u, h, y, figures)?;
-        figures[start..].sort_by_key(|figure| figure.quantity);
-        Ok(())
+        self.semi_implicit.compare(&[q, v].concat(), u, h, y, figures)
     }
 }
 

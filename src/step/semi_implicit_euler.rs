@@ -15,6 +15,8 @@ pub trait VelocityForm<S: Scalar>: Dynamics<S> {}
 
 impl<S: Scalar> VelocityForm<S> for lagrangian::SecondOrder<S> {}
 
+impl<S: Scalar, D: VelocityForm<S>> VelocityForm<S> for &mut D {}
+
 /// `v+ = v + h a(q, v, u)`, then `q+ = q + h v+`: explicit, first order, one evaluation of f; no call allocates.
 ///
 /// What simulators of robots and of contact commonly use. It is symplectic only where the mass matrix is constant and
