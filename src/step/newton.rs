@@ -34,7 +34,7 @@ impl<S: Scalar> Newton<S> {
 
     /// Solves for `stage.x`, which holds g, from the guess `g + h a slope`.
     ///
-    /// Convergence is quadratic: once a change is as small as [`Self::is_small`] asks, the next one would be rounding.
+    /// Convergence is quadratic: once a change is as small as [`Self::left`] asks, the next one would be rounding.
     /// Numbers that carry derivatives of order d go on: from a value that is right, an iteration with the Jacobian in
     /// the same numbers makes right what is of first order, the next what is up to third, then up to seventh; that is
     /// `ceil(log2(d + 1))` more of them.
@@ -65,7 +65,7 @@ impl<S: Scalar> Newton<S> {
             iterations += 1;
             left = match left {
                 Some(left) => Some(left - 1),
-                None => self.is_small(implicit, x).then(more_for_derivatives::<S>),
+                None => self.left(implicit, x),
             };
         }
         self.iterations += iterations;
@@ -93,11 +93,18 @@ impl<S: Scalar> Newton<S> {
         Ok(())
     }
 
-    /// Whether every change is below `sqrt(eps)/64` of the largest of its half, plus `512 eps`.
+    /// How many iterations are left, if the last change says so.
     ///
-    /// The first term is for states of any size, the second for one at rest, whose change is rounding of forces in balance.
-    fn is_small(&self, implicit: &Implicit<S>, x: &[S]) -> bool {
-        self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0).plus(512.0 * S::EPSILON))
+    /// None but those for derivatives if every change is below `sqrt(eps)/64` of the largest of its half. A state at rest has
+    /// no size, and its change is rounding of forces in balance: below `512 eps` of 1 there is one more, for states that
+    /// are merely small in their units.
+    fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
+        let for_derivatives = more_for_derivatives::<S>();
+        if self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0)) {
+            return Some(for_derivatives);
+        }
+        let is_tiny = self.is_below(implicit, x, |_| S::from_f64(512.0 * S::EPSILON));
+        is_tiny.then_some(for_derivatives + 1)
     }
 
     /// The least power of ten that the last change is below, relative to the largest of its half and 1.

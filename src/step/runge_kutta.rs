@@ -24,8 +24,7 @@ use std::marker::PhantomData;
 /// are solutions with `1 - h A_ii f_x` at its solution and with the transpose of that.
 ///
 /// Implicit stages are solved by Newton's method to rounding, from an explicit guess; [`StepError::NotConverged`] where
-/// that fails, which a shorter step remedies. Rounding is that of numbers of the size of the state, and 512 times that of 1:
-/// states far smaller than 1 in their units are not solved further. Linear systems with `1 - h A_ii f_x` are solved
+/// that fails, which a shorter step remedies. Linear systems with `1 - h A_ii f_x` are solved
 /// without exchange of rows: a step so long that a leading minor of that matrix nearly vanishes costs digits of the derivatives.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<S, D, T> {

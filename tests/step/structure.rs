@@ -6,7 +6,7 @@ use costate::derivative::largest;
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::{self, Hamiltonian};
 use costate::lagrangian::{self, Lagrangian};
-use costate::robot::Robot;
+use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate::step::{
     HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, Midpoint, ModelFamily, RungeKutta4, Scheme,
     SemiImplicitEuler, Step, StoermerVerlet, Verlet,
@@ -130,7 +130,7 @@ fn explicit_schemes_are_not_symplectic() {
     assert!(found > 1e-3, "semi-implicit Euler: {found:.1e}");
 }
 
-/// A robot that its actuation holds against weight stays where it is, and Newton's method sees it at once.
+/// A robot that its actuation holds against weight stays where it is; Newton's method sees it at once, and looks once more.
 #[test]
 fn a_held_robot_stays() {
     for name in ["panda.urdf", "puma560.toml", "manutec_r3.toml"] {
@@ -142,11 +142,11 @@ fn a_held_robot_stays() {
             let mut verlet = StoermerVerlet::new(hamiltonian::SecondOrder::<f64>::new(&robot));
             let next = verlet.advance(&x, &hold, 0.01).unwrap();
             assert!(off(next, &x, 1.0) < 1e-13, "{name}: {next:?}");
-            assert_eq!(verlet.iterations(), 2, "{name}");
+            assert!((2..=4).contains(&verlet.iterations()), "{name}");
             let mut midpoint = ImplicitMidpoint::new(lagrangian::SecondOrder::<f64>::new(&robot));
             let next = midpoint.advance(&x, &hold, 0.01).unwrap();
             assert!(off(next, &x, 1.0) < 1e-13, "{name}: {next:?}");
-            assert_eq!(midpoint.iterations(), 1, "{name}");
+            assert!((1..=2).contains(&midpoint.iterations()), "{name}");
             assert_eq!(midpoint.model_mut().states(), 2 * n);
         }
     }
@@ -160,4 +160,32 @@ fn what_is_zero_by_structure_is_not_stored() {
     let second = step.contract(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.1], 0.01, &[0.4, -0.2, 0.7, 0.1]).unwrap();
     assert!(second.uu.is_none());
     assert_eq!(second.ux.map(|ux| (ux.rows(), ux.columns())), Some((2, 2)));
+}
+
+/// An arm that is lighter by a factor moves alike, its momenta lighter by the same: small states are solved as far as others.
+#[test]
+fn steps_do_not_depend_on_the_unit_of_mass() {
+    let arm = |scale: f64| {
+        let link =
+            || LinkInertia::about_com(scale, [0.3, 0.1, 0.0], nalgebra::Matrix3::identity() * (0.1 * scale));
+        let upper = JointSpec::revolute("shoulder").carrying(link());
+        let elbow = Placement::from_xyz_rpy([0.6, 0.0, 0.0], [0.0; 3]);
+        let lower = JointSpec::revolute("elbow").on("shoulder").placed(elbow).carrying(link());
+        Robot::builder("arm").joint(upper).joint(lower).build().unwrap()
+    };
+    let next = |scale: f64| {
+        let model = hamiltonian::SecondOrder::<f64>::new(&arm(scale));
+        let (x, h) = ([0.3, -0.8, scale, 0.5 * scale], 0.02);
+        let verlet = StoermerVerlet::new(model.clone()).advance(&x, &[0.0; 2], h).unwrap().to_vec();
+        let midpoint = ImplicitMidpoint::new(model).advance(&x, &[0.0; 2], h).unwrap().to_vec();
+        [verlet, midpoint].map(|mut next| {
+            next[2..].iter_mut().for_each(|p| *p /= scale);
+            next
+        })
+    };
+    for scale in [1e-12, 1e-6, 1e6] {
+        for (found, expected) in next(scale).iter().zip(&next(1.0)) {
+            assert!(off(found, expected, 0.0) < 1e-14, "{scale:.0e}: {found:?} {expected:?}");
+        }
+    }
 }
