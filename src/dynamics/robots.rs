@@ -35,8 +35,8 @@ fn adjoint<S: Scalar, R: Route>(
     Ok(())
 }
 
-/// What does not depend on how y'F_xx is computed.
-macro_rules! in_phase_space {
+/// What every robot has in common as a model.
+macro_rules! of_a_robot {
     () => {
         type Error = EvalError;
 
@@ -47,6 +47,31 @@ macro_rules! in_phase_space {
         fn controls(&self) -> usize {
             self.len()
         }
+    };
+}
+
+/// Products from the whole contraction, of checked arguments.
+macro_rules! product_by_contraction {
+    () => {
+        fn hessian_product(
+            &mut self,
+            x: &[S],
+            u: &[S],
+            y: &[S],
+            [d_x, d_u]: [&[S]; 2],
+            [x_product, u_product]: [&mut [S]; 2],
+        ) -> Result<(), EvalError> {
+            check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
+            self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
+            Ok(())
+        }
+    };
+}
+
+/// What does not depend on how y'F_xx is computed.
+macro_rules! in_phase_space {
+    () => {
+        of_a_robot!();
 
         fn structure(&self) -> Structure {
             HAMILTONIAN
@@ -103,32 +128,13 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
 /// The same by any route, y'F_xx by one dual pass.
 impl<S: Scalar, R: Route> Dynamics<S> for DualPass<S, R> {
     in_phase_space!();
-
-    fn hessian_product(
-        &mut self,
-        x: &[S],
-        u: &[S],
-        y: &[S],
-        [d_x, d_u]: [&[S]; 2],
-        [x_product, u_product]: [&mut [S]; 2],
-    ) -> Result<(), EvalError> {
-        check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
-        self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
-        Ok(())
-    }
+    product_by_contraction!();
 }
 
 /// (9): x = (q, v), u the actuation; f_u = (0; M^-1) depends on q.
 impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
-    type Error = EvalError;
-
-    fn states(&self) -> usize {
-        2 * self.len()
-    }
-
-    fn controls(&self) -> usize {
-        self.len()
-    }
+    of_a_robot!();
+    product_by_contraction!();
 
     fn structure(&self) -> Structure {
         Structure { constant_f_u: false, affine_in_u: true, f_u_depends_on: self.len() }
@@ -168,19 +174,6 @@ impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
         check_length("y_f_x", y_f_x, x.len())?;
         check_length("y_f_u", y_f_u, u.len())?;
         self.linearise(x, u)?.adjoint(y, [y_f_x, y_f_u]);
-        Ok(())
-    }
-
-    fn hessian_product(
-        &mut self,
-        x: &[S],
-        u: &[S],
-        y: &[S],
-        [d_x, d_u]: [&[S]; 2],
-        [x_product, u_product]: [&mut [S]; 2],
-    ) -> Result<(), EvalError> {
-        check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
-        self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
         Ok(())
     }
 }

@@ -138,7 +138,8 @@ impl<S: Scalar> HessianTensor<S> {
     }
 }
 
-/// Number of triples a <= b <= c < size with a < first.
+/// Number of triples a <= b <= c < size with a < first: all of them but those of the indices from `first` on.
 fn start(size: usize, first: usize) -> usize {
-    (0..first).map(|a| (size - a) * (size - a + 1) / 2).sum()
+    let triples = |indices: usize| indices * (indices + 1) * (indices + 2) / 6;
+    triples(size) - triples(size - first)
 }

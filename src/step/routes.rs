@@ -1,5 +1,6 @@
 //! Steps of a robot by every scheme beside hyper-dual numbers through them.
 
+use super::error::check;
 use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
@@ -50,35 +51,17 @@ impl StepRoutes {
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<EvalError>> {
         let n = self.momenta.len();
-        for (what, found, expected) in [("x", x.len(), 2 * n), ("u", u.len(), n), ("y", y.len(), 2 * n)] {
-            if found != expected {
-                return Err(StepError::WrongLength { what, expected, found });
-            }
-        }
-        let start = figures.len();
-        let outcome = self.compare_all(x, u, h, y, figures);
-        match outcome {
-            Ok(()) => figures[start..].sort_by_key(|figure| figure.quantity),
-            Err(_) => figures.truncate(start),
-        }
-        outcome
-    }
-
-    fn compare_all(
-        &mut self,
-        x: &[f64],
-        u: &[f64],
-        h: f64,
-        y: &[f64],
-        figures: &mut Vec<Figure>,
-    ) -> Result<(), StepError<EvalError>> {
-        let n = self.momenta.len();
-        self.runge_kutta.compare(x, u, h, y, figures)?;
-        self.verlet.compare(x, u, h, y, figures)?;
-        self.midpoint.compare(x, u, h, y, figures)?;
+        check([2 * n, n], [x, u], h, Some(y))?;
         let (q, p) = x.split_at(n);
-        let v = self.momenta.velocity(q, p)?;
-        self.semi_implicit.compare(&[q, v].concat(), u, h, y, figures)
+        let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
+        let mut found = Vec::new();
+        self.runge_kutta.compare(x, u, h, y, &mut found)?;
+        self.verlet.compare(x, u, h, y, &mut found)?;
+        self.midpoint.compare(x, u, h, y, &mut found)?;
+        self.semi_implicit.compare(&in_velocities, u, h, y, &mut found)?;
+        found.sort_by_key(|figure| figure.quantity);
+        figures.append(&mut found);
+        Ok(())
     }
 }
 
