@@ -197,6 +197,7 @@ fn print(
         "dual           dual numbers through F and a, and dual numbers in dual numbers",
         "Phi            one step of 1 ms, by the adjoint of its stages; d = (y, u)",
         "Every route is set beside hyper-dual numbers through F, a, the acceleration in (q, v), and Phi.",
+        "y'F_xx by tensors and y'a_zz by hand round M in another way: they are allowed cond(M)/100 below.",
         "Where a quantity vanishes, b is the size of the terms that cancel: energies, forces.\n",
     ] {
         writeln!(out, "  {line}")?;
