@@ -85,6 +85,12 @@ pub trait Scalar:
     /// `self + term` for a constant.
     fn plus(self, term: f64) -> Self;
 
+    /// `self * factor + term`, rounded once where the processor that is compiled for does that in one instruction.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+
     /// `1 / self`.
     fn recip(self) -> Self;
 

@@ -21,6 +21,14 @@ macro_rules! impl_scalar_for_float {
             fn plus(self, term: f64) -> Self {
                 self + term as $float
             }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                if cfg!(target_feature = "fma") {
+                    $float::mul_add(self, factor, term)
+                } else {
+                    self * factor + term
+                }
+            }
             #[inline]
             fn recip(self) -> Self {
                 $float::recip(self)
