@@ -1,5 +1,6 @@
 //! `costate`: exact derivatives of robot dynamics from a robot file.
 
+mod bench;
 mod check;
 mod count;
 mod eval;
@@ -37,6 +38,8 @@ enum Command {
     Check(check::Arguments),
     /// Count the operations of each quantity by each route
     Count(count::Arguments),
+    /// Time each quantity by each route on this machine
+    Bench(bench::Arguments),
 }
 
 /// The robot, and how to read it.
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Count(arguments) => count::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
     };
     match outcome {
         Ok(code) => code,

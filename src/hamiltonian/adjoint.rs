@@ -34,7 +34,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         let n = self.tree.len();
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         check(&self.tree, "y", y, 2 * n)?;
-        let Self { tree, flow, state, direction, product } = self;
+        let Self { tree, flow, state, direction, product, .. } = self;
         flow.first_order(tree, q, p)?;
         flow.kernel.second_order(tree);
         state.rate_of_change(tree, &flow.v, flow.kernel.l_q(), u);

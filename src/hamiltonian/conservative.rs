@@ -2,32 +2,32 @@
 
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Matrix, add_rows, dot};
+use crate::matrix::{Panel, dot, sized, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 /// `v = M^-1 p`, L_q and the blocks from which F_x and Hess H are put together.
 #[derive(Clone, Debug)]
-pub(super) struct Conservative<S, K> {
+pub(super) struct Conservative<S: Scalar, K> {
     pub kernel: K,
     pub factor: Factor<S>,
     /// `v = M^-1 p`.
     pub v: Vec<S>,
     /// `W = M^-1 P = -F^q,q`.
-    pub w: Matrix<S>,
+    pub w: Panel<S>,
     /// `Z = D^-1 L'^-1 P`; W = L^-1 Z.
-    pub z: Matrix<S>,
-    /// `M^-1 = F^q,p`.
-    pub inverse: Matrix<S>,
-    /// `L_qq - P' M^-1 P = F^p,q`, exactly symmetric.
-    pub reduced: Matrix<S>,
-    half: Matrix<S>,
+    pub z: Panel<S>,
+    /// `M^-1 = F^q,p`, at and below the diagonal.
+    pub inverse: Panel<S>,
+    /// `L_qq - P' M^-1 P = F^p,q`, at and below the diagonal.
+    pub reduced: Panel<S>,
+    half: Panel<S>,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
-        let square = Matrix::zeros(n, n);
+        let square = Panel::zeros(n, n);
         Self {
             kernel: K::new(tree),
             factor: Factor::new(tree),
@@ -74,23 +74,24 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     ///
     /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
     pub fn second_order(&mut self, tree: &Tree) {
-        let n = tree.len();
         self.kernel.second_order(tree);
-        self.half.copy_from(self.kernel.l_vq());
-        self.factor.solve_first_half(&mut self.half);
-        self.factor.divide_by_pivots(&self.half, &mut self.z);
-        self.reduced.copy_from(self.kernel.l_qq());
+        sized!(S, tree.len(), self.eliminate_velocities());
+    }
+
+    fn eliminate_velocities<const N: usize, const W: usize>(&mut self) {
+        let n = if N > 0 { N } else { self.z.rows() };
+        self.half.read::<N>(self.kernel.l_vq());
+        self.factor.first_half::<N, W>(&mut self.half);
+        self.factor.divide_by_pivots::<W>(&self.half, &mut self.z);
         for i in 0..n {
-            let column = (0..n).map(|k| (k, -self.half[(k, i)]));
-            add_rows(&mut self.reduced.row_mut(i)[..=i], self.z.as_slice(), n, column);
+            self.reduced.read_row::<N>(i, self.kernel.l_qq().row(i));
+            let column = (0..n).map(|k| (k, -self.half.splat::<W>(k, i)));
+            // Up to the diagonal, or all where that is free.
+            let target = &mut self.reduced.row_mut(i)[..Panel::<S>::width_up_to::<W>(i + 1)];
+            sum_rows::<W, S::Pack>(target, self.z.packs(), self.z.width::<W>(), column);
         }
-        for i in 0..n {
-            for j in 0..i {
-                self.reduced[(j, i)] = self.reduced[(i, j)];
-            }
-        }
-        self.w.copy_from(&self.z);
-        self.factor.solve_second_half(&mut self.w);
-        self.factor.inverse(&mut self.inverse);
+        self.w.copy_from::<N, W>(&self.z);
+        self.factor.second_half::<N, W>(&mut self.w);
+        self.factor.form_inverse::<N, W>(&mut self.inverse);
     }
 }

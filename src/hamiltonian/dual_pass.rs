@@ -116,9 +116,11 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         take(&mut self.l_q, tangent.kernel.l_q());
         for i in 0..self.l_q.len() {
             take(self.mass_matrix.row_mut(i), tangent.kernel.mass_matrix().row(i));
-            take(flow.w.row_mut(i), tangent.w.row(i));
-            take(flow.inverse.row_mut(i), tangent.inverse.row(i));
-            take(flow.reduced.row_mut(i), tangent.reduced.row(i));
+            for j in 0..self.l_q.len() {
+                flow.w.set(i, j, tangent.w.get(i, j).re);
+                flow.inverse.set(i, j, tangent.inverse.get(i, j).re);
+                flow.reduced.set(i, j, tangent.reduced.get(i, j).re);
+            }
         }
     }
 
@@ -128,10 +130,11 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         let (w, inverse, reduced) = (&self.tangent.w, &self.tangent.inverse, &self.tangent.reduced);
         for i in 0..n {
             for j in 0..n {
-                self.y_f_xx[(i, j)] = -reduced[(i, j)].eps;
-                self.y_f_xx[(n + i, j)] = -w[(i, j)].eps;
-                self.y_f_xx[(j, n + i)] = -w[(i, j)].eps;
-                self.y_f_xx[(n + i, n + j)] = inverse[(i, j)].eps;
+                let (row, column) = (i.max(j), i.min(j));
+                self.y_f_xx[(i, j)] = -reduced.get(row, column).eps;
+                self.y_f_xx[(n + i, j)] = -w.get(i, j).eps;
+                self.y_f_xx[(j, n + i)] = -w.get(i, j).eps;
+                self.y_f_xx[(n + i, n + j)] = inverse.get(row, column).eps;
             }
         }
     }

@@ -56,6 +56,7 @@ pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     flow: Conservative<S, R::Hessian<S>>,
     state: StateEquation<S>,
     direction: Direction<S>,
+    inverse: Matrix<S>,
     /// y'F_x.
     product: Vec<S>,
 }
@@ -97,6 +98,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             flow: Conservative::new(&tree),
             state: StateEquation::new(&tree),
             direction: Direction::new(n),
+            inverse: Matrix::zeros(n, n),
             product: vec![S::zero(); 2 * n],
             tree,
         }
@@ -170,8 +172,8 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     pub fn inverse_mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
         self.flow.factor(&self.tree, q)?;
-        self.flow.factor.inverse(&mut self.flow.inverse);
-        Ok(&self.flow.inverse)
+        self.flow.factor.inverse(&mut self.inverse);
+        Ok(&self.inverse)
     }
 
     /// `x <- M^-1 x`, length n.

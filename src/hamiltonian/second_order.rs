@@ -150,7 +150,7 @@ impl<S: Scalar> SecondOrder<S> {
         direction.p.fill(S::zero());
         direction.q[l] = S::one();
         for (i, v) in direction.v.iter_mut().enumerate() {
-            *v = -flow.w[(i, l)];
+            *v = -flow.w.get(i, l);
         }
         self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)?;
         self.congruence.apply(&self.along, flow, &mut self.y_f_xx);

@@ -3,7 +3,7 @@
 use super::Linearisation;
 use super::conservative::Conservative;
 use crate::kernels::{FrictionDerivatives, friction};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, Panel, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -41,21 +41,35 @@ impl<S: Scalar> StateEquation<S> {
 
     /// Puts F_x together from the blocks of the conservative part and the slopes of friction.
     pub fn assemble<K>(&mut self, tree: &Tree, flow: &Conservative<S, K>) {
-        let n = tree.len();
-        let (w, inverse, reduced) = (&flow.w, &flow.inverse, &flow.reduced);
+        let blocks = [&flow.w, &flow.inverse, &flow.reduced];
+        sized!(S, tree.len(), self.place(blocks));
+        let (n, [w, inverse, _]) = (tree.len(), blocks);
         for (i, joint) in tree.joints().iter().enumerate() {
-            let (left, right) = self.f_x.row_mut(i).split_at_mut(n);
-            left.iter_mut().zip(w.row(i)).for_each(|(entry, &w)| *entry = -w);
-            right.copy_from_slice(inverse.row(i));
-            let (left, right) = self.f_x.row_mut(n + i).split_at_mut(n);
-            left.copy_from_slice(reduced.row(i));
-            for (j, entry) in right.iter_mut().enumerate() {
-                *entry = w[(j, i)];
-            }
             if !joint.friction.is_none() {
                 let slope = self.friction[i].first;
-                left.iter_mut().zip(w.row(i)).for_each(|(entry, &w)| *entry -= slope * w);
-                right.iter_mut().zip(inverse.row(i)).for_each(|(entry, &inverse)| *entry += slope * inverse);
+                for j in 0..n {
+                    self.f_x[(n + i, j)] -= slope * w.get(i, j);
+                    self.f_x[(n + i, n + j)] += slope * inverse.get(i.max(j), i.min(j));
+                }
+            }
+        }
+    }
+
+    /// The blocks into their places.
+    fn place<const N: usize, const W: usize>(&mut self, [w, inverse, reduced]: [&Panel<S>; 3]) {
+        let n = if N > 0 { N } else { w.rows() };
+        for i in 0..n {
+            let (left, right) = self.f_x.row_mut(i)[..2 * n].split_at_mut(n);
+            w.write_row::<W>(i, left, |w| -w);
+            inverse.write_row::<W>(i, right, |entry| entry);
+            let (left, right) = self.f_x.row_mut(n + i)[..2 * n].split_at_mut(n);
+            reduced.write_row::<W>(i, left, |entry| entry);
+            right.iter_mut().enumerate().for_each(|(j, entry)| *entry = w.entry::<W>(j, i));
+        }
+        for i in 0..n {
+            for j in 0..i {
+                self.f_x[(j, n + i)] = inverse.entry::<W>(i, j);
+                self.f_x[(n + j, i)] = reduced.entry::<W>(i, j);
             }
         }
     }

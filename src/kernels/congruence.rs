@@ -1,56 +1,58 @@
 //! Congruence transformations of symmetric matrices by the factors of the mass matrix.
 
 use super::Factor;
-use crate::matrix::{Matrix, add_rows};
-use crate::scalar::Scalar;
+use crate::matrix::Panel;
+use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Factor<S> {
     /// `C <- L'^-1 C L^-1` for a symmetric matrix, n x n.
     ///
-    /// Row by row from the last; symmetry saves half of the products, which leaves n^3/2.
-    pub fn reduce_symmetric(&self, c: &mut Matrix<S>) {
-        let stride = c.columns();
+    /// Row by row from the last; symmetry saves half of the products, which leaves n^3/2. W: packs in a row where known, else 0.
+    pub(crate) fn reduce_symmetric<const N: usize, const W: usize>(&self, c: &mut Panel<S>) {
+        let width = c.width::<W>();
         for i in (0..c.rows()).rev() {
-            let terms = self.column_terms(i);
-            let (target, after) = c.row_mut_and_after(i);
-            add_rows(target, after, stride, terms.clone().map(|(k, factor)| (k - i - 1, factor)));
-            complete(c, i, terms);
+            let (_, target, after) = c.split_at_row::<W>(i);
+            self.l.minus_columns::<N, W>(i, target, after, width);
+            complete(c, i, self.l.column_terms(i));
         }
     }
 
     /// `C <- U D^-1 C D^-1 U'`, `U = L^-1`, for a symmetric matrix, n x n: after
     /// [`reduce_symmetric`](Self::reduce_symmetric) the product M^-1 C M^-1.
-    pub fn expand_symmetric(&self, c: &mut Matrix<S>) {
-        let (n, stride) = (c.rows(), c.columns());
-        for i in 0..n {
-            for j in 0..=i {
-                let entry = c[(i, j)] * self.inverse_pivots()[i] * self.inverse_pivots()[j];
-                c[(i, j)] = entry;
-                c[(j, i)] = entry;
+    pub(crate) fn expand_symmetric<const N: usize, const W: usize>(&self, c: &mut Panel<S>) {
+        let width = c.width::<W>();
+        for (i, &pivot) in self.inverse_pivots().iter().enumerate() {
+            // The lower half; the other one comes from it.
+            let end = Panel::<S>::width_up_to::<0>(i + 1);
+            let others = self.inverse_pivots().chunks(<S::Pack as Pack<S>>::LANES);
+            for (entry, other) in c.row_mut(i)[..end].iter_mut().zip(others) {
+                *entry = *entry * S::Pack::splat(pivot) * S::Pack::read(other);
             }
         }
-        for k in 0..n {
-            let terms = self.row_terms(k);
-            let (target, before) = c.row_mut_and_before(k);
-            add_rows(target, before, stride, terms.clone());
-            complete(c, k, terms);
+        c.mirror_lower();
+        for k in 0..c.rows() {
+            let (before, target, _) = c.split_at_row::<W>(k);
+            self.l.minus_rows::<N, W>(k, target, before, width);
+            complete(c, k, self.l.row_terms(k));
         }
     }
 }
 
 /// `C <- E C E'`, E the identity but for row i with `terms` (k, E_ik), once row i has got its terms: the diagonal, which
 /// gets them twice, and column i, the mirror image of row i. Rows still to come find in it what they need of row i.
-fn complete<S: Scalar>(c: &mut Matrix<S>, i: usize, terms: impl Iterator<Item = (usize, S)>) {
-    let diagonal = terms.fold(c[(i, i)], |sum, (k, factor)| sum + factor * c[(i, k)]);
-    c[(i, i)] = diagonal;
+#[inline(always)]
+fn complete<S: Scalar>(c: &mut Panel<S>, i: usize, terms: impl Iterator<Item = (usize, S)>) {
+    let diagonal = terms.fold(c.get(i, i), |sum, (k, factor)| factor.mul_add(c.get(i, k), sum));
+    c.set(i, i, diagonal);
     for k in 0..c.rows() {
-        c[(k, i)] = c[(i, k)];
+        c.set(k, i, c.get(i, k));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matrix::Matrix;
     use crate::robot::{JointSpec, LinkInertia, Robot, Tree};
     use nalgebra::DMatrix;
 
@@ -94,10 +96,16 @@ mod tests {
         let dense = |m: &Matrix<f64>| DMatrix::from_row_slice(n, n, m.as_slice());
         let inverse = dense(&m).try_inverse().unwrap();
         let expected = &inverse * dense(&c) * &inverse;
-        factor.reduce_symmetric(&mut c);
-        assert_eq!(dense(&c), dense(&c).transpose());
-        factor.expand_symmetric(&mut c);
-        assert_eq!(dense(&c), dense(&c).transpose());
-        assert!((dense(&c) - expected).amax() < 1e-14);
+        let mut panel = Panel::zeros(n, n);
+        panel.read::<0>(&c);
+        let mut written = |panel: &Panel<f64>| {
+            panel.write(&mut c);
+            assert_eq!(dense(&c), dense(&c).transpose());
+            dense(&c)
+        };
+        factor.reduce_symmetric::<0, 0>(&mut panel);
+        written(&panel);
+        factor.expand_symmetric::<0, 0>(&mut panel);
+        assert!((written(&panel) - expected).amax() < 1e-14);
     }
 }

@@ -1,82 +1,34 @@
 //! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
 
-use crate::matrix::{Matrix, add_rows};
+use super::triangle::Triangle;
+use crate::matrix::{Matrix, Panel, add_scaled, sized, sum_rows};
 use crate::robot::Tree;
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 /// `M = L' D L` with unit lower triangular L, no pivoting (Featherstone's branch-induced sparsity).
 ///
 /// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different branches, the
 /// pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
 #[derive(Clone, Debug)]
-pub struct Factor<S> {
-    starts: Vec<usize>,
-    columns: Vec<usize>,
-    /// Rows, and places in `lower`, of the entries of each column.
-    column_starts: Vec<usize>,
-    column_entries: Vec<(usize, usize)>,
-    lower: Vec<S>,
+pub struct Factor<S: Scalar> {
+    pub(super) l: Triangle<S>,
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
-    work: Matrix<S>,
+    work: Panel<S>,
+    product: Panel<S>,
 }
 
 impl<S: Scalar> Factor<S> {
     /// Symbolic factorisation and buffers.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
-        let mut filled = vec![vec![false; n]; n];
-        (0..n).for_each(|i| tree.subtree(i).iter().for_each(|&k| filled[k][i] = true));
-        tree.armature().iter().for_each(|&(i, j, _)| filled[i][j] = true);
-        for k in (0..n).rev() {
-            let row: Vec<usize> = (0..k).filter(|&i| filled[k][i]).collect();
-            for (a, &i) in row.iter().enumerate() {
-                row[..a].iter().for_each(|&j| filled[i][j] = true);
-            }
-        }
-        let (mut starts, mut columns) = (vec![0], Vec::new());
-        for (k, row) in filled.iter().enumerate() {
-            columns.extend((0..k).filter(|&i| row[i]));
-            starts.push(columns.len());
-        }
-        let mut column_starts = vec![0];
-        let mut column_entries = Vec::new();
-        for i in 0..n {
-            let below = (i + 1..n).flat_map(|k| (starts[k]..starts[k + 1]).map(move |at| (k, at)));
-            column_entries.extend(below.filter(|&(_, at): &(usize, usize)| columns[at] == i));
-            column_starts.push(column_entries.len());
-        }
         Self {
-            column_starts,
-            column_entries,
-            lower: vec![S::zero(); columns.len()],
+            l: Triangle::new(tree),
             inverse_pivots: vec![S::one(); n],
             pivots: vec![S::zero(); n],
-            work: Matrix::zeros(n, n),
-            starts,
-            columns,
+            work: Panel::zeros(n, n),
+            product: Panel::zeros(n, n),
         }
-    }
-
-    /// Row k of L: columns (rising) and values.
-    #[inline]
-    fn row(&self, k: usize) -> (&[usize], &[S]) {
-        let range = self.starts[k]..self.starts[k + 1];
-        (&self.columns[range.clone()], &self.lower[range])
-    }
-
-    /// Entries of row k of L as terms (i, -L_ki), rising.
-    #[inline]
-    pub(super) fn row_terms(&self, k: usize) -> impl Iterator<Item = (usize, S)> + Clone {
-        let (columns, values) = self.row(k);
-        columns.iter().zip(values).map(|(&i, &l)| (i, -l))
-    }
-
-    /// Entries of column i of L below the diagonal as terms (k, -L_ki), rising.
-    #[inline]
-    pub(super) fn column_terms(&self, i: usize) -> impl Iterator<Item = (usize, S)> + Clone {
-        let column = &self.column_entries[self.column_starts[i]..self.column_starts[i + 1]];
-        column.iter().map(|&(k, at)| (k, -self.lower[at]))
     }
 
     /// `1 / D_k`, n.
@@ -91,23 +43,54 @@ impl<S: Scalar> Factor<S> {
     /// A joint whose pivot is not above its rounding: M is singular to working precision. The factorisation runs to its end
     /// all the same.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
-        let n = self.inverse_pivots.len();
-        self.work.copy_from(mass_matrix);
+        sized!(S, self.work.columns(), self.eliminate(mass_matrix));
+        if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
+    }
+
+    /// Row by row from the last: L, and the pivots on the diagonal of the work matrix.
+    ///
+    /// Where packs have several lanes whole rows are subtracted, whatever that makes of what stands right of the diagonal.
+    fn eliminate<const N: usize, const W: usize>(&mut self, mass_matrix: &Matrix<S>) {
+        self.work.read::<N>(mass_matrix);
+        let width = self.work.width::<W>();
+        let n = if N > 0 { N } else { self.work.rows() };
         for k in (0..n).rev() {
-            let inverse = self.work[(k, k)].recip();
+            let inverse = self.work.entry::<W>(k, k).recip();
             self.inverse_pivots[k] = inverse;
-            let (start, end) = (self.starts[k], self.starts[k + 1]);
-            let columns = &self.columns[start..end];
-            for (a, &i) in columns.iter().enumerate().rev() {
-                let scaled = self.work[(k, i)] * inverse;
-                self.lower[start + a] = scaled;
-                let (target, source) = self.work.row_mut_and_below(i, k);
-                for &j in &columns[..=a] {
-                    target[j] -= scaled * source[j];
-                }
+            if <S::Pack as Pack<S>>::LANES == 1 {
+                self.eliminate_pattern(k, inverse);
+                continue;
+            }
+            let (before, row) = self.work.rows_before::<W>(k);
+            let scale = S::Pack::splat(inverse);
+            let (_, l, _) = self.l.entries_mut().split_at_row::<W>(k);
+            l.iter_mut().zip(row).for_each(|(l, &entry)| *l = entry * scale);
+            let mut subtract = |i: usize, l: S| {
+                let (factor, target) = (S::Pack::splat(-l), &mut before[i * width..][..width]);
+                target
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(target, &source)| *target = factor.mul_add(source, *target));
+            };
+            let l = |i: usize| self.l.entries().entry::<W>(k, i);
+            if self.l.is_full() {
+                (0..k).rev().for_each(|i| subtract(i, l(i)));
+            } else {
+                self.l.row_pattern(k).iter().rev().for_each(|&i| subtract(i, l(i)));
             }
         }
-        if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
+    }
+
+    /// The same entry by entry, those of the pattern at and below the diagonal alone.
+    fn eliminate_pattern(&mut self, k: usize, inverse: S) {
+        for a in (0..self.l.row_pattern(k).len()).rev() {
+            let i = self.l.row_pattern(k)[a];
+            let l = self.work.get(k, i) * inverse;
+            self.l.entries_mut().set(k, i, l);
+            for &j in &self.l.row_pattern(k)[..=a] {
+                self.work.set(i, j, (-l).mul_add(self.work.get(k, j), self.work.get(i, j)));
+            }
+        }
     }
 
     /// Compares each pivot with the rounding it may consist of.
@@ -117,17 +100,17 @@ impl<S: Scalar> Factor<S> {
     /// is only computed where some pivot is below a thousandth of its size: elsewhere nothing has cancelled.
     fn check_pivots(&mut self, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         let n = self.inverse_pivots.len();
-        if (0..n).all(|k| S::all(size_of(k).times(1e-3).less(self.work[(k, k)]))) {
+        if (0..n).all(|k| S::all(size_of(k).times(1e-3).less(self.work.get(k, k)))) {
             return Ok(());
         }
         for (k, pivot) in self.pivots.iter_mut().enumerate() {
-            *pivot = self.work[(k, k)];
+            *pivot = self.work.get(k, k);
         }
-        self.invert_lower();
+        self.invert_transposed::<0, 0>();
         let unit = 128.0 * S::EPSILON;
         for i in (0..n).rev() {
             let moved = (i..n).fold(S::zero(), |sum, k| {
-                let u = self.work[(k, i)];
+                let u = self.work.get(i, k);
                 sum + u * u * size_of(k)
             });
             if !S::all(moved.times(unit).less(self.pivots[i])) {
@@ -137,16 +120,21 @@ impl<S: Scalar> Factor<S> {
         Ok(())
     }
 
-    /// `U = L^-1` into the work matrix: rows from the first on, entries right of the diagonal left as they are.
-    fn invert_lower(&mut self) {
-        for k in 0..self.inverse_pivots.len() {
-            let range = self.starts[k]..self.starts[k + 1];
-            self.work.row_mut(k)[..k].fill(S::zero());
-            self.work[(k, k)] = S::one();
-            for (&i, &l) in self.columns[range.clone()].iter().zip(&self.lower[range]) {
-                let (target, source) = self.work.row_mut_and_above(k, i);
-                for (t, &s) in target[..=i].iter_mut().zip(source) {
-                    *t -= l * s;
+    /// `U' = L'^-1` into the work matrix, n x n.
+    #[inline(always)]
+    fn invert_transposed<const N: usize, const W: usize>(&mut self) {
+        let width = self.work.width::<W>();
+        let n = if N > 0 { N } else { self.work.rows() };
+        for i in (0..n).rev() {
+            self.work.set_unit_row(i);
+            let (_, row, below) = self.work.split_at_row::<W>(i);
+            if <S::Pack as Pack<S>>::LANES > 1 {
+                self.l.minus_columns::<N, W>(i, row, below, width);
+            } else {
+                // One lane: no products with the zeros left of the diagonal.
+                for (k, factor) in self.l.column_terms(i) {
+                    let source = &below[(k - i - 1) * width + k..];
+                    add_scaled(&mut row[k..], S::Pack::splat(factor), source);
                 }
             }
         }
@@ -154,67 +142,103 @@ impl<S: Scalar> Factor<S> {
 
     /// `x <- M^-1 x`, length n.
     pub fn solve(&self, x: &mut [S]) {
-        let n = self.inverse_pivots.len();
+        sized!(S, x.len(), self.solve_vector(x));
+    }
+
+    fn solve_vector<const N: usize, const W: usize>(&self, x: &mut [S]) {
+        let n = if N > 0 { N } else { x.len() };
+        let (x, l) = (&mut x[..n], self.l.entries());
         for k in (0..n).rev() {
-            let (columns, values) = self.row(k);
-            let from = x[k];
-            for (&i, &l) in columns.iter().zip(values) {
-                x[i] -= l * from;
+            let from = -x[k];
+            let mut subtract = |i: usize| x[i] = l.entry::<W>(k, i).mul_add(from, x[i]);
+            if self.l.is_full() {
+                (0..k).rev().for_each(subtract);
+            } else {
+                self.l.row_pattern(k).iter().rev().for_each(|&i| subtract(i));
             }
         }
-        for k in 0..n {
-            let (columns, values) = self.row(k);
-            let mut sum = x[k] * self.inverse_pivots[k];
-            for (&i, &l) in columns.iter().zip(values) {
-                sum -= l * x[i];
+        x.iter_mut().zip(&self.inverse_pivots).for_each(|(x, &inverse)| *x *= inverse);
+        // Column by column: sums wait for each other no longer than they must.
+        for i in 0..n {
+            let from = -x[i];
+            let mut subtract = |k: usize| x[k] = l.entry::<W>(k, i).mul_add(from, x[k]);
+            if self.l.is_full() {
+                (i + 1..n).for_each(subtract);
+            } else {
+                self.l.column_pattern(i).iter().for_each(|&k| subtract(k));
             }
-            x[k] = sum;
         }
     }
 
-    /// `Y <- L'^-1 Y` for a matrix with n rows: the first half of a solution.
-    pub fn solve_first_half(&self, y: &mut Matrix<S>) {
-        let stride = y.columns();
-        for i in (0..self.inverse_pivots.len()).rev() {
-            let (target, after) = y.row_mut_and_after(i);
-            add_rows(target, after, stride, self.column_terms(i).map(|(k, factor)| (k - i - 1, factor)));
+    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solution.
+    pub(crate) fn first_half<const N: usize, const W: usize>(&self, y: &mut Panel<S>) {
+        let width = y.width::<W>();
+        let n = if N > 0 { N } else { y.rows() };
+        for i in (0..n).rev() {
+            let (_, target, after) = y.split_at_row::<W>(i);
+            self.l.minus_columns::<N, W>(i, target, after, width);
         }
     }
 
     /// `Z = D^-1 Y`, for Y and Z of n rows.
-    pub fn divide_by_pivots(&self, y: &Matrix<S>, z: &mut Matrix<S>) {
+    #[inline(always)]
+    pub(crate) fn divide_by_pivots<const W: usize>(&self, y: &Panel<S>, z: &mut Panel<S>) {
         for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
-            for (z, &y) in z.row_mut(k).iter_mut().zip(y.row(k)) {
-                *z = y * inverse;
-            }
+            let inverse = S::Pack::splat(inverse);
+            let (_, z, _) = z.split_at_row::<W>(k);
+            z.iter_mut().zip(y.sized_row::<W>(k)).for_each(|(z, &y)| *z = y * inverse);
         }
     }
 
-    /// `Z <- L^-1 Z`: the second half of a solution.
-    pub fn solve_second_half(&self, z: &mut Matrix<S>) {
-        let stride = z.columns();
-        for k in 0..self.inverse_pivots.len() {
-            let (target, before) = z.row_mut_and_before(k);
-            add_rows(target, before, stride, self.row_terms(k));
+    /// `W <- L^-1 W`: the second half of a solution.
+    pub(crate) fn second_half<const N: usize, const W: usize>(&self, w: &mut Panel<S>) {
+        let width = w.width::<W>();
+        let n = if N > 0 { N } else { w.rows() };
+        for k in 0..n {
+            let (before, target, _) = w.split_at_row::<W>(k);
+            self.l.minus_rows::<N, W>(k, target, before, width);
         }
+    }
+
+    /// `Y <- M^-1 Y` for a panel with n rows.
+    pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
+        self.solve_sized::<0, 0>(y);
+    }
+
+    fn solve_sized<const N: usize, const W: usize>(&self, y: &mut Panel<S>) {
+        self.first_half::<N, W>(y);
+        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
+            let inverse = S::Pack::splat(inverse);
+            y.row_mut(k).iter_mut().for_each(|y| *y *= inverse);
+        }
+        self.second_half::<N, W>(y);
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.
     pub fn inverse(&mut self, inverse: &mut Matrix<S>) {
-        let n = self.inverse_pivots.len();
-        self.invert_lower();
-        inverse.fill_zero();
-        for k in 0..n {
-            for i in k..n {
-                let scaled = self.work[(i, k)] * self.inverse_pivots[k];
-                for j in k..=i {
-                    inverse[(i, j)] += scaled * self.work[(j, k)];
-                }
-            }
-        }
+        let mut product = std::mem::replace(&mut self.product, Panel::zeros(0, 0));
+        sized!(S, product.columns(), self.form_inverse(&mut product));
+        product.write(inverse);
+        inverse.mirror_lower();
+        self.product = product;
+    }
+
+    /// The same, at and below the diagonal.
+    pub(crate) fn form_inverse<const N: usize, const W: usize>(&mut self, inverse: &mut Panel<S>) {
+        self.invert_transposed::<N, W>();
+        let n = if N > 0 { N } else { inverse.rows() };
         for i in 0..n {
-            for j in 0..i {
-                inverse[(j, i)] = inverse[(i, j)];
+            let (_, row, _) = inverse.split_at_row::<W>(i);
+            row.fill(S::Pack::zero());
+            let column = (0..=i).map(|k| (k, self.work.entry::<W>(k, i) * self.inverse_pivots[k]));
+            if <S::Pack as Pack<S>>::LANES > 1 {
+                let width = self.work.width::<W>();
+                let terms = column.map(|(k, a)| (k, S::Pack::splat(a)));
+                sum_rows::<W, S::Pack>(row, self.work.packs(), width, terms);
+            } else {
+                for (k, a) in column {
+                    add_scaled(&mut row[k..=i], S::Pack::splat(a), &self.work.row(k)[k..]);
+                }
             }
         }
     }

@@ -1,10 +1,12 @@
 //! Third stage of kernel one: the mixed and the position block of the Hessian of the Lagrangian.
 
 use super::KernelOne;
-use super::position::{across_joint, along_joint, carry};
+use super::blocks::Source;
+use super::position::{across_joint, along_joint, put};
 use super::velocity::AxisRate;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
+use crate::spatial::{Force, Vec3};
 
 impl<S: Scalar> KernelOne<S> {
     /// Computes P = L_vq and L_qq at the position and velocity set last.
@@ -17,23 +19,25 @@ impl<S: Scalar> KernelOne<S> {
                 self.meet_root_again(tree, i);
                 continue;
             }
-            let (kind, gravity) = (joint.kind, self.gravity[i]);
+            let kind = joint.kind;
             let psi = AxisRate::new(kind, &self.velocities[i]);
+            for block in self.blocks.of(i) {
+                if let Source::Child(child, from) = self.blocks.source(block) {
+                    self.rates[block] = self.pack_transform(tree, child).force_up(self.rates[from]);
+                }
+            }
             let own = psi.momentum(&self.composites[i]) + across_joint(kind, &self.momenta[i]);
-            carry(tree, &self.transforms, i, own, &mut self.rates);
-            let here = tree.pairs_of(i);
-            let forces = self.carried[here.clone()].iter().zip(&self.rates[here]);
-            for ((carried, rate), &j) in forces.zip(tree.subtree(i)) {
-                let mut entry = psi.power(rate);
+            put(&self.blocks, i, own, &mut self.rates);
+            let (psi, gravity) = (psi.splat(), self.gravity[i].splat());
+            for block in self.blocks.of(i) {
+                let (carried, rate) = (&self.carried[block], &self.rates[block]);
+                let mut entries = psi.power(rate);
                 if kind == JointKind::Revolute {
-                    entry += carried.force.x * gravity.y - carried.force.y * gravity.x;
+                    entries += turned_weight(gravity, carried);
                 }
-                self.l_qq[(i, j)] = entry;
-                self.l_qq[(j, i)] = entry;
-                if i != j {
-                    self.l_vq[(j, i)] = psi.power(carried);
-                }
-                self.l_vq[(i, j)] = along_joint(kind, rate);
+                self.blocks.store_both(i, block, entries, &mut self.l_qq);
+                let pair = [along_joint(kind, rate), psi.power(carried)];
+                self.blocks.store(i, block, pair, &mut self.l_vq);
             }
         }
         for (i, joint) in tree.joints().iter().enumerate() {
@@ -48,22 +52,25 @@ impl<S: Scalar> KernelOne<S> {
         self.l_vq[(i, i)] = S::zero();
         self.l_qq[(i, i)] = match tree.joints()[i].kind {
             JointKind::Revolute => {
-                let (force, gravity) = (self.carried[tree.pairs_of(i).start].force, self.gravity[i]);
-                force.x * gravity.y - force.y * gravity.x
+                let (block, lane) = self.blocks.own(i);
+                turned_weight(self.gravity[i].splat(), &self.carried[block]).lane(lane)
             }
             JointKind::Prismatic => S::zero(),
         };
         for &child in tree.children(i) {
             let root = self.roots[child];
-            let beyond = tree.pairs_of(child);
-            let forces = self.carried[beyond.clone()].iter().zip(&self.rates[beyond]);
-            for ((carried, rate), &j) in forces.zip(tree.subtree(child)) {
-                let entry = root.gravity.dot(carried.force);
-                self.l_qq[(i, j)] = entry;
-                self.l_qq[(j, i)] = entry;
-                self.l_vq[(i, j)] = rate.dot(root.motion);
-                self.l_vq[(j, i)] = S::zero();
+            let (motion, gravity) = (root.motion.splat(), root.gravity.splat());
+            for block in self.blocks.of(child) {
+                let (carried, rate) = (&self.carried[block], &self.rates[block]);
+                self.blocks.store_both(i, block, gravity.dot(carried.force), &mut self.l_qq);
+                self.blocks.store(i, block, [rate.dot(motion), S::Pack::zero()], &mut self.l_vq);
             }
         }
     }
+}
+
+/// `gamma . f` of a revolute joint, for gravity seen from its frame.
+#[inline(always)]
+fn turned_weight<S: Scalar>(gravity: Vec3<S>, f: &Force<S>) -> S {
+    f.force.x.mul_add(gravity.y, -(f.force.y * gravity.x))
 }

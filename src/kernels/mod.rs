@@ -1,11 +1,14 @@
 //! What everything is computed from: the Hessian of the Lagrangian, and the factorisation of the mass matrix.
 
+mod blocks;
 mod congruence;
 mod dissipation;
 mod factor;
 mod hessian;
+mod pass;
 mod position;
 mod route;
+mod triangle;
 mod two;
 mod two_pairs;
 mod velocity;
@@ -18,8 +21,9 @@ pub use two::KernelTwo;
 
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
-use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
+use crate::scalar::{Pack, Scalar};
+use crate::spatial::{Force, Inertia, JointPosition, Motion, Vec3};
+use blocks::Blocks;
 
 /// Kernel one: value, gradient and Hessian of the Lagrangian `L(q, v) = 1/2 v' M v - V`, contracted first.
 ///
@@ -41,18 +45,19 @@ use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 /// stands on the world its S and gamma are carried to them instead. Armature is
 /// added to M and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
-pub struct KernelOne<S> {
-    transforms: Vec<Transform<S>>,
+pub struct KernelOne<S: Scalar> {
+    positions: Vec<JointPosition<S>>,
     gravity: Vec<Vec3<S>>,
     composites: Vec<Inertia<S>>,
     velocities: Vec<Motion<S>>,
     momenta: Vec<Force<S>>,
-    /// F_j seen from frame i, for every pair `i <= j` in the order of the tree.
-    carried: Vec<Force<S>>,
+    blocks: Blocks,
+    /// F_j seen from frame i, for every pair `i <= j` on a branch but those of joints i on the world with others.
+    carried: Vec<Force<S::Pack>>,
     /// For each joint on the link of a joint on the world, how that one looks from here.
     roots: Vec<RootAxis<S>>,
-    /// G_j seen from frame i, in the same order; for joints on the world neither is carried.
-    rates: Vec<Force<S>>,
+    /// G_j seen from frame i, likewise.
+    rates: Vec<Force<S::Pack>>,
     q: Vec<S>,
     v: Vec<S>,
     mass_matrix: Matrix<S>,
@@ -71,20 +76,29 @@ struct RootAxis<S> {
     gravity: Vec3<S>,
 }
 
+impl<S: Scalar> RootAxis<S> {
+    /// The same in every lane.
+    #[inline(always)]
+    fn splat<P: Pack<S>>(&self) -> RootAxis<P> {
+        RootAxis { motion: self.motion.splat(), gravity: self.gravity.splat() }
+    }
+}
+
 impl<S: Scalar> KernelOne<S> {
     /// Buffers for this tree.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
-        let transform = |i: usize| tree.joints()[i].transform(S::zero());
+        let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
         Self {
-            transforms: (0..n).map(transform).collect(),
+            positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             gravity: vec![Vec3::zero(); n],
             composites: tree.joints().iter().map(|joint| joint.lumped.lift()).collect(),
             velocities: vec![Motion::zero(); n],
             momenta: vec![Force::zero(); n],
-            carried: vec![Force::zero(); tree.pairs()],
+            carried: vec![Force::zero(); blocks.len()],
             roots: vec![RootAxis { motion: Motion::zero(), gravity: Vec3::zero() }; n],
-            rates: vec![Force::zero(); tree.pairs()],
+            rates: vec![Force::zero(); blocks.len()],
+            blocks,
             q: vec![S::zero(); n],
             v: vec![S::zero(); n],
             mass_matrix: Matrix::zeros(n, n),

@@ -1,10 +1,12 @@
 //! First stage of kernel one: transforms, composite inertias, mass matrix, potential.
 
+use super::blocks::{Blocks, Source};
+use super::pass::{Inward, Outward};
 use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
-use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
+use crate::scalar::{Pack, Scalar};
+use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Turn, Vec3};
 
 /// `F = IC S`: momentum of the composite body for unit velocity of its joint.
 #[inline(always)]
@@ -21,31 +23,15 @@ pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) 
     }
 }
 
-/// Fills the forces of the pairs (i, j), one for each j beyond i, in frame i: that of i itself is `own`, the others come
-/// from the frames of the children of i.
+/// Puts the force `own` of joint i into its lane.
 #[inline(always)]
-pub(super) fn carry<S: Scalar>(
-    tree: &Tree,
-    transforms: &[Transform<S>],
-    i: usize,
-    own: Force<S>,
-    forces: &mut [Force<S>],
-) {
-    let here = tree.pairs_of(i);
-    let (near, far) = forces.split_at_mut(here.end);
-    let mut slots = near[here.clone()].iter_mut();
-    if let Some(slot) = slots.next() {
-        *slot = own;
-    }
-    for &child in tree.children(i) {
-        let beyond = tree.pairs_of(child);
-        let transform = transforms[child];
-        let forces = &far[beyond.start - here.end..beyond.end - here.end];
-        // The forces come first: a zip takes one of its first before it finds the second at its end.
-        for (force, slot) in forces.iter().zip(slots.by_ref()) {
-            *slot = transform.force_up(*force);
-        }
-    }
+pub(super) fn put<S: Scalar, P: Pack<S>>(blocks: &Blocks, i: usize, own: Force<S>, forces: &mut [Force<P>]) {
+    let (block, lane) = blocks.own(i);
+    let Force { moment: n, force: f } = forces[block];
+    let put = |to: Vec3<P>, from: Vec3<S>| {
+        Vec3::new(to.x.with_lane(lane, from.x), to.y.with_lane(lane, from.y), to.z.with_lane(lane, from.z))
+    };
+    forces[block] = Force { moment: put(n, own.moment), force: put(f, own.force) };
 }
 
 /// S in the frame of its joint.
@@ -91,12 +77,16 @@ impl<S: Scalar> KernelOne<S> {
                 self.meet_root(tree, i);
                 continue;
             }
+            for block in self.blocks.of(i) {
+                if let Source::Child(child, from) = self.blocks.source(block) {
+                    self.carried[block] = self.pack_transform(tree, child).force_up(self.carried[from]);
+                }
+            }
             let own = unit_momentum(joint.kind, &self.composites[i]);
-            carry(tree, &self.transforms, i, own, &mut self.carried);
-            for (force, &j) in self.carried[tree.pairs_of(i)].iter().zip(tree.subtree(i)) {
-                let entry = along_joint(joint.kind, force);
-                self.mass_matrix[(i, j)] = entry;
-                self.mass_matrix[(j, i)] = entry;
+            put(&self.blocks, i, own, &mut self.carried);
+            for block in self.blocks.of(i) {
+                let entries = along_joint(joint.kind, &self.carried[block]);
+                self.blocks.store_both(i, block, entries, &mut self.mass_matrix);
             }
         }
         for &(i, j, value) in tree.armature() {
@@ -114,10 +104,10 @@ impl<S: Scalar> KernelOne<S> {
     fn meet_root(&mut self, tree: &Tree, i: usize) {
         let kind = tree.joints()[i].kind;
         let own = unit_momentum(kind, &self.composites[i]);
-        self.carried[tree.pairs_of(i).start] = own;
+        put(&self.blocks, i, own, &mut self.carried);
         self.mass_matrix[(i, i)] = along_joint(kind, &own);
         for &child in tree.children(i) {
-            let transform = &self.transforms[child];
+            let transform = self.transform(tree, child);
             let gravity = self.gravity[i];
             let root = RootAxis {
                 motion: transform.motion_down(unit_motion(kind)),
@@ -126,28 +116,63 @@ impl<S: Scalar> KernelOne<S> {
                     JointKind::Prismatic => Vec3::zero(),
                 },
             };
-            for (force, &j) in self.carried[tree.pairs_of(child)].iter().zip(tree.subtree(child)) {
-                let entry = force.dot(root.motion);
-                self.mass_matrix[(i, j)] = entry;
-                self.mass_matrix[(j, i)] = entry;
+            let motion = root.motion.splat();
+            for block in self.blocks.of(child) {
+                let entries = self.carried[block].dot(motion);
+                self.blocks.store_both(i, block, entries, &mut self.mass_matrix);
             }
             self.roots[child] = root;
         }
     }
 
+    /// From frame i to that of the parent and back.
+    #[inline(always)]
+    pub(super) fn transform<'a>(&self, tree: &'a Tree, i: usize) -> Transform<'a, S> {
+        tree.joints()[i].transform_at(self.positions[i])
+    }
+
+    /// The same for all lanes of a block.
+    #[inline(always)]
+    pub(super) fn pack_transform<'a>(&self, tree: &'a Tree, i: usize) -> Transform<'a, S::Pack> {
+        tree.joints()[i].transform_at(self.positions[i].splat())
+    }
+
+    /// Sine and cosine of the angles, as many at once as a pack has lanes, and distances.
+    fn set_positions(&mut self, tree: &Tree) {
+        let lanes = <S::Pack as Pack<S>>::LANES;
+        let mut angles = S::Pack::zero();
+        for some in tree.turning().chunks(lanes) {
+            for (lane, &i) in some.iter().enumerate() {
+                angles = angles.with_lane(lane, tree.joints()[i].from_zero(self.q[i]));
+            }
+            let (sin, cos) = angles.sin_cos();
+            for (lane, &i) in some.iter().enumerate() {
+                self.positions[i] = JointPosition::Turned(Turn::from_sin_cos(sin.lane(lane), cos.lane(lane)));
+            }
+        }
+        for &i in tree.sliding() {
+            self.positions[i] = JointPosition::Slid(tree.joints()[i].from_zero(self.q[i]));
+        }
+    }
+
     /// Transforms, gravity and composite inertias, each in its body frame.
     fn place(&mut self, tree: &Tree) {
+        self.set_positions(tree);
+        let mut before = Outward::new();
         for (i, joint) in tree.joints().iter().enumerate() {
-            self.transforms[i] = joint.transform(self.q[i]);
-            let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| self.gravity[p]);
-            self.gravity[i] = self.transforms[i].vector_down(outer);
+            let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| before.of(p, &self.gravity));
+            let gravity = self.transform(tree, i).vector_down(outer);
+            before.leave(i, gravity);
+            self.gravity[i] = gravity;
             self.composites[i] = joint.lumped.lift();
             self.composites[i].mass = joint.lumped_mass;
         }
+        let mut inward = Inward::new();
         for (i, joint) in tree.joints().iter().enumerate().rev() {
+            let total = inward.total(i, &mut self.composites, Inertia::with_moments);
+            self.composites[i] = total;
             if let Some(parent) = joint.parent {
-                let moved = self.transforms[i].inertia_up(&self.composites[i]);
-                self.composites[parent].add_moments(&moved);
+                inward.hand(parent, self.transform(tree, i).inertia_up(&total));
             }
         }
     }
@@ -158,7 +183,8 @@ impl<S: Scalar> KernelOne<S> {
         let mut potential = S::from_f64(tree.fixed_potential());
         for (i, joint) in tree.joints().iter().enumerate() {
             if joint.parent.is_none() {
-                potential -= gravity.dot(self.transforms[i].inertia_up(&self.composites[i]).first_moment);
+                let moved = self.transform(tree, i).inertia_up(&self.composites[i]);
+                potential -= gravity.dot(moved.first_moment);
             }
             if joint.spring.stiffness != 0.0 {
                 let stretch = self.q[i].plus(-joint.spring.rest);

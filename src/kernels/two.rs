@@ -1,13 +1,16 @@
 //! Kernel two: the derivative of kernel one along a direction.
 
 use super::KernelOne;
+use super::blocks::Blocks;
+use super::pass::{Inward, Outward};
 use super::position::{across_joint, unit_momentum};
 use super::velocity::AxisRate;
 use crate::error::{EvalError, check_length};
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, Motion, Symmetric3, Vec3};
+use std::ops::Add;
 
 /// Kernel two: the derivatives D M, D P and D L_qq of kernel one along a direction (dq, dv).
 ///
@@ -24,16 +27,16 @@ use crate::spatial::{Force, Inertia, Motion, Symmetric3, Vec3};
 /// for i <= j in tree order: n d scalar products again, and no derivative of a factorisation anywhere. Along (dq, dv) =
 /// (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of inverse dynamics follow.
 #[derive(Clone, Debug)]
-pub struct KernelTwo<S> {
+pub struct KernelTwo<S: Scalar> {
     pub(super) dq: Vec<S>,
     pub(super) velocities: Vec<Motion<S>>,
     pub(super) gravity: Vec<Vec3<S>>,
     pub(super) momenta: Vec<Force<S>>,
     pub(super) composites: Vec<Inertia<S>>,
-    /// dF_j seen from the frame of the ancestor reached last.
-    pub(super) forces: Vec<Force<S>>,
+    /// dF_j seen from frame i, in the blocks of kernel one.
+    pub(super) forces: Vec<Force<S::Pack>>,
     /// dG_j, likewise.
-    pub(super) rates: Vec<Force<S>>,
+    pub(super) rates: Vec<Force<S::Pack>>,
     pub(super) mass_matrix: Matrix<S>,
     pub(super) l_vq: Matrix<S>,
     pub(super) l_qq: Matrix<S>,
@@ -44,11 +47,11 @@ pub struct KernelTwo<S> {
 pub(super) fn moved<S: Scalar>(kind: JointKind, f: Force<S>, g: &Force<S>, dq: S) -> Force<S> {
     let Force { moment: n, force: p } = across_joint(kind, g);
     let mut sum = f;
-    sum.moment.x += n.x * dq;
-    sum.moment.y += n.y * dq;
+    sum.moment.x = n.x.mul_add(dq, f.moment.x);
+    sum.moment.y = n.y.mul_add(dq, f.moment.y);
     if kind == JointKind::Revolute {
-        sum.force.x += p.x * dq;
-        sum.force.y += p.y * dq;
+        sum.force.x = p.x.mul_add(dq, f.force.x);
+        sum.force.y = p.y.mul_add(dq, f.force.y);
     }
     sum
 }
@@ -64,13 +67,13 @@ fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia
             let twist = double(j.xy * dq);
             Inertia {
                 mass,
-                first_moment: Vec3::new(dh.x - h.y * dq, dh.y + h.x * dq, dh.z),
+                first_moment: Vec3::new(h.y.mul_add(-dq, dh.x), h.x.mul_add(dq, dh.y), dh.z),
                 matrix: Symmetric3 {
                     xx: d.xx - twist,
                     yy: d.yy + twist,
-                    xy: d.xy + (j.xx - j.yy) * dq,
-                    xz: d.xz - j.yz * dq,
-                    yz: d.yz + j.xz * dq,
+                    xy: (j.xx - j.yy).mul_add(dq, d.xy),
+                    xz: j.yz.mul_add(-dq, d.xz),
+                    yz: j.xz.mul_add(dq, d.yz),
                     ..d
                 },
             }
@@ -83,8 +86,8 @@ fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia
                 matrix: Symmetric3 {
                     xx: d.xx + spread,
                     yy: d.yy + spread,
-                    xz: d.xz - h.x * dq,
-                    yz: d.yz - h.y * dq,
+                    xz: h.x.mul_add(-dq, d.xz),
+                    yz: h.y.mul_add(-dq, d.yz),
                     ..d
                 },
             }
@@ -97,6 +100,7 @@ impl<S: Scalar> KernelTwo<S> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
+        let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES).len();
         let none = Inertia { mass: 0.0, first_moment: zero, matrix: Symmetric3::zero() };
         Self {
             dq: vec![S::zero(); n],
@@ -104,8 +108,8 @@ impl<S: Scalar> KernelTwo<S> {
             gravity: vec![zero; n],
             momenta: vec![Force::zero(); n],
             composites: vec![none; n],
-            forces: vec![Force::zero(); n],
-            rates: vec![Force::zero(); n],
+            forces: vec![Force::zero(); blocks],
+            rates: vec![Force::zero(); blocks],
             mass_matrix: square.clone(),
             l_vq: square.clone(),
             l_qq: square,
@@ -149,13 +153,14 @@ impl<S: Scalar> KernelTwo<S> {
 
     /// Changes of velocities and gravity, from the world outward.
     fn outward(&mut self, tree: &Tree, kernel: &KernelOne<S>, dv: &[S]) {
+        let mut before = Outward::new();
         for (i, joint) in tree.joints().iter().enumerate() {
-            let (transform, dq, gravity) = (&kernel.transforms[i], self.dq[i], kernel.gravity[i]);
+            let (transform, dq, gravity) = (kernel.transform(tree, i), self.dq[i], kernel.gravity[i]);
             let (mut velocity, mut down) = match joint.parent {
-                Some(parent) => (
-                    transform.motion_down(self.velocities[parent]),
-                    transform.vector_down(self.gravity[parent]),
-                ),
+                Some(parent) => {
+                    let (velocity, down) = before.of_pair(parent, (&self.velocities, &self.gravity));
+                    (transform.motion_down(velocity), transform.vector_down(down))
+                }
                 None => (Motion::zero(), Vec3::zero()),
             };
             match AxisRate::new(joint.kind, &kernel.velocities[i]) {
@@ -170,6 +175,7 @@ impl<S: Scalar> KernelTwo<S> {
                     velocity.linear = velocity.linear + Vec3::new(c * dq, d * dq, dv[i]);
                 }
             }
+            before.leave(i, (velocity, down));
             self.velocities[i] = velocity;
             self.gravity[i] = down;
         }
@@ -182,15 +188,18 @@ impl<S: Scalar> KernelTwo<S> {
             self.composites[i] =
                 Inertia { mass: 0.0, first_moment: Vec3::zero(), matrix: Symmetric3::zero() };
         }
+        let (mut momenta, mut composites) = (Inward::new(), Inward::new());
         for (i, joint) in tree.joints().iter().enumerate().rev() {
+            let momentum = momenta.total(i, &mut self.momenta, Force::add);
+            let composite = composites.total(i, &mut self.composites, Inertia::with_moments);
+            (self.momenta[i], self.composites[i]) = (momentum, composite);
             let Some(parent) = joint.parent else { continue };
-            let (transform, dq) = (&kernel.transforms[i], self.dq[i]);
+            let (transform, dq) = (kernel.transform(tree, i), self.dq[i]);
             if tree.joints()[parent].parent.is_some() {
-                let change = moved(joint.kind, self.momenta[i], &kernel.momenta[i], dq);
-                self.momenta[parent] = self.momenta[parent] + transform.force_up(change);
+                momenta.hand(parent, transform.force_up(moved(joint.kind, momentum, &kernel.momenta[i], dq)));
             }
-            let change = moved_inertia(joint.kind, &self.composites[i], &kernel.composites[i], dq);
-            self.composites[parent].add_moments(&transform.inertia_up(&change));
+            let change = moved_inertia(joint.kind, &composite, &kernel.composites[i], dq);
+            composites.hand(parent, transform.inertia_up(&change));
         }
     }
 

@@ -1,11 +1,12 @@
 //! Kernel two, the scalar products of every pair of joints on a branch.
 
-use super::position::along_joint;
+use super::blocks::Source;
+use super::position::{along_joint, put};
 use super::two::moved;
 use super::velocity::AxisRate;
 use super::{KernelOne, KernelTwo, RootAxis};
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Motion, Vec3};
 
 /// The linear part of `gamma = a_g x S` of a revolute joint, in its frame: its x and y components.
@@ -17,7 +18,7 @@ fn turned_gravity<S: Scalar>(gravity: Vec3<S>) -> [S; 2] {
 /// `gamma . f` of a revolute joint.
 #[inline(always)]
 fn weight<S: Scalar>([x, y]: [S; 2], force: &Force<S>) -> S {
-    x * force.force.x + y * force.force.y
+    x.mul_add(force.force.x, y * force.force.y)
 }
 
 /// `m x (S dq)`: how a motion that does not move changes in the frame of a joint that moves by S dq.
@@ -34,77 +35,76 @@ impl<S: Scalar> KernelTwo<S> {
     /// Entries of D M, D P and D L_qq, from the tips inward.
     pub(super) fn pairs(&mut self, tree: &Tree, kernel: &KernelOne<S>) {
         for (i, joint) in tree.joints().iter().enumerate().rev() {
-            [self.forces[i], self.rates[i]] = self.own(tree, kernel, i);
-            if joint.parent.is_none() {
+            let inherits = joint.parent.is_some();
+            for block in kernel.blocks.of(i).filter(|_| inherits) {
+                if let Source::Child(child, from) = kernel.blocks.source(block) {
+                    self.carry(tree, kernel, child, (from, block));
+                }
+            }
+            let [force, rate] = self.own(tree, kernel, i);
+            put(&kernel.blocks, i, force, &mut self.forces);
+            put(&kernel.blocks, i, rate, &mut self.rates);
+            if !inherits {
                 self.meet_root(tree, kernel, i);
                 continue;
             }
-            for &child in tree.children(i) {
-                self.carry(tree, kernel, child);
-            }
             let kind = joint.kind;
-            let (psi, dpsi) =
-                (AxisRate::new(kind, &kernel.velocities[i]), AxisRate::new(kind, &self.velocities[i]));
-            let (gamma, dgamma) = (turned_gravity(kernel.gravity[i]), turned_gravity(self.gravity[i]));
-            let here = tree.pairs_of(i);
-            let before = kernel.carried[here.clone()].iter().zip(&kernel.rates[here]);
-            for ((carried, rate), &j) in before.zip(tree.subtree(i)) {
-                let (dcarried, drate) = (&self.forces[j], &self.rates[j]);
-                let mut entry = dpsi.power(rate) + psi.power(drate);
+            let psi = AxisRate::new(kind, &kernel.velocities[i]).splat();
+            let dpsi = AxisRate::new(kind, &self.velocities[i]).splat();
+            let gamma = turned_gravity(kernel.gravity[i]).map(S::Pack::splat);
+            let dgamma = turned_gravity(self.gravity[i]).map(S::Pack::splat);
+            for block in kernel.blocks.of(i) {
+                let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
+                let (dcarried, drate) = (&self.forces[block], &self.rates[block]);
+                let mut entries = dpsi.power(rate) + psi.power(drate);
                 if kind == JointKind::Revolute {
-                    entry += weight(dgamma, carried) + weight(gamma, dcarried);
+                    entries += weight(dgamma, carried) + weight(gamma, dcarried);
                 }
-                self.l_qq[(i, j)] = entry;
-                self.l_qq[(j, i)] = entry;
-                if i != j {
-                    self.l_vq[(j, i)] = dpsi.power(carried) + psi.power(dcarried);
-                }
-                self.l_vq[(i, j)] = along_joint(kind, drate);
-                let entry = along_joint(kind, dcarried);
-                self.mass_matrix[(i, j)] = entry;
-                self.mass_matrix[(j, i)] = entry;
+                kernel.blocks.store_both(i, block, entries, &mut self.l_qq);
+                let pair = [along_joint(kind, drate), dpsi.power(carried) + psi.power(dcarried)];
+                kernel.blocks.store(i, block, pair, &mut self.l_vq);
+                kernel.blocks.store_both(i, block, along_joint(kind, dcarried), &mut self.mass_matrix);
             }
         }
     }
 
-    /// Brings all dF_j and dG_j beyond `child` from its frame to that of its parent.
+    /// Brings a block of dF_j and dG_j from the frame of `child` to that of its parent.
     #[inline(always)]
-    fn carry(&mut self, tree: &Tree, kernel: &KernelOne<S>, child: usize) {
-        let (kind, dq, transform) = (tree.joints()[child].kind, self.dq[child], kernel.transforms[child]);
-        let pairs = tree.pairs_of(child);
-        let before = kernel.carried[pairs.clone()].iter().zip(&kernel.rates[pairs]);
-        for ((carried, rate), &j) in before.zip(tree.subtree(child)) {
-            self.forces[j] = transform.force_up(moved(kind, self.forces[j], carried, dq));
-            self.rates[j] = transform.force_up(moved(kind, self.rates[j], rate, dq));
-        }
+    fn carry(&mut self, tree: &Tree, kernel: &KernelOne<S>, child: usize, (from, to): (usize, usize)) {
+        let (kind, dq) = (tree.joints()[child].kind, S::Pack::splat(self.dq[child]));
+        let transform = kernel.pack_transform(tree, child);
+        let (force, rate) = (self.forces[from], self.rates[from]);
+        self.forces[to] = transform.force_up(moved(kind, force, &kernel.carried[from], dq));
+        self.rates[to] = transform.force_up(moved(kind, rate, &kernel.rates[from], dq));
     }
 
     /// Rows and columns of a joint on the world, whose psi and dpsi are zero.
     fn meet_root(&mut self, tree: &Tree, kernel: &KernelOne<S>, i: usize) {
         let kind = tree.joints()[i].kind;
         let (gamma, dgamma) = (turned_gravity(kernel.gravity[i]), turned_gravity(self.gravity[i]));
-        let own = &kernel.carried[tree.pairs_of(i).start];
-        self.mass_matrix[(i, i)] = along_joint(kind, &self.forces[i]);
+        let (block, lane) = kernel.blocks.own(i);
+        let (own, change) = (&kernel.carried[block], &self.forces[block]);
+        self.mass_matrix[(i, i)] = along_joint(kind, change).lane(lane);
         self.l_vq[(i, i)] = S::zero();
         self.l_qq[(i, i)] = match kind {
-            JointKind::Revolute => weight(dgamma, own) + weight(gamma, &self.forces[i]),
+            JointKind::Revolute => {
+                let splat = |gamma: [S; 2]| gamma.map(S::Pack::splat);
+                (weight(splat(dgamma), own) + weight(splat(gamma), change)).lane(lane)
+            }
             JointKind::Prismatic => S::zero(),
         };
         for &child in tree.children(i) {
-            let root = kernel.roots[child];
-            let change = self.change_of_root(tree, kernel, i, child, dgamma);
-            let beyond = tree.pairs_of(child);
-            let before = kernel.carried[beyond.clone()].iter().zip(&kernel.rates[beyond]);
-            for ((carried, rate), &j) in before.zip(tree.subtree(child)) {
-                let (dcarried, drate) = (&self.forces[j], &self.rates[j]);
-                let entry = carried.dot(change.motion) + dcarried.dot(root.motion);
-                self.mass_matrix[(i, j)] = entry;
-                self.mass_matrix[(j, i)] = entry;
-                self.l_vq[(i, j)] = rate.dot(change.motion) + drate.dot(root.motion);
-                self.l_vq[(j, i)] = S::zero();
-                let entry = change.gravity.dot(carried.force) + root.gravity.dot(dcarried.force);
-                self.l_qq[(i, j)] = entry;
-                self.l_qq[(j, i)] = entry;
+            let root = kernel.roots[child].splat();
+            let change = self.change_of_root(tree, kernel, i, child, dgamma).splat();
+            for block in kernel.blocks.of(child) {
+                let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
+                let (dcarried, drate) = (&self.forces[block], &self.rates[block]);
+                let entries = carried.dot(change.motion) + dcarried.dot(root.motion);
+                kernel.blocks.store_both(i, block, entries, &mut self.mass_matrix);
+                let entries = rate.dot(change.motion) + drate.dot(root.motion);
+                kernel.blocks.store(i, block, [entries, S::Pack::zero()], &mut self.l_vq);
+                let entries = change.gravity.dot(carried.force) + root.gravity.dot(dcarried.force);
+                kernel.blocks.store_both(i, block, entries, &mut self.l_qq);
             }
         }
     }
@@ -123,7 +123,7 @@ impl<S: Scalar> KernelTwo<S> {
         let gamma = Motion { angular: Vec3::zero(), linear: root.gravity };
         let mut gravity = left_behind(kind, &gamma, self.dq[child]).linear;
         if tree.joints()[i].kind == JointKind::Revolute {
-            gravity = gravity + kernel.transforms[child].vector_down(Vec3::new(x, y, S::zero()));
+            gravity = gravity + kernel.transform(tree, child).vector_down(Vec3::new(x, y, S::zero()));
         }
         RootAxis { motion: left_behind(kind, &root.motion, self.dq[child]), gravity }
     }

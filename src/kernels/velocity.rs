@@ -1,11 +1,13 @@
 //! Second stage of kernel one: velocities, momenta, and the gradient of the Lagrangian.
 
 use super::KernelOne;
+use super::pass::{Inward, Outward};
 use super::position::along_joint;
 use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, Motion, Vec3};
+use std::ops::Add;
 
 /// `psi = v x S = dS/dt`: its parts have no z component, and a prismatic axis does not turn anything.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +30,17 @@ impl<S: Scalar> AxisRate<S> {
         }
     }
 
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat<P: Pack<S>>(&self) -> AxisRate<P> {
+        match *self {
+            Self::Revolute { angular, linear } => {
+                AxisRate::Revolute { angular: angular.map(P::splat), linear: linear.map(P::splat) }
+            }
+            Self::Prismatic { linear } => AxisRate::Prismatic { linear: linear.map(P::splat) },
+        }
+    }
+
     /// `I psi`: momentum of a body that moves by psi.
     #[inline(always)]
     pub fn momentum(&self, body: &Inertia<S>) -> Force<S> {
@@ -35,14 +48,18 @@ impl<S: Scalar> AxisRate<S> {
         match *self {
             Self::Revolute { angular: [a, b], linear: [c, d] } => Force {
                 moment: Vec3::new(
-                    i.xx * a + i.xy * b - h.z * d,
-                    i.xy * a + i.yy * b + h.z * c,
-                    i.xz * a + i.yz * b + h.x * d - h.y * c,
+                    i.xx.mul_add(a, i.xy.mul_add(b, -(h.z * d))),
+                    i.xy.mul_add(a, i.yy.mul_add(b, h.z * c)),
+                    i.xz.mul_add(a, i.yz * b) + h.x.mul_add(d, -(h.y * c)),
                 ),
-                force: Vec3::new(c.times(mass) + h.z * b, d.times(mass) - h.z * a, h.y * a - h.x * b),
+                force: Vec3::new(
+                    h.z.mul_add(b, c.times(mass)),
+                    (-h.z).mul_add(a, d.times(mass)),
+                    h.y.mul_add(a, -(h.x * b)),
+                ),
             },
             Self::Prismatic { linear: [c, d] } => Force {
-                moment: Vec3::new(-(h.z * d), h.z * c, h.x * d - h.y * c),
+                moment: Vec3::new(-(h.z * d), h.z * c, h.x.mul_add(d, -(h.y * c))),
                 force: Vec3::new(c.times(mass), d.times(mass), S::zero()),
             },
         }
@@ -53,9 +70,9 @@ impl<S: Scalar> AxisRate<S> {
     pub fn power(&self, f: &Force<S>) -> S {
         match *self {
             Self::Revolute { angular: [a, b], linear: [c, d] } => {
-                a * f.moment.x + b * f.moment.y + c * f.force.x + d * f.force.y
+                a.mul_add(f.moment.x, b * f.moment.y) + c.mul_add(f.force.x, d * f.force.y)
             }
-            Self::Prismatic { linear: [c, d] } => c * f.force.x + d * f.force.y,
+            Self::Prismatic { linear: [c, d] } => c.mul_add(f.force.x, d * f.force.y),
         }
     }
 }
@@ -64,7 +81,10 @@ impl<S: Scalar> AxisRate<S> {
 #[inline(always)]
 fn weight<S: Scalar>(kind: JointKind, composite: &Inertia<S>, gravity: Vec3<S>) -> S {
     match kind {
-        JointKind::Revolute => composite.first_moment.x * gravity.y - composite.first_moment.y * gravity.x,
+        JointKind::Revolute => {
+            let h = composite.first_moment;
+            h.x.mul_add(gravity.y, -(h.y * gravity.x))
+        }
         JointKind::Prismatic => gravity.z.times(composite.mass),
     }
 }
@@ -77,22 +97,27 @@ impl<S: Scalar> KernelOne<S> {
     pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.len())?;
         self.v.copy_from_slice(v);
+        let mut before = Outward::new();
         for (i, joint) in tree.joints().iter().enumerate() {
             let mut velocity = match joint.parent {
-                Some(parent) => self.transforms[i].motion_down(self.velocities[parent]),
+                Some(parent) => self.transform(tree, i).motion_down(before.of(parent, &self.velocities)),
                 None => Motion::zero(),
             };
             match joint.kind {
                 JointKind::Revolute => velocity.angular.z += v[i],
                 JointKind::Prismatic => velocity.linear.z += v[i],
             }
+            before.leave(i, velocity);
             self.velocities[i] = velocity;
             self.momenta[i] = joint.lumped.apply(velocity);
         }
+        let mut inward = Inward::new();
         for (i, joint) in tree.joints().iter().enumerate().rev() {
+            let total = inward.total(i, &mut self.momenta, Force::add);
+            self.momenta[i] = total;
             // That of a joint on the world is only asked for along its axis, see `first_derivatives`.
             if let Some(parent) = joint.parent.filter(|&parent| tree.joints()[parent].parent.is_some()) {
-                self.momenta[parent] = self.momenta[parent] + self.transforms[i].force_up(self.momenta[i]);
+                inward.hand(parent, self.transform(tree, i).force_up(total));
             }
         }
         self.first_derivatives(tree, v);

@@ -117,17 +117,16 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.len();
         for i in 0..n {
-            let (left, right) = self.half.row_mut(i).split_at_mut(n);
+            let (left, right) = self.torque.row_mut(i).split_at_mut(n);
             left.copy_from_slice(self.tau_q.row(i));
             right.copy_from_slice(self.tau_v.row(i));
         }
-        self.factor.solve_first_half(&mut self.half);
-        self.factor.divide_by_pivots(&self.half, &mut self.solved);
-        self.factor.solve_second_half(&mut self.solved);
+        self.solved.read::<0>(&self.torque);
+        self.factor.solve_panel(&mut self.solved);
         self.factor.inverse(&mut self.inverse);
         for i in 0..n {
             let (left, right) = self.a_z.row_mut(i).split_at_mut(2 * n);
-            left.iter_mut().zip(self.solved.row(i)).for_each(|(entry, &solved)| *entry = -solved);
+            self.solved.write_row::<0>(i, left, |solved| -solved);
             right.copy_from_slice(self.inverse.row(i));
         }
     }

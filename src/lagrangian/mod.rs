@@ -28,7 +28,7 @@ pub use second_order::{ContractedHessian, SecondOrder};
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{Factor, KernelOne, KernelTwo};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use newton_euler::NewtonEuler;
@@ -70,8 +70,8 @@ pub struct Lagrangian<S: Scalar> {
     rate: Vec<S>,
     inverse: Matrix<S>,
     /// `[tau_q, tau_v]`, and what becomes of it on the way to `M^-1 [tau_q, tau_v]`; n x 2n.
-    half: Matrix<S>,
-    solved: Matrix<S>,
+    torque: Matrix<S>,
+    solved: Panel<S>,
     /// `[a_q, a_v, a_u]`, n x 3n.
     a_z: Matrix<S>,
     /// `[0 1 ; a_q a_v]`, 2n x 2n.
@@ -104,8 +104,8 @@ impl<S: Scalar> Lagrangian<S> {
             coriolis: square.clone(),
             rate: vec![S::zero(); 2 * n],
             inverse: square,
-            half: Matrix::zeros(n, 2 * n),
-            solved: Matrix::zeros(n, 2 * n),
+            torque: Matrix::zeros(n, 2 * n),
+            solved: Panel::zeros(n, 2 * n),
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),

@@ -3,7 +3,7 @@
 use crate::kernels::along_joint;
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
-use crate::spatial::{Force, Motion, Transform, Vec3};
+use crate::spatial::{Force, JointPosition, Motion, Vec3};
 
 /// `tau = M a + C v + g` by the recursive Newton-Euler equations, O(n), in body frames with the joint axis along z.
 ///
@@ -17,7 +17,7 @@ use crate::spatial::{Force, Motion, Transform, Vec3};
 /// Nothing of this is shared with kernel one but the transforms and what stands for the links: the two judge each other.
 #[derive(Clone, Debug)]
 pub(super) struct NewtonEuler<S> {
-    transforms: Vec<Transform<S>>,
+    positions: Vec<JointPosition<S>>,
     velocities: Vec<Motion<S>>,
     accelerations: Vec<Motion<S>>,
     forces: Vec<Force<S>>,
@@ -29,7 +29,7 @@ impl<S: Scalar> NewtonEuler<S> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         Self {
-            transforms: tree.joints().iter().map(|joint| joint.transform(S::zero())).collect(),
+            positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             velocities: vec![Motion::zero(); n],
             accelerations: vec![Motion::zero(); n],
             forces: vec![Force::zero(); n],
@@ -51,7 +51,7 @@ impl<S: Scalar> NewtonEuler<S> {
             };
             let (velocity, acceleration) = beyond_joint(joint.kind, velocity, acceleration, v[i], a[i]);
             self.forces[i] = rate_of_momentum(joint, velocity, acceleration);
-            self.transforms[i] = to_here;
+            self.positions[i] = to_here.joint;
             self.velocities[i] = velocity;
             self.accelerations[i] = acceleration;
         }
@@ -61,7 +61,8 @@ impl<S: Scalar> NewtonEuler<S> {
                 self.tau[i] += q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
             }
             if let Some(parent) = joint.parent {
-                self.forces[parent] = self.forces[parent] + self.transforms[i].force_up(self.forces[i]);
+                let moved = joint.transform_at(self.positions[i]).force_up(self.forces[i]);
+                self.forces[parent] = self.forces[parent] + moved;
             }
         }
         for &(i, j, value) in tree.armature() {

@@ -47,13 +47,30 @@ pub struct JointFrame {
 impl JointFrame {
     /// To the frame of the parent and back, at position q (rad, m).
     #[inline(always)]
-    pub fn transform<S: Scalar>(&self, q: S) -> Transform<S> {
-        let q = if self.offset == 0.0 { q } else { q.plus(self.offset) };
-        let position = match self.kind {
+    pub fn transform<S: Scalar>(&self, q: S) -> Transform<'_, S> {
+        self.transform_at(self.position(q))
+    }
+
+    /// To the frame of the parent and back, where the joint stands there.
+    #[inline(always)]
+    pub fn transform_at<S: Scalar>(&self, joint: JointPosition<S>) -> Transform<'_, S> {
+        Transform { fixed: &self.screw, joint }
+    }
+
+    /// What the transform needs of q (rad, m).
+    #[inline(always)]
+    pub fn position<S: Scalar>(&self, q: S) -> JointPosition<S> {
+        let q = self.from_zero(q);
+        match self.kind {
             JointKind::Revolute => JointPosition::Turned(Turn::by(q)),
             JointKind::Prismatic => JointPosition::Slid(q),
-        };
-        Transform { fixed: self.screw, joint: position }
+        }
+    }
+
+    /// `q + offset`.
+    #[inline(always)]
+    pub(crate) fn from_zero<S: Scalar>(&self, q: S) -> S {
+        if self.offset == 0.0 { q } else { q.plus(self.offset) }
     }
 }
 
@@ -68,6 +85,8 @@ pub struct Tree {
     children: Vec<Vec<usize>>,
     subtree_starts: Vec<usize>,
     subtrees: Vec<usize>,
+    turning: Vec<usize>,
+    sliding: Vec<usize>,
 }
 
 impl Tree {
@@ -117,6 +136,16 @@ impl Tree {
         self.subtree_starts[i]..self.subtree_starts[i + 1]
     }
 
+    /// The revolute joints.
+    pub(crate) fn turning(&self) -> &[usize] {
+        &self.turning
+    }
+
+    /// The prismatic joints.
+    pub(crate) fn sliding(&self) -> &[usize] {
+        &self.sliding
+    }
+
     /// Number of pairs `i <= j` in tree order.
     pub fn pairs(&self) -> usize {
         self.subtrees.len()
@@ -162,7 +191,10 @@ impl From<&Robot> for Tree {
         let gravity = (turned.world * robot.gravity()).into();
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
+        let (turning, sliding) = (0..n).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
+            turning,
+            sliding,
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             joints,
             gravity,

@@ -119,6 +119,7 @@ macro_rules! impl_scalar_by_parts {
     ($dual:ident, $order:literal, $($part:ident),*) => {
         impl<T: DualNum + Scalar> Scalar for $dual<T> {
             type Mask = T::Mask;
+            type Pack = Self;
             forward_to_num_dual!($order);
             #[inline]
             fn select(mask: T::Mask, if_true: Self, if_false: Self) -> Self {
@@ -142,6 +143,7 @@ macro_rules! impl_scalar_as_a_whole {
     ($dual:ident, $order:literal, $($size:ident),*) => {
         impl<T: DualNum + Scalar<Mask = bool>, $(const $size: usize),*> Scalar for $dual<T, $(Const<$size>),*> {
             type Mask = bool;
+            type Pack = Self;
             forward_to_num_dual!($order);
             #[inline]
             fn select(mask: bool, if_true: Self, if_false: Self) -> Self {

@@ -7,10 +7,16 @@
 
 mod count;
 mod dual;
+#[cfg(feature = "wide")]
+mod lanes;
+mod pack;
 mod real;
 mod tangent;
 
 pub use count::{Constants, Count, Operations, count, count_with};
+#[cfg(feature = "wide")]
+pub use lanes::{F64x4, F64x8, LaneMask, Lanes, Vector};
+pub use pack::Pack;
 pub use tangent::Tangent;
 
 use std::fmt::Debug;
@@ -51,6 +57,9 @@ pub trait Scalar:
     /// Outcome of a comparison: one truth value, or one per lane.
     type Mask: Copy;
 
+    /// What handles several of these numbers of one state at once; the type itself where nothing does.
+    type Pack: Pack<Self>;
+
     /// Relative spacing of the numbers at the bottom: the rounding of one operation.
     const EPSILON: f64;
 
@@ -63,6 +72,10 @@ pub trait Scalar:
     ///
     /// `false` for a scalar that only counts or records: what it computes holds for any input.
     const CHECKED: bool = true;
+
+    /// Whether a product costs no more than a sum, and both together no more than one: formulas are then chosen for few steps one
+    /// after another, not for few products.
+    const FUSED: bool = false;
 
     /// The constant `value`, with derivatives zero.
     fn from_f64(value: f64) -> Self;
@@ -89,6 +102,12 @@ pub trait Scalar:
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
+    }
+
+    /// `self + term * factor` for a constant factor, rounded as [`mul_add`](Scalar::mul_add) is.
+    #[inline(always)]
+    fn plus_times(self, term: Self, factor: f64) -> Self {
+        self + term.times(factor)
     }
 
     /// `1 / self`.

@@ -3,11 +3,13 @@
 use super::{Scalar, real_tanh_and_slope};
 
 macro_rules! impl_scalar_for_float {
-    ($float:ident) => {
+    ($float:ident, $pack:ty) => {
         impl Scalar for $float {
             type Mask = bool;
+            type Pack = $pack;
             const EPSILON: f64 = $float::EPSILON as f64;
             const ORDER: usize = 0;
+            const FUSED: bool = true;
 
             #[inline]
             fn from_f64(value: f64) -> Self {
@@ -28,6 +30,10 @@ macro_rules! impl_scalar_for_float {
                 } else {
                     self * factor + term
                 }
+            }
+            #[inline(always)]
+            fn plus_times(self, term: Self, factor: f64) -> Self {
+                Scalar::mul_add(term, factor as $float, self)
             }
             #[inline]
             fn recip(self) -> Self {
@@ -69,5 +75,8 @@ macro_rules! impl_scalar_for_float {
     };
 }
 
-impl_scalar_for_float!(f64);
-impl_scalar_for_float!(f32);
+#[cfg(feature = "wide")]
+impl_scalar_for_float!(f64, super::F64x4);
+#[cfg(not(feature = "wide"))]
+impl_scalar_for_float!(f64, f64);
+impl_scalar_for_float!(f32, f32);

@@ -88,6 +88,7 @@ impl<S: Scalar> MulAssign for Tangent<S> {
 
 impl<S: Scalar> Scalar for Tangent<S> {
     type Mask = S::Mask;
+    type Pack = Self;
     const EPSILON: f64 = S::EPSILON;
     const ORDER: usize = S::ORDER + 1;
     const CHECKED: bool = S::CHECKED;

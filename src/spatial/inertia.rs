@@ -34,9 +34,9 @@ impl<S: Scalar> Symmetric3<S> {
     #[inline(always)]
     pub fn apply(&self, a: Vec3<S>) -> Vec3<S> {
         Vec3::new(
-            self.xx * a.x + self.xy * a.y + self.xz * a.z,
-            self.xy * a.x + self.yy * a.y + self.yz * a.z,
-            self.xz * a.x + self.yz * a.y + self.zz * a.z,
+            self.xx.mul_add(a.x, self.xy.mul_add(a.y, self.xz * a.z)),
+            self.xy.mul_add(a.x, self.yy.mul_add(a.y, self.yz * a.z)),
+            self.xz.mul_add(a.x, self.yz.mul_add(a.y, self.zz * a.z)),
         )
     }
 
@@ -97,11 +97,12 @@ impl<S: Scalar> Inertia<S> {
         Force { moment: self.matrix.apply(w) + h.cross(v), force: v.times(self.mass) - h.cross(w) }
     }
 
-    /// Adds another body in the same frame, but for its mass.
+    /// The sum with another body in the same frame, but for its mass.
     #[inline(always)]
-    pub fn add_moments(&mut self, other: &Self) {
+    pub fn with_moments(mut self, other: Self) -> Self {
         self.first_moment = self.first_moment + other.first_moment;
         self.matrix += other.matrix;
+        self
     }
 }
 
@@ -138,7 +139,8 @@ impl ConstantInertia {
             w.dot_constant([xy, yy, yz]),
             w.dot_constant([xz, yz, zz]),
         );
-        Force { moment: turned - v.cross_constant(h), force: v.times(self.mass) + w.cross_constant(h) }
+        let [x, y, z] = h;
+        Force { moment: turned.plus_cross(v, [-x, -y, -z]), force: v.times(self.mass).plus_cross(w, h) }
     }
 }
 

@@ -8,7 +8,7 @@
 use super::inertia::Inertia;
 use super::turn::{FixedTurn, Turn};
 use super::vector::{Force, Motion, Vec3};
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 /// The constant part `Rz(gamma) (r + Rx(alpha) (rise e_z + .))` of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +33,39 @@ impl FixedScrew {
     }
 }
 
+impl FixedScrew {
+    /// Whether r is along x, as in the modified Denavit-Hartenberg convention.
+    #[inline(always)]
+    fn is_along_x(&self) -> bool {
+        let [_, y, z] = self.translation;
+        y == 0.0 && z == 0.0
+    }
+
+    /// `v + w x r`.
+    #[inline(always)]
+    fn add_arm<S: Scalar>(&self, mut v: Vec3<S>, w: Vec3<S>) -> Vec3<S> {
+        if self.is_along_x() {
+            let [x, ..] = self.translation;
+            v.y = v.y.plus_times(w.z, x);
+            v.z = v.z.plus_times(w.y, -x);
+            return v;
+        }
+        v.plus_cross(w, self.translation)
+    }
+
+    /// `n - f x r`.
+    #[inline(always)]
+    fn subtract_arm<S: Scalar>(&self, mut n: Vec3<S>, f: Vec3<S>) -> Vec3<S> {
+        let [x, y, z] = self.translation;
+        if self.is_along_x() {
+            n.y = n.y.plus_times(f.z, -x);
+            n.z = n.z.plus_times(f.y, x);
+            return n;
+        }
+        n.plus_cross(f, [-x, -y, -z])
+    }
+}
+
 /// The part that depends on q.
 #[derive(Clone, Copy, Debug)]
 pub enum JointPosition<S> {
@@ -42,16 +75,27 @@ pub enum JointPosition<S> {
     Slid(S),
 }
 
+impl<S: Scalar> JointPosition<S> {
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat<P: Pack<S>>(&self) -> JointPosition<P> {
+        match self {
+            Self::Turned(turn) => JointPosition::Turned(turn.splat()),
+            Self::Slid(distance) => JointPosition::Slid(P::splat(*distance)),
+        }
+    }
+}
+
 /// One transform between neighbouring frames.
 #[derive(Clone, Copy, Debug)]
-pub struct Transform<S> {
+pub struct Transform<'a, S> {
     /// Its constant part.
-    pub fixed: FixedScrew,
+    pub fixed: &'a FixedScrew,
     /// Its moving part.
     pub joint: JointPosition<S>,
 }
 
-impl<S: Scalar> Transform<S> {
+impl<S: Scalar> Transform<'_, S> {
     /// A free vector of the parent's frame, seen from this frame.
     #[inline(always)]
     pub fn vector_down(&self, mut a: Vec3<S>) -> Vec3<S> {
@@ -69,26 +113,26 @@ impl<S: Scalar> Transform<S> {
     #[inline(always)]
     pub fn motion_down(&self, parent: Motion<S>) -> Motion<S> {
         let (mut w, mut v) = (parent.angular, parent.linear);
-        let fixed = &self.fixed;
+        let fixed = self.fixed;
         if let Some(gamma) = &fixed.gamma {
             [w.x, w.y] = gamma.undo([w.x, w.y]);
             [v.x, v.y] = gamma.undo([v.x, v.y]);
         }
-        v = v + w.cross_constant(fixed.translation);
+        v = fixed.add_arm(v, w);
         [w.y, w.z] = fixed.alpha.undo([w.y, w.z]);
         [v.y, v.z] = fixed.alpha.undo([v.y, v.z]);
         match &self.joint {
             JointPosition::Turned(turn) => {
                 if fixed.rise != 0.0 {
-                    v.x += w.y.times(fixed.rise);
-                    v.y -= w.x.times(fixed.rise);
+                    v.x = v.x.plus_times(w.y, fixed.rise);
+                    v.y = v.y.plus_times(w.x, -fixed.rise);
                 }
                 [w.x, w.y] = turn.undo([w.x, w.y]);
                 [v.x, v.y] = turn.undo([v.x, v.y]);
             }
             &JointPosition::Slid(distance) => {
-                v.x += w.y * distance;
-                v.y -= w.x * distance;
+                v.x = w.y.mul_add(distance, v.x);
+                v.y = w.x.mul_add(-distance, v.y);
             }
         }
         Motion { angular: w, linear: v }
@@ -98,24 +142,24 @@ impl<S: Scalar> Transform<S> {
     #[inline(always)]
     pub fn force_up(&self, here: Force<S>) -> Force<S> {
         let (mut n, mut f) = (here.moment, here.force);
-        let fixed = &self.fixed;
+        let fixed = self.fixed;
         match &self.joint {
             JointPosition::Turned(turn) => {
                 [n.x, n.y] = turn.apply([n.x, n.y]);
                 [f.x, f.y] = turn.apply([f.x, f.y]);
                 if fixed.rise != 0.0 {
-                    n.x -= f.y.times(fixed.rise);
-                    n.y += f.x.times(fixed.rise);
+                    n.x = n.x.plus_times(f.y, -fixed.rise);
+                    n.y = n.y.plus_times(f.x, fixed.rise);
                 }
             }
             &JointPosition::Slid(distance) => {
-                n.x -= distance * f.y;
-                n.y += distance * f.x;
+                n.x = f.y.mul_add(-distance, n.x);
+                n.y = f.x.mul_add(distance, n.y);
             }
         }
         [n.y, n.z] = fixed.alpha.apply([n.y, n.z]);
         [f.y, f.z] = fixed.alpha.apply([f.y, f.z]);
-        n = n - f.cross_constant(fixed.translation);
+        n = fixed.subtract_arm(n, f);
         if let Some(gamma) = &fixed.gamma {
             [n.x, n.y] = gamma.apply([n.x, n.y]);
             [f.x, f.y] = gamma.apply([f.x, f.y]);
@@ -129,44 +173,53 @@ impl<S: Scalar> Transform<S> {
     #[inline(always)]
     pub fn inertia_up(&self, body: &Inertia<S>) -> Inertia<S> {
         let mass = body.mass;
-        let fixed = &self.fixed;
+        let fixed = self.fixed;
         let (mut h, mut j) = (body.first_moment, body.matrix);
         match &self.joint {
             JointPosition::Turned(turn) => {
                 [h.x, h.y] = turn.apply([h.x, h.y]);
                 j = j.turned_about_z(turn);
                 if fixed.rise != 0.0 {
-                    let spread = (h.z + h.z).plus(mass * fixed.rise).times(fixed.rise);
-                    j.xx += spread;
-                    j.yy += spread;
-                    j.xz -= h.x.times(fixed.rise);
-                    j.yz -= h.y.times(fixed.rise);
+                    let spread = (h.z + h.z).plus(mass * fixed.rise);
+                    j.xx = j.xx.plus_times(spread, fixed.rise);
+                    j.yy = j.yy.plus_times(spread, fixed.rise);
+                    j.xz = j.xz.plus_times(h.x, -fixed.rise);
+                    j.yz = j.yz.plus_times(h.y, -fixed.rise);
                     h.z = h.z.plus(mass * fixed.rise);
                 }
             }
             &JointPosition::Slid(distance) => {
                 let moved = distance.times(mass);
-                let spread = distance * (h.z + h.z + moved);
-                j.xx += spread;
-                j.yy += spread;
-                j.xz -= distance * h.x;
-                j.yz -= distance * h.y;
+                let spread = h.z + h.z + moved;
+                j.xx = spread.mul_add(distance, j.xx);
+                j.yy = spread.mul_add(distance, j.yy);
+                j.xz = h.x.mul_add(-distance, j.xz);
+                j.yz = h.y.mul_add(-distance, j.yz);
                 h.z += moved;
             }
         }
         [h.y, h.z] = fixed.alpha.apply([h.y, h.z]);
         j = j.turned_about_x_constant(&fixed.alpha);
         let r @ [rx, ry, rz] = fixed.translation;
-        let w = h.plus(r.map(|r| 0.5 * mass * r));
-        let (xx, yy, zz) = (w.x.times(rx), w.y.times(ry), w.z.times(rz));
-        let double = |a: S| a + a;
-        j.xx += double(yy + zz);
-        j.yy += double(xx + zz);
-        j.zz += double(xx + yy);
-        j.xy -= w.x.times(ry) + w.y.times(rx);
-        j.xz -= w.x.times(rz) + w.z.times(rx);
-        j.yz -= w.y.times(rz) + w.z.times(ry);
-        h = h.plus(r.map(|r| mass * r));
+        if fixed.is_along_x() {
+            let spread = h.x.plus(0.5 * mass * rx).times(2.0 * rx);
+            j.yy += spread;
+            j.zz += spread;
+            j.xy = j.xy.plus_times(h.y, -rx);
+            j.xz = j.xz.plus_times(h.z, -rx);
+            h.x = h.x.plus(mass * rx);
+        } else {
+            let w = h.plus(r.map(|r| 0.5 * mass * r));
+            let (xx, yy, zz) = (w.x.times(rx), w.y.times(ry), w.z.times(rz));
+            let double = |a: S| a + a;
+            j.xx += double(yy + zz);
+            j.yy += double(xx + zz);
+            j.zz += double(xx + yy);
+            j.xy = j.xy.plus_times(w.x, -ry).plus_times(w.y, -rx);
+            j.xz = j.xz.plus_times(w.x, -rz).plus_times(w.z, -rx);
+            j.yz = j.yz.plus_times(w.y, -rz).plus_times(w.z, -ry);
+            h = h.plus(r.map(|r| mass * r));
+        }
         if let Some(gamma) = &fixed.gamma {
             [h.x, h.y] = gamma.apply([h.x, h.y]);
             j = j.turned_about_z_constant(gamma);
@@ -181,7 +234,7 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix3, Vector3};
 
-    fn cases() -> Vec<Transform<f64>> {
+    fn cases() -> Vec<(FixedScrew, JointPosition<f64>)> {
         let unit = |angle: f64| FixedTurn::new([angle.sin(), angle.cos()]);
         let (turned, slid) = (JointPosition::Turned(Turn::by(0.4)), JointPosition::Slid(-0.8));
         let translation = [0.3, -0.5, 0.7];
@@ -189,7 +242,7 @@ mod tests {
         for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0)] {
             for gamma in [None, Some(unit(2.2))] {
                 for alpha in [FixedTurn::new([0.0, 1.0]), FixedTurn::new([-1.0, 0.0]), unit(-1.3)] {
-                    cases.push(Transform { fixed: FixedScrew { gamma, alpha, translation, rise }, joint });
+                    cases.push((FixedScrew { gamma, alpha, translation, rise }, joint));
                 }
             }
         }
@@ -197,7 +250,7 @@ mod tests {
     }
 
     /// Rotation and translation as dense arrays, built independently of the staged formulas.
-    fn dense(t: &Transform<f64>) -> (Matrix3<f64>, Vector3<f64>) {
+    fn dense(t: &Transform<'_, f64>) -> (Matrix3<f64>, Vector3<f64>) {
         let rz = |[s, c]: [f64; 2]| Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
         let [s, c] = t.fixed.alpha.sin_cos();
         let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
@@ -221,7 +274,8 @@ mod tests {
     #[test]
     fn staged_transforms_agree_with_dense_matrices() {
         let (a, b) = (Vec3::constant([0.9, -0.1, 0.35]), Vec3::constant([-0.6, 0.45, 1.2]));
-        for t in cases() {
+        for (fixed, joint) in cases() {
+            let t = Transform { fixed: &fixed, joint };
             let (r, o) = dense(&t);
             close(t.vector_down(a), r.transpose() * to_na(a));
             let m = t.motion_down(Motion { angular: a, linear: b });
@@ -246,7 +300,8 @@ mod tests {
             first_moment: (com * m).into(),
             matrix: [j[(0, 0)], j[(1, 1)], j[(2, 2)], j[(0, 1)], j[(0, 2)], j[(1, 2)]],
         };
-        for t in cases() {
+        for (fixed, joint) in cases() {
+            let t = Transform { fixed: &fixed, joint };
             let (r, o) = dense(&t);
             let moved = t.inertia_up(&body.lift());
             let c = r * com + o;

@@ -1,8 +1,9 @@
 //! Rotations in a plane, by sine and cosine.
 //!
-//! `(a, b) -> (c a - s b, s a + c b)` takes three products: with `k = c (a + b)` it is `(k - (c + s) b, k + (s - c) a)`.
+//! `(a, b) -> (c a - s b, s a + c b)` takes three products: with `k = c (a + b)` it is `(k - (c + s) b, k + (s - c) a)`. Where
+//! a product costs no more than a sum ([`Scalar::FUSED`]), the formula as it stands is the faster one.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 /// A rotation by a joint angle.
 #[derive(Clone, Copy, Debug)]
@@ -20,12 +21,28 @@ impl<S: Scalar> Turn<S> {
     #[inline(always)]
     pub fn by(angle: S) -> Self {
         let (sin, cos) = angle.sin_cos();
+        Self::from_sin_cos(sin, cos)
+    }
+
+    /// By the angle with this sine and cosine.
+    #[inline(always)]
+    pub fn from_sin_cos(sin: S, cos: S) -> Self {
         Self { sin, cos, sum: cos + sin, difference: sin - cos }
+    }
+
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat<P: Pack<S>>(&self) -> Turn<P> {
+        let [sin, cos, sum, difference] = [self.sin, self.cos, self.sum, self.difference].map(P::splat);
+        Turn { sin, cos, sum, difference }
     }
 
     /// `(c a - s b, s a + c b)`.
     #[inline(always)]
     pub fn apply(&self, [a, b]: [S; 2]) -> [S; 2] {
+        if S::FUSED {
+            return [self.cos.mul_add(a, -(self.sin * b)), self.sin.mul_add(a, self.cos * b)];
+        }
         let k = self.cos * (a + b);
         [k - self.sum * b, k + self.difference * a]
     }
@@ -33,6 +50,9 @@ impl<S: Scalar> Turn<S> {
     /// `(c a + s b, c b - s a)`.
     #[inline(always)]
     pub fn undo(&self, [a, b]: [S; 2]) -> [S; 2] {
+        if S::FUSED {
+            return [self.cos.mul_add(a, self.sin * b), self.cos.mul_add(b, -(self.sin * a))];
+        }
         let k = self.cos * (a + b);
         [k + self.difference * b, k - self.sum * a]
     }
@@ -42,24 +62,46 @@ impl<S: Scalar> Turn<S> {
     /// With `e = s (xx - yy) + 2 c xy`: `xx - s e`, `yy + s e`, `c e - xy`.
     #[inline(always)]
     pub fn congruence(&self, [xx, yy, xy]: [S; 3]) -> [S; 3] {
-        let e = self.sin * (xx - yy) + self.cos * (xy + xy);
+        let e = self.sin.mul_add(xx - yy, self.cos * (xy + xy));
+        if S::FUSED {
+            return [(-self.sin).mul_add(e, xx), self.sin.mul_add(e, yy), self.cos.mul_add(e, -xy)];
+        }
         let moved = self.sin * e;
         [xx - moved, yy + moved, self.cos * e - xy]
     }
 }
 
-/// A rotation by a constant angle; quarter turns are exact, and free where constants are folded.
+/// A rotation by a constant angle; quarter turns are exact, and free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedTurn {
     sin: f64,
     cos: f64,
-    right: bool,
+    /// `cos + sin` and `sin - cos`.
+    sum: f64,
+    difference: f64,
+    quarters: Option<Quarters>,
+}
+
+/// A multiple of a quarter turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quarters {
+    None,
+    One,
+    Two,
+    Three,
 }
 
 impl FixedTurn {
     /// By the angle with this sine and cosine.
     pub fn new([sin, cos]: [f64; 2]) -> Self {
-        Self { sin, cos, right: sin == 0.0 || cos == 0.0 }
+        let quarters = match [sin, cos] {
+            [0.0, 1.0] => Some(Quarters::None),
+            [1.0, 0.0] => Some(Quarters::One),
+            [0.0, -1.0] => Some(Quarters::Two),
+            [-1.0, 0.0] => Some(Quarters::Three),
+            _ => None,
+        };
+        Self { sin, cos, sum: cos + sin, difference: sin - cos, quarters }
     }
 
     /// Sine and cosine.
@@ -70,42 +112,64 @@ impl FixedTurn {
     /// Whether it is a multiple of a quarter turn.
     #[inline]
     pub fn is_right(&self) -> bool {
-        self.right
+        self.quarters.is_some()
     }
 
     /// `(c a - s b, s a + c b)`.
-    #[inline]
+    #[inline(always)]
     pub fn apply<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        let Self { sin, cos, right } = *self;
-        if right {
-            return [a.times(cos) - b.times(sin), a.times(sin) + b.times(cos)];
+        match self.quarters {
+            Some(Quarters::None) => [a, b],
+            Some(Quarters::One) => [-b, a],
+            Some(Quarters::Two) => [-a, -b],
+            Some(Quarters::Three) => [b, -a],
+            None if S::FUSED => {
+                [a.times(self.cos).plus_times(b, -self.sin), a.times(self.sin).plus_times(b, self.cos)]
+            }
+            None => {
+                let k = (a + b).times(self.cos);
+                [k - b.times(self.sum), k + a.times(self.difference)]
+            }
         }
-        let k = (a + b).times(cos);
-        [k - b.times(cos + sin), k + a.times(sin - cos)]
     }
 
     /// `(c a + s b, c b - s a)`.
-    #[inline]
+    #[inline(always)]
     pub fn undo<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        let Self { sin, cos, right } = *self;
-        if right {
-            return [a.times(cos) + b.times(sin), b.times(cos) - a.times(sin)];
+        match self.quarters {
+            Some(Quarters::None) => [a, b],
+            Some(Quarters::One) => [b, -a],
+            Some(Quarters::Two) => [-a, -b],
+            Some(Quarters::Three) => [-b, a],
+            None if S::FUSED => {
+                [a.times(self.cos).plus_times(b, self.sin), b.times(self.cos).plus_times(a, -self.sin)]
+            }
+            None => {
+                let k = (a + b).times(self.cos);
+                [k + b.times(self.difference), k - a.times(self.sum)]
+            }
         }
-        let k = (a + b).times(cos);
-        [k + b.times(sin - cos), k - a.times(cos + sin)]
     }
 
     /// As [`Turn::congruence`].
-    #[inline]
+    #[inline(always)]
     pub fn congruence<S: Scalar>(&self, [xx, yy, xy]: [S; 3]) -> [S; 3] {
-        let Self { sin, cos, right } = *self;
-        if right {
-            let (s, c) = (sin * sin, cos * cos);
-            return [xx.times(c) + yy.times(s), xx.times(s) + yy.times(c), xy.times(c - s)];
+        match self.quarters {
+            Some(Quarters::None | Quarters::Two) => [xx, yy, xy],
+            Some(Quarters::One | Quarters::Three) => [yy, xx, -xy],
+            None => {
+                let e = (xx - yy).times(self.sin).plus_times(xy, 2.0 * self.cos);
+                if S::FUSED {
+                    return [
+                        xx.plus_times(e, -self.sin),
+                        yy.plus_times(e, self.sin),
+                        (-xy).plus_times(e, self.cos),
+                    ];
+                }
+                let moved = e.times(self.sin);
+                [xx - moved, yy + moved, e.times(self.cos) - xy]
+            }
         }
-        let e = (xx - yy).times(sin) + xy.times(2.0 * cos);
-        let moved = e.times(sin);
-        [xx - moved, yy + moved, e.times(cos) - xy]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Three-vectors over any scalar, spatial motion and force vectors.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 use std::ops::{Add, Neg, Sub};
 
 /// A vector of three scalars.
@@ -36,22 +36,22 @@ impl<S: Scalar> Vec3<S> {
     /// `self . other`.
     #[inline(always)]
     pub fn dot(self, other: Self) -> S {
-        self.x * other.x + self.y * other.y + self.z * other.z
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
 
     /// `self . constant`.
     #[inline(always)]
     pub fn dot_constant(self, [x, y, z]: [f64; 3]) -> S {
-        self.x.times(x) + self.y.times(y) + self.z.times(z)
+        self.x.times(x).plus_times(self.y, y).plus_times(self.z, z)
     }
 
     /// `self x other`.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
-            self.y * other.z - self.z * other.y,
-            self.z * other.x - self.x * other.z,
-            self.x * other.y - self.y * other.x,
+            self.y.mul_add(other.z, -(self.z * other.y)),
+            self.z.mul_add(other.x, -(self.x * other.z)),
+            self.x.mul_add(other.y, -(self.y * other.x)),
         )
     }
 
@@ -59,10 +59,26 @@ impl<S: Scalar> Vec3<S> {
     #[inline(always)]
     pub fn cross_constant(self, [x, y, z]: [f64; 3]) -> Self {
         Self::new(
-            self.y.times(z) - self.z.times(y),
-            self.z.times(x) - self.x.times(z),
-            self.x.times(y) - self.y.times(x),
+            self.y.times(z).plus_times(self.z, -y),
+            self.z.times(x).plus_times(self.x, -z),
+            self.x.times(y).plus_times(self.y, -x),
         )
+    }
+
+    /// `self + a x constant`.
+    #[inline(always)]
+    pub fn plus_cross(self, a: Self, [x, y, z]: [f64; 3]) -> Self {
+        Self::new(
+            self.x.plus_times(a.y, z).plus_times(a.z, -y),
+            self.y.plus_times(a.z, x).plus_times(a.x, -z),
+            self.z.plus_times(a.x, y).plus_times(a.y, -x),
+        )
+    }
+
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat<P: Pack<S>>(self) -> Vec3<P> {
+        Vec3::new(P::splat(self.x), P::splat(self.y), P::splat(self.z))
     }
 
     /// `factor self` for a constant.
@@ -116,6 +132,12 @@ impl<S: Scalar> Motion<S> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self { angular: Vec3::zero(), linear: Vec3::zero() }
+    }
+
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat<P: Pack<S>>(self) -> Motion<P> {
+        Motion { angular: self.angular.splat(), linear: self.linear.splat() }
     }
 }
 

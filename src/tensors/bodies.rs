@@ -65,7 +65,7 @@ impl<S: Scalar> Body<S> {
     /// A prismatic joint first moves its body along its z axis by q: `Pi + M q e_z`, `L + q (e_z (x) Pi + Pi (x) e_z) +
     /// M q^2 e_z (x) e_z`.
     #[inline]
-    pub fn moved_up(mut self, transform: &Transform<S>, mass: f64) -> Self {
+    pub fn moved_up(mut self, transform: &Transform<'_, S>, mass: f64) -> Self {
         let (p, l) = (&mut self.first_moment, &mut self.tensor);
         match &transform.joint {
             JointPosition::Turned(turn) => {

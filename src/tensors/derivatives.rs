@@ -64,8 +64,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
     }
 
     /// Third stage: `Gamma^k_ij,l` (59), (60) and `M_ij,kl` (41) at the position set last; the second stage comes before.
-    pub fn second_derivatives(&mut self) {
-        self.second.compute(&self.tensors, &self.first);
+    pub fn second_derivatives(&mut self, tree: &Tree) {
+        self.second.compute(tree, &self.tensors, &self.first);
     }
 
     /// All stages at q (rad, m; length n).
@@ -75,7 +75,7 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
     pub fn evaluate(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.set_position(tree, q)?;
         self.first_derivatives();
-        self.second_derivatives();
+        self.second_derivatives(tree);
         Ok(())
     }
 

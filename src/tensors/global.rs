@@ -3,7 +3,7 @@
 use super::bodies::{AugmentedBody, Body};
 use super::paths::Paths;
 use crate::error::{EvalError, check_length};
-use crate::robot::{JointKind, Tree};
+use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Symmetric3, Transform, Vec3};
 
@@ -19,7 +19,7 @@ pub struct GlobalTensors<S> {
     /// Origin of each frame, where a prismatic joint stands at zero, in the frame of its parent.
     origins: Vec<[f64; 3]>,
     masses: Vec<f64>,
-    pub(super) transforms: Vec<Transform<S>>,
+    positions: Vec<JointPosition<S>>,
     pub(super) bodies: Vec<Body<S>>,
     /// Z_i in frame j.
     pub(super) axes: Vec<Vec3<S>>,
@@ -44,7 +44,7 @@ impl<S: Scalar> GlobalTensors<S> {
         }
         Self {
             masses: tree.joints().iter().map(|joint| joint.subtree_mass).collect(),
-            transforms: tree.joints().iter().map(|joint| joint.transform(S::zero())).collect(),
+            positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             bodies: augmented.iter().map(AugmentedBody::lift).collect(),
             axes,
             arms: vec![Vec3::zero(); pairs],
@@ -63,15 +63,15 @@ impl<S: Scalar> GlobalTensors<S> {
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         check_length("q", q, tree.len())?;
         for (d, joint) in tree.joints().iter().enumerate() {
-            self.transforms[d] = joint.transform(q[d]);
+            self.positions[d] = joint.position(q[d]);
             self.bodies[d] = self.augmented[d].lift();
             if let Some(parent) = joint.parent {
-                self.carry_down(d, parent);
+                self.carry_down(joint, d, parent);
             }
         }
         for (d, joint) in tree.joints().iter().enumerate().rev() {
             if let Some(parent) = joint.parent {
-                let moved = self.bodies[d].moved_up(&self.transforms[d], self.masses[d]);
+                let moved = self.bodies[d].moved_up(&joint.transform_at(self.positions[d]), self.masses[d]);
                 self.bodies[parent].add(&moved);
             }
         }
@@ -85,8 +85,8 @@ impl<S: Scalar> GlobalTensors<S> {
     }
 
     /// Z_i and `Lambda_id = Lambda_ip + Lambda_pd`, i < d, from the frame of the parent p to that of d.
-    fn carry_down(&mut self, d: usize, parent: usize) {
-        let transform = self.transforms[d];
+    fn carry_down(&mut self, joint: &JointFrame, d: usize, parent: usize) {
+        let transform = joint.transform_at(self.positions[d]);
         let kinds = self.paths.kinds(d);
         for ((from, to), kind) in self.paths.pairs(parent).zip(self.paths.pairs(d)).zip(kinds) {
             self.axes[to] = transform.vector_down(self.axes[from]);
@@ -143,15 +143,20 @@ impl<S: Scalar> GlobalTensors<S> {
     }
 
     /// Gravity g (m/s^2), seen from frame d; `outer` is g seen from the frame of its parent.
-    pub(super) fn gravity_in(&self, d: usize, outer: Vec3<S>) -> Vec3<S> {
-        self.transforms[d].vector_down(outer)
+    pub(super) fn gravity_in(&self, tree: &Tree, d: usize, outer: Vec3<S>) -> Vec3<S> {
+        self.transform(tree, d).vector_down(outer)
+    }
+
+    /// From frame d to that of the parent and back.
+    pub(super) fn transform<'a>(&self, tree: &'a Tree, d: usize) -> Transform<'a, S> {
+        tree.joints()[d].transform_at(self.positions[d])
     }
 
     /// `int OP . g dm` of all that a joint d on the fixed base moves, O the origin of the world; `gravity` in frame d.
     pub(super) fn weight_moment(&self, d: usize, gravity: Vec3<S>, world_gravity: [f64; 3]) -> S {
         let base: f64 = self.origins[d].iter().zip(world_gravity).map(|(r, g)| r * g).sum();
         let here = gravity.dot(self.bodies[d].first_moment).plus(self.masses[d] * base);
-        match self.transforms[d].joint {
+        match self.positions[d] {
             JointPosition::Turned(_) => here,
             JointPosition::Slid(distance) => here + (distance * gravity.z).times(self.masses[d]),
         }

@@ -202,7 +202,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
         let tensors = &self.derivatives.tensors;
         for (d, joint) in tree.joints().iter().enumerate() {
             let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| self.gravity[p]);
-            self.gravity[d] = tensors.gravity_in(d, outer);
+            self.gravity[d] = tensors.gravity_in(tree, d, outer);
             for (&i, &entry) in tensors.paths.of(d).iter().zip(&tensors.mass[tensors.paths.pairs(d)]) {
                 self.mass_matrix[(i, d)] = entry;
                 self.mass_matrix[(d, i)] = entry;
@@ -228,7 +228,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     }
 
     fn second_order(&mut self, tree: &Tree) {
-        self.derivatives.second_derivatives();
+        self.derivatives.second_derivatives(tree);
         let paths = &self.derivatives.tensors.paths;
         for d in 0..tree.len() {
             for (&i, square) in paths.of(d).iter().zip(&mut self.squares[paths.pairs(d)]) {

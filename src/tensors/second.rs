@@ -3,7 +3,7 @@
 use super::first::First;
 use super::global::GlobalTensors;
 use super::paths::{gamma_by_last, gamma_of_last, triangle};
-use crate::robot::JointKind;
+use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
 
@@ -51,9 +51,9 @@ impl<S: Scalar> Second<S> {
         }
     }
 
-    pub fn compute(&mut self, tensors: &GlobalTensors<S>, first: &First<S>) {
+    pub fn compute(&mut self, tree: &Tree, tensors: &GlobalTensors<S>, first: &First<S>) {
         for d in 0..tensors.paths.len() {
-            self.cross_products(tensors, d);
+            self.cross_products(tree, tensors, d);
             self.scalar_products(tensors, d);
             self.by_last(tensors, d);
             self.of_last(tensors, first, d);
@@ -65,10 +65,10 @@ impl<S: Scalar> Second<S> {
     ///
     /// Where joint d stands square to or along the one before it, a vector is cheaper turned than made anew, and that of
     /// parallel axes stays a constant zero.
-    fn cross_products(&mut self, tensors: &GlobalTensors<S>, d: usize) {
+    fn cross_products(&mut self, tree: &Tree, tensors: &GlobalTensors<S>, d: usize) {
         let (paths, h) = (&tensors.paths, tensors.paths.depth(d));
         let (path, kinds, axes) = (paths.of(d), paths.kinds(d), &tensors.axes[paths.pairs(d)]);
-        let transform = &tensors.transforms[d];
+        let transform = tensors.transform(tree, d);
         let square = transform.fixed.gamma.is_none() && transform.fixed.alpha.is_right();
         let (before, here) = self.crosses.split_at_mut(self.cross_starts[d]);
         for k in 1..=h {

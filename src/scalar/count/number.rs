@@ -126,6 +126,7 @@ impl MulAssign for Count {
 
 impl Scalar for Count {
     type Mask = bool;
+    type Pack = Self;
     const EPSILON: f64 = f64::EPSILON;
     const ORDER: usize = 0;
     const CHECKED: bool = false;

@@ -1,5 +1,11 @@
 //! A dense row-major matrix over any scalar, and blocks of it.
 
+mod panel;
+mod rows;
+
+pub(crate) use panel::{Panel, sized};
+pub(crate) use rows::{add_rows, add_scaled, dot, sum_rows};
+
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};
 use std::ops::{Index, IndexMut};
@@ -46,6 +52,16 @@ impl<S: Scalar> Matrix<S> {
         &mut self.data[i * self.columns..(i + 1) * self.columns]
     }
 
+    /// Copies what is below the diagonal of a square matrix to the other side.
+    pub(crate) fn mirror_lower(&mut self) {
+        let n = self.columns;
+        for i in 0..n {
+            for j in 0..i {
+                self.data[j * n + i] = self.data[i * n + j];
+            }
+        }
+    }
+
     /// Row `i` to be written and row `k < i` to be read.
     #[inline]
     pub(crate) fn row_mut_and_above(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
@@ -58,20 +74,6 @@ impl<S: Scalar> Matrix<S> {
     pub(crate) fn row_mut_and_below(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
         let (to_k, from_k) = self.data.split_at_mut(k * self.columns);
         (&mut to_k[i * self.columns..(i + 1) * self.columns], &from_k[..self.columns])
-    }
-
-    /// Row `i` to be written and all rows before it to be read.
-    #[inline]
-    pub(crate) fn row_mut_and_before(&mut self, i: usize) -> (&mut [S], &[S]) {
-        let (before, from_i) = self.data.split_at_mut(i * self.columns);
-        (&mut from_i[..self.columns], before)
-    }
-
-    /// Row `i` to be written and all rows after it to be read.
-    #[inline]
-    pub(crate) fn row_mut_and_after(&mut self, i: usize) -> (&mut [S], &[S]) {
-        let (to_i, after) = self.data.split_at_mut((i + 1) * self.columns);
-        (&mut to_i[i * self.columns..], after)
     }
 
     /// All entries, row by row.
@@ -96,60 +98,6 @@ impl<S: Scalar> Matrix<S> {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.data.copy_from_slice(&other.data);
     }
-}
-
-/// `sum_k a_k b_k`, as far as both reach.
-#[inline]
-pub(crate) fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
-    a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| sum + a * b)
-}
-
-/// `target += factor source`, as far as both reach.
-#[inline]
-pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
-    target.iter_mut().zip(source).for_each(|(target, &source)| *target += factor * source);
-}
-
-/// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
-///
-/// Four columns at a time, whose sums stay in registers while the terms pass by.
-#[inline(always)]
-pub(crate) fn add_rows<S: Scalar>(
-    target: &mut [S],
-    source: &[S],
-    stride: usize,
-    terms: impl Iterator<Item = (usize, S)> + Clone,
-) {
-    let mut left = 0;
-    while target.len() - left >= 4 {
-        add_block::<S, 4>(&mut target[left..], source, stride, left, terms.clone());
-        left += 4;
-    }
-    if target.len() - left >= 2 {
-        add_block::<S, 2>(&mut target[left..], source, stride, left, terms.clone());
-        left += 2;
-    }
-    if target.len() > left {
-        add_block::<S, 1>(&mut target[left..], source, stride, left, terms);
-    }
-}
-
-#[inline(always)]
-fn add_block<S: Scalar, const B: usize>(
-    target: &mut [S],
-    source: &[S],
-    stride: usize,
-    left: usize,
-    terms: impl Iterator<Item = (usize, S)>,
-) {
-    let mut sum: [S; B] = std::array::from_fn(|column| target[column]);
-    for (k, a) in terms {
-        let row = &source[k * stride + left..][..B];
-        for (sum, &entry) in sum.iter_mut().zip(row) {
-            *sum += a * entry;
-        }
-    }
-    target[..B].copy_from_slice(&sum);
 }
 
 impl<S> Index<(usize, usize)> for Matrix<S> {
@@ -240,7 +188,7 @@ impl<S> Index<(usize, usize)> for Block<'_, S> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Matrix, add_rows};
+    use super::Matrix;
 
     #[test]
     fn blocks_and_nalgebra_see_the_same_entries() {
@@ -266,20 +214,6 @@ mod tests {
             assert_eq!(empty.view().iter_rows().count(), rows);
         }
         assert_eq!(m.block(4, 6, 0, 0).to_nalgebra().shape(), (0, 0));
-    }
-
-    #[test]
-    fn rows_are_added_in_blocks_of_any_length() {
-        let source: Vec<f64> = (0..40).map(|i| (i * i % 17) as f64).collect();
-        for columns in 1..=10 {
-            let terms = [(0, 2.0), (3, -1.0), (1, 0.5)];
-            let mut target: Vec<f64> = (0..columns).map(|j| j as f64).collect();
-            add_rows(&mut target, &source, 10, terms.into_iter());
-            for (j, found) in target.iter().enumerate() {
-                let expected = terms.iter().map(|(k, a)| a * source[10 * k + j]).sum::<f64>() + j as f64;
-                assert_eq!(*found, expected);
-            }
-        }
     }
 
     #[test]

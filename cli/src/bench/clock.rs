@@ -1,0 +1,64 @@
+//! Times of several pieces of work, measured in turn.
+
+use super::routes::{Candidate, Failure};
+use std::time::{Duration, Instant};
+
+/// How long one call takes (ns).
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    pub median: f64,
+    pub q25: f64,
+    pub q75: f64,
+}
+
+/// A batch lasts at least this long, so that reading the clock is nothing beside it.
+const BATCH: Duration = Duration::from_micros(300);
+
+/// Runs every candidate in turn, batch after batch, so that what the machine does meanwhile meets them alike.
+pub fn measure(candidates: &mut [Candidate<'_>], batches: usize) -> Result<Vec<Spread>, Failure> {
+    let mut calls = Vec::new();
+    for candidate in candidates.iter_mut() {
+        calls.push(calls_per_batch(candidate)?);
+    }
+    let mut times = vec![Vec::with_capacity(batches); candidates.len()];
+    for _ in 0..batches {
+        for ((candidate, &calls), times) in candidates.iter_mut().zip(&calls).zip(&mut times) {
+            times.push(batch(candidate, calls)?.as_nanos() as f64 / f64::from(calls));
+        }
+    }
+    Ok(times.into_iter().map(spread).collect())
+}
+
+fn batch(candidate: &mut Candidate<'_>, calls: u32) -> Result<Duration, Failure> {
+    let start = Instant::now();
+    for _ in 0..calls {
+        (candidate.work)(None)?;
+    }
+    Ok(start.elapsed())
+}
+
+/// Doubles the number of calls until they last long enough; the first ones warm up what is not timed.
+fn calls_per_batch(candidate: &mut Candidate<'_>) -> Result<u32, Failure> {
+    let mut calls = 1;
+    while batch(candidate, calls)? < BATCH && calls < 1 << 24 {
+        calls *= 2;
+    }
+    Ok(calls)
+}
+
+fn spread(mut times: Vec<f64>) -> Spread {
+    times.sort_by(f64::total_cmp);
+    let at = |part: f64| times[((times.len() - 1) as f64 * part).round() as usize];
+    Spread { median: at(0.5), q25: at(0.25), q75: at(0.75) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn quartiles_are_those_of_the_sorted_times() {
+        let spread = spread(vec![5.0, 1.0, 4.0, 2.0, 3.0]);
+        assert_eq!([spread.q25, spread.median, spread.q75], [2.0, 3.0, 4.0]);
+    }
+}

@@ -1,0 +1,131 @@
+//! Which forces are carried together.
+
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::{Pack, Scalar};
+use std::ops::Range;
+
+/// Where the forces of all joints beyond a joint stand while they are carried inward, several to a block.
+///
+/// The forces that joint i sees, one for each j of its subtree, are those that its children see, seen from one frame
+/// further in, and one of its own. A block keeps its lanes on the way: all that is carried over a joint is carried by whole
+/// blocks, and the force of joint i itself takes the first lane that is still free, or a block of its own. Lanes that are not in
+/// use hold zero.
+#[derive(Clone, Debug)]
+pub(super) struct Blocks {
+    starts: Vec<usize>,
+    sources: Vec<Source>,
+    /// Joints in the lanes of each block, [`NOBODY`] in those not in use.
+    joints: Vec<usize>,
+    lanes: usize,
+    /// Block and lane of joint i in its own frame.
+    own: Vec<(usize, usize)>,
+}
+
+/// Where a block comes from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Source {
+    /// The joint it stands at.
+    Own,
+    /// The block with this number, at this child of the joint.
+    Child(usize, usize),
+}
+
+const NOBODY: usize = usize::MAX;
+
+impl Blocks {
+    /// For blocks of this many lanes.
+    pub fn new(tree: &Tree, lanes: usize) -> Self {
+        let n = tree.len();
+        // Joints of the lanes and source of each block, joint by joint; those at the tips come first.
+        let mut blocks: Vec<Vec<(Vec<usize>, Source)>> = vec![Vec::new(); n];
+        let mut own = vec![(0, 0); n];
+        for i in (0..n).rev() {
+            let inherits = tree.joints()[i].parent.is_some();
+            let mut here: Vec<(Vec<usize>, Source)> = Vec::new();
+            for &child in tree.children(i).iter().filter(|_| inherits) {
+                let beyond = blocks[child].iter().enumerate();
+                here.extend(beyond.map(|(k, (joints, _))| (joints.clone(), Source::Child(child, k))));
+            }
+            let free = here.iter().position(|(joints, _)| joints.len() < lanes);
+            let block = free.unwrap_or(here.len());
+            if free.is_none() {
+                here.push((Vec::new(), Source::Own));
+            }
+            own[i] = (block, here[block].0.len());
+            here[block].0.push(i);
+            blocks[i] = here;
+        }
+        let ends = blocks.iter().scan(0, |end, blocks| {
+            *end += blocks.len();
+            Some(*end)
+        });
+        let starts: Vec<usize> = std::iter::once(0).chain(ends).collect();
+        let (mut sources, mut lane_joints) = (Vec::new(), Vec::new());
+        for (mut joints, source) in blocks.into_iter().flatten() {
+            joints.resize(lanes, NOBODY);
+            lane_joints.extend(joints);
+            sources.push(match source {
+                Source::Own => Source::Own,
+                Source::Child(child, k) => Source::Child(child, starts[child] + k),
+            });
+        }
+        own.iter_mut().zip(&starts).for_each(|((block, _), start)| *block += start);
+        Self { starts, sources, joints: lane_joints, lanes, own }
+    }
+
+    /// Number of blocks.
+    pub fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// The blocks of joint i.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> Range<usize> {
+        self.starts[i]..self.starts[i + 1]
+    }
+
+    /// Where this block comes from.
+    #[inline(always)]
+    pub fn source(&self, block: usize) -> Source {
+        self.sources[block]
+    }
+
+    /// Block and lane of the force of joint i in its own frame.
+    #[inline(always)]
+    pub fn own(&self, i: usize) -> (usize, usize) {
+        self.own[i]
+    }
+
+    /// The joints of a block, with their lanes.
+    #[inline(always)]
+    fn joints(&self, block: usize) -> impl Iterator<Item = (usize, usize)> {
+        let lanes = self.joints[block * self.lanes..][..self.lanes].iter().copied().enumerate();
+        lanes.take_while(|&(_, joint)| joint != NOBODY)
+    }
+
+    /// Entries (i, j) and (j, i) of a symmetric matrix, j the joints of a block.
+    #[inline(always)]
+    pub fn store_both<S: Scalar, P: Pack<S>>(&self, i: usize, block: usize, entries: P, m: &mut Matrix<S>) {
+        for (lane, j) in self.joints(block) {
+            let entry = entries.lane(lane);
+            m[(i, j)] = entry;
+            m[(j, i)] = entry;
+        }
+    }
+
+    /// Entries (i, j) and (j, i) of a matrix, j the joints of a block; (i, i) is that of the row.
+    #[inline(always)]
+    pub fn store<S: Scalar, P: Pack<S>>(
+        &self,
+        i: usize,
+        block: usize,
+        [row, column]: [P; 2],
+        m: &mut Matrix<S>,
+    ) {
+        for (lane, j) in self.joints(block) {
+            m[(j, i)] = column.lane(lane);
+            m[(i, j)] = row.lane(lane);
+        }
+    }
+}

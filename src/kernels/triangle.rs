@@ -1,0 +1,147 @@
+//! A unit lower triangular matrix with the pattern of a tree.
+
+use crate::matrix::{Panel, sum_rows};
+use crate::robot::Tree;
+use crate::scalar::{Pack, Scalar};
+
+/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature couples joints of
+/// different branches, the pattern is closed under elimination.
+///
+/// Const parameters W of the methods: the packs in a row where that is known, else 0.
+#[derive(Clone, Debug)]
+pub(super) struct Triangle<S: Scalar> {
+    rows: Pattern,
+    columns: Pattern,
+    /// Whether every entry below the diagonal is in the pattern.
+    full: bool,
+    /// Entries below the diagonal.
+    entries: Panel<S>,
+}
+
+/// Where the rows (or columns) of a triangular matrix have entries off the diagonal.
+#[derive(Clone, Debug)]
+struct Pattern {
+    starts: Vec<usize>,
+    entries: Vec<usize>,
+}
+
+impl Pattern {
+    fn new(n: usize, has: impl Fn(usize, usize) -> bool) -> Self {
+        let (mut starts, mut entries) = (vec![0], Vec::new());
+        for k in 0..n {
+            entries.extend((0..n).filter(|&i| has(k, i)));
+            starts.push(entries.len());
+        }
+        Self { starts, entries }
+    }
+
+    /// Entries of row (or column) k, rising.
+    #[inline(always)]
+    fn of(&self, k: usize) -> &[usize] {
+        &self.entries[self.starts[k]..self.starts[k + 1]]
+    }
+}
+
+impl<S: Scalar> Triangle<S> {
+    /// The identity, with the pattern of the factors of the mass matrix.
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.len();
+        let mut filled = vec![vec![false; n]; n];
+        (0..n).for_each(|i| tree.subtree(i).iter().for_each(|&k| filled[k][i] = k != i));
+        tree.armature().iter().for_each(|&(i, j, _)| filled[i][j] |= j < i);
+        for k in (0..n).rev() {
+            let row: Vec<usize> = (0..k).filter(|&i| filled[k][i]).collect();
+            for (a, &i) in row.iter().enumerate() {
+                row[..a].iter().for_each(|&j| filled[i][j] = true);
+            }
+        }
+        let rows = Pattern::new(n, |k, i| filled[k][i]);
+        Self {
+            full: rows.entries.len() == n * (n - 1) / 2,
+            columns: Pattern::new(n, |i, k| filled[k][i]),
+            rows,
+            entries: Panel::zeros(n, n),
+        }
+    }
+
+    /// Whether every entry below the diagonal is in the pattern.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.full
+    }
+
+    /// Columns of the entries of row k, rising.
+    #[inline(always)]
+    pub fn row_pattern(&self, k: usize) -> &[usize] {
+        self.rows.of(k)
+    }
+
+    /// Rows of the entries of column i, rising.
+    #[inline(always)]
+    pub fn column_pattern(&self, i: usize) -> &[usize] {
+        self.columns.of(i)
+    }
+
+    /// Entries below the diagonal; outside the pattern stand numbers without meaning.
+    #[inline(always)]
+    pub fn entries(&self) -> &Panel<S> {
+        &self.entries
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    pub fn entries_mut(&mut self) -> &mut Panel<S> {
+        &mut self.entries
+    }
+
+    /// `target -= sum_i L_ki row_i`: rows of the panel `above` that stand before row k, `width` packs each.
+    #[inline(always)]
+    pub fn minus_rows<const N: usize, const W: usize>(
+        &self,
+        k: usize,
+        target: &mut [S::Pack],
+        above: &[S::Pack],
+        width: usize,
+    ) {
+        let term = |i: usize| (i, S::Pack::splat(-self.entries.entry::<W>(k, i)));
+        if W > 0 && self.full {
+            sum_rows::<W, S::Pack>(target, above, width, (0..k).map(term));
+        } else {
+            let terms = self.rows.of(k).iter().map(|&i| term(i));
+            sum_rows::<W, S::Pack>(target, above, width, terms);
+        }
+    }
+
+    /// `target -= sum_k L_ki row_k`: rows of the panel `below` that stands after row i, `width` packs each.
+    ///
+    /// The row computed last comes last: sums wait for it alone.
+    #[inline(always)]
+    pub fn minus_columns<const N: usize, const W: usize>(
+        &self,
+        i: usize,
+        target: &mut [S::Pack],
+        below: &[S::Pack],
+        width: usize,
+    ) {
+        let term = |k: usize| (k - i - 1, S::Pack::splat(-self.entries.entry::<W>(k, i)));
+        if W > 0 && self.full {
+            let n = if N > 0 { N } else { self.entries.rows() };
+            sum_rows::<W, S::Pack>(target, below, width, (i + 1..n).rev().map(term));
+        } else {
+            let terms = self.columns.of(i).iter().rev().map(|&k| term(k));
+            sum_rows::<W, S::Pack>(target, below, width, terms);
+        }
+    }
+
+    /// Entries of row k as terms (i, -L_ki), rising.
+    #[inline(always)]
+    pub fn row_terms(&self, k: usize) -> impl Iterator<Item = (usize, S)> + Clone {
+        self.rows.of(k).iter().map(move |&i| (i, -self.entries.get(k, i)))
+    }
+
+    /// Entries of column i below the diagonal as terms (k, -L_ki), rising.
+    #[inline(always)]
+    pub fn column_terms(&self, i: usize) -> impl Iterator<Item = (usize, S)> + Clone {
+        self.columns.of(i).iter().map(move |&k| (k, -self.entries.get(k, i)))
+    }
+}

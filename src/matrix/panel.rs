@@ -1,0 +1,192 @@
+//! A matrix whose rows are whole packs.
+
+use super::Matrix;
+use crate::scalar::{Pack, Scalar};
+
+/// A dense matrix whose rows are filled up to a whole number of packs: what products of matrices are computed with.
+///
+/// What stands in the places beyond the last column is never read as a result.
+#[derive(Clone, Debug)]
+pub(crate) struct Panel<S: Scalar> {
+    rows: usize,
+    columns: usize,
+    width: usize,
+    data: Vec<S::Pack>,
+}
+
+/// Calls a method whose const parameters are the number of joints N and the packs W in a row of N entries where that is small and
+/// packs have several lanes, else 0 and 0: "read the length".
+macro_rules! sized {
+    ($S:ty, $n:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
+        match $crate::matrix::Panel::<$S>::known_size($n) {
+            6 => $object.$method::<6, 2>($($argument),*),
+            7 => $object.$method::<7, 2>($($argument),*),
+            12 => $object.$method::<12, 3>($($argument),*),
+            _ => $object.$method::<0, 0>($($argument),*),
+        }
+    };
+}
+pub(crate) use sized;
+
+impl<S: Scalar> Panel<S> {
+    const LANES: usize = <S::Pack as Pack<S>>::LANES;
+
+    /// A matrix of zeros.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        let width = columns.div_ceil(Self::LANES);
+        Self { rows, columns, width, data: vec![S::Pack::zero(); rows * width] }
+    }
+
+    /// The number of joints, 0 where packs have one lane.
+    #[inline(always)]
+    pub fn known_size(n: usize) -> usize {
+        if Self::LANES > 1 { n } else { 0 }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Packs in a row. W: their number where it is known, else 0.
+    #[inline(always)]
+    pub fn width<const W: usize>(&self) -> usize {
+        if W > 0 { W } else { self.width }
+    }
+
+    /// Packs that hold the first `columns` entries of a row, or all where that is free.
+    #[inline(always)]
+    pub fn width_up_to<const W: usize>(columns: usize) -> usize {
+        if W > 0 { W } else { columns.div_ceil(Self::LANES) }
+    }
+
+    /// All packs, row by row.
+    #[inline(always)]
+    pub fn packs(&self) -> &[S::Pack] {
+        &self.data
+    }
+
+    /// Row `i`.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> &[S::Pack] {
+        &self.data[i * self.width..][..self.width]
+    }
+
+    /// Row `i`. W: packs in a row where known, else 0.
+    #[inline(always)]
+    pub fn sized_row<const W: usize>(&self, i: usize) -> &[S::Pack] {
+        let width = self.width::<W>();
+        &self.data[i * width..][..width]
+    }
+
+    /// Row `i`, to be written.
+    #[inline(always)]
+    pub fn row_mut(&mut self, i: usize) -> &mut [S::Pack] {
+        &mut self.data[i * self.width..][..self.width]
+    }
+
+    /// Row `i` to be written, the rows before it and those after it to be read.
+    #[inline(always)]
+    pub fn split_at_row<const W: usize>(&mut self, i: usize) -> (&[S::Pack], &mut [S::Pack], &[S::Pack]) {
+        let width = self.width::<W>();
+        let (before, from_i) = self.data.split_at_mut(i * width);
+        let (row, after) = from_i.split_at_mut(width);
+        (before, row, after)
+    }
+
+    /// The rows before `i` to be written, row `i` to be read.
+    #[inline(always)]
+    pub fn rows_before<const W: usize>(&mut self, i: usize) -> (&mut [S::Pack], &[S::Pack]) {
+        let width = self.width::<W>();
+        let (before, from_i) = self.data.split_at_mut(i * width);
+        (before, &from_i[..width])
+    }
+
+    /// Entry (i, j).
+    #[inline(always)]
+    pub fn get(&self, i: usize, j: usize) -> S {
+        self.data[i * self.width + j / Self::LANES].lane(j % Self::LANES)
+    }
+
+    /// Entry (i, j). W: packs in a row where known, else 0.
+    #[inline(always)]
+    pub fn entry<const W: usize>(&self, i: usize, j: usize) -> S {
+        self.data[i * self.width::<W>() + j / Self::LANES].lane(j % Self::LANES)
+    }
+
+    /// Entry (i, j) in every lane.
+    #[inline(always)]
+    pub fn splat<const W: usize>(&self, i: usize, j: usize) -> S::Pack {
+        S::Pack::splat(self.entry::<W>(i, j))
+    }
+
+    /// Puts a number into entry (i, j).
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, j: usize, value: S) {
+        self.data[i * self.width + j / Self::LANES].set_lane(j % Self::LANES, value);
+    }
+
+    /// Fills row `i` with numbers, as many as there are columns. N: their number where known, else 0.
+    #[inline(always)]
+    pub fn read_row<const N: usize>(&mut self, i: usize, from: &[S]) {
+        let from = if N > 0 { &from[..N] } else { from };
+        for (to, from) in self.row_mut(i).iter_mut().zip(from.chunks(Self::LANES)) {
+            *to = S::Pack::read(from);
+        }
+    }
+
+    /// Takes the entries of a panel of the same size.
+    #[inline(always)]
+    pub fn copy_from<const N: usize, const W: usize>(&mut self, from: &Self) {
+        if N == 0 {
+            return self.data.copy_from_slice(&from.data);
+        }
+        let (to, from) = (&mut self.data[..N * W], &from.data[..N * W]);
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
+    }
+
+    /// Takes the entries of a matrix of the same size.
+    #[inline(always)]
+    pub fn read<const N: usize>(&mut self, from: &Matrix<S>) {
+        for i in 0..if N > 0 { N } else { self.rows } {
+            self.read_row::<N>(i, from.row(i));
+        }
+    }
+
+    /// Fills row `i` with the unit vector `e_i`.
+    #[inline(always)]
+    pub fn set_unit_row(&mut self, i: usize) {
+        let zero = S::Pack::zero();
+        let row = self.row_mut(i);
+        row.fill(zero);
+        row[i / Self::LANES] = zero.with_lane(i % Self::LANES, S::one());
+    }
+
+    /// Writes `function` of row `i` to `to`, which has as many places as there are columns.
+    #[inline(always)]
+    pub fn write_row<const W: usize>(&self, i: usize, to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
+        for (pack, to) in self.sized_row::<W>(i).iter().zip(to.chunks_mut(Self::LANES)) {
+            function(*pack).write(to);
+        }
+    }
+
+    /// Writes all entries to a matrix of the same size.
+    pub fn write(&self, to: &mut Matrix<S>) {
+        (0..self.rows).for_each(|i| self.write_row::<0>(i, to.row_mut(i), |pack| pack));
+    }
+
+    /// Copies what is below the diagonal of a square matrix to the other side.
+    #[inline(always)]
+    pub fn mirror_lower(&mut self) {
+        for i in 0..self.columns {
+            for j in 0..i {
+                self.set(j, i, self.get(i, j));
+            }
+        }
+    }
+}

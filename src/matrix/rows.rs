@@ -1,0 +1,109 @@
+//! Sums of rows, which all products of matrices are made of.
+
+use crate::scalar::Scalar;
+
+/// `sum_k a_k b_k`, as far as both reach.
+#[inline]
+pub(crate) fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
+    a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| a.mul_add(b, sum))
+}
+
+/// `target += factor source`, as far as both reach.
+#[inline]
+pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
+    target.iter_mut().zip(source).for_each(|(target, &source)| *target = factor.mul_add(source, *target));
+}
+
+/// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
+///
+/// W: length of the target and stride where they are known, else 0, and eight, four, two columns at a time. The sums stay in
+/// registers while the terms pass by.
+#[inline(always)]
+pub(crate) fn sum_rows<const W: usize, S: Scalar>(
+    target: &mut [S],
+    source: &[S],
+    stride: usize,
+    terms: impl Iterator<Item = (usize, S)> + Clone,
+) {
+    if let (true, Some(target)) = (W > 0, target.first_chunk_mut::<W>()) {
+        let (mut sum, (rows, _)) = (*target, source.as_chunks::<W>());
+        for (k, a) in terms {
+            sum.iter_mut().zip(&rows[k]).for_each(|(sum, &entry)| *sum = a.mul_add(entry, *sum));
+        }
+        *target = sum;
+    } else {
+        add_rows(target, source, stride, terms);
+    }
+}
+
+/// [`sum_rows`] for a target of any length.
+#[inline(always)]
+pub(crate) fn add_rows<S: Scalar>(
+    target: &mut [S],
+    source: &[S],
+    stride: usize,
+    terms: impl Iterator<Item = (usize, S)> + Clone,
+) {
+    let mut left = 0;
+    while target.len() - left >= 8 {
+        add_block::<8, S>(&mut target[left..], source, stride, left, terms.clone());
+        left += 8;
+    }
+    if target.len() - left >= 4 {
+        add_block::<4, S>(&mut target[left..], source, stride, left, terms.clone());
+        left += 4;
+    }
+    if target.len() - left >= 2 {
+        add_block::<2, S>(&mut target[left..], source, stride, left, terms.clone());
+        left += 2;
+    }
+    if target.len() > left {
+        add_block::<1, S>(&mut target[left..], source, stride, left, terms);
+    }
+}
+
+#[inline(always)]
+fn add_block<const B: usize, S: Scalar>(
+    target: &mut [S],
+    source: &[S],
+    stride: usize,
+    left: usize,
+    terms: impl Iterator<Item = (usize, S)>,
+) {
+    let target = &mut target[..B];
+    let mut sum: [S; B] = std::array::from_fn(|column| target[column]);
+    for (k, a) in terms {
+        let row = &source[k * stride + left..][..B];
+        sum.iter_mut().zip(row).for_each(|(sum, &entry)| *sum = a.mul_add(entry, *sum));
+    }
+    target.copy_from_slice(&sum);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{add_rows, sum_rows};
+
+    #[test]
+    fn rows_are_added_in_blocks_of_any_length() {
+        let source: Vec<f64> = (0..40).map(|i| (i * i % 17) as f64).collect();
+        for columns in 1..=10 {
+            let terms = [(0, 2.0), (3, -1.0), (1, 0.5)];
+            let mut target: Vec<f64> = (0..columns).map(|j| j as f64).collect();
+            add_rows(&mut target, &source, 10, terms.into_iter());
+            for (j, found) in target.iter().enumerate() {
+                let expected = terms.iter().map(|(k, a)| a * source[10 * k + j]).sum::<f64>() + j as f64;
+                assert_eq!(*found, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn a_length_that_is_known_changes_nothing() {
+        let source: Vec<f64> = (0..40).map(|i| (i * i % 17) as f64).collect();
+        let terms = [(0, 2.0), (3, -1.0), (1, 0.5)];
+        let (mut known, mut unknown) = ([1.0, 2.0, 3.0, 4.0, 5.0], [1.0, 2.0, 3.0, 4.0, 5.0]);
+        sum_rows::<5, _>(&mut known, &source, 5, terms.into_iter());
+        add_rows(&mut unknown, &source, 5, terms.into_iter());
+        assert_eq!(known, unknown);
+    }
+}

@@ -1,0 +1,116 @@
+//! Several numbers of one state at once.
+
+use super::Scalar;
+#[cfg(feature = "wide")]
+use super::Vector;
+
+/// A vector of numbers of type S whose operations work on all of its lanes.
+///
+/// What the pipeline does in the same way for many joints it does for [`LANES`](Pack::LANES) of them at once: with
+/// `f64`, four where the feature `wide` is on. Every scalar is a pack of itself, of one lane.
+pub trait Pack<S>: Scalar {
+    /// Number of lanes.
+    const LANES: usize;
+
+    /// The same number in every lane.
+    fn splat(value: S) -> Self;
+
+    /// The number in lane `k`.
+    fn lane(&self, k: usize) -> S;
+
+    /// The same with another number in lane `k`.
+    #[must_use]
+    fn with_lane(self, k: usize, value: S) -> Self;
+
+    /// Puts a number into lane `k`, in memory: what reads the whole pack next waits for it.
+    fn set_lane(&mut self, k: usize, value: S);
+
+    /// Puts the lanes one after the other into `to`, as many as it has places.
+    fn write(&self, to: &mut [S]);
+
+    /// From as many numbers as there are lanes, or fewer; the lanes left over are zero.
+    fn read(from: &[S]) -> Self;
+}
+
+impl<S: Scalar> Pack<S> for S {
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn splat(value: S) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn lane(&self, _: usize) -> S {
+        *self
+    }
+    #[inline(always)]
+    fn with_lane(self, _: usize, value: S) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, value: S) {
+        *self = value;
+    }
+    #[inline(always)]
+    fn write(&self, to: &mut [S]) {
+        to[0] = *self;
+    }
+    #[inline(always)]
+    fn read(from: &[S]) -> Self {
+        from[0]
+    }
+}
+
+#[cfg(feature = "wide")]
+impl Pack<f64> for super::F64x4 {
+    const LANES: usize = 4;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self::from_f64(value)
+    }
+    #[inline(always)]
+    fn lane(&self, k: usize) -> f64 {
+        self.as_slice()[k]
+    }
+    #[inline(always)]
+    fn with_lane(self, k: usize, value: f64) -> Self {
+        let mask = LANE[k & 3];
+        Self::new(Vector::select(mask, wide::f64x4::splat(value), self.vector()))
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, k: usize, value: f64) {
+        self.as_mut_slice()[k] = value;
+    }
+    #[inline(always)]
+    fn write(&self, to: &mut [f64]) {
+        match to.first_chunk_mut::<4>() {
+            Some(to) => to.copy_from_slice(self.as_slice()),
+            None => to.iter_mut().zip(self.as_slice()).for_each(|(to, &lane)| *to = lane),
+        }
+    }
+    #[inline(always)]
+    fn read(from: &[f64]) -> Self {
+        if let Some(&four) = from.first_chunk::<4>() {
+            return Self::new(wide::f64x4::new(four));
+        }
+        Self::new(wide::f64x4::new(match *from {
+            [a, b, c] => [a, b, c, 0.0],
+            [a, b] => [a, b, 0.0, 0.0],
+            [a] => [a, 0.0, 0.0, 0.0],
+            _ => [0.0; 4],
+        }))
+    }
+}
+
+/// Masks of one lane each.
+#[cfg(feature = "wide")]
+const LANE: [wide::f64x4; 4] = {
+    const ALL: f64 = f64::from_bits(u64::MAX);
+    [
+        wide::f64x4::new([ALL, 0.0, 0.0, 0.0]),
+        wide::f64x4::new([0.0, ALL, 0.0, 0.0]),
+        wide::f64x4::new([0.0, 0.0, ALL, 0.0]),
+        wide::f64x4::new([0.0, 0.0, 0.0, ALL]),
+    ]
+};
