@@ -2,6 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[cfg(feature = "rayon")]
+use costate::batch::Native;
+use costate::batch::{Batch, FirstOrderArrays, Model, SecondOrderArrays, StepArrays, StepMap};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Coordinates, Lagrangian};
@@ -199,4 +202,42 @@ fn a_refusal_allocates_but_the_next_call_does_not() {
     let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
     assert!(hamiltonian.phase_velocity(&[f64::NAN; 6], &[0.0; 6], &[0.0; 6]).is_err());
     assert_eq!(allocations(|| drop(hamiltonian.phase_velocity(&[0.0; 6], &[1.0; 6], &[0.0; 6]))), 0);
+}
+
+#[test]
+fn batches_do_not_allocate() {
+    let robot = robot("ur5.urdf");
+    let nodes = 21;
+    let (x, u, y) = (vec![0.3; nodes * 12], vec![0.1; nodes * 6], vec![0.4; nodes * 12]);
+    let h = vec![0.01; nodes];
+    let (mut f, mut f_x, mut xx) = (vec![0.0; nodes * 12], vec![0.0; nodes * 144], vec![0.0; nodes * 144]);
+    let mut models = Batch::<f64, _>::new(Model(SecondOrder::new(&robot)));
+    let mut steps = Batch::<f64, _>::new(StepMap(RungeKutta4::new(SecondOrder::new(&robot))));
+    let count = allocations(|| {
+        assert!(models.value(&x, &u, &mut f).unwrap().is_empty());
+        let first = FirstOrderArrays { f: &mut f, f_x: &mut f_x, ..Default::default() };
+        let second = SecondOrderArrays { xx: &mut xx, ..Default::default() };
+        assert!(models.contract([&x, &u, &y], first, second).unwrap().is_empty());
+        let first = StepArrays { phi_x: &mut f_x, ..Default::default() };
+        let second = SecondOrderArrays { xx: &mut xx, ..Default::default() };
+        assert!(steps.contract_steps([&x, &u, &h, &y], first, second).unwrap().is_empty());
+    });
+    assert_eq!(count, 0);
+}
+
+/// From within a pool: what this thread does of a batch that all threads share, in lanes where there are any.
+#[cfg(feature = "rayon")]
+#[test]
+fn batches_over_threads_do_not_allocate() {
+    let robot = robot("ur5.urdf");
+    let nodes = 500;
+    let (x, u) = (vec![0.3; nodes * 12], vec![0.1; nodes * 6]);
+    let mut f = vec![0.0; nodes * 12];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let count = pool.install(|| {
+        let mut batch = Batch::<Native, _>::parallel(|| Model(SecondOrder::new(&robot)));
+        batch.value(&x, &u, &mut f).unwrap();
+        allocations(|| assert!(batch.value(&x, &u, &mut f).unwrap().is_empty()))
+    });
+    assert_eq!(count, 0);
 }

@@ -166,6 +166,20 @@ fn every_kind_of_number_in_lagrangian_coordinates_and_by_tensors() {
     other_real_part_is_the_result_in_f64::<f32>("f32", |&x| f64::from(x), 2000.0);
 }
 
+/// One lane is the result in `f64`; that of different states in different lanes is in `tests/lanes.rs`.
+#[cfg(feature = "wide")]
+#[test]
+fn lanes_are_the_result_in_f64() {
+    use costate::scalar::{F64x4, F64x8};
+    real_part_is_the_result_in_f64::<F64x4>("F64x4", |x| x.lane(3), 1000.0);
+    real_part_is_the_result_in_f64::<F64x8>("F64x8", |x| x.lane(5), 1000.0);
+    real_part_is_the_result_in_f64::<Tangent<F64x8>>("Tangent of F64x8", |x| x.re.lane(7), 1000.0);
+    real_part_is_the_result_in_f64::<Dual<F64x4>>("Dual of F64x4", |x| x.re.lane(1), 1000.0);
+    real_part_is_the_result_in_f64::<HyperDual<F64x4>>("HyperDual of F64x4", |x| x.re.lane(2), 1000.0);
+    other_real_part_is_the_result_in_f64::<F64x4>("F64x4", |x| x.lane(0), 1000.0);
+    other_real_part_is_the_result_in_f64::<Dual<F64x8>>("Dual of F64x8", |x| x.re.lane(6), 1000.0);
+}
+
 /// The contracted Hessian itself can be differentiated: its derivative along p, beside a central difference.
 #[test]
 fn second_derivatives_can_be_differentiated() {

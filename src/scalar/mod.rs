@@ -1,7 +1,8 @@
 //! The scalar type that the whole pipeline is generic over.
 //!
 //! Every formula of the library is written once, for any [`Scalar`]: `f64` and `f32` compute values, num-dual's
-//! numbers carry derivatives through the same code, [`Count`] counts what the code does. A scalar offers ring
+//! numbers carry derivatives through the same code, [`Count`] counts what the code does, `Lanes` (feature `wide`) computes
+//! several states at once. A scalar offers ring
 //! operations, a division, a few functions, and comparison only in the form [`less`](Scalar::less) /
 //! [`select`](Scalar::select): generic code cannot branch on a value, so every scalar walks the same path.
 
@@ -252,6 +253,8 @@ mod tests {
         is_last(0.0_f32, |x| vec![f64::from(x)]);
         is_last(Count::variable(0.0), |x| vec![x.value()]);
         is_last(Tangent::new(0.0, 1.0), |x| vec![x.re, x.eps]);
+        #[cfg(feature = "wide")]
+        is_last(super::F64x4::zero(), |x| x.as_slice().to_vec());
         is_last(Dual64::new(0.0, 1.0), |x| vec![x.re, x.eps]);
         is_last(Dual2_64::new(0.0, 1.0, 1.0), |x| vec![x.re, x.v1, x.v2]);
         is_last(Dual3_64::new(0.0, 1.0, 1.0, 1.0), |x| vec![x.re, x.v1, x.v2, x.v3]);

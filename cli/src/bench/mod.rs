@@ -69,9 +69,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
 /// `max |a - b| / max |b|`; not a number where one of them holds one.
 fn difference(a: &[f64], b: &[f64]) -> f64 {
     let scale = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
-    let worst = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, error| {
-        if error.is_nan() || error > most { error } else { most }
-    });
+    let worst = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, |most: f64, error| if error.is_nan() || error > most { error } else { most });
     if scale > 0.0 { worst / scale } else { worst }
 }
 

@@ -97,17 +97,6 @@ impl<V: Vector> Lanes<V> {
         self.0.as_mut_slice().iter_mut().for_each(|lane| *lane = function(*lane));
         self
     }
-
-    /// Turns a square of numbers, lane k of number i to lane i of number k.
-    ///
-    /// # Errors
-    /// None; where there are not as many numbers as lanes, nothing is done.
-    #[inline(always)]
-    pub(crate) fn transpose<const N: usize>(rows: [Self; N]) -> [Self; N] {
-        let mut vectors = rows.map(|row| row.0);
-        V::transpose(&mut vectors);
-        vectors.map(Self)
-    }
 }
 
 impl<V: Vector> Scalar for Lanes<V> {

@@ -54,7 +54,8 @@ fn of_moderate<V: Vector>(angle: V) -> (V, V) {
     let sign = V::splat(-0.0);
     let negative = angle & sign;
     let x = angle ^ negative;
-    let [first, second, third] = HALF_PI.map(V::splat);
+    let [first, second, third] = HALF_PI;
+    let (first, second, third) = (V::splat(first), V::splat(second), V::splat(third));
     let shifted = x.mul_add(V::splat(std::f64::consts::FRAC_2_PI), V::splat(ROUND));
     let n = shifted - V::splat(ROUND);
     // Exact: x and n first agree in their leading bits.
@@ -88,6 +89,7 @@ fn of_moderate<V: Vector>(angle: V) -> (V, V) {
 /// Horner's rule.
 #[inline(always)]
 fn polynomial<V: Vector>(coefficients: [f64; 6], x: V) -> V {
-    let [c0, c1, c2, c3, c4, c5] = coefficients.map(V::splat);
-    c5.mul_add(x, c4).mul_add(x, c3).mul_add(x, c2).mul_add(x, c1).mul_add(x, c0)
+    let [c0, c1, c2, c3, c4, c5] = coefficients;
+    let upper = V::splat(c5).mul_add(x, V::splat(c4)).mul_add(x, V::splat(c3));
+    upper.mul_add(x, V::splat(c2)).mul_add(x, V::splat(c1)).mul_add(x, V::splat(c0))
 }

@@ -147,7 +147,7 @@ fn num_dual_sees_what_all_lanes_share() {
     use num_dual::{DualNum, DualStruct};
     let (same, mixed) = (F64x4::from(2.0), F64x4::from_lanes(&[1.0, 2.0, 3.0, 4.0]));
     assert!(DualStruct::re(&same) == 2.0 && DualStruct::re(&mixed).is_nan());
-    assert!(same == 2.0 && mixed > 0.5 && !(mixed < 2.5) && !(mixed > 2.5) && mixed != same);
+    assert!(same == 2.0 && mixed > 0.5 && mixed != same && mixed.partial_cmp(&2.5).is_none());
     let lanes = [
         mixed.atan2(same),
         mixed % same,
@@ -163,13 +163,4 @@ fn num_dual_sees_what_all_lanes_share() {
             .zip(expected)
             .for_each(|(found, expected)| assert!(units(found.lane(k), expected) <= 4.0));
     }
-}
-
-#[test]
-fn squares_are_turned() {
-    let rows: [F64x8; 8] = std::array::from_fn(|i| {
-        F64x8::from_lanes(&std::array::from_fn::<f64, 8, _>(|k| (10 * i + k) as f64))
-    });
-    let turned = Lanes::transpose(rows);
-    (0..8).for_each(|i| (0..8).for_each(|k| assert_eq!(turned[i].lane(k), (10 * k + i) as f64)));
 }

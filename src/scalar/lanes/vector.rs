@@ -54,9 +54,6 @@ pub trait Vector:
 
     /// Whether the mask holds in every lane.
     fn all(mask: Self) -> bool;
-
-    /// Turns a square of numbers, entry (i, k) of `rows` to (k, i): as many vectors as lanes.
-    fn transpose(rows: &mut [Self]);
 }
 
 mod sealed {
@@ -67,7 +64,7 @@ mod sealed {
 }
 
 macro_rules! impl_vector {
-    ($vector:ty, $lanes:literal, $transpose:expr) => {
+    ($vector:ty, $lanes:literal) => {
         impl Vector for $vector {
             const LANES: usize = $lanes;
 
@@ -111,15 +108,9 @@ macro_rules! impl_vector {
             fn all(mask: Self) -> bool {
                 <$vector>::all(mask)
             }
-            #[inline(always)]
-            fn transpose(rows: &mut [Self]) {
-                if let Ok(rows) = <&mut [Self; $lanes]>::try_from(rows) {
-                    $transpose(rows);
-                }
-            }
         }
     };
 }
 
-impl_vector!(wide::f64x4, 4, |rows: &mut [wide::f64x4; 4]| *rows = wide::f64x4::transpose(*rows));
-impl_vector!(wide::f64x8, 8, |rows: &mut [wide::f64x8; 8]| *rows = wide::f64x8::transpose(*rows));
+impl_vector!(wide::f64x4, 4);
+impl_vector!(wide::f64x8, 8);

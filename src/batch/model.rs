@@ -1,0 +1,194 @@
+//! Models dx/dt = f(x, u) at many nodes: what direct collocation asks for.
+
+use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed};
+use crate::dynamics::Dynamics;
+use crate::matrix::Block;
+
+/// A model as an evaluator of nodes.
+#[derive(Clone, Debug)]
+pub struct Model<D>(pub D);
+
+/// What is computed of a model at every node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelQuantity {
+    /// (x, u) to f.
+    Value,
+    /// (x, u) to f, f_x, f_u.
+    FirstOrder,
+    /// (x, u, y) to y'f_x, y'f_u.
+    Adjoint,
+    /// (x, u, y) to f, f_x, f_u and the blocks xx, ux, uu of the second derivatives of y'f.
+    Contraction,
+}
+
+/// Where f and its Jacobians go, node by node; what is left empty is not written.
+#[derive(Debug)]
+pub struct FirstOrderArrays<'a, L> {
+    /// N x states.
+    pub f: &'a mut [L],
+    /// N x states x states.
+    pub f_x: &'a mut [L],
+    /// N x states x controls; the same at every node where [`Structure`](crate::dynamics::Structure) says so.
+    pub f_u: &'a mut [L],
+}
+
+/// Where the second derivatives of y'f go, node by node; what is left empty is not written.
+#[derive(Debug)]
+pub struct SecondOrderArrays<'a, L> {
+    /// N x states x states.
+    pub xx: &'a mut [L],
+    /// N x controls x states; zero where the model has none.
+    pub ux: &'a mut [L],
+    /// N x controls x controls; zero where the model has none.
+    pub uu: &'a mut [L],
+}
+
+impl<L> Default for FirstOrderArrays<'_, L> {
+    fn default() -> Self {
+        Self { f: &mut [], f_x: &mut [], f_u: &mut [] }
+    }
+}
+
+impl<L> Default for SecondOrderArrays<'_, L> {
+    fn default() -> Self {
+        Self { xx: &mut [], ux: &mut [], uu: &mut [] }
+    }
+}
+
+/// Writes results one behind the other.
+pub(super) struct Writer<'a, S>(pub &'a mut [S]);
+
+impl<S: Packed> Writer<'_, S> {
+    pub fn slice(&mut self, entries: &[S]) {
+        let (here, behind) = std::mem::take(&mut self.0).split_at_mut(entries.len());
+        here.copy_from_slice(entries);
+        self.0 = behind;
+    }
+
+    pub fn block(&mut self, block: Block<'_, S>) {
+        block.iter_rows().for_each(|row| self.slice(row));
+    }
+
+    /// A block whose columns end where the rest is zero by structure, or that is zero as a whole.
+    pub fn padded(&mut self, block: Option<Block<'_, S>>, rows: usize, columns: usize) {
+        let (here, behind) = std::mem::take(&mut self.0).split_at_mut(rows * columns);
+        here.fill(S::zero());
+        for (target, row) in
+            here.chunks_exact_mut(columns.max(1)).zip(block.iter().flat_map(Block::iter_rows))
+        {
+            target.iter_mut().zip(row).for_each(|(target, &entry)| *target = entry);
+        }
+        self.0 = behind;
+    }
+}
+
+impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Evaluator<S> for Model<D> {
+    type Quantity = ModelQuantity;
+    type Error = D::Error;
+
+    fn layouts(&self) -> Vec<(ModelQuantity, Layout)> {
+        let (n, m) = (self.0.states(), self.0.controls());
+        let (at, with) = ([("x", n), ("u", m)], [("x", n), ("u", m), ("y", n)]);
+        let first = [("f", n), ("f_x", n * n), ("f_u", n * m)];
+        let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
+        vec![
+            (ModelQuantity::Value, Layout::new(&at, &first[..1])),
+            (ModelQuantity::FirstOrder, Layout::new(&at, &first)),
+            (ModelQuantity::Adjoint, Layout::new(&with, &[("y_f_x", n), ("y_f_u", m)])),
+            (ModelQuantity::Contraction, Layout::new(&with, &second)),
+        ]
+    }
+
+    fn evaluate(&mut self, quantity: ModelQuantity, input: &[S], output: &mut [S]) -> Result<(), D::Error> {
+        let (n, m) = (self.0.states(), self.0.controls());
+        let (x, rest) = input.split_at(n);
+        let (u, y) = rest.split_at(m);
+        let mut writer = Writer(output);
+        match quantity {
+            ModelQuantity::Value => writer.slice(self.0.value(x, u)?),
+            ModelQuantity::FirstOrder => {
+                let first = self.0.linearise(x, u)?;
+                writer.slice(first.f);
+                writer.block(first.f_x);
+                writer.block(first.f_u);
+            }
+            ModelQuantity::Adjoint => {
+                let (y_f_x, y_f_u) = writer.0.split_at_mut(n);
+                self.0.adjoint(x, u, y, y_f_x, y_f_u)?;
+            }
+            ModelQuantity::Contraction => {
+                let second = self.0.contract(x, u, y)?;
+                writer.slice(second.first.f);
+                writer.block(second.first.f_x);
+                writer.block(second.first.f_u);
+                writer.block(second.xx);
+                writer.padded(second.ux, m, n);
+                writer.padded(second.uu, m, m);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the nodes of a model that failed have to say.
+type Failures<'a, S, D> = Result<&'a [Failure<<D as Dynamics<S>>::Error>], BatchError>;
+
+/// x, u and y are N x states, N x controls and N x states, node by node; N is what x has room for.
+///
+/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes that could not be evaluated.
+impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
+    /// f at every node: N x states.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn value(&mut self, x: &[S::Lane], u: &[S::Lane], f: &mut [S::Lane]) -> Failures<'_, S, D> {
+        let nodes = self.nodes(x);
+        self.evaluate(ModelQuantity::Value, nodes, [x, u], [f])
+    }
+
+    /// f, f_x and f_u at every node.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn linearise(
+        &mut self,
+        x: &[S::Lane],
+        u: &[S::Lane],
+        into: FirstOrderArrays<'_, S::Lane>,
+    ) -> Failures<'_, S, D> {
+        let nodes = self.nodes(x);
+        self.evaluate(ModelQuantity::FirstOrder, nodes, [x, u], [into.f, into.f_x, into.f_u])
+    }
+
+    /// y'f_x (N x states) and y'f_u (N x controls) at every node.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn adjoint(
+        &mut self,
+        [x, u, y]: [&[S::Lane]; 3],
+        [y_f_x, y_f_u]: [&mut [S::Lane]; 2],
+    ) -> Failures<'_, S, D> {
+        let nodes = self.nodes(x);
+        self.evaluate(ModelQuantity::Adjoint, nodes, [x, u, y], [y_f_x, y_f_u])
+    }
+
+    /// f, its Jacobians and the second derivatives of y'f at every node, y the multipliers of its equation.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn contract(
+        &mut self,
+        [x, u, y]: [&[S::Lane]; 3],
+        first: FirstOrderArrays<'_, S::Lane>,
+        second: SecondOrderArrays<'_, S::Lane>,
+    ) -> Failures<'_, S, D> {
+        let nodes = self.nodes(x);
+        let outputs = [first.f, first.f_x, first.f_u, second.xx, second.ux, second.uu];
+        self.evaluate(ModelQuantity::Contraction, nodes, [x, u, y], outputs)
+    }
+
+    fn nodes(&self, x: &[S::Lane]) -> usize {
+        self.first_layout().map_or(0, |layout| x.len() / layout.inputs[0].length.max(1))
+    }
+}

@@ -1,0 +1,130 @@
+//! Steps in time from many states: what multiple shooting asks for.
+
+use super::model::Writer;
+use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed, SecondOrderArrays};
+use crate::step::{Step, StepFirstOrder};
+
+/// A step as an evaluator of nodes, each with its own x, u and h.
+#[derive(Clone, Debug)]
+pub struct StepMap<P>(pub P);
+
+/// What is computed of a step at every node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepQuantity {
+    /// (x, u, h) to Phi.
+    Next,
+    /// (x, u, h) to Phi, Phi_x, Phi_u, Phi_h.
+    FirstOrder,
+    /// (x, u, h, y) to Phi, Phi_x, Phi_u, Phi_h and the blocks xx, ux, uu of the second derivatives of y'Phi.
+    Contraction,
+}
+
+/// Where Phi and its Jacobians go, node by node; what is left empty is not written.
+#[derive(Debug)]
+pub struct StepArrays<'a, L> {
+    /// N x states.
+    pub next: &'a mut [L],
+    /// N x states x states.
+    pub phi_x: &'a mut [L],
+    /// N x states x controls.
+    pub phi_u: &'a mut [L],
+    /// N x states.
+    pub phi_h: &'a mut [L],
+}
+
+impl<L> Default for StepArrays<'_, L> {
+    fn default() -> Self {
+        Self { next: &mut [], phi_x: &mut [], phi_u: &mut [], phi_h: &mut [] }
+    }
+}
+
+impl<S: Packed> Writer<'_, S> {
+    fn step(&mut self, first: StepFirstOrder<'_, S>) {
+        self.slice(first.next);
+        self.block(first.phi_x);
+        self.block(first.phi_u);
+        self.slice(first.phi_h);
+    }
+}
+
+impl<S: Packed, P: Step<S, Error: Send> + Send> Evaluator<S> for StepMap<P> {
+    type Quantity = StepQuantity;
+    type Error = P::Error;
+
+    fn layouts(&self) -> Vec<(StepQuantity, Layout)> {
+        let (n, m) = (self.0.states(), self.0.controls());
+        let (at, with) = ([("x", n), ("u", m), ("h", 1)], [("x", n), ("u", m), ("h", 1), ("y", n)]);
+        let first = [("next", n), ("phi_x", n * n), ("phi_u", n * m), ("phi_h", n)];
+        let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
+        vec![
+            (StepQuantity::Next, Layout::new(&at, &first[..1])),
+            (StepQuantity::FirstOrder, Layout::new(&at, &first)),
+            (StepQuantity::Contraction, Layout::new(&with, &second)),
+        ]
+    }
+
+    fn evaluate(&mut self, quantity: StepQuantity, input: &[S], output: &mut [S]) -> Result<(), P::Error> {
+        let (n, m) = (self.0.states(), self.0.controls());
+        let (x, rest) = input.split_at(n);
+        let (u, rest) = rest.split_at(m);
+        let (h, y) = (rest[0], &rest[1..]);
+        let mut writer = Writer(output);
+        match quantity {
+            StepQuantity::Next => writer.slice(self.0.advance(x, u, h)?),
+            StepQuantity::FirstOrder => writer.step(self.0.linearise(x, u, h)?),
+            StepQuantity::Contraction => {
+                let second = self.0.contract(x, u, h, y)?;
+                writer.step(second.first);
+                writer.block(second.xx);
+                writer.padded(second.ux, m, n);
+                writer.padded(second.uu, m, m);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the nodes whose step was not made have to say.
+type Failures<'a, S, P> = Result<&'a [Failure<<P as Step<S>>::Error>], BatchError>;
+
+/// x, u, h and y are N x states, N x controls, N and N x states, node by node; N is the length of h.
+///
+/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes whose step was not made.
+impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
+    /// Phi(x, u, h) at every node: N x states.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn advance(&mut self, [x, u, h]: [&[S::Lane]; 3], next: &mut [S::Lane]) -> Failures<'_, S, P> {
+        self.evaluate(StepQuantity::Next, h.len(), [x, u, h], [next])
+    }
+
+    /// Phi and its Jacobians at every node.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn linearise_steps(
+        &mut self,
+        [x, u, h]: [&[S::Lane]; 3],
+        into: StepArrays<'_, S::Lane>,
+    ) -> Failures<'_, S, P> {
+        let outputs = [into.next, into.phi_x, into.phi_u, into.phi_h];
+        self.evaluate(StepQuantity::FirstOrder, h.len(), [x, u, h], outputs)
+    }
+
+    /// Phi, its Jacobians and the second derivatives of y'Phi at every node, y the multipliers of what follows.
+    ///
+    /// # Errors
+    /// [`BatchError`].
+    pub fn contract_steps(
+        &mut self,
+        [x, u, h, y]: [&[S::Lane]; 4],
+        first: StepArrays<'_, S::Lane>,
+        second: SecondOrderArrays<'_, S::Lane>,
+    ) -> Failures<'_, S, P> {
+        let StepArrays { next, phi_x, phi_u, phi_h } = first;
+        let SecondOrderArrays { xx, ux, uu } = second;
+        let outputs = [next, phi_x, phi_u, phi_h, xx, ux, uu];
+        self.evaluate(StepQuantity::Contraction, h.len(), [x, u, h, y], outputs)
+    }
+}
