@@ -18,7 +18,8 @@
 //! ```
 //!
 //! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
-//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`dynamics`], [`step`], [`batch`]. Formulas are numbered as in G. Bessonnet,
+//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`],
+//! [`dynamics`], [`step`], [`batch`]. Formulas are numbered as in G. Bessonnet,
 //! P. Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005)
 //! 452-471.
 
@@ -26,6 +27,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
 pub mod batch;
+pub mod codegen;
 pub mod derivative;
 pub mod dynamics;
 mod error;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod check;
+mod codegen;
 mod count;
 mod eval;
 mod info;
@@ -40,6 +41,10 @@ enum Command {
     Count(count::Arguments),
     /// Time each quantity by each route on this machine
     Bench(bench::Arguments),
+    /// Write straight-line source of one quantity, in Rust or C
+    ///
+    /// The text depends on nothing but the robot and what is asked for; its head says what arguments and results are.
+    Codegen(codegen::Arguments),
 }
 
 /// The robot, and how to read it.
@@ -79,6 +84,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Count(arguments) => count::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Codegen(arguments) => codegen::run(&arguments),
     };
     match outcome {
         Ok(code) => code,

@@ -15,6 +15,10 @@ pub(super) struct TurnedFrames<'a> {
     turns: Vec<Matrix3<f64>>,
     is_fixed: Vec<bool>,
     screws: Vec<FixedScrew>,
+    /// What turns a translation from the axes of the parent's original frame into those of the screw.
+    arms: Vec<Matrix3<f64>>,
+    /// Whether origins slide along their axes.
+    slides: bool,
     origins: Vec<Vector3<f64>>,
     offsets: Vec<f64>,
 }
@@ -30,9 +34,21 @@ impl<'a> TurnedFrames<'a> {
             turns: Vec::with_capacity(n),
             is_fixed,
             screws: Vec::with_capacity(n),
+            arms: Vec::with_capacity(n),
+            slides: true,
             origins: origins(robot),
             offsets: vec![0.0; n],
         }
+    }
+
+    /// Frames that are turned only, by what depends on no length: each origin stays where it is.
+    pub(super) fn unslid(robot: &'a Robot) -> Self {
+        Self { slides: false, origins: vec![Vector3::zeros(); robot.len()], ..Self::new(robot) }
+    }
+
+    /// How the frame of joint `i` was turned, and the translation to it.
+    pub(super) fn turn_and_arm(&self, i: usize) -> [Matrix3<f64>; 2] {
+        [self.turns[i].map(snap), self.arms[i].map(snap)]
     }
 
     /// Turns frame `i`; those before it have been turned.
@@ -46,16 +62,19 @@ impl<'a> TurnedFrames<'a> {
             [joint.placement.translation, before, joint.placement.rotation * self.origins[i]];
         let size = arm.norm() + before.norm() + own.norm();
         let mut translation = outer * (arm - before + own);
-        if joint.kind == JointKind::Prismatic {
+        if joint.kind == JointKind::Prismatic && self.slides {
             // Along the joint axis it is an offset of q, across it the frame was moved to that of the parent.
             self.offsets[i] = without_rounding(&translation, size).dot(&rotation.column(2));
             translation = Vector3::zeros();
         }
         let may_turn_parent = !joint.parent.map_or(self.world_is_fixed, |p| self.is_fixed[p]);
-        let Screw { mut gamma, alpha, delta } = decompose(&rotation, &translation, may_turn_parent);
+        let seen = if self.slides { translation } else { Vector3::zeros() };
+        let Screw { mut gamma, alpha, delta } = decompose(&rotation, &seen, may_turn_parent);
+        self.arms.push(outer);
         if let Some(turn) = gamma {
             let back = about_z([-turn[0], turn[1]]);
             translation = back * translation;
+            self.arms[i] = back * outer;
             if may_turn_parent {
                 match joint.parent {
                     None => self.world = back * self.world,
@@ -71,7 +90,12 @@ impl<'a> TurnedFrames<'a> {
             None => self.world_is_fixed = true,
             Some(parent) => self.is_fixed[parent] = true,
         }
-        self.screws.push(screw(gamma, alpha, &translation, size));
+        self.screws.push(if self.slides {
+            screw(gamma, alpha, &translation, size)
+        } else {
+            let (gamma, alpha) = (gamma.map(FixedTurn::new), FixedTurn::new(alpha));
+            FixedScrew { gamma, alpha, translation: translation.into(), rise: 0.0 }
+        });
         self.turns.push(about_z(delta) * axes.transpose());
     }
 

@@ -12,6 +12,7 @@ mod frames;
 mod joint;
 mod link;
 mod origins;
+pub(crate) mod parameters;
 mod regroup;
 mod tree;
 pub mod urdf;

@@ -7,11 +7,12 @@
 //! regrouped. Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
 
 use super::frames::TurnedFrames;
+use super::parameters::nonzero_lower;
 use super::regroup::regroup;
 use super::{Friction, JointKind, Robot, Spring};
 use crate::scalar::Scalar;
 use crate::spatial::{ConstantInertia, FixedScrew, JointPosition, Transform, Turn};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Constants of one joint and its link, in turned frames.
@@ -172,6 +173,27 @@ impl From<&Robot> for Tree {
             turned.place(i);
         }
         let mut subtree_mass: Vec<f64> = robot.joints().iter().map(|joint| joint.inertia.mass).collect();
+        for (i, joint) in robot.joints().iter().enumerate().rev() {
+            joint.parent.into_iter().for_each(|parent| subtree_mass[parent] += subtree_mass[i]);
+        }
+        let mut joints: Vec<_> = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
+        let gravity = (turned.world * robot.gravity()).into();
+        set_reach(&mut joints);
+        let fixed_potential = regroup(&mut joints, gravity);
+        let armature = nonzero_lower(robot.armature());
+        Self { fixed_potential, ..Self::from_parts(robot, joints, gravity, armature) }
+    }
+}
+
+impl Tree {
+    /// From constants of joints that are at hand, on the branches of this robot, with V = 0 of what does not move.
+    pub(crate) fn from_parts(
+        robot: &Robot,
+        joints: Vec<JointFrame>,
+        gravity: [f64; 3],
+        armature: Vec<(usize, usize, f64)>,
+    ) -> Self {
+        let n = robot.len();
         let mut children = vec![Vec::new(); n];
         let mut nested: Vec<Vec<usize>> = vec![Vec::new(); n];
         for (j, joint) in robot.joints().iter().enumerate() {
@@ -180,28 +202,22 @@ impl From<&Robot> for Tree {
         for i in (0..n).rev() {
             let beyond = children[i].iter().flat_map(|&c| nested[c].iter().copied());
             nested[i] = std::iter::once(i).chain(beyond).collect();
-            subtree_mass[i] += children[i].iter().map(|&c| subtree_mass[c]).sum::<f64>();
         }
         let ends = nested.iter().scan(0, |end, subtree| {
             *end += subtree.len();
             Some(*end)
         });
-        let subtree_starts = std::iter::once(0).chain(ends).collect();
-        let mut joints: Vec<_> = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
-        let gravity = (turned.world * robot.gravity()).into();
-        set_reach(&mut joints);
-        let fixed_potential = regroup(&mut joints, gravity);
-        let (turning, sliding) = (0..n).partition(|&i| joints[i].kind == JointKind::Revolute);
+        let (turning, sliding) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
             turning,
             sliding,
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             joints,
             gravity,
-            fixed_potential,
-            armature: nonzero_lower(robot.armature()),
+            fixed_potential: 0.0,
+            armature,
             children,
-            subtree_starts,
+            subtree_starts: std::iter::once(0).chain(ends).collect(),
             subtrees: nested.concat(),
         }
     }
@@ -221,11 +237,6 @@ fn set_reach(joints: &mut [JointFrame]) {
             joints[parent].carries_slides |= slides;
         }
     }
-}
-
-fn nonzero_lower(matrix: &DMatrix<f64>) -> Vec<(usize, usize, f64)> {
-    let lower = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    lower.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0).collect()
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A number that robot dynamics can be computed with.
 ///
-/// Implemented for `f64`, `f32`, [`Count`], [`Tangent`] over any scalar, and for num-dual's numbers of static size: `Dual`, `Dual2`, `Dual3`,
+/// Implemented for `f64`, `f32`, [`Count`], [`Expr`](crate::codegen::Expr), [`Tangent`] over any scalar, and for num-dual's numbers of static size: `Dual`, `Dual2`, `Dual3`,
 /// `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec`, each over any scalar, so that nested
 /// ones work too. Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
 /// [`plus`](Scalar::plus), which cost a dual number much less than an operation between two of them.
@@ -166,7 +166,7 @@ pub trait Scalar:
 
 /// [`Scalar::tanh_and_slope`] from the exponential functions, for numbers without derivatives.
 #[inline]
-fn real_tanh_and_slope<S: Scalar>(x: S) -> (S, S) {
+pub(crate) fn real_tanh_and_slope<S: Scalar>(x: S) -> (S, S) {
     let twice = x.abs().times(-2.0);
     let (m, e) = (twice.exp_m1(), twice.exp());
     let t = -m / m.plus(2.0);

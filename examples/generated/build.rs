@@ -1,0 +1,25 @@
+//! Writes straight-line code for two robots into `OUT_DIR`.
+
+use costate::codegen::{Coordinates, Options, Quantity, RustOptions, robot_program};
+use costate::robot::Robot;
+use std::error::Error;
+use std::path::Path;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let robots = Path::new(&std::env::var("CARGO_MANIFEST_DIR")?).join("../../robots");
+    let out = std::env::var("OUT_DIR")?;
+    let (hamiltonian, lagrangian) = (Coordinates::Hamiltonian, Coordinates::Lagrangian);
+    for (file, quantity, coordinates, number) in [
+        ("ur5.urdf", Quantity::YFXX, hamiltonian, None),
+        ("panda.urdf", Quantity::FX, hamiltonian, None),
+        ("cart_pole.toml", Quantity::FX, lagrangian, None),
+        ("manutec_r3.toml", Quantity::F, hamiltonian, Some("costate::scalar::Scalar".into())),
+    ] {
+        let path = robots.join(file);
+        println!("cargo::rerun-if-changed={}", path.display());
+        let program = robot_program(&Robot::from_file(path)?, quantity, coordinates, &Options::default())?;
+        let source = program.to_rust(&RustOptions { number, ..RustOptions::default() })?;
+        std::fs::write(Path::new(&out).join(format!("{}.rs", program.name())), source)?;
+    }
+    Ok(())
+}
