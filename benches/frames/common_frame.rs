@@ -245,7 +245,7 @@ impl<S: Scalar, const LANES: usize> CommonFrame<S, LANES> {
             }
         }
         if let Some(parent) = joint.parent {
-            self.composites[parent].add_moments(&composite);
+            self.composites[parent] = self.composites[parent].with_moments(composite);
             self.momenta[parent] = self.momenta[parent] + momentum;
         }
     }

@@ -1,0 +1,214 @@
+//! The few AVX and FMA instructions that compiled programs are made of, as bytes.
+//!
+//! All of them have the form `VEX prefix, opcode, ModRM, displacement`: a target register, a first source register and a
+//! last operand, register or memory (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, section 2.3).
+
+use crate::place::{Base, Place, SLOTS, STRIDE};
+
+/// A vector register, 0 to 15.
+pub(crate) type Register = u8;
+
+/// The last operand of an instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Operand {
+    Register(Register),
+    Memory(Place),
+}
+
+/// What a register holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    /// One double.
+    One,
+    /// Four doubles, with which everything is done alike.
+    Four,
+}
+
+/// `target = source op operand`; the value is the opcode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Arithmetic {
+    Add = 0x58,
+    Mul = 0x59,
+    Sub = 0x5C,
+    Div = 0x5E,
+}
+
+/// What a fused operation does with product and addend; the value is the opcode of its form 132 for four doubles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Fused {
+    /// `a b + c`
+    MulAdd = 0x98,
+    /// `a b - c`
+    MulSub = 0x9A,
+    /// `c - a b`
+    NegMulAdd = 0x9C,
+}
+
+/// Which sources the three digits of a fused operation multiply: the target is 1, then come source and operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Form {
+    /// `target = target operand + source`
+    F132 = 0x00,
+    /// `target = source target + operand`
+    F213 = 0x10,
+    /// `target = source operand + target`
+    F231 = 0x20,
+}
+
+/// The opcode maps and the mandatory prefixes of an encoding.
+#[derive(Clone, Copy)]
+enum Map {
+    Of0F = 1,
+    Of0F38 = 2,
+    Of0F3A = 3,
+}
+const PREFIX_66: u8 = 1;
+const PREFIX_F2: u8 = 3;
+
+/// Machine code as it grows.
+#[derive(Debug)]
+pub(crate) struct Assembler {
+    code: Vec<u8>,
+    width: Width,
+}
+
+impl Assembler {
+    /// For numbers of this width.
+    pub fn new(width: Width) -> Self {
+        Self { code: Vec::new(), width }
+    }
+
+    /// The bytes of one number in memory.
+    fn size(&self) -> usize {
+        match self.width {
+            Width::One => 8,
+            Width::Four => 32,
+        }
+    }
+
+    /// The prefix that tells one double from packed ones.
+    fn prefix(&self) -> u8 {
+        match self.width {
+            Width::One => PREFIX_F2,
+            Width::Four => PREFIX_66,
+        }
+    }
+
+    /// Number of bytes so far: where the next instruction will stand.
+    pub fn position(&self) -> usize {
+        self.code.len()
+    }
+
+    /// All bytes.
+    pub fn into_code(self) -> Vec<u8> {
+        self.code
+    }
+
+    /// `target = source op operand`.
+    pub fn arithmetic(&mut self, op: Arithmetic, target: Register, source: Register, operand: Operand) {
+        self.vex(Map::Of0F, self.prefix(), false, op as u8, target, source, operand);
+    }
+
+    /// `target = sqrt(source)`; the packed instruction has no first source.
+    pub fn sqrt(&mut self, target: Register, source: Register) {
+        let first = if self.width == Width::One { source } else { 0 };
+        self.vex(Map::Of0F, self.prefix(), false, 0x51, target, first, Operand::Register(source));
+    }
+
+    /// A multiplication and a sum, rounded once.
+    pub fn fused(&mut self, op: Fused, form: Form, target: Register, source: Register, operand: Operand) {
+        let opcode = op as u8 + form as u8 + u8::from(self.width == Width::One);
+        self.vex(Map::Of0F38, PREFIX_66, true, opcode, target, source, operand);
+    }
+
+    /// `target = -source`; the operand is where numbers stand of which only the sign bits are set.
+    pub fn negate(&mut self, target: Register, source: Register, signs: Operand) {
+        self.vex(Map::Of0F, PREFIX_66, false, 0x57, target, source, signs);
+    }
+
+    /// All bits of the target are 1 where `source < operand`, else 0; 0 where one of them is not a number.
+    pub fn less(&mut self, target: Register, source: Register, operand: Register) {
+        const ORDERED_QUIET_LESS: u8 = 0x11;
+        self.vex(Map::Of0F, self.prefix(), false, 0xC2, target, source, Operand::Register(operand));
+        self.code.push(ORDERED_QUIET_LESS);
+    }
+
+    /// `target = if mask { if_true } else { if_false }`.
+    pub fn select(&mut self, target: Register, mask: Register, if_true: Register, if_false: Register) {
+        self.vex(Map::Of0F3A, PREFIX_66, false, 0x4B, target, if_false, Operand::Register(if_true));
+        self.code.push(mask << 4);
+    }
+
+    /// `target = place`.
+    pub fn load(&mut self, target: Register, place: Place) {
+        self.vex(Map::Of0F, self.prefix(), false, 0x10, target, 0, Operand::Memory(place));
+    }
+
+    /// `place = source`.
+    pub fn store(&mut self, source: Register, place: Place) {
+        self.vex(Map::Of0F, self.prefix(), false, 0x11, source, 0, Operand::Memory(place));
+    }
+
+    /// `target = source`, registers.
+    pub fn copy(&mut self, target: Register, source: Register) {
+        self.vex(Map::Of0F, PREFIX_66, false, 0x28, target, 0, Operand::Register(source));
+    }
+
+    /// The further addresses of slots; at the beginning of each stretch of code.
+    pub fn begin(&mut self) {
+        for (group, &target) in SLOTS.iter().enumerate().skip(1) {
+            self.address(target, SLOTS[0], (group * STRIDE) as i32);
+        }
+    }
+
+    /// `target = base + displacement`, general registers.
+    fn address(&mut self, target: Base, base: Base, displacement: i32) {
+        let rex = 0x48 | (target.0 >> 3) << 2 | base.0 >> 3;
+        self.code.extend([rex, 0x8D, 0x80 | (target.0 & 7) << 3 | base.0 & 7]);
+        self.code.extend(displacement.to_le_bytes());
+    }
+
+    /// Back to the caller, the upper halves of registers cleared for code that uses the lower ones alone.
+    pub fn back(&mut self) {
+        if self.width == Width::Four {
+            self.code.extend([0xC5, 0xF8, 0x77]);
+        }
+        self.code.push(0xC3);
+    }
+
+    fn vex(&mut self, map: Map, prefix: u8, wide: bool, opcode: u8, target: u8, source: u8, last: Operand) {
+        let (last_number, displacement) = match last {
+            Operand::Register(register) => (register, None),
+            Operand::Memory(place) => {
+                let (base, displacement) = place.address(self.size());
+                (base.0, Some(displacement))
+            }
+        };
+        let long = u8::from(self.width == Width::Four) << 2;
+        // The high bits of register numbers stand inverted in the prefix.
+        let high = |register: u8| (register >> 3 & 1) ^ 1;
+        let tail = (source & 15 ^ 15) << 3 | long | prefix;
+        if matches!(map, Map::Of0F) && !wide && high(last_number) == 1 {
+            self.code.extend([0xC5, high(target) << 7 | tail]);
+        } else {
+            let first = high(target) << 7 | 1 << 6 | high(last_number) << 5 | map as u8;
+            self.code.extend([0xC4, first, u8::from(wide) << 7 | tail]);
+        }
+        self.code.push(opcode);
+        let mod_rm = (target & 7) << 3 | last_number & 7;
+        match displacement.map(|displacement| (displacement, i8::try_from(displacement))) {
+            None => self.code.push(0xC0 | mod_rm),
+            Some((_, Ok(short))) => self.code.extend([0x40 | mod_rm, short as u8]),
+            Some((displacement, Err(_))) => {
+                self.code.push(0x80 | mod_rm);
+                self.code.extend(displacement.to_le_bytes());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! Machine code from the steps of a program.
+
+use crate::assembler::{Arithmetic, Form, Fused, Operand, Register};
+use crate::error::JitError;
+use crate::place::Place;
+use crate::registers::{NEVER, Registers};
+use costate::codegen::Node;
+
+/// What a change of sign needs, the sign bits alone: entries 0 and 1 of the constants, since 16 bytes are read at least.
+pub(crate) const SIGNS: [f64; 2] = [-0.0, -0.0];
+
+/// Writes the instructions of one step; the register that then holds its value.
+///
+/// # Errors
+/// [`JitError::Malformed`] where a value that it uses is nowhere.
+pub(crate) fn step(registers: &mut Registers, k: usize, node: &Node) -> Result<Register, JitError> {
+    use Arithmetic::{Add, Div, Mul, Sub};
+    match *node {
+        Node::Add(a, b) => either_way(registers, Add, a.index(), b.index()),
+        Node::Mul(a, b) => either_way(registers, Mul, a.index(), b.index()),
+        Node::Sub(a, b) => one_way(registers, Sub, a.index(), b.index()),
+        Node::Div(a, b) => one_way(registers, Div, a.index(), b.index()),
+        Node::MulAdd(a, b, c) => fused(registers, Fused::MulAdd, [a, b, c].map(|id| id.index())),
+        Node::MulSub(a, b, c) => fused(registers, Fused::MulSub, [a, b, c].map(|id| id.index())),
+        Node::NegMulAdd(a, b, c) => fused(registers, Fused::NegMulAdd, [a, b, c].map(|id| id.index())),
+        Node::Neg(a) => {
+            let ([a], target) = sources(registers, [a.index()])?;
+            registers.assembler.negate(target, a, Operand::Memory(Place::Constant(0)));
+            Ok(target)
+        }
+        Node::Sqrt(a) => {
+            let ([a], target) = sources(registers, [a.index()])?;
+            registers.assembler.sqrt(target, a);
+            Ok(target)
+        }
+        Node::Less(a, b) => {
+            let ([a, b], target) = sources(registers, [a.index(), b.index()])?;
+            registers.assembler.less(target, a, b);
+            Ok(target)
+        }
+        Node::Select(mask, a, b) => {
+            let ([mask, a, b], target) = sources(registers, [mask, a, b].map(|id| id.index()))?;
+            registers.assembler.select(target, mask, a, b);
+            Ok(target)
+        }
+        Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) | Node::Exp(_) | Node::ExpM1(_) => {
+            // These stand in memory before any step: the plan has no such steps.
+            Err(JitError::Malformed { node: k })
+        }
+    }
+}
+
+/// All operands in registers, and one for the outcome.
+fn sources<const N: usize>(
+    registers: &mut Registers,
+    values: [usize; N],
+) -> Result<([Register; N], Register), JitError> {
+    let mut locked = registers.lock(&values);
+    let mut found = [0; N];
+    for (found, &value) in found.iter_mut().zip(&values) {
+        *found = registers.fetch(value, &mut locked)?;
+    }
+    Ok((found, target(registers, &values)))
+}
+
+/// A register for the outcome: that of an operand that is not used again, or another one.
+fn target(registers: &mut Registers, values: &[usize]) -> Register {
+    let over = values.iter().filter(|&&value| registers.next_use(value) == NEVER);
+    match over.filter_map(|&value| registers.register(value)).min() {
+        Some(register) => register,
+        None => registers.take(registers.lock(values)),
+    }
+}
+
+/// `a op b`, where only b can be in memory.
+fn one_way(registers: &mut Registers, op: Arithmetic, a: usize, b: usize) -> Result<Register, JitError> {
+    let source = registers.fetch(a, &mut registers.lock(&[a, b]))?;
+    let operand = registers.operand(b)?;
+    let target = target(registers, &[a, b]);
+    registers.assembler.arithmetic(op, target, source, operand);
+    Ok(target)
+}
+
+/// `a op b = b op a`: the one in memory comes last, of two the one that is used later.
+fn either_way(registers: &mut Registers, op: Arithmetic, a: usize, b: usize) -> Result<Register, JitError> {
+    let swapped = match (registers.register(a), registers.register(b)) {
+        (None, Some(_)) => true,
+        (None, None) => registers.next_use(b) < registers.next_use(a),
+        // The shorter encoding.
+        (Some(a), Some(b)) => a < 8 && b >= 8,
+        (Some(_), None) => false,
+    };
+    if swapped { one_way(registers, op, b, a) } else { one_way(registers, op, a, b) }
+}
+
+/// `a b + c` and its like, which overwrite one of their sources.
+///
+/// It is one that is not used again or a copy; what is in memory is loaded as the copy or stays there as last operand.
+fn fused(registers: &mut Registers, op: Fused, [a, b, c]: [usize; 3]) -> Result<Register, JitError> {
+    let roles = [a, b, c];
+    let mut locked = registers.lock(&roles);
+    let mut stored: Vec<usize> = roles.into_iter().filter(|&v| registers.register(v).is_none()).collect();
+    stored.sort_by_key(|&value| (registers.next_use(value), value));
+    stored.dedup();
+    let once = |value: usize| roles.iter().filter(|&&role| role == value).count() == 1;
+    let may_stay = |stored: &[usize]| stored.is_empty() || stored.len() == 1 && once(stored[0]);
+    let over = [c, a, b].into_iter().filter(|&value| registers.next_use(value) == NEVER);
+    let over = over.filter_map(|value| registers.register(value).map(|register| (value, register))).next();
+    let (overwritten, target) = match over {
+        Some(over) if may_stay(&stored) => over,
+        _ => match stored.pop() {
+            Some(value) => (value, registers.load(value, locked)?),
+            None => {
+                let source = registers.fetch(c, &mut locked)?;
+                let target = registers.take(locked);
+                registers.assembler.copy(target, source);
+                (c, target)
+            }
+        },
+    };
+    locked = locked.with(target);
+    while !may_stay(&stored) {
+        registers.fetch(stored.remove(0), &mut locked)?;
+    }
+    let operand = |value: usize| match value == overwritten {
+        true => Ok(Operand::Register(target)),
+        false => registers.operand(value),
+    };
+    let (form, source, last) = if overwritten == c {
+        (Form::F231, operand(a)?, operand(b)?)
+    } else {
+        let other = if overwritten == a { b } else { a };
+        match (operand(other)?, operand(c)?) {
+            (Operand::Register(other), c) => (Form::F213, Operand::Register(other), c),
+            (other, c) => (Form::F132, c, other),
+        }
+    };
+    let (source, last) = match (source, last) {
+        (Operand::Register(source), last) => (source, last),
+        // Of a product the factor in memory comes last.
+        (last, Operand::Register(source)) => (source, last),
+        _ => return Err(JitError::Malformed { node: c }),
+    };
+    registers.assembler.fused(op, form, target, source, last);
+    Ok(target)
+}

@@ -1,0 +1,83 @@
+//! In which order steps are computed: those that the longest chains hang on first, within a window.
+
+use costate::codegen::{Id, Node};
+
+/// Steps that are looked at together. Wider windows find more to do at once and need more registers: of 32, 64, 128
+/// and all, 64 was fastest on the robots of docs/jit.md.
+const WINDOW: usize = 64;
+/// Steps that start in one cycle; the processors of today do two products or sums each.
+const WIDTH: usize = 2;
+
+/// The longest that a step in machine code takes, in cycles.
+const LONGEST: u32 = 20;
+
+/// Cycles until the value of a step can be used, roughly.
+fn latency(node: &Node) -> u32 {
+    match node {
+        Node::Constant(_) | Node::Input(_) => 0,
+        Node::Neg(_) => 1,
+        Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Less(..) | Node::Select(..) => 3,
+        Node::MulAdd(..) | Node::MulSub(..) | Node::NegMulAdd(..) => 4,
+        Node::Div(..) => 13,
+        Node::Sqrt(_) => LONGEST,
+        Node::Sin(_) | Node::Cos(_) | Node::Exp(_) | Node::ExpM1(_) => 40,
+    }
+}
+
+/// Cycles from the start of each step to the end of the longest chain that hangs on it.
+fn heights(nodes: &[Node]) -> Vec<u32> {
+    let mut heights = vec![0; nodes.len()];
+    for (k, node) in nodes.iter().enumerate().rev() {
+        heights[k] += latency(node);
+        for operand in node.operands().map(Id::index) {
+            heights[operand] = heights[operand].max(heights[k]);
+        }
+    }
+    heights
+}
+
+/// Puts the steps of one stage after the other into an order.
+pub(crate) struct Scheduler<'a> {
+    nodes: &'a [Node],
+    heights: Vec<u32>,
+    /// When the value of each node can be used; what was not started never can.
+    ready: Vec<u32>,
+    cycle: u32,
+}
+
+impl<'a> Scheduler<'a> {
+    pub fn new(nodes: &'a [Node]) -> Self {
+        let ready = nodes.iter().map(|node| if node.is_leaf() { 0 } else { u32::MAX }).collect();
+        Self { nodes, heights: heights(nodes), ready, cycle: 0 }
+    }
+
+    /// The same steps, reordered: at every point the highest of those that can start, among the next [`WINDOW`].
+    ///
+    /// Operands must stand before, among these steps or among those of earlier calls of this function.
+    pub fn stage(&mut self, steps: &[usize]) -> Vec<usize> {
+        let mut order = Vec::with_capacity(steps.len());
+        let mut waiting: Vec<usize> = steps.iter().rev().copied().collect();
+        while !waiting.is_empty() {
+            for _ in 0..WIDTH {
+                let window = waiting.len().saturating_sub(WINDOW)..waiting.len();
+                let startable = window.filter(|&at| self.can_start(waiting[at]));
+                let Some(at) = startable.max_by_key(|&at| (self.heights[waiting[at]], at)) else { break };
+                let step = waiting.remove(at);
+                self.ready[step] = self.cycle + latency(&self.nodes[step]);
+                order.push(step);
+            }
+            self.cycle += 1;
+        }
+        order
+    }
+
+    /// Whatever was started has its value.
+    pub fn finish(&mut self, functions: impl Iterator<Item = usize>) {
+        self.cycle += LONGEST;
+        functions.for_each(|node| self.ready[node] = self.cycle);
+    }
+
+    fn can_start(&self, step: usize) -> bool {
+        self.nodes[step].operands().all(|operand| self.ready[operand.index()] <= self.cycle)
+    }
+}

@@ -1,0 +1,116 @@
+//! Which steps are computed by machine code, in which order, and which functions are called in between.
+
+use crate::error::JitError;
+use crate::order::Scheduler;
+use costate::codegen::{Id, Node};
+use std::collections::HashMap;
+
+/// A function that the library evaluates between two stretches of machine code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Function {
+    SinCos,
+    Exp,
+    ExpM1,
+}
+
+/// A function, the node of its argument, and those of its values: sine and cosine, or the one value.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlannedCall {
+    pub function: Function,
+    pub argument: usize,
+    pub values: [Option<usize>; 2],
+}
+
+/// A stretch of machine code, and what is called after it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlannedStage {
+    pub steps: Vec<usize>,
+    pub calls: Vec<PlannedCall>,
+}
+
+/// The argument of a node that is a function.
+fn argument(node: &Node) -> Option<usize> {
+    match node {
+        Node::Sin(a) | Node::Cos(a) | Node::Exp(a) | Node::ExpM1(a) => Some(a.index()),
+        _ => None,
+    }
+}
+
+/// Divides a program: stage k holds what the functions of nesting k need, and what is needed by none comes last.
+///
+/// Functions of arguments of the program come before any machine code, in a first stage without steps; a robot with
+/// Coulomb friction has a second one, for the exponential functions of its velocities.
+///
+/// # Errors
+/// [`JitError::Malformed`] for a node that is not computed from nodes before it.
+pub(crate) fn plan(nodes: &[Node]) -> Result<Vec<PlannedStage>, JitError> {
+    check(nodes)?;
+    let mut nesting = vec![0; nodes.len()];
+    for (k, node) in nodes.iter().enumerate() {
+        let deepest = node.operands().map(|id| nesting[id.index()]).max().unwrap_or(0);
+        nesting[k] = deepest + usize::from(argument(node).is_some());
+    }
+    let last = nesting.iter().max().copied().unwrap_or(0);
+    let mut latest = vec![last; nodes.len()];
+    let mut stages = vec![PlannedStage::default(); last + 1];
+    for (k, node) in nodes.iter().enumerate().rev() {
+        let limit = if argument(node).is_some() { nesting[k] - 1 } else { latest[k] };
+        for operand in node.operands().map(Id::index) {
+            latest[operand] = latest[operand].min(limit);
+        }
+    }
+    for (k, node) in nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf() && argument(node).is_none())
+    {
+        debug_assert!(node.operands().all(|id| latest[id.index()] <= latest[k]));
+        stages[latest[k]].steps.push(k);
+    }
+    call_functions(nodes, &nesting, &mut stages);
+    let mut scheduler = Scheduler::new(nodes);
+    for stage in &mut stages {
+        stage.steps = scheduler.stage(&stage.steps);
+        scheduler.finish(stage.calls.iter().flat_map(|call| call.values).flatten());
+    }
+    Ok(stages)
+}
+
+/// Every node uses nodes before it; a choice hangs on a comparison, and nothing else does.
+fn check(nodes: &[Node]) -> Result<(), JitError> {
+    let is_comparison = |id: Id| matches!(nodes[id.index()], Node::Less(..));
+    let sound = |k: usize, node: &Node| {
+        node.operands().all(|id| id.index() < k)
+            && match *node {
+                Node::Select(mask, a, b) => is_comparison(mask) && !is_comparison(a) && !is_comparison(b),
+                _ => !node.operands().any(is_comparison),
+            }
+    };
+    match nodes.iter().enumerate().position(|(k, node)| !sound(k, node)) {
+        Some(node) => Err(JitError::Malformed { node }),
+        None => Ok(()),
+    }
+}
+
+/// Puts each function into the stage before its nesting; sine and cosine of one argument are one call.
+fn call_functions(nodes: &[Node], nesting: &[usize], stages: &mut [PlannedStage]) {
+    let mut angles: HashMap<usize, usize> = HashMap::new();
+    for (k, node) in nodes.iter().enumerate() {
+        let Some(argument) = argument(node) else { continue };
+        let stage = nesting[k] - 1;
+        let calls = &mut stages[stage].calls;
+        let (function, which) = match node {
+            Node::Sin(_) => (Function::SinCos, 0),
+            Node::Cos(_) => (Function::SinCos, 1),
+            Node::Exp(_) => (Function::Exp, 0),
+            _ => (Function::ExpM1, 0),
+        };
+        let mut values = [None; 2];
+        values[which] = Some(k);
+        if function == Function::SinCos {
+            if let Some(&at) = angles.get(&argument) {
+                calls[at].values[which] = Some(k);
+                continue;
+            }
+            angles.insert(argument, calls.len());
+        }
+        calls.push(PlannedCall { function, argument, values });
+    }
+}

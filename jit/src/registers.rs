@@ -1,0 +1,200 @@
+//! Where the values of a program are while its machine code is written: registers and memory.
+//!
+//! The next use of every value is known, so that what leaves a register for another value is always the one that is
+//! used latest (Belady's rule); it is stored only where memory does not hold it yet.
+
+use crate::assembler::{Assembler, Operand, Register, Width};
+use crate::error::JitError;
+use crate::place::Place;
+use std::collections::BTreeSet;
+
+const REGISTERS: usize = 16;
+
+/// Registers that must keep their values during one step, a bit each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Locked(u16);
+
+impl Locked {
+    pub fn with(self, register: Register) -> Self {
+        Self(self.0 | 1 << register)
+    }
+
+    fn holds(self, register: usize) -> bool {
+        self.0 >> register & 1 == 1
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+struct Value {
+    register: Option<Register>,
+    /// Where memory holds it.
+    home: Option<Place>,
+    /// When it is used, latest first.
+    uses: Vec<u32>,
+}
+
+/// The state of registers and memory at one point of the code, and the code up to there.
+pub(crate) struct Registers {
+    pub assembler: Assembler,
+    values: Vec<Value>,
+    owners: [Option<usize>; REGISTERS],
+    free_slots: BTreeSet<u32>,
+    slots: u32,
+}
+
+/// Time of the next use of a value without one.
+pub(crate) const NEVER: u32 = u32::MAX;
+
+impl Registers {
+    /// Nothing is computed yet; `uses[v]` are the times when value v is used, rising.
+    pub fn new(width: Width, uses: Vec<Vec<u32>>) -> Self {
+        let value = |mut uses: Vec<u32>| {
+            uses.reverse();
+            Value { uses, ..Value::default() }
+        };
+        Self {
+            assembler: Assembler::new(width),
+            values: uses.into_iter().map(value).collect(),
+            owners: [None; REGISTERS],
+            free_slots: BTreeSet::new(),
+            slots: 0,
+        }
+    }
+
+    /// Number of slots that were in use at once.
+    pub fn slots(&self) -> usize {
+        self.slots as usize
+    }
+
+    /// The register that holds a value.
+    pub fn register(&self, value: usize) -> Option<Register> {
+        self.values[value].register
+    }
+
+    /// The memory that holds a value.
+    pub fn home(&self, value: usize) -> Option<Place> {
+        self.values[value].home
+    }
+
+    /// Memory holds the value from here on.
+    pub fn set_home(&mut self, value: usize, home: Place) {
+        self.values[value].home = Some(home);
+    }
+
+    /// When a value is used next.
+    pub fn next_use(&self, value: usize) -> u32 {
+        self.values[value].uses.last().copied().unwrap_or(NEVER)
+    }
+
+    /// The use at `time` is being made; later ones count from here on.
+    pub fn pass(&mut self, value: usize, time: u32) {
+        if self.values[value].uses.last() == Some(&time) {
+            self.values[value].uses.pop();
+        }
+    }
+
+    /// Those registers that hold any of these values.
+    pub fn lock(&self, values: &[usize]) -> Locked {
+        let registers = values.iter().filter_map(|&value| self.register(value));
+        registers.fold(Locked::default(), Locked::with)
+    }
+
+    /// A value as the last operand of an instruction, wherever it is.
+    pub fn operand(&self, value: usize) -> Result<Operand, JitError> {
+        let Value { register, home, .. } = self.values[value];
+        let register = register.map(Operand::Register);
+        register.or(home.map(Operand::Memory)).ok_or(JitError::Malformed { node: value })
+    }
+
+    /// A register that is not locked; what it held stands in memory if it is needed again.
+    pub fn take(&mut self, locked: Locked) -> Register {
+        let rank = |register: usize| self.owners[register].map_or(NEVER, |value| self.next_use(value));
+        let open = (0..REGISTERS).rev().filter(|&register| !locked.holds(register));
+        // A free one ranks as one that is never used; of equals the lowest, whose encoding is shortest.
+        let register =
+            open.max_by_key(|&register| (self.owners[register].is_none(), rank(register))).unwrap_or(0);
+        if let Some(value) = self.owners[register] {
+            self.store(value);
+            self.drop_register(register as Register);
+        }
+        register as Register
+    }
+
+    /// Loads a value into a register if it is in none.
+    pub fn fetch(&mut self, value: usize, locked: &mut Locked) -> Result<Register, JitError> {
+        let register = match self.register(value) {
+            Some(register) => register,
+            None => {
+                let register = self.load(value, *locked)?;
+                self.assign(value, register);
+                register
+            }
+        };
+        *locked = locked.with(register);
+        Ok(register)
+    }
+
+    /// Loads a value into a register that is not to hold it for long.
+    pub fn load(&mut self, value: usize, locked: Locked) -> Result<Register, JitError> {
+        let home = self.home(value).ok_or(JitError::Malformed { node: value })?;
+        let register = self.take(locked);
+        self.assembler.load(register, home);
+        Ok(register)
+    }
+
+    /// The register holds the value from here on.
+    pub fn assign(&mut self, value: usize, register: Register) {
+        self.drop_register(register);
+        self.owners[usize::from(register)] = Some(value);
+        self.values[value].register = Some(register);
+    }
+
+    /// Nobody's any more.
+    fn drop_register(&mut self, register: Register) {
+        if let Some(value) = self.owners[usize::from(register)].take() {
+            self.values[value].register = None;
+        }
+    }
+
+    /// A slot for a value that no machine code computes.
+    pub fn new_slot(&mut self) -> u32 {
+        self.free_slots.pop_first().unwrap_or_else(|| {
+            self.slots += 1;
+            self.slots - 1
+        })
+    }
+
+    /// Stores a value that is needed again and that memory does not hold.
+    fn store(&mut self, value: usize) {
+        if let (Some(register), None) = (self.register(value), self.home(value))
+            && self.next_use(value) != NEVER
+        {
+            let home = Place::Slot(self.new_slot());
+            self.assembler.store(register, home);
+            self.set_home(value, home);
+        }
+    }
+
+    /// Frees register and slot of a value that is not used any more.
+    pub fn release(&mut self, value: usize) {
+        if self.next_use(value) == NEVER {
+            if let Some(register) = self.register(value) {
+                self.drop_register(register);
+            }
+            if let Some(Place::Slot(slot)) = self.home(value) {
+                self.free_slots.insert(slot);
+                self.values[value].home = None;
+            }
+        }
+    }
+
+    /// Everything that is still needed goes to memory: a stretch of code ends.
+    pub fn clear(&mut self) {
+        for register in 0..REGISTERS {
+            if let Some(value) = self.owners[register] {
+                self.store(value);
+                self.drop_register(register as Register);
+            }
+        }
+    }
+}

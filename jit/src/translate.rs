@@ -1,0 +1,196 @@
+//! A program becomes machine code, calls of functions, and a table of constants.
+
+use crate::assembler::Width;
+use crate::emit;
+use crate::error::JitError;
+use crate::place::{MOST, Place};
+use crate::plan::{Function, PlannedStage, plan};
+use crate::registers::Registers;
+use costate::codegen::{Id, Node, Program};
+use std::collections::HashMap;
+
+/// A function call: where its argument is, and the slots for those of its values that are used.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Call {
+    pub function: Function,
+    pub argument: Place,
+    pub values: [Option<u32>; 2],
+}
+
+/// A stretch of machine code, where there is any, and what is called after it: sines and cosines first.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    pub entry: Option<usize>,
+    pub calls: Vec<Call>,
+    /// How many of them are sines and cosines.
+    pub angles: usize,
+}
+
+/// All that is needed to run a program.
+#[derive(Debug)]
+pub(crate) struct Translation {
+    pub code: Vec<u8>,
+    pub stages: Vec<Stage>,
+    pub constants: Vec<f64>,
+    /// Doubles of memory that a call needs for itself.
+    pub slots: usize,
+}
+
+/// Constants in the order of their first appearance, each once; nodes that hold them.
+fn constants(nodes: &[Node]) -> (Vec<f64>, Vec<(usize, Place)>) {
+    let mut table = emit::SIGNS.to_vec();
+    let mut positions = HashMap::new();
+    let mut homes = Vec::new();
+    for (k, node) in nodes.iter().enumerate() {
+        match node {
+            Node::Constant(value) => {
+                let position = *positions.entry(value.to_bits()).or_insert_with(|| {
+                    table.push(*value);
+                    table.len() as u32 - 1
+                });
+                homes.push((k, Place::Constant(position)));
+            }
+            Node::Input(index) => homes.push((k, Place::Input(*index))),
+            _ => {}
+        }
+    }
+    (table, homes)
+}
+
+/// The times at which each node is used: steps count 1 each, the calls after a stage 1 together, the end 1.
+fn uses(nodes: &[Node], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u32>> {
+    let mut uses: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
+    let mut record = |node: usize, time: u32| {
+        if uses[node].last() != Some(&time) {
+            uses[node].push(time);
+        }
+    };
+    let mut time = 0;
+    for stage in stages {
+        for &step in &stage.steps {
+            nodes[step].operands().for_each(|id| record(id.index(), time));
+            time += 1;
+        }
+        stage.calls.iter().for_each(|call| record(call.argument, time));
+        time += 1;
+    }
+    results.iter().for_each(|&node| record(node, time));
+    uses
+}
+
+/// Writes the machine code of a program, for one state or four at a time.
+///
+/// # Errors
+/// [`JitError::Malformed`], [`JitError::TooWide`].
+pub(crate) fn translate(program: &Program, width: Width) -> Result<Translation, JitError> {
+    let nodes = program.nodes();
+    for (what, found) in
+        [("nodes", nodes.len()), ("inputs", program.inputs()), ("outputs", program.outputs())]
+    {
+        if found > MOST {
+            return Err(JitError::TooWide { what, found, limit: MOST });
+        }
+    }
+    let planned = plan(nodes)?;
+    let results: Vec<usize> =
+        program.results().iter().flat_map(|result| result.entries.iter().map(|id| id.index())).collect();
+    // A result that is computed by a step is stored there; the others are copied at the end.
+    let mut outputs: HashMap<usize, Vec<u32>> = HashMap::new();
+    for &step in planned.iter().flat_map(|stage| &stage.steps) {
+        outputs.insert(step, Vec::new());
+    }
+    let mut copied = Vec::new();
+    for (k, node) in (0..).zip(&results) {
+        match outputs.get_mut(node) {
+            Some(places) => places.push(k),
+            None => copied.push((k, *node)),
+        }
+    }
+    let late: Vec<usize> = copied.iter().map(|&(_, node)| node).collect();
+    let mut registers = Registers::new(width, uses(nodes, &planned, &late));
+    let (constants, homes) = constants(nodes);
+    homes.into_iter().for_each(|(node, home)| registers.set_home(node, home));
+    let mut stages = Vec::new();
+    let mut time = 0;
+    for (number, stage) in planned.iter().enumerate() {
+        let last = number + 1 == planned.len();
+        let entry = registers.assembler.position();
+        let has_code = !stage.steps.is_empty() || last;
+        if has_code {
+            registers.assembler.begin();
+        }
+        for &k in &stage.steps {
+            step(&mut registers, nodes, k, time, &outputs[&k])?;
+            time += 1;
+        }
+        if last {
+            copy(&mut registers, &copied, time + 1)?;
+        } else {
+            registers.clear();
+        }
+        if has_code {
+            registers.assembler.back();
+        }
+        let mut calls = calls(&mut registers, stage, time)?;
+        calls.sort_by_key(|call| call.function != Function::SinCos);
+        let angles = calls.partition_point(|call| call.function == Function::SinCos);
+        time += 1;
+        stages.push(Stage { entry: has_code.then_some(entry), calls, angles });
+    }
+    let slots = registers.slots();
+    Ok(Translation { code: registers.assembler.into_code(), stages, constants, slots })
+}
+
+/// One step: its instructions, its stores to results, and what is free afterwards.
+fn step(
+    registers: &mut Registers,
+    nodes: &[Node],
+    k: usize,
+    time: u32,
+    outputs: &[u32],
+) -> Result<(), JitError> {
+    let node = &nodes[k];
+    node.operands().for_each(|id| registers.pass(id.index(), time));
+    let target = emit::step(registers, k, node)?;
+    registers.assign(k, target);
+    for &output in outputs {
+        registers.assembler.store(target, Place::Output(output));
+    }
+    if let Some(&output) = outputs.first() {
+        registers.set_home(k, Place::Output(output));
+    }
+    node.operands().map(Id::index).chain([k]).for_each(|value| registers.release(value));
+    Ok(())
+}
+
+/// Results that no step computes: constants, arguments, values of functions.
+fn copy(registers: &mut Registers, copied: &[(u32, usize)], time: u32) -> Result<(), JitError> {
+    for &(output, node) in copied {
+        registers.pass(node, time);
+        let source = registers.load(node, registers.lock(&[]))?;
+        registers.assembler.store(source, Place::Output(output));
+    }
+    Ok(())
+}
+
+/// Slots for the values of functions; those of their arguments are free afterwards.
+fn calls(registers: &mut Registers, stage: &PlannedStage, time: u32) -> Result<Vec<Call>, JitError> {
+    let mut calls = Vec::with_capacity(stage.calls.len());
+    for planned in &stage.calls {
+        let argument =
+            registers.home(planned.argument).ok_or(JitError::Malformed { node: planned.argument })?;
+        let values = planned.values.map(|node| {
+            node.map(|node| {
+                let slot = registers.new_slot();
+                registers.set_home(node, Place::Slot(slot));
+                slot
+            })
+        });
+        calls.push(Call { function: planned.function, argument, values });
+    }
+    for planned in &stage.calls {
+        registers.pass(planned.argument, time);
+        registers.release(planned.argument);
+    }
+    Ok(calls)
+}
