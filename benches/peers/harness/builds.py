@@ -1,0 +1,104 @@
+"""Everything that is compiled, each competitor a shared library behind peers/peer.h."""
+
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import generated
+import machine
+import pinocchio as pinocchio_package
+import symbolic
+from compiling import build_once, compile_c
+from machine import say
+
+FLAGS = {"native": "-C target-cpu=native", "baseline": ""}
+PEERS = ("pinocchio", "casadi", "costate", "generated")
+
+# Without them g++ leaves thousands of small functions of Eigen as calls, and Pinocchio takes twice as long.
+GCC_INLINES = ("--param inline-unit-growth=3000 --param large-unit-insns=10000000 --param large-function-growth=10000 "
+               "--param large-function-insns=100000 --param max-inline-insns-single=2000 --param max-inline-insns-auto=500")
+BOOST = ("-DBOOST_MPL_LIMIT_LIST_SIZE=30 -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS "
+         "-DBOOST_FUSION_INVOKE_MAX_ARITY=12")
+
+
+@dataclass
+class Competitor:
+    label: str
+    flags: str
+    library: Path
+    file: Path
+
+
+@dataclass
+class Built:
+    driver: Path
+    competitors: list
+
+
+def build(root, cache, robot, peers, kinds, flags):
+    """The driver and the competitors for one robot."""
+    sources = root / "benches/peers/peers"
+    driver = build_once(cache, "driver", [machine.compilers()[0][1], "-O2", "-std=c11", sources / "driver.c", "-ldl"],
+                        [sources / "driver.c", sources / "peer.h"])
+    competitors = []
+    if "pinocchio" in peers:
+        competitors += pinocchio(cache, sources, robot)
+    if "casadi" in peers:
+        competitors += casadi(cache, sources, robot, kinds)
+    if "costate" in peers:
+        competitors += costate(root, cache, robot, flags)
+    if "generated" in peers:
+        competitors += [Competitor(*row, robot.urdf) for row in generated.build(root, cache, sources, robot)]
+    return Built(driver, competitors)
+
+
+def pinocchio(cache, sources, robot):
+    """By every compiler there is: headers only, so that the flags reach all of it."""
+    prefix = Path(pinocchio_package.__file__).resolve().parents[4]
+    include = ["-isystem", prefix / "include", "-isystem", machine.eigen(), "-I", sources]
+    found = []
+    for name, _, cpp in machine.compilers():
+        flags = "-O3 -march=native -DNDEBUG" + (f" {GCC_INLINES}" if name == "gcc" else "")
+        command = [cpp, "-std=c++17", *flags.split(), *BOOST.split(), "-w", "-fPIC", "-shared", *include,
+                   sources / "pinocchio.cpp"]
+        library = build_once(cache, f"pinocchio-{name}.so", command,
+                             [sources / file for file in ("pinocchio.cpp", "joints.hpp", "peer.h")])
+        found.append(Competitor(f"pinocchio-{name}", flags.split(" --param")[0] + (", inlining raised" if name == "gcc" else ""),
+                                library, robot.model))
+    return found
+
+
+def casadi(cache, sources, robot, kinds):
+    """Each form by every compiler, with and without -ffast-math; orders whose code is too long are left out."""
+    found = []
+    for form, orders in symbolic.write(robot, robot.folder / "casadi", kinds).items():
+        define = [f"-DFORM={form}", *(["-DLAGRANGIAN"] if form.endswith("lagrangian") else [])]
+        for name, c, _ in machine.compilers():
+            for fast in ("", " -ffast-math"):
+                # Code of this length takes a compiler minutes: one way to compile it is enough.
+                if form.startswith("user") and fast == "":
+                    continue
+                flags = f"-O3 -march=native{fast}"
+                library = compile_c(cache, f"{robot.name}-{form}-{name}{'-fast' if fast else ''}.so", c, flags, define,
+                                    sources / "casadi.c", orders, sources / "peer.h")
+                if library:
+                    found.append(Competitor(f"casadi-{name}{'-fast' if fast else ''}", flags, library, robot.urdf))
+    return found
+
+
+def costate(root, cache, robot, flags):
+    """The library at the flags of this processor and at those that every processor of its kind understands."""
+    found = []
+    for kind in flags:
+        label, rustflags = f"costate-{kind}", FLAGS[kind]
+        target = cache / label
+        say(f"cargo build: {label}")
+        environment = {**os.environ, "RUSTFLAGS": rustflags, "CARGO_TARGET_DIR": str(target)}
+        done = subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "costate-peers"], cwd=root,
+                              env=environment, check=False)
+        if done.returncode:
+            machine.stop("cargo cannot build costate-peers")
+        library = next(path for path in (target / "release").glob("*costate_peers.*") if path.suffix in (".so", ".dylib"))
+        found.append(Competitor(label, f"release, fat LTO{', ' + rustflags if rustflags else ''}", library, robot.urdf))
+    return found

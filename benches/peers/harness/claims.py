@@ -1,0 +1,71 @@
+"""What the project claims about its peers, and whether the figures keep it."""
+
+ARMS = ("ur5", "panda")
+CHAINS = ("chain12", "chain24", "chain48")
+
+# claim, robots, quantity and labels of the peer, quantity and labels of costate, least ratio (None: reported only)
+CLAIMS = (
+    ("generic F at least as fast as Pinocchio's aba", ARMS, "a", "pinocchio", "F", "costate-native", 1.0),
+    ("generic forward dynamics a(q, v, u) beside Pinocchio's aba", ARMS + CHAINS, "a", "pinocchio", "a", "costate-native", None),
+    ("generic F and F_x together at least 3 times as fast as computeABADerivatives", ARMS, "a_z", "pinocchio", "F_x",
+     "costate-native", 3.0),
+    ("generic F and F_x ahead of computeABADerivatives on general chains", CHAINS, "a_z", "pinocchio", "F_x",
+     "costate-native", 1.0),
+    ("generic a and a_z beside computeABADerivatives", ARMS + CHAINS, "a_z", "pinocchio", "a_z", "costate-native", None),
+    ("generic F, F_x, y'F_xx beside second-order inverse dynamics of Pinocchio", ARMS + CHAINS, "w_tau_zz", "pinocchio",
+     "y_F_xx", "costate-native", None),
+    ("generic Hessian of w.tau beside the tensors of second-order inverse dynamics", ARMS + CHAINS, "w_tau_zz", "pinocchio",
+     "w_tau_zz", "costate-native", None),
+    ("generated F, F_x at least 1.8 times as fast as CasADi's, written by an expert", ARMS, "F_x", "casadi:expert", "F_x",
+     "generated", 1.8),
+    ("generated F, F_x, y'F_xx at least 2.5 times as fast as CasADi's, written by an expert", ARMS, "y_F_xx",
+     "casadi:expert", "y_F_xx", "generated", 2.5),
+    ("generated F, F_x beside CasADi's, everything by differentiating L", ARMS, "F_x", "casadi:plain", "F_x", "generated", None),
+    ("generated F, F_x, y'F_xx beside CasADi's, everything by differentiating L", ARMS, "y_F_xx", "casadi:plain", "y_F_xx",
+     "generated", None),
+    ("generated F beside CasADi's, written by an expert", ARMS, "F", "casadi:expert", "F", "generated", None),
+    ("generated a, a_z beside CasADi's, written by an expert", ARMS, "a_z", "casadi:expert", "a_z", "generated", None),
+    ("generated a, a_z, y'a_zz beside CasADi's, written by an expert", ARMS, "y_a_zz", "casadi:expert", "y_a_zz",
+     "generated", None),
+    ("generated F, F_x beside CasADi's, written by a user", ARMS, "F_x", "casadi:user", "F_x", "generated", None),
+    ("generated F, F_x, y'F_xx beside CasADi's, written by a user", ARMS, "y_F_xx", "casadi:user", "y_F_xx", "generated", None),
+    ("generic F, F_x beside CasADi's generated code, written by an expert", ARMS, "F_x", "casadi:expert", "F_x",
+     "costate-native", None),
+    ("generic F, F_x, y'F_xx beside CasADi's generated code, written by an expert", ARMS, "y_F_xx", "casadi:expert",
+     "y_F_xx", "costate-native", None),
+)
+
+
+def fastest(figures, robot, quantity, who):
+    """The row with the smallest median among those whose label begins with `label`, way with `way` (`label:way`)."""
+    label, _, way = who.partition(":")
+    rows = [row for row in figures if row.get("robot") == robot and row.get("quantity") == quantity
+            and row["label"].startswith(label) and row["way"].startswith(way)]
+    return min(rows, key=lambda row: row["ns"], default=None)
+
+
+def verdicts(figures):
+    """(claim, measured ratios as text, verdict) of every claim, of those with a threshold first."""
+    rows = []
+    for claim, robots, peer_quantity, peer, own_quantity, own, least in CLAIMS:
+        ratios = {}
+        for robot in robots:
+            a, b = fastest(figures, robot, peer_quantity, peer), fastest(figures, robot, own_quantity, own)
+            if a and b:
+                ratios[robot] = a["ns"] / b["ns"]
+        text = ", ".join(f"{robot} {ratio:.2f}" for robot, ratio in ratios.items()) or "-"
+        rows.append((claim, text, verdict(ratios, len(robots), least), least))
+    rows.sort(key=lambda row: row[3] is None)
+    return [row[:3] for row in rows]
+
+
+def verdict(ratios, expected, least):
+    if not ratios:
+        return "not measured"
+    if least is None:
+        slower = sorted(robot for robot, ratio in ratios.items() if ratio < 1)
+        return f"slower on {', '.join(slower)}" if slower else "faster"
+    missed = sorted(robot for robot, ratio in ratios.items() if ratio < least)
+    if missed:
+        return f"**missed** on {', '.join(missed)}"
+    return "kept" if len(ratios) == expected else "kept where measured"

@@ -1,0 +1,62 @@
+"""The whole comparison; started by benches/peers/run."""
+
+import argparse
+import json
+from pathlib import Path
+
+import agreement
+import builds
+import machine
+import measurement
+import report
+import robots
+import symbolic
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="benches/peers/run", description="costate beside Pinocchio and CasADi")
+    parser.add_argument("--cache", type=Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--write", action="store_true", help="write the tables of BENCHMARKS.md")
+    parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.ALL, metavar="ROBOT",
+                        help="of " + ", ".join(robots.ALL))
+    parser.add_argument("--peers", nargs="*", default=list(builds.PEERS), choices=builds.PEERS, metavar="PEER",
+                        help="of " + ", ".join(builds.PEERS))
+    parser.add_argument("--forms", nargs="*", default=list(symbolic.LARGEST), choices=symbolic.LARGEST, metavar="FORM",
+                        help="CasADi's: of " + ", ".join(symbolic.LARGEST))
+    parser.add_argument("--flags", nargs="*", default=list(builds.FLAGS), choices=builds.FLAGS, metavar="FLAGS",
+                        help="costate's: of " + ", ".join(builds.FLAGS))
+    parser.add_argument("--states", type=int, default=16, help="random states a robot (16)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--batches", type=int, default=12, help="batches a round (12)")
+    parser.add_argument("--rounds", type=int, default=3, help="processes one after the other (3)")
+    parser.add_argument("--milliseconds", type=float, default=1.0, help="length of a batch (1)")
+    parser.add_argument("--tolerance", type=float, default=1e-9, help="largest relative difference of values (1e-9)")
+    parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    file = options.source or options.cache / "figures.jsonl"
+    if options.source is None:
+        figures = [machine.describe(options)]
+        for name in options.robots:
+            robot = robots.prepare(ROOT, options.cache, name, options.states, options.seed)
+            peers = builds.build(ROOT, options.cache, robot, options.peers, options.forms, options.flags)
+            times, values = measurement.run(options, robot, peers)
+            differences = agreement.check(robot.name, values, options.tolerance)
+            figures += [{"robot": robot.name, "n": robot.n, **row} for row in times + differences]
+            report.print_robot(robot.name, figures)
+        file.write_text("".join(json.dumps(row) + "\n" for row in figures))
+        print(f"\nfigures: {file}")
+    figures = [json.loads(line) for line in file.read_text().splitlines()]
+    report.print_verdicts(figures)
+    if options.write:
+        report.write(ROOT / "BENCHMARKS.md", figures)
+    agreement.stop_at_disagreement(figures)
+
+
+if __name__ == "__main__":
+    main()

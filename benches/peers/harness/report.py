@@ -1,0 +1,116 @@
+"""Tables: of one robot on the terminal, of all in BENCHMARKS.md."""
+
+import claims
+from machine import stop
+
+TITLES = {
+    "F": "F(q, p)", "F_x": "F and F_x", "y_F_xx": "F, F_x and y'F_xx",
+    "a": "forward dynamics a(q, v, u)", "a_z": "a and a_z, z = (q, v, u)", "y_a_zz": "a, a_z and y'a_zz",
+    "tau": "inverse dynamics tau(q, v, a)", "tau_z": "tau and its Jacobian in (q, v, a)",
+    "w_tau_zz": "second derivatives of tau in (q, v, a)", "M": "M(q)", "Minv": "inverse of M(q)",
+}
+
+
+def times(figures, robot=None):
+    return [row for row in figures if "ns" in row and robot in (None, row["robot"])]
+
+
+def who(row):
+    """One line of a table: the competitor and its way."""
+    ways = {"codegen": "", "costate": ""}
+    way = ways.get(row["way"], row["way"].removesuffix("_hamiltonian").removesuffix("_lagrangian"))
+    if way.startswith("costate"):
+        way = way.removeprefix("costate")[1:-1].replace("_", " ")
+    return f"{row['label']}{': ' + way if way else ''}"
+
+
+def print_robot(robot, figures):
+    """Medians, quartiles and ratios of one robot."""
+    print(f"\n{robot}: ns, median [quartiles], and how many times the time of generic costate")
+    for quantity, title in TITLES.items():
+        rows = [row for row in times(figures, robot) if row["quantity"] == quantity]
+        own = claims.fastest(figures, robot, quantity, "costate-native")
+        if rows:
+            print(f"  {title}")
+        for row in sorted(rows, key=lambda row: row["ns"]):
+            ratio = f"{row['ns'] / own['ns']:6.2f}" if own else "     -"
+            print(f"    {who(row):52} {row['ns']:10.0f}  [{row['q25']:.0f}, {row['q75']:.0f}] {ratio}")
+
+
+def print_verdicts(figures):
+    print("\nclaim: peer's time / costate's: verdict")
+    for claim, ratios, verdict in claims.verdicts(figures):
+        print(f"  {claim}: {ratios}: {verdict}")
+    differences = [row["difference"] for row in figures if "difference" in row]
+    if differences:
+        print(f"\nlargest relative difference of values: {max(differences):.1e} ({len(differences)} comparisons)")
+
+
+def write(page, figures):
+    """Fills the marked parts of BENCHMARKS.md."""
+    text = page.read_text()
+    parts = {"verdicts": verdict_table(figures), "machine": machine_text(figures), "tables": tables(figures),
+             "agreement": agreement_text(figures)}
+    for name, part in parts.items():
+        begin, end = f"<!-- {name}: begin (written by benches/peers/run --write) -->\n", f"<!-- {name}: end -->"
+        before, found, rest = text.partition(begin)
+        _, closed, after = rest.partition(end)
+        if not (found and closed):
+            stop(f"{page} has no part {name}")
+        text = before + begin + part + end + after
+    page.write_text(text)
+
+
+def verdict_table(figures):
+    lines = ["| claim | measured: peer's time / costate's | verdict |", "|---|---|---|"]
+    return "\n".join(lines + [f"| {' | '.join(row)} |" for row in claims.verdicts(figures)]) + "\n"
+
+
+def machine_text(figures):
+    head = figures[0]
+    packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
+    flags = dict.fromkeys((row["label"], row["flags"]) for row in times(figures))
+    lines = [f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}. Medians of {head['batches']} batches of "
+             f"{head['milliseconds']:g} ms over {head['states']} random states.", "",
+             "| competitor | compiled with |", "|---|---|"]
+    return "\n".join(lines + [f"| {label} | `{text}` |" for label, text in flags]) + "\n"
+
+
+def tables(figures):
+    robots = list(dict.fromkeys(row["robot"] for row in times(figures)))
+    parts = []
+    for quantity, title in TITLES.items():
+        rows = [row for row in times(figures) if row["quantity"] == quantity]
+        if not rows:
+            continue
+        names = sorted(dict.fromkeys(who(row) for row in rows), key=lambda name: rank(rows, name))
+        lines = [f"### {title}", "", f"| ns (times generic costate) | {' | '.join(robots)} |", "|---" * (len(robots) + 1) + "|"]
+        for name in names:
+            cells = [cell(figures, robot, quantity, [r for r in rows if r["robot"] == robot and who(r) == name])
+                     for robot in robots]
+            lines.append(f"| {name} | {' | '.join(cells)} |")
+        parts.append("\n".join(lines) + "\n")
+    return "\n".join(parts)
+
+
+def rank(rows, name):
+    return min(row["ns"] / row["n"] ** 2 for row in rows if who(row) == name)
+
+
+def cell(figures, robot, quantity, rows):
+    if not rows:
+        return "-"
+    own = claims.fastest(figures, robot, quantity, "costate-native")
+    ratio = f" ({rows[0]['ns'] / own['ns']:.2f})" if own else ""
+    return f"{rows[0]['ns']:.0f}{ratio}"
+
+
+def agreement_text(figures):
+    lines = ["| quantity | largest difference from generic costate | of |", "|---|---|---|"]
+    for quantity, title in TITLES.items():
+        rows = [row for row in figures if row.get("agreement") == quantity and row["with"].startswith("costate")]
+        if rows:
+            worst = max(rows, key=lambda row: row["difference"])
+            lines.append(f"| {title} | {worst['difference']:.0e} | {worst['robot']}: {worst['of']} |")
+    spread = max((row["q75"] - row["q25"]) / row["ns"] for row in times(figures))
+    return "\n".join(lines) + f"\n\nLargest distance between quartiles, in units of the median: {spread:.2f}.\n"
