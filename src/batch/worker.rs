@@ -125,10 +125,10 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
     }
 }
 
-/// A finite number minus itself is zero, any other is not; summed eight at a time, so that no sum waits for the last.
+/// Zero times a finite number is zero, times any other it is not; summed eight at a time, so that no sum waits for the last.
 #[inline]
 fn all_finite<S: Scalar>(entries: &[S]) -> bool {
-    let nothing = |entry: S| entry - entry;
+    let nothing = |entry: S| entry.times(0.0);
     let (mut left, mut right) = (S::zero(), S::zero());
     let (blocks, rest) = entries.as_chunks::<8>();
     for &[a, b, c, d, e, f, g, h] in blocks {

@@ -143,7 +143,7 @@ impl<S: Scalar> KernelOne<S> {
         let mut angles = S::Pack::zero();
         for some in tree.turning().chunks(lanes) {
             for (lane, &i) in some.iter().enumerate() {
-                angles = angles.with_lane(lane, tree.joints()[i].from_zero(self.q[i]));
+                angles = angles.with_lane(lane, tree.joints()[i].shifted(self.q[i]));
             }
             let (sin, cos) = angles.sin_cos();
             for (lane, &i) in some.iter().enumerate() {
@@ -151,7 +151,7 @@ impl<S: Scalar> KernelOne<S> {
             }
         }
         for &i in tree.sliding() {
-            self.positions[i] = JointPosition::Slid(tree.joints()[i].from_zero(self.q[i]));
+            self.positions[i] = JointPosition::Slid(tree.joints()[i].shifted(self.q[i]));
         }
     }
 

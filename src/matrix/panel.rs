@@ -14,6 +14,9 @@ pub(crate) struct Panel<S: Scalar> {
     data: Vec<S::Pack>,
 }
 
+/// The rows before one, that one, and those after it.
+type Split<'a, P> = (&'a [P], &'a mut [P], &'a [P]);
+
 /// Calls a method whose const parameters are the number of joints N and the packs W in a row of N entries where that is small and
 /// packs have several lanes, else 0 and 0: "read the length".
 macro_rules! sized {
@@ -92,7 +95,7 @@ impl<S: Scalar> Panel<S> {
 
     /// Row `i` to be written, the rows before it and those after it to be read.
     #[inline(always)]
-    pub fn split_at_row<const W: usize>(&mut self, i: usize) -> (&[S::Pack], &mut [S::Pack], &[S::Pack]) {
+    pub fn split_at_row<const W: usize>(&mut self, i: usize) -> Split<'_, S::Pack> {
         let width = self.width::<W>();
         let (before, from_i) = self.data.split_at_mut(i * width);
         let (row, after) = from_i.split_at_mut(width);

@@ -61,7 +61,7 @@ impl JointFrame {
     /// What the transform needs of q (rad, m).
     #[inline(always)]
     pub fn position<S: Scalar>(&self, q: S) -> JointPosition<S> {
-        let q = self.from_zero(q);
+        let q = self.shifted(q);
         match self.kind {
             JointKind::Revolute => JointPosition::Turned(Turn::by(q)),
             JointKind::Prismatic => JointPosition::Slid(q),
@@ -70,7 +70,7 @@ impl JointFrame {
 
     /// `q + offset`.
     #[inline(always)]
-    pub(crate) fn from_zero<S: Scalar>(&self, q: S) -> S {
+    pub(crate) fn shifted<S: Scalar>(&self, q: S) -> S {
         if self.offset == 0.0 { q } else { q.plus(self.offset) }
     }
 }
