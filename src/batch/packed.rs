@@ -206,7 +206,7 @@ impl_packed_for_lanes! { crate::scalar::F64x4, 4; crate::scalar::F64x8, 8; }
 #[cfg(test)]
 mod tests {
     use super::Packed;
-    use crate::scalar::{Scalar, Tangent};
+    use crate::scalar::Tangent;
 
     /// Nodes that are packed and unpacked are what they were, however many there are; lanes left over repeat the last.
     fn round_trip<S: Packed>(number: impl Fn(f64) -> S::Lane, value: impl Fn(S::Lane) -> f64) {
@@ -240,7 +240,7 @@ mod tests {
     #[cfg(feature = "wide")]
     #[test]
     fn nodes_are_packed_into_lanes_and_unpacked() {
-        use crate::scalar::{F64x4, F64x8};
+        use crate::scalar::{F64x4, F64x8, Scalar};
         round_trip::<F64x4>(|x| x, |x| x);
         round_trip::<F64x8>(|x| x, |x| x);
         round_trip::<Tangent<F64x4>>(|x| Tangent::new(0.5, x), |x| x.eps);

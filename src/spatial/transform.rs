@@ -180,9 +180,9 @@ impl<S: Scalar> Transform<'_, S> {
                 [h.x, h.y] = turn.apply([h.x, h.y]);
                 j = j.turned_about_z(turn);
                 if fixed.rise != 0.0 {
-                    let spread = (h.z + h.z).plus(mass * fixed.rise);
-                    j.xx = j.xx.plus_times(spread, fixed.rise);
-                    j.yy = j.yy.plus_times(spread, fixed.rise);
+                    let spread = (h.z + h.z).plus(mass * fixed.rise).times(fixed.rise);
+                    j.xx += spread;
+                    j.yy += spread;
                     j.xz = j.xz.plus_times(h.x, -fixed.rise);
                     j.yz = j.yz.plus_times(h.y, -fixed.rise);
                     h.z = h.z.plus(mass * fixed.rise);
@@ -190,9 +190,9 @@ impl<S: Scalar> Transform<'_, S> {
             }
             &JointPosition::Slid(distance) => {
                 let moved = distance.times(mass);
-                let spread = h.z + h.z + moved;
-                j.xx = spread.mul_add(distance, j.xx);
-                j.yy = spread.mul_add(distance, j.yy);
+                let spread = distance * (h.z + h.z + moved);
+                j.xx += spread;
+                j.yy += spread;
                 j.xz = h.x.mul_add(-distance, j.xz);
                 j.yz = h.y.mul_add(-distance, j.yz);
                 h.z += moved;
