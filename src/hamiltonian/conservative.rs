@@ -80,6 +80,8 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
 
     fn eliminate_velocities<const N: usize, const W: usize>(&mut self) {
         let n = if N > 0 { N } else { self.z.rows() };
+        // First what does not need the entries of P and L_qq, which were stored one by one just before.
+        self.factor.form_inverse::<N, W>(&mut self.inverse);
         self.half.read::<N>(self.kernel.l_vq());
         self.factor.first_half::<N, W>(&mut self.half);
         self.factor.divide_by_pivots::<W>(&self.half, &mut self.z);
@@ -92,6 +94,5 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         }
         self.w.copy_from::<N, W>(&self.z);
         self.factor.second_half::<N, W>(&mut self.w);
-        self.factor.form_inverse::<N, W>(&mut self.inverse);
     }
 }
