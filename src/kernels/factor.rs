@@ -14,6 +14,9 @@ pub struct Factor<S: Scalar> {
     pub(super) l: Triangle<S>,
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
+    sizes: Vec<S>,
+    /// Whether the work matrix holds `U'` already.
+    inverted: bool,
     work: Panel<S>,
     product: Panel<S>,
 }
@@ -26,6 +29,8 @@ impl<S: Scalar> Factor<S> {
             l: Triangle::new(tree),
             inverse_pivots: vec![S::one(); n],
             pivots: vec![S::zero(); n],
+            sizes: vec![S::zero(); n],
+            inverted: false,
             work: Panel::zeros(n, n),
             product: Panel::zeros(n, n),
         }
@@ -47,49 +52,23 @@ impl<S: Scalar> Factor<S> {
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 
-    /// Row by row from the last: L, and the pivots on the diagonal of the work matrix.
-    ///
-    /// Where packs have several lanes whole rows are subtracted, whatever that makes of what stands right of the diagonal.
+    /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its last entry.
     fn eliminate<const N: usize, const W: usize>(&mut self, mass_matrix: &Matrix<S>) {
         self.work.read::<N>(mass_matrix);
-        let width = self.work.width::<W>();
-        let n = if N > 0 { N } else { self.work.rows() };
-        for k in (0..n).rev() {
-            let inverse = self.work.entry::<W>(k, k).recip();
-            self.inverse_pivots[k] = inverse;
-            if <S::Pack as Pack<S>>::LANES == 1 {
-                self.eliminate_pattern(k, inverse);
-                continue;
-            }
-            let (before, row) = self.work.rows_before::<W>(k);
+        self.inverted = false;
+        let (n, width) = (if N > 0 { N } else { self.work.rows() }, self.work.width::<W>());
+        for i in (0..n).rev() {
+            let (_, row, below) = self.work.split_at_row::<W>(i);
+            let row = &mut row[..Panel::<S>::width_up_to::<W>(i + 1)];
+            self.l.minus_columns::<N, W>(i, row, below, width);
+            let inverse = self.work.entry::<W>(i, i).recip();
+            self.inverse_pivots[i] = inverse;
+            // With one lane only what stands left of the diagonal.
+            let end = if Panel::<S>::LANES == 1 { i } else { width };
+            let row = &self.work.sized_row::<W>(i)[..end];
+            let (_, l, _) = self.l.entries_mut().split_at_row::<W>(i);
             let scale = S::Pack::splat(inverse);
-            let (_, l, _) = self.l.entries_mut().split_at_row::<W>(k);
             l.iter_mut().zip(row).for_each(|(l, &entry)| *l = entry * scale);
-            let mut subtract = |i: usize, l: S| {
-                let (factor, target) = (S::Pack::splat(-l), &mut before[i * width..][..width]);
-                target
-                    .iter_mut()
-                    .zip(row)
-                    .for_each(|(target, &source)| *target = factor.mul_add(source, *target));
-            };
-            let l = |i: usize| self.l.entries().entry::<W>(k, i);
-            if self.l.is_full() {
-                (0..k).rev().for_each(|i| subtract(i, l(i)));
-            } else {
-                self.l.row_pattern(k).iter().rev().for_each(|&i| subtract(i, l(i)));
-            }
-        }
-    }
-
-    /// The same entry by entry, those of the pattern at and below the diagonal alone.
-    fn eliminate_pattern(&mut self, k: usize, inverse: S) {
-        for a in (0..self.l.row_pattern(k).len()).rev() {
-            let i = self.l.row_pattern(k)[a];
-            let l = self.work.get(k, i) * inverse;
-            self.l.entries_mut().set(k, i, l);
-            for &j in &self.l.row_pattern(k)[..=a] {
-                self.work.set(i, j, (-l).mul_add(self.work.get(k, j), self.work.get(i, j)));
-            }
         }
     }
 
@@ -99,20 +78,23 @@ impl<S: Scalar> Factor<S> {
     /// `eps size_k` in each `M_kk` therefore moves D_i by `eps sum_k U_ki^2 size_k`; 128 times that must stay below D_i. U
     /// is only computed where some pivot is below a thousandth of its size: elsewhere nothing has cancelled.
     fn check_pivots(&mut self, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
-        let n = self.inverse_pivots.len();
-        if (0..n).all(|k| S::all(size_of(k).times(1e-3).less(self.work.get(k, k)))) {
+        let mut settled = true;
+        for (k, (pivot, size)) in self.pivots.iter_mut().zip(&mut self.sizes).enumerate() {
+            (*pivot, *size) = (self.work.get(k, k), size_of(k));
+            settled &= S::all(size.times(1e-3).less(*pivot));
+        }
+        if settled {
             return Ok(());
         }
-        for (k, pivot) in self.pivots.iter_mut().enumerate() {
-            *pivot = self.work.get(k, k);
-        }
         self.invert_transposed::<0, 0>();
+        self.inverted = true;
         let unit = 128.0 * S::EPSILON;
-        for i in (0..n).rev() {
-            let moved = (i..n).fold(S::zero(), |sum, k| {
-                let u = self.work.get(i, k);
-                sum + u * u * size_of(k)
-            });
+        for i in (0..self.pivots.len()).rev() {
+            let first = i / Panel::<S>::LANES;
+            let sizes = self.sizes.chunks(Panel::<S>::LANES).skip(first).map(S::Pack::read);
+            let moved = self.work.row(i)[first..].iter().zip(sizes);
+            let moved = moved.fold(S::Pack::zero(), |sum, (&u, size)| (u * u).mul_add(size, sum));
+            let moved = (0..Panel::<S>::LANES).fold(S::zero(), |sum, lane| sum + moved.lane(lane));
             if !S::all(moved.times(unit).less(self.pivots[i])) {
                 return Err(i);
             }
@@ -128,8 +110,11 @@ impl<S: Scalar> Factor<S> {
         for i in (0..n).rev() {
             self.work.set_unit_row(i);
             let (_, row, below) = self.work.split_at_row::<W>(i);
-            if <S::Pack as Pack<S>>::LANES > 1 {
-                self.l.minus_columns::<N, W>(i, row, below, width);
+            if Panel::<S>::LANES > 1 {
+                // Left of the pack of the diagonal all is zero.
+                let start = if W > 0 { 0 } else { i / Panel::<S>::LANES };
+                let below = below.get(start..).unwrap_or_default();
+                self.l.minus_columns::<N, W>(i, &mut row[start..], below, width);
             } else {
                 // One lane: no products with the zeros left of the diagonal.
                 for (k, factor) in self.l.column_terms(i) {
@@ -225,15 +210,18 @@ impl<S: Scalar> Factor<S> {
 
     /// The same, at and below the diagonal.
     pub(crate) fn form_inverse<const N: usize, const W: usize>(&mut self, inverse: &mut Panel<S>) {
-        self.invert_transposed::<N, W>();
+        if !self.inverted {
+            self.invert_transposed::<N, W>();
+        }
         let n = if N > 0 { N } else { inverse.rows() };
         for i in 0..n {
             let (_, row, _) = inverse.split_at_row::<W>(i);
             row.fill(S::Pack::zero());
             let column = (0..=i).map(|k| (k, self.work.entry::<W>(k, i) * self.inverse_pivots[k]));
-            if <S::Pack as Pack<S>>::LANES > 1 {
+            if Panel::<S>::LANES > 1 {
                 let width = self.work.width::<W>();
                 let terms = column.map(|(k, a)| (k, S::Pack::splat(a)));
+                let row = &mut row[..Panel::<S>::width_up_to::<W>(i + 1)];
                 sum_rows::<W, S::Pack>(row, self.work.packs(), width, terms);
             } else {
                 for (k, a) in column {

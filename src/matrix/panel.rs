@@ -32,7 +32,8 @@ macro_rules! sized {
 pub(crate) use sized;
 
 impl<S: Scalar> Panel<S> {
-    const LANES: usize = <S::Pack as Pack<S>>::LANES;
+    /// Lanes of a pack.
+    pub const LANES: usize = <S::Pack as Pack<S>>::LANES;
 
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
@@ -100,14 +101,6 @@ impl<S: Scalar> Panel<S> {
         let (before, from_i) = self.data.split_at_mut(i * width);
         let (row, after) = from_i.split_at_mut(width);
         (before, row, after)
-    }
-
-    /// The rows before `i` to be written, row `i` to be read.
-    #[inline(always)]
-    pub fn rows_before<const W: usize>(&mut self, i: usize) -> (&mut [S::Pack], &[S::Pack]) {
-        let width = self.width::<W>();
-        let (before, from_i) = self.data.split_at_mut(i * width);
-        (before, &from_i[..width])
     }
 
     /// Entry (i, j).

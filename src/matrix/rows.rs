@@ -16,8 +16,8 @@ pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
 
 /// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
 ///
-/// W: length of the target and stride where they are known, else 0, and eight, four, two columns at a time. The sums stay in
-/// registers while the terms pass by.
+/// W: length of the target and stride where they are known, else 0, and some columns at a time. The sums stay in registers
+/// while the terms pass by.
 #[inline(always)]
 pub(crate) fn sum_rows<const W: usize, S: Scalar>(
     target: &mut [S],
@@ -45,9 +45,14 @@ pub(crate) fn add_rows<S: Scalar>(
     terms: impl Iterator<Item = (usize, S)> + Clone,
 ) {
     let mut left = 0;
-    while target.len() - left >= 8 {
-        add_block::<8, S>(&mut target[left..], source, stride, left, terms.clone());
-        left += 8;
+    // As many sums as registers hold.
+    while size_of::<S>() <= 32 && target.len() - left >= 12 {
+        add_block::<12, S>(&mut target[left..], source, stride, left, terms.clone());
+        left += 12;
+    }
+    while target.len() - left >= 6 {
+        add_block::<6, S>(&mut target[left..], source, stride, left, terms.clone());
+        left += 6;
     }
     if target.len() - left >= 4 {
         add_block::<4, S>(&mut target[left..], source, stride, left, terms.clone());
