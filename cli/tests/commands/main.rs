@@ -1,0 +1,8 @@
+//! The commands as a user calls them.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+mod child;
+mod eval;
+mod reports;
+mod source;

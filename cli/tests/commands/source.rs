@@ -1,0 +1,39 @@
+//! `costate codegen`.
+
+use crate::child::{costate, root, stderr, stdout};
+
+#[test]
+fn codegen_writes_what_the_library_does() {
+    use costate::codegen::{COptions, Coordinates, Options, Quantity, RustOptions, robot_program};
+    let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
+    let (hamiltonian, lagrangian) = (Coordinates::Hamiltonian, Coordinates::Lagrangian);
+    let program =
+        robot_program(&robot, Quantity::YFXX, hamiltonian, &Options { only: true, ..Options::default() })
+            .unwrap();
+    let arguments = ["codegen", "robots/two_link.toml", "--quantity", "y_f_xx", "--only"];
+    let output = costate(&arguments, b"");
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+    assert_eq!(stdout(&output), program.to_rust(&RustOptions::default()).unwrap());
+    let program = robot_program(&robot, Quantity::F, lagrangian, &Options::default()).unwrap();
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("two_link.c");
+    let path = file.to_str().unwrap();
+    let arguments = ["codegen", "robots/two_link.toml", "--quantity", "f", "--coordinates", "lagrangian"];
+    let output = costate(&[&arguments[..], &["--lang", "c", "-o", path]].concat(), b"");
+    assert!(output.status.success() && output.stdout.is_empty(), "{}", stderr(&output));
+    assert_eq!(std::fs::read_to_string(file).unwrap(), program.to_c(&COptions::default()).unwrap());
+}
+
+#[test]
+fn codegen_says_why_it_writes_nothing() {
+    for (quantity, more, reason) in [
+        ("f_x", ["--limit", "100"], "the limit is 100"),
+        ("y_f_x", ["--coordinates", "lagrangian"], "there are: f, f_x, y_f_xx"),
+        ("momentum", ["--lang", "c"], "mass_matrix"),
+        ("f", ["-o", "nowhere/at/all.rs"], "nowhere/at/all.rs"),
+    ] {
+        let output =
+            costate(&[&["codegen", "robots/ur5.urdf", "--quantity", quantity], &more[..]].concat(), b"");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{quantity}");
+        assert!(stderr(&output).contains(reason), "{}", stderr(&output));
+    }
+}
