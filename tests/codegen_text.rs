@@ -174,3 +174,39 @@ fn compiled_c_agrees_with_the_interpreter_at_the_edges() {
         assert!(same || (found - expected).abs() <= 1e-15 * expected.abs(), "{k}: {found} is not {expected}");
     }
 }
+
+/// Names of robots and joints may hold anything; none of it may leave the comment at the head.
+#[test]
+fn no_name_leaves_the_head() {
+    let nasty = "arm\nstd::compile_error!(\"out\");\u{2028}*\\\r\n/ int evil; /* */ int bad; //";
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/two_link.toml")).unwrap();
+    let line = text.lines().find(|line| line.starts_with("name = ")).unwrap();
+    let text = text.replacen(line, &format!("name = {}", serde_json::to_string(nasty).unwrap()), 1);
+    let robot: Robot = costate::robot::file::parse(&text, LoadOptions::default()).unwrap();
+    let program = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let rust = program.to_rust(&RustOptions::default()).unwrap();
+    let code = rust.lines().filter(|line| !line.trim_start().starts_with("//"));
+    assert!(code.clone().all(|line| !line.contains("compile_error") && !line.contains("evil")), "{rust}");
+    let c = program.to_c(&COptions::default()).unwrap();
+    let (head, code) = c.split_once("*/").unwrap();
+    assert!(head.contains("evil") && !code.contains("evil") && !code.contains("bad"), "{c}");
+    assert!(!head.lines().any(|line| line.ends_with('\\')), "{head}");
+}
+
+/// On many processors the outcome of 0 / 0 has its sign bit set.
+#[test]
+fn c_has_a_name_for_every_kind_of_nan() {
+    let program = Program::record("edge", &[("x", 1)], |a| {
+        vec![("r".into(), 1, 3, vec![a[0][0], Expr::from_f64(-f64::NAN), Expr::from_f64(-2.5)])]
+    });
+    let c = program.unwrap().to_c(&COptions::default()).unwrap();
+    assert!(c.contains("r[1] = NAN;") && c.contains("r[2] = -2.5;"), "{c}");
+    for name in ["pow", "y1", "isnan"] {
+        let refused = Program::record(name, &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]);
+        assert!(matches!(refused, Err(CodegenError::Name { .. })), "{name}");
+    }
+    let options = RustOptions { number: Some("f64> {} fn g<U".into()), ..RustOptions::default() };
+    let ok = Program::record("edge", &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]).unwrap();
+    assert!(matches!(ok.to_rust(&options), Err(CodegenError::Name { .. })));
+}

@@ -92,7 +92,10 @@ impl Evaluator {
             inputs: program.inputs(),
             outputs: program.outputs(),
             steps: program.steps(),
-            compiled: Compiled::with_limit(&program, limit),
+            compiled: match limit {
+                0 => Err(JitError::TooLong { steps: program.steps(), limit }),
+                limit => Compiled::with_limit(&program, limit),
+            },
             generic: Generic::new(robot, quantity, coordinates),
         })
     }
@@ -128,12 +131,13 @@ impl Evaluator {
     /// Evaluates the quantity; nothing is allocated.
     ///
     /// Machine code does not look at the pivots of the mass matrix. Where an argument or a result is not finite, the
-    /// generic code computes once more and says why; a mass matrix that is singular but for rounding may give large numbers
-    /// instead of the error that the generic code has for it.
+    /// generic code computes once more and says why. **A mass matrix that is singular but for rounding gives large numbers without
+    /// meaning**, where the generic code has an error: ask that one where such poses can be met. Outputs may have been written
+    /// before an error is found.
     ///
     /// # Errors
-    /// Those of the generic code: [`EvalError::WrongLength`], [`EvalError::NonFinite`],
-    /// [`EvalError::SingularMassMatrix`].
+    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`]; [`EvalError::SingularMassMatrix`] only where a pivot vanishes so
+    /// completely that results are not finite.
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
         let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
         for (what, expected, found) in lengths {

@@ -23,7 +23,7 @@ pub enum BatchError {
         found: usize,
     },
     /// An array of the wrong length.
-    #[error("{what} has {found} entries; {nodes} nodes of {length} each take {}", nodes * length)]
+    #[error("{what} has {found} entries; {nodes} nodes of {length} each take {}", nodes.saturating_mul(*length))]
     WrongLength {
         /// The array.
         what: &'static str,

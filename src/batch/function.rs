@@ -7,7 +7,7 @@ use std::convert::Infallible;
 ///
 /// For generated functions, which are generic over the scalar and take arrays ([`on_slices!`](crate::on_slices) makes slices
 /// of them), and for anything that can be called with `f64` slices. The function cannot refuse a node: one whose inputs or
-/// outputs are not finite counts as failed.
+/// outputs are not finite counts as failed; derivatives that a scalar carries are not looked at.
 ///
 /// ```
 /// use costate::batch::{Batch, NodeFunction, Packed};
@@ -60,15 +60,19 @@ impl<S: Packed, F: FnMut(&[S], &mut [S]) + Send> Evaluator<S> for NodeFunction<F
 /// A function of arrays as a closure of two slices: for [`NodeFunction`](crate::batch::NodeFunction).
 ///
 /// `on_slices!(S, function, (q: 6, p: 6) -> (f: 12))` takes q and p from the front of the first slice and f from the front
-/// of the second, in this order, and does nothing where one of them is too short. Names are free.
+/// of the second, in this order. Where one of them is too short, outputs are filled with NaN, which a batch takes for a failure.
+/// Names are free.
 #[macro_export]
 macro_rules! on_slices {
     ($scalar:ty, $function:expr, ($($input:ident: $in:expr),*) -> ($($output:ident: $out:expr),*)) => {
         |inputs: &[$scalar], outputs: &mut [$scalar]| {
+            let function = $function;
+            // What is not written is no number, so that slices of another length cannot pass for results.
+            outputs.fill(<$scalar as $crate::scalar::Scalar>::from_f64(f64::NAN));
             $(let Some(($input, inputs)) = inputs.split_first_chunk::<{ $in }>() else { return };)*
             $(let Some(($output, outputs)) = outputs.split_first_chunk_mut::<{ $out }>() else { return };)*
             let _ = (inputs, outputs);
-            $function($($input,)* $($output),*);
+            function($($input,)* $($output),*);
         }
     };
 }

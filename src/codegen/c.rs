@@ -50,7 +50,7 @@ impl Program {
         }
         for (k, node) in self.nodes().iter().enumerate().filter(|(_, node)| node.is_leaf()) {
             let value = self.operand(&names, Id(k as u32));
-            let value = if matches!(node, Node::Constant(c) if c.is_sign_negative()) {
+            let value = if matches!(node, Node::Constant(c) if c.is_sign_negative() && !c.is_nan()) {
                 value[1..value.len() - 1].into()
             } else {
                 value

@@ -14,6 +14,10 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 /// changes of sign, constant factors of constant multiples. Equal operations are recorded once, whatever the order and the
 /// signs of their operands. As in all generated code, `0 x` is then 0 even where x is not a number.
 ///
+/// Sums are taken for those of real numbers: `(x + c) + d` becomes `x + (c + d)`, `a + (b - a)` becomes b and
+/// `a x + (b - a) x` becomes `b x`. Formulas that live on rounding (compensated sums, reductions by a large constant) lose their
+/// meaning; give them as inputs what they compute.
+///
 /// An expression belongs to its recording. Used outside, it turns into one that no recording accepts:
 /// [`Program::record`](super::Program::record) fails with [`CodegenError::Foreign`] where one such occurs.
 #[derive(Clone, Copy, Debug)]

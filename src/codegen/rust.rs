@@ -28,9 +28,12 @@ impl Program {
     /// module of its own or in an `include!`.
     ///
     /// # Errors
-    /// [`CodegenError::TooLarge`].
+    /// [`CodegenError::TooLarge`]; [`CodegenError::Name`] where the trait of numbers is no path.
     pub fn to_rust(&self, options: &RustOptions) -> Result<String, CodegenError> {
         check_limit(self, options.limit)?;
+        if let Some(path) = options.number.as_deref().filter(|path| !is_path(path)) {
+            return Err(CodegenError::Name { what: "the trait of numbers", name: path.into() });
+        }
         let lines: Vec<String> =
             head(self).iter().map(|line| format!("// {line}").trim_end().into()).collect();
         let mut out = lines.join("\n") + "\n\n";
@@ -140,6 +143,15 @@ fn constant(value: f64) -> String {
         f64::NEG_INFINITY => "f64::NEG_INFINITY".into(),
         value => number(value),
     }
+}
+
+/// Whether it is names with `::` between them.
+fn is_path(path: &str) -> bool {
+    let is_name = |name: &str| {
+        name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    };
+    path.strip_prefix("::").unwrap_or(path).split("::").all(is_name)
 }
 
 /// The trait of numbers, and what it is for `f64`.

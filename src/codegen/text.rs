@@ -20,6 +20,98 @@ const TAKEN: [&str; 96] = [
     "memcpy", "_",
 ];
 
+/// What `math.h` declares or defines: no name for a function beside it.
+const MATH: [&str; 88] = [
+    "acos",
+    "acosh",
+    "asin",
+    "asinh",
+    "atan",
+    "atan2",
+    "atanh",
+    "cbrt",
+    "ceil",
+    "copysign",
+    "cosh",
+    "erf",
+    "erfc",
+    "exp2",
+    "fabs",
+    "fdim",
+    "floor",
+    "fmax",
+    "fmin",
+    "fmod",
+    "fpclassify",
+    "frexp",
+    "hypot",
+    "ilogb",
+    "isfinite",
+    "isgreater",
+    "isgreaterequal",
+    "isinf",
+    "isless",
+    "islessequal",
+    "islessgreater",
+    "isnan",
+    "isnormal",
+    "isunordered",
+    "ldexp",
+    "lgamma",
+    "llrint",
+    "llround",
+    "log",
+    "log10",
+    "log1p",
+    "log2",
+    "logb",
+    "lrint",
+    "lround",
+    "modf",
+    "nan",
+    "nearbyint",
+    "nextafter",
+    "nexttoward",
+    "pow",
+    "remainder",
+    "remquo",
+    "rint",
+    "round",
+    "scalbln",
+    "scalbn",
+    "signbit",
+    "sinh",
+    "tan",
+    "tanh",
+    "tgamma",
+    "trunc",
+    "j0",
+    "j1",
+    "jn",
+    "y0",
+    "y1",
+    "yn",
+    "gamma",
+    "drem",
+    "scalb",
+    "significand",
+    "sincos",
+    "exp10",
+    "pow10",
+    "finite",
+    "signgam",
+    "float_t",
+    "double_t",
+    "math_errhandling",
+    "roundeven",
+    "fmaximum",
+    "fminimum",
+    "llogb",
+    "getpayload",
+    "canonicalize",
+    "totalorder",
+];
+
 /// Whether Rust and C both take it for a name.
 fn is_name(name: &str) -> bool {
     let mut characters = name.chars();
@@ -35,11 +127,12 @@ pub(super) fn check_names<'a>(
     others: impl Iterator<Item = &'a String> + Clone,
 ) -> Result<(), CodegenError> {
     let refuse = |what, name: &str| Err(CodegenError::Name { what, name: name.into() });
-    if !is_name(program) {
+    if !is_name(program) || MATH.contains(&program) {
         return refuse("the function", program);
     }
     for (k, name) in others.clone().enumerate() {
-        if !is_name(name) || name == program || others.clone().take(k).any(|other| other == name) {
+        let macros = MATH.iter().any(|math| math == name) && (name.starts_with("is") || name == "signbit");
+        if !is_name(name) || macros || name == program || others.clone().take(k).any(|other| other == name) {
             return refuse("an argument or result", name);
         }
     }
@@ -114,7 +207,13 @@ pub(super) fn head(program: &Program) -> Vec<String> {
         };
         lines.push(format!("  {}[{shape}]{}", result.name, meaning(&result.meaning)));
     }
-    lines
+    lines.iter().map(|line| one_line(line)).collect()
+}
+
+/// The text without what could end the line of a comment: names of robots and joints may hold anything.
+fn one_line(text: &str) -> String {
+    let ends = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
+    text.chars().map(|c| if ends(c) { ' ' } else { c }).collect()
 }
 
 /// How the nodes of a program are called in its text, and which results each one is.

@@ -25,7 +25,7 @@ macro_rules! impl_scalar_for_float {
             }
             #[inline(always)]
             fn mul_add(self, factor: Self, term: Self) -> Self {
-                if cfg!(target_feature = "fma") {
+                if cfg!(any(target_feature = "fma", target_arch = "aarch64")) {
                     $float::mul_add(self, factor, term)
                 } else {
                     self * factor + term

@@ -56,3 +56,14 @@ fn straight_line_functions_are_evaluated_like_models() {
     #[cfg(feature = "wide")]
     functions_are_evaluated::<costate::scalar::F64x8>();
 }
+
+/// A layout and a function that differ: nothing is written, and that is no success.
+#[test]
+fn a_function_of_other_lengths_than_its_layout_fails_at_every_node() {
+    let function = on_slices!(f64, straight_line, (x: 4, u: 2) -> (f: 4));
+    let mut batch = Batch::<f64, _>::new(NodeFunction::new(&[("x", 4), ("u", 2)], &[("f", 3)], function));
+    let mut f = vec![0.0; 6];
+    let failures = batch.evaluate((), 2, [&[0.1; 8], &[0.2; 4]], [&mut f]).unwrap();
+    assert_eq!(failures.len(), 2);
+    assert!(f.iter().all(|f| f.is_nan()));
+}

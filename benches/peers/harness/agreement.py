@@ -12,12 +12,13 @@ def check(robot, values, tolerance):
     for (quantity, state), found in values.items():
         reference = min(found, key=lambda name: (not name.startswith("costate"), list(found).index(name)))
         expected = found[reference]
-        size = max(map(abs, expected))
+        size = max(map(abs, expected)) or 1.0
         for name, numbers in found.items():
             if len(numbers) != len(expected):
                 stop(f"{robot}: {quantity}: {name} gives {len(numbers)} numbers, {reference} {len(expected)}")
-            difference = max(abs(a - b) for a, b in zip(numbers, expected)) / size
-            difference = difference if math.isfinite(difference) else math.inf
+            # max() passes over what is no number, so that is looked for by itself.
+            finite = all(map(math.isfinite, numbers)) and all(map(math.isfinite, expected))
+            difference = max(abs(a - b) for a, b in zip(numbers, expected)) / size if finite else math.inf
             worst[quantity, name, reference] = max(worst[quantity, name, reference], difference)
     return [{"agreement": quantity, "of": name, "with": reference, "difference": difference, "agrees": difference <= tolerance}
             for (quantity, name, reference), difference in worst.items() if name != reference]
