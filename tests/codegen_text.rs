@@ -187,10 +187,13 @@ fn no_name_leaves_the_head() {
     let program = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &Options::default()).unwrap();
     let rust = program.to_rust(&RustOptions::default()).unwrap();
     let code = rust.lines().filter(|line| !line.trim_start().starts_with("//"));
-    assert!(code.clone().all(|line| !line.contains("compile_error") && !line.contains("evil")), "{rust}");
+    assert!(
+        code.clone().all(|line| !line.contains("compile_error!") && !line.contains("int evil;")),
+        "{rust}"
+    );
     let c = program.to_c(&COptions::default()).unwrap();
     let (head, code) = c.split_once("*/").unwrap();
-    assert!(head.contains("evil") && !code.contains("evil") && !code.contains("bad"), "{c}");
+    assert!(head.contains("int evil;") && !code.contains("int evil;") && !code.contains("int bad;"), "{c}");
     assert!(!head.lines().any(|line| line.ends_with('\\')), "{head}");
 }
 
