@@ -23,13 +23,13 @@ pub struct Candidate<'a> {
 
 /// Where everything is evaluated.
 pub struct State {
-    q: Vec<f64>,
-    v: Vec<f64>,
-    u: Vec<f64>,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub u: Vec<f64>,
     /// (q, p).
-    x: Vec<f64>,
-    y: Vec<f64>,
-    d: Vec<f64>,
+    pub x: Vec<f64>,
+    pub y: Vec<f64>,
+    pub d: Vec<f64>,
 }
 
 impl State {

@@ -1,0 +1,118 @@
+//! Machine code of the recorded program, and several states at once.
+
+use crate::robots::Case;
+use crate::routes::{Candidate, Failure};
+use crate::{FIRST, FUNCTION, NODES, SECOND};
+use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
+use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::hamiltonian::SecondOrder;
+use costate::scalar::{F64x4, F64x8};
+use costate_jit::Compiled;
+use std::hint::black_box;
+
+/// For F, F_x and y'F_xx: machine code for one state and for four, batches over `F64x4` and `F64x8`.
+pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) -> Result<(), Failure> {
+    for (label, quantity) in [(FUNCTION, Quantity::F), (FIRST, Quantity::FX), (SECOND, Quantity::YFXX)] {
+        machine_code(case, label, quantity, list)?;
+        lanes::<F64x4>(case, [label, BATCH_4], list);
+        lanes::<F64x8>(case, [label, BATCH_8], list);
+    }
+    Ok(())
+}
+
+const JIT: &str = "machine code (jit)";
+const JIT_LANES: &str = "machine code, 4 states at once: one of them";
+const BATCH_4: &str = "batch of 16 states over F64x4: one of them";
+const BATCH_8: &str = "batch of 16 states over F64x8: one of them";
+
+/// States that one call of a route computes: what its time is divided by.
+pub fn states(route: &str) -> usize {
+    match route {
+        JIT_LANES => 4,
+        BATCH_4 | BATCH_8 => NODES,
+        _ => 1,
+    }
+}
+
+/// Nothing is added where the program is above the limit of the compiler, or the processor has no machine code.
+fn machine_code<'a>(
+    case: &'a Case,
+    label: &'static str,
+    quantity: Quantity,
+    list: &mut Vec<Candidate<'a>>,
+) -> Result<(), Failure> {
+    let program = robot_program(&case.robot, quantity, Coordinates::Hamiltonian, &Options::default())?;
+    let (Ok(one), Ok(four)) = (Compiled::new(&program), Compiled::lanes(&program)) else {
+        println!("{}: {label}: {} steps are above the limit of the compiler", case.title, program.steps());
+        return Ok(());
+    };
+    let results = program.outputs() - entries(label, case.robot.len())..program.outputs();
+    let state = &case.state;
+    let inputs: Vec<f64> =
+        state.x.iter().chain(&state.u).chain(&state.y).copied().take(one.inputs()).collect();
+    let fours: Vec<[f64; 4]> =
+        inputs.iter().map(|&x| [1.0, 0.9, 0.8, 0.7].map(|factor| factor * x)).collect();
+    let mut outputs = vec![0.0; one.outputs()];
+    let wanted = results.clone();
+    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+        one.call(black_box(&inputs), black_box(&mut outputs))?;
+        if let Some(to) = to {
+            to.extend(&outputs[wanted.clone()]);
+        }
+        Ok(())
+    };
+    list.push(Candidate { quantity: label, route: JIT, work: Box::new(work) });
+    let mut outputs = vec![[0.0; 4]; four.outputs()];
+    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+        four.call(black_box(&fours), black_box(&mut outputs))?;
+        if let Some(to) = to {
+            to.extend(outputs[results.clone()].iter().map(|lanes| lanes[0]));
+        }
+        Ok(())
+    };
+    list.push(Candidate { quantity: label, route: JIT_LANES, work: Box::new(work) });
+    Ok(())
+}
+
+/// Entries of a quantity, without what comes on the way.
+fn entries(label: &str, n: usize) -> usize {
+    if label == FUNCTION { 2 * n } else { 4 * n * n }
+}
+
+/// [`NODES`] states from node-major arrays to node-major arrays; the first is that of all other routes.
+fn lanes<'a, S: Packed<Lane = f64> + 'a>(
+    case: &'a Case,
+    [quantity, route]: [&'static str; 2],
+    list: &mut Vec<Candidate<'a>>,
+) where
+    Model<SecondOrder<S>>: Send,
+{
+    let n = case.robot.len();
+    let spread = |entries: &[f64]| -> Vec<f64> {
+        (0..NODES).flat_map(|k| entries.iter().map(move |x| x * (1.0 - 0.05 * k as f64))).collect()
+    };
+    let [x, u, y] = [&case.state.x, &case.state.u, &case.state.y].map(|entries| spread(entries));
+    let [mut f, mut f_x, mut xx] = [2 * n, 4 * n * n, 4 * n * n].map(|entries| vec![0.0; NODES * entries]);
+    let mut batch = Batch::<S, _>::new(Model(SecondOrder::<S>::new(&case.robot)));
+    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+        let x = black_box(&x);
+        let into = FirstOrderArrays { f: &mut f, f_x: &mut f_x, ..Default::default() };
+        let (failures, result) = match quantity {
+            FUNCTION => (batch.value(x, &u, &mut f)?, &f[..2 * n]),
+            FIRST => (batch.linearise(x, &u, into)?, &f_x[..4 * n * n]),
+            _ => {
+                let second = SecondOrderArrays { xx: &mut xx, ..Default::default() };
+                (batch.contract([x, &u, &y], into, second)?, &xx[..4 * n * n])
+            }
+        };
+        if !failures.is_empty() {
+            return Err("a state of the batch failed".into());
+        }
+        black_box(result);
+        if let Some(to) = to {
+            to.extend(result);
+        }
+        Ok(())
+    };
+    list.push(Candidate { quantity, route, work: Box::new(work) });
+}

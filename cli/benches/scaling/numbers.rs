@@ -1,0 +1,66 @@
+//! Routes of automatic differentiation that `costate bench` leaves out: other chunks, and vectors of second derivatives.
+
+use crate::robots::Case;
+use crate::routes::{Candidate, Failure};
+use crate::{FIRST, SECOND};
+use costate::derivative::{Function, Jacobian, PhaseVelocity};
+use costate::num_dual::Dual2SVec64;
+use std::hint::black_box;
+
+/// F_x by dual numbers with 1, 2, 4, 8 derivatives; y'F_xx by `Dual2SVec` where its size is compiled in: n = 2, 6, 7.
+pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
+    chunk::<1>("dual numbers, 1 at once", case, list);
+    chunk::<2>("dual numbers, 2 at once", case, list);
+    chunk::<4>("dual numbers, 4 at once", case, list);
+    chunk::<8>("dual numbers, 8 at once", case, list);
+    match case.robot.len() {
+        2 => whole::<4>(case, list),
+        6 => whole::<12>(case, list),
+        7 => whole::<14>(case, list),
+        _ => (),
+    }
+}
+
+fn chunk<'a, const C: usize>(route: &'static str, case: &'a Case, list: &mut Vec<Candidate<'a>>) {
+    let mut jacobian = Jacobian::<_, C>::chunked(PhaseVelocity::new(&case.robot).under(&case.state.u));
+    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+        let jacobian = jacobian.evaluate(black_box(&case.state.x))?.jacobian.view();
+        black_box(jacobian[(0, 0)]);
+        if let Some(to) = to {
+            jacobian.iter_rows().for_each(|row| to.extend(row));
+        }
+        Ok(())
+    };
+    list.push(Candidate { quantity: FIRST, route, work: Box::new(work) });
+}
+
+/// One pass through F, each number with its gradient and Hessian, N = 2n; contracted with y after it.
+fn whole<'a, const N: usize>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
+    let function = PhaseVelocity::new(&case.robot).under(&case.state.u);
+    let mut workspace = function.workspace::<Dual2SVec64<N>>();
+    let zero = Dual2SVec64::<N>::from_re(0.0);
+    let (mut x, mut f) = ([zero; N], [zero; N]);
+    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+        for (i, (lifted, &x)) in x.iter_mut().zip(black_box(&case.state.x)).enumerate() {
+            *lifted = Dual2SVec64::from_re(x).derivative(i);
+        }
+        function.evaluate(&mut workspace, &x, &mut f)?;
+        let mut hessian = [[0.0; N]; N];
+        for (f, y) in f.iter().zip(&case.state.y) {
+            let Some(second) = &f.v2.0 else { continue };
+            for (i, row) in hessian.iter_mut().enumerate() {
+                row.iter_mut().enumerate().for_each(|(j, entry)| *entry += y * second[(i, j)]);
+            }
+        }
+        black_box(&hessian);
+        if let Some(to) = to {
+            to.extend(hessian.as_flattened());
+        }
+        Ok(())
+    };
+    list.push(Candidate {
+        quantity: SECOND,
+        route: "Dual2SVec, all at once, through F",
+        work: Box::new(work),
+    });
+}
