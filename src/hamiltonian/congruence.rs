@@ -1,89 +1,92 @@
 //! From the third derivatives of L along a direction to those of H.
 
 use super::conservative::Conservative;
-use crate::kernels::{Factor, KernelTwo};
-use crate::matrix::{Matrix, Panel, sized, sum_rows};
+use crate::kernels::KernelTwo;
+use crate::matrix::{Left, Matrix, Panel, Part, sized};
 use crate::scalar::Scalar;
 
-/// `-E' [ A B' ; B C ] E` with `E = [ 1 0 ; -W M^-1 ]`, in the coordinates in which M is diagonal.
+/// `-E' [ A B' ; B C ] E` with `E = [ 1 0 ; -W M^-1 ]`.
 ///
-/// A, B, C: the derivatives of L_qq, P and M along a direction. With `U = L^-1`, `M^-1 = U D^-1 U'`, `W = U Z`:
+/// A, B, C: the derivatives of L_qq, P and M along a direction. With `T = B - C W`:
 ///
 /// ```text
-/// C^ = U' C U      B^ = U' B      T^ = B^ - C^ Z
-/// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
+/// qq = -A + W' T + B' W      pq = -M^-1 T      pp = -M^-1 C M^-1
 /// ```
 ///
-/// 4 n^3 products where all joints are on one branch: half for each congruence (symmetric) and each product with U
-/// (triangular), one for C^ Z, one for qq (symmetric, two terms).
+/// 4 1/2 n^3 products: qq and pp are symmetric. Half an n^3 could be saved in the coordinates in which M is diagonal,
+/// where each row waits for the one before.
 #[derive(Clone, Debug)]
 pub(super) struct Congruence<S: Scalar> {
     b: Panel<S>,
     c: Panel<S>,
+    /// T.
     t: Panel<S>,
-    pq: Panel<S>,
+    /// `C M^-1`.
+    x: Panel<S>,
+    /// The blocks of the result, with the opposite sign.
     qq: Panel<S>,
+    pq: Panel<S>,
+    pp: Panel<S>,
+    /// The transpose of pq.
+    qp: Panel<S>,
 }
 
 impl<S: Scalar> Congruence<S> {
     /// Buffers for n joints.
     pub fn new(n: usize) -> Self {
-        let square = Panel::zeros(n, n);
-        Self { b: square.clone(), c: square.clone(), t: square.clone(), pq: square.clone(), qq: square }
+        let square = || Panel::zeros(n, n);
+        Self {
+            b: square(),
+            c: square(),
+            t: square(),
+            x: square(),
+            qq: square(),
+            pq: square(),
+            pp: square(),
+            qp: square(),
+        }
     }
 
     /// Fills the 2n x 2n matrix h, both triangles; `flow` has come to its second order.
     pub fn apply<K>(&mut self, along: &KernelTwo<S>, flow: &Conservative<S, K>, h: &mut Matrix<S>) {
-        let given = (&flow.factor, &flow.z);
-        sized!(S, flow.z.columns(), self.apply_sized(along, given, h));
+        let given = (&flow.inverse, &flow.w);
+        sized!(S, flow.w.columns(), self.apply_sized(along, given, h));
     }
 
     fn apply_sized<const N: usize, const W: usize>(
         &mut self,
         along: &KernelTwo<S>,
-        (factor, z): (&Factor<S>, &Panel<S>),
+        (inverse, w): (&Panel<S>, &Panel<S>),
         h: &mut Matrix<S>,
     ) {
-        let (n, width) = (if N > 0 { N } else { z.rows() }, z.width::<W>());
-        self.b.read::<N>(along.l_vq());
-        factor.first_half::<N, W>(&mut self.b);
-        self.c.read::<N>(along.mass_matrix());
-        factor.reduce_symmetric::<N, W>(&mut self.c);
-        for i in 0..n {
-            let (_, target, _) = self.t.split_at_row::<W>(i);
-            target.iter_mut().zip(self.b.sized_row::<W>(i)).for_each(|(to, &from)| *to = from);
-            let row = (0..n).map(|k| (k, -self.c.splat::<W>(i, k)));
-            sum_rows::<W, S::Pack>(target, z.packs(), width, row);
+        let Self { b, c, t, x, qq, pq, pp, qp } = self;
+        for panel in [&*b, c, t, x, qq, pq, pp, qp, inverse, w] {
+            panel.has_size::<N, W>();
         }
-        factor.divide_by_pivots::<W>(&self.t, &mut self.pq);
-        factor.second_half::<N, W>(&mut self.pq);
-        factor.expand_symmetric::<N, W>(&mut self.c);
-        for i in 0..n {
-            // Up to the diagonal, or all where that is free.
-            let target = &mut self.qq.row_mut(i)[..Panel::<S>::width_up_to::<W>(i + 1)];
-            target.fill(S::Pack::zero());
-            sum_rows::<W, S::Pack>(target, self.t.packs(), width, (0..n).map(|k| (k, z.splat::<W>(k, i))));
-            sum_rows::<W, S::Pack>(target, z.packs(), width, (0..n).map(|k| (k, self.b.splat::<W>(k, i))));
-        }
-        self.fill::<N, W>(along.l_qq(), h);
+        c.read::<N>(along.mass_matrix());
+        b.read::<N>(along.l_vq());
+        qq.read::<N>(along.l_qq());
+        t.copy_from::<N, W>(b);
+        x.set_product::<N, W>(Left::Rows(c), inverse, Part::Whole);
+        t.subtract_product::<N, W>(Left::Rows(c), w, Part::Whole);
+        pp.set_product::<N, W>(Left::Rows(inverse), x, Part::Lower);
+        pq.set_product::<N, W>(Left::Rows(inverse), t, Part::Whole);
+        qq.subtract_product::<N, W>(Left::Columns(w), t, Part::Lower);
+        qq.subtract_product::<N, W>(Left::Columns(b), w, Part::Lower);
+        qq.mirror_lower::<W>();
+        pp.mirror_lower::<W>();
+        qp.take_transpose::<W>(pq);
+        self.fill::<N, W>(h);
     }
 
     /// The blocks into their places.
-    fn fill<const N: usize, const W: usize>(&self, a: &Matrix<S>, h: &mut Matrix<S>) {
-        let n = if N > 0 { N } else { a.rows() };
+    fn fill<const N: usize, const W: usize>(&self, h: &mut Matrix<S>) {
+        let n = if N > 0 { N } else { self.qq.rows() };
         for i in 0..n {
-            let (left, right) = h.row_mut(n + i)[..2 * n].split_at_mut(n);
-            self.pq.write_row::<W>(i, left, |pq| -pq);
-            self.c.write_row::<W>(i, right, |pp| -pp);
-            self.qq.write_row::<W>(i, &mut h.row_mut(i)[..n], |qq| qq);
-            h.row_mut(i)[..n].iter_mut().zip(&a.row(i)[..n]).for_each(|(entry, &a)| *entry -= a);
-        }
-        for i in 0..n {
-            for j in 0..i {
-                h[(j, i)] = h[(i, j)];
-            }
-            for j in 0..n {
-                h[(i, n + j)] = h[(n + j, i)];
+            for (row, blocks) in [(i, [&self.qq, &self.qp]), (n + i, [&self.pq, &self.pp])] {
+                let (left, right) = h.row_mut(row)[..2 * n].split_at_mut(n);
+                blocks[0].write_row::<W>(i, left, |entry| -entry);
+                blocks[1].write_row::<W>(i, right, |entry| -entry);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Panel, dot, sized, sum_rows};
+use crate::matrix::{Left, Panel, Part, dot, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -15,13 +15,11 @@ pub(super) struct Conservative<S: Scalar, K> {
     pub v: Vec<S>,
     /// `W = M^-1 P = -F^q,q`.
     pub w: Panel<S>,
-    /// `Z = D^-1 L'^-1 P`; W = L^-1 Z.
-    pub z: Panel<S>,
-    /// `M^-1 = F^q,p`, at and below the diagonal.
+    /// `M^-1 = F^q,p`.
     pub inverse: Panel<S>,
-    /// `L_qq - P' M^-1 P = F^p,q`, at and below the diagonal.
+    /// `L_qq - P' M^-1 P = F^p,q`.
     pub reduced: Panel<S>,
-    half: Panel<S>,
+    p: Panel<S>,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
@@ -33,10 +31,9 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             factor: Factor::new(tree),
             v: vec![S::zero(); n],
             w: square.clone(),
-            z: square.clone(),
             inverse: square.clone(),
             reduced: square.clone(),
-            half: square,
+            p: square,
         }
     }
 
@@ -70,29 +67,24 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.factor.solve(change);
     }
 
-    /// W, M^-1 and `L_qq - P' M^-1 P` (21), after [`first_order`](Self::first_order).
+    /// M^-1, `W = M^-1 P` and `L_qq - P' W` (21), after [`first_order`](Self::first_order).
     ///
-    /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
+    /// Products with M^-1, which is wanted anyway, cost no more than solutions with the factors of M, and their rows do not wait
+    /// for each other.
     pub fn second_order(&mut self, tree: &Tree) {
         self.kernel.second_order(tree);
         sized!(S, tree.len(), self.eliminate_velocities());
     }
 
     fn eliminate_velocities<const N: usize, const W: usize>(&mut self) {
-        let n = if N > 0 { N } else { self.z.rows() };
         // First what does not need the entries of P and L_qq, which were stored one by one just before.
         self.factor.form_inverse::<N, W>(&mut self.inverse);
-        self.half.read::<N>(self.kernel.l_vq());
-        self.factor.first_half::<N, W>(&mut self.half);
-        self.factor.divide_by_pivots::<W>(&self.half, &mut self.z);
-        for i in 0..n {
-            self.reduced.read_row::<N>(i, self.kernel.l_qq().row(i));
-            let column = (0..n).map(|k| (k, -self.half.splat::<W>(k, i)));
-            // Up to the diagonal, or all where that is free.
-            let target = &mut self.reduced.row_mut(i)[..Panel::<S>::width_up_to::<W>(i + 1)];
-            sum_rows::<W, S::Pack>(target, self.z.packs(), self.z.width::<W>(), column);
-        }
-        self.w.copy_from::<N, W>(&self.z);
-        self.factor.second_half::<N, W>(&mut self.w);
+        self.p.read::<N>(self.kernel.l_vq());
+        self.reduced.read::<N>(self.kernel.l_qq());
+        let Self { inverse, p, w, reduced, .. } = self;
+        [&*inverse, p, w, reduced].into_iter().for_each(Panel::has_size::<N, W>);
+        w.set_product::<N, W>(Left::Rows(inverse), p, Part::Whole);
+        reduced.subtract_product::<N, W>(Left::Columns(p), w, Part::Lower);
+        reduced.mirror_lower::<W>();
     }
 }

@@ -28,12 +28,10 @@ impl<S: Scalar> Direction<S> {
     /// That of the costate y, 2n.
     pub fn set_costate(&mut self, tree: &Tree, velocity: &[S], y: &[S]) {
         let (y_q, y_p) = y.split_at(tree.len());
-        for (i, joint) in tree.joints().iter().enumerate() {
-            self.q[i] = -y_p[i];
-            self.p[i] = y_q[i];
-            if !joint.friction.is_none() {
-                self.p[i] += friction(&joint.friction, velocity[i]).first * y_p[i];
-            }
+        self.q.iter_mut().zip(y_p).for_each(|(q, &y_p)| *q = -y_p);
+        self.p.copy_from_slice(y_q);
+        for &i in tree.rubbing() {
+            self.p[i] += friction(&tree.joints()[i].friction, velocity[i]).first * y_p[i];
         }
     }
 }

@@ -130,11 +130,10 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         let (w, inverse, reduced) = (&self.tangent.w, &self.tangent.inverse, &self.tangent.reduced);
         for i in 0..n {
             for j in 0..n {
-                let (row, column) = (i.max(j), i.min(j));
-                self.y_f_xx[(i, j)] = -reduced.get(row, column).eps;
+                self.y_f_xx[(i, j)] = -reduced.get(i, j).eps;
                 self.y_f_xx[(n + i, j)] = -w.get(i, j).eps;
                 self.y_f_xx[(j, n + i)] = -w.get(i, j).eps;
-                self.y_f_xx[(n + i, n + j)] = inverse.get(row, column).eps;
+                self.y_f_xx[(n + i, n + j)] = inverse.get(i, j).eps;
             }
         }
     }

@@ -9,12 +9,14 @@ use crate::scalar::Scalar;
 
 /// `F = (v, L_q + D + u)` and its Jacobian.
 #[derive(Clone, Debug)]
-pub(super) struct StateEquation<S> {
+pub(super) struct StateEquation<S: Scalar> {
     pub friction: Vec<FrictionDerivatives<S>>,
     pub f: Vec<S>,
     pub f_x: Matrix<S>,
     /// `(0; 1)`.
     f_u: Matrix<S>,
+    /// `W'`.
+    across: Panel<S>,
 }
 
 impl<S: Scalar> StateEquation<S> {
@@ -23,19 +25,25 @@ impl<S: Scalar> StateEquation<S> {
         let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
-        Self { friction: vec![none; n], f: vec![S::zero(); 2 * n], f_x: Matrix::zeros(2 * n, 2 * n), f_u }
+        Self {
+            friction: vec![none; n],
+            f: vec![S::zero(); 2 * n],
+            f_x: Matrix::zeros(2 * n, 2 * n),
+            f_u,
+            across: Panel::zeros(n, n),
+        }
     }
 
     /// Fills f: `(v, L_q + D + u)`.
     pub fn rate_of_change(&mut self, tree: &Tree, v: &[S], l_q: &[S], u: &[S]) {
         let (f_q, f_p) = self.f.split_at_mut(tree.len());
         f_q.copy_from_slice(v);
-        for (i, joint) in tree.joints().iter().enumerate() {
-            f_p[i] = l_q[i] + u[i];
-            if !joint.friction.is_none() {
-                self.friction[i] = friction(&joint.friction, v[i]);
-                f_p[i] += self.friction[i].value;
-            }
+        for (f_p, (&l_q, &u)) in f_p.iter_mut().zip(l_q.iter().zip(u)) {
+            *f_p = l_q + u;
+        }
+        for &i in tree.rubbing() {
+            self.friction[i] = friction(&tree.joints()[i].friction, v[i]);
+            f_p[i] += self.friction[i].value;
         }
     }
 
@@ -44,13 +52,11 @@ impl<S: Scalar> StateEquation<S> {
         let blocks = [&flow.w, &flow.inverse, &flow.reduced];
         sized!(S, tree.len(), self.place(blocks));
         let (n, [w, inverse, _]) = (tree.len(), blocks);
-        for (i, joint) in tree.joints().iter().enumerate() {
-            if !joint.friction.is_none() {
-                let slope = self.friction[i].first;
-                for j in 0..n {
-                    self.f_x[(n + i, j)] -= slope * w.get(i, j);
-                    self.f_x[(n + i, n + j)] += slope * inverse.get(i.max(j), i.min(j));
-                }
+        for &i in tree.rubbing() {
+            let slope = self.friction[i].first;
+            for j in 0..n {
+                self.f_x[(n + i, j)] -= slope * w.get(i, j);
+                self.f_x[(n + i, n + j)] += slope * inverse.get(i, j);
             }
         }
     }
@@ -58,26 +64,22 @@ impl<S: Scalar> StateEquation<S> {
     /// The blocks into their places.
     fn place<const N: usize, const W: usize>(&mut self, [w, inverse, reduced]: [&Panel<S>; 3]) {
         let n = if N > 0 { N } else { w.rows() };
+        [&self.across, w, inverse, reduced].into_iter().for_each(Panel::has_size::<N, W>);
+        self.across.take_transpose::<W>(w);
         for i in 0..n {
             let (left, right) = self.f_x.row_mut(i)[..2 * n].split_at_mut(n);
             w.write_row::<W>(i, left, |w| -w);
             inverse.write_row::<W>(i, right, |entry| entry);
             let (left, right) = self.f_x.row_mut(n + i)[..2 * n].split_at_mut(n);
             reduced.write_row::<W>(i, left, |entry| entry);
-            right.iter_mut().enumerate().for_each(|(j, entry)| *entry = w.entry::<W>(j, i));
-        }
-        for i in 0..n {
-            for j in 0..i {
-                self.f_x[(j, n + i)] = inverse.entry::<W>(i, j);
-                self.f_x[(n + j, i)] = reduced.entry::<W>(i, j);
-            }
+            self.across.write_row::<W>(i, right, |entry| entry);
         }
     }
 
     /// Adds `sum_k y_p,k D''_k V_k' V_k`, V_k the k-th row of `V = [-M^-1 P, M^-1]`, to both triangles.
     pub fn add_curvature(&self, tree: &Tree, y_p: &[S], y_f_xx: &mut Matrix<S>) {
-        for (k, joint) in tree.joints().iter().enumerate() {
-            if joint.friction.coulomb == 0.0 {
+        for &k in tree.rubbing() {
+            if tree.joints()[k].friction.coulomb == 0.0 {
                 continue;
             }
             let (curvature, row) = (y_p[k] * self.friction[k].second, self.f_x.row(k));

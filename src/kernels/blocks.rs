@@ -15,9 +15,9 @@ use std::ops::Range;
 pub(super) struct Blocks {
     starts: Vec<usize>,
     sources: Vec<Source>,
-    /// Joints in the lanes of each block, [`NOBODY`] in those not in use.
+    /// Joints in the lanes of each block, block after block, and where those of each begin and the last end.
     joints: Vec<usize>,
-    lanes: usize,
+    firsts: Vec<usize>,
     /// Block and lane of joint i in its own frame.
     own: Vec<(usize, usize)>,
 }
@@ -30,8 +30,6 @@ pub(super) enum Source {
     /// The block with this number, at this child of the joint.
     Child(usize, usize),
 }
-
-const NOBODY: usize = usize::MAX;
 
 impl Blocks {
     /// For blocks of this many lanes.
@@ -61,17 +59,17 @@ impl Blocks {
             Some(*end)
         });
         let starts: Vec<usize> = std::iter::once(0).chain(ends).collect();
-        let (mut sources, mut lane_joints) = (Vec::new(), Vec::new());
-        for (mut joints, source) in blocks.into_iter().flatten() {
-            joints.resize(lanes, NOBODY);
+        let (mut sources, mut lane_joints, mut firsts) = (Vec::new(), Vec::new(), vec![0]);
+        for (joints, source) in blocks.into_iter().flatten() {
             lane_joints.extend(joints);
+            firsts.push(lane_joints.len());
             sources.push(match source {
                 Source::Own => Source::Own,
                 Source::Child(child, k) => Source::Child(child, starts[child] + k),
             });
         }
         own.iter_mut().zip(&starts).for_each(|((block, _), start)| *block += start);
-        Self { starts, sources, joints: lane_joints, lanes, own }
+        Self { starts, sources, joints: lane_joints, firsts, own }
     }
 
     /// Number of blocks.
@@ -100,8 +98,7 @@ impl Blocks {
     /// The joints of a block, with their lanes.
     #[inline(always)]
     fn joints(&self, block: usize) -> impl Iterator<Item = (usize, usize)> {
-        let lanes = self.joints[block * self.lanes..][..self.lanes].iter().copied().enumerate();
-        lanes.take_while(|&(_, joint)| joint != NOBODY)
+        self.joints[self.firsts[block]..self.firsts[block + 1]].iter().copied().enumerate()
     }
 
     /// Entries (i, j) and (j, i) of a symmetric matrix, j the joints of a block.

@@ -11,7 +11,7 @@ use crate::scalar::{Pack, Scalar};
 /// pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
-    pub(super) l: Triangle<S>,
+    l: Triangle<S>,
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
     sizes: Vec<S>,
@@ -36,12 +36,6 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `1 / D_k`, n.
-    #[inline]
-    pub(super) fn inverse_pivots(&self) -> &[S] {
-        &self.inverse_pivots
-    }
-
     /// Factors the n x n matrix; `size_of(k)` is what the rounding of entry (k, k) is in proportion to.
     ///
     /// # Errors
@@ -54,6 +48,8 @@ impl<S: Scalar> Factor<S> {
 
     /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its last entry.
     fn eliminate<const N: usize, const W: usize>(&mut self, mass_matrix: &Matrix<S>) {
+        self.work.has_size::<N, W>();
+        self.l.entries().has_size::<N, W>();
         self.work.read::<N>(mass_matrix);
         self.inverted = false;
         let (n, width) = (if N > 0 { N } else { self.work.rows() }, self.work.width::<W>());
@@ -68,7 +64,9 @@ impl<S: Scalar> Factor<S> {
             let row = &self.work.sized_row::<W>(i)[..end];
             let (_, l, _) = self.l.entries_mut().split_at_row::<W>(i);
             let scale = S::Pack::splat(inverse);
-            l.iter_mut().zip(row).for_each(|(l, &entry)| *l = entry * scale);
+            for (l, &entry) in l.iter_mut().zip(row) {
+                *l = entry * scale;
+            }
         }
     }
 
@@ -105,10 +103,12 @@ impl<S: Scalar> Factor<S> {
     /// `U' = L'^-1` into the work matrix, n x n.
     #[inline(always)]
     fn invert_transposed<const N: usize, const W: usize>(&mut self) {
+        self.work.has_size::<N, W>();
+        self.l.entries().has_size::<N, W>();
         let width = self.work.width::<W>();
         let n = if N > 0 { N } else { self.work.rows() };
         for i in (0..n).rev() {
-            self.work.set_unit_row(i);
+            self.work.set_unit_row::<W>(i);
             let (_, row, below) = self.work.split_at_row::<W>(i);
             if Panel::<S>::LANES > 1 {
                 // Left of the pack of the diagonal all is zero.
@@ -155,48 +155,21 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solution.
-    pub(crate) fn first_half<const N: usize, const W: usize>(&self, y: &mut Panel<S>) {
-        let width = y.width::<W>();
-        let n = if N > 0 { N } else { y.rows() };
-        for i in (0..n).rev() {
-            let (_, target, after) = y.split_at_row::<W>(i);
-            self.l.minus_columns::<N, W>(i, target, after, width);
-        }
-    }
-
-    /// `Z = D^-1 Y`, for Y and Z of n rows.
-    #[inline(always)]
-    pub(crate) fn divide_by_pivots<const W: usize>(&self, y: &Panel<S>, z: &mut Panel<S>) {
-        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
-            let inverse = S::Pack::splat(inverse);
-            let (_, z, _) = z.split_at_row::<W>(k);
-            z.iter_mut().zip(y.sized_row::<W>(k)).for_each(|(z, &y)| *z = y * inverse);
-        }
-    }
-
-    /// `W <- L^-1 W`: the second half of a solution.
-    pub(crate) fn second_half<const N: usize, const W: usize>(&self, w: &mut Panel<S>) {
-        let width = w.width::<W>();
-        let n = if N > 0 { N } else { w.rows() };
-        for k in 0..n {
-            let (before, target, _) = w.split_at_row::<W>(k);
-            self.l.minus_rows::<N, W>(k, target, before, width);
-        }
-    }
-
     /// `Y <- M^-1 Y` for a panel with n rows.
     pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
-        self.solve_sized::<0, 0>(y);
-    }
-
-    fn solve_sized<const N: usize, const W: usize>(&self, y: &mut Panel<S>) {
-        self.first_half::<N, W>(y);
+        let (n, width) = (y.rows(), y.width::<0>());
+        for i in (0..n).rev() {
+            let (_, target, after) = y.split_at_row::<0>(i);
+            self.l.minus_columns::<0, 0>(i, target, after, width);
+        }
         for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
             let inverse = S::Pack::splat(inverse);
             y.row_mut(k).iter_mut().for_each(|y| *y *= inverse);
         }
-        self.second_half::<N, W>(y);
+        for k in 0..n {
+            let (before, target, _) = y.split_at_row::<0>(k);
+            self.l.minus_rows(k, target, before, width);
+        }
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.
@@ -204,20 +177,24 @@ impl<S: Scalar> Factor<S> {
         let mut product = std::mem::replace(&mut self.product, Panel::zeros(0, 0));
         sized!(S, product.columns(), self.form_inverse(&mut product));
         product.write(inverse);
-        inverse.mirror_lower();
         self.product = product;
     }
 
-    /// The same, at and below the diagonal.
+    /// The same as a panel.
     pub(crate) fn form_inverse<const N: usize, const W: usize>(&mut self, inverse: &mut Panel<S>) {
         if !self.inverted {
             self.invert_transposed::<N, W>();
         }
+        self.work.has_size::<N, W>();
+        inverse.has_size::<N, W>();
         let n = if N > 0 { N } else { inverse.rows() };
+        let pivots = &self.inverse_pivots[..n];
         for i in 0..n {
             let (_, row, _) = inverse.split_at_row::<W>(i);
-            row.fill(S::Pack::zero());
-            let column = (0..=i).map(|k| (k, self.work.entry::<W>(k, i) * self.inverse_pivots[k]));
+            for pack in row.iter_mut() {
+                *pack = S::Pack::zero();
+            }
+            let column = (0..=i).map(|k| (k, self.work.entry::<W>(k, i) * pivots[k]));
             if Panel::<S>::LANES > 1 {
                 let width = self.work.width::<W>();
                 let terms = column.map(|(k, a)| (k, S::Pack::splat(a)));
@@ -229,5 +206,6 @@ impl<S: Scalar> Factor<S> {
                 }
             }
         }
+        inverse.mirror_lower::<W>();
     }
 }

@@ -19,16 +19,16 @@ impl<S: Scalar> KernelOne<S> {
                 self.meet_root_again(tree, i);
                 continue;
             }
-            let kind = joint.kind;
-            let psi = AxisRate::new(kind, &self.velocities[i]);
+            let (kind, body) = (joint.kind, &self.bodies[i]);
+            let psi = AxisRate::new(kind, &body.velocity);
             for block in self.blocks.of(i) {
                 if let Source::Child(child, from) = self.blocks.source(block) {
                     self.rates[block] = self.pack_transform(tree, child).force_up(self.rates[from]);
                 }
             }
-            let own = psi.momentum(&self.composites[i]) + across_joint(kind, &self.momenta[i]);
+            let own = psi.momentum(&body.composite) + across_joint(kind, &body.momentum);
             put(&self.blocks, i, own, &mut self.rates);
-            let (psi, gravity) = (psi.splat(), self.gravity[i].splat());
+            let (psi, gravity) = (psi.splat(), body.gravity.splat());
             for block in self.blocks.of(i) {
                 let (carried, rate) = (&self.carried[block], &self.rates[block]);
                 let mut entries = psi.power(rate);
@@ -40,10 +40,8 @@ impl<S: Scalar> KernelOne<S> {
                 self.blocks.store(i, block, pair, &mut self.l_vq);
             }
         }
-        for (i, joint) in tree.joints().iter().enumerate() {
-            if joint.spring.stiffness != 0.0 {
-                self.l_qq[(i, i)] = self.l_qq[(i, i)].plus(-joint.spring.stiffness);
-            }
+        for &i in tree.sprung() {
+            self.l_qq[(i, i)] = self.l_qq[(i, i)].plus(-tree.joints()[i].spring.stiffness);
         }
     }
 
@@ -53,12 +51,12 @@ impl<S: Scalar> KernelOne<S> {
         self.l_qq[(i, i)] = match tree.joints()[i].kind {
             JointKind::Revolute => {
                 let (block, lane) = self.blocks.own(i);
-                turned_weight(self.gravity[i].splat(), &self.carried[block]).lane(lane)
+                turned_weight(self.bodies[i].gravity.splat(), &self.carried[block]).lane(lane)
             }
             JointKind::Prismatic => S::zero(),
         };
         for &child in tree.children(i) {
-            let root = self.roots[child];
+            let root = self.bodies[child].root;
             let (motion, gravity) = (root.motion.splat(), root.gravity.splat());
             for block in self.blocks.of(child) {
                 let (carried, rate) = (&self.carried[block], &self.rates[block]);

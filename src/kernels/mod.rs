@@ -1,7 +1,6 @@
 //! What everything is computed from: the Hessian of the Lagrangian, and the factorisation of the mass matrix.
 
 mod blocks;
-mod congruence;
 mod dissipation;
 mod factor;
 mod hessian;
@@ -22,7 +21,7 @@ pub use two::KernelTwo;
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
-use crate::spatial::{Force, Inertia, JointPosition, Motion, Vec3};
+use crate::spatial::{Force, Inertia, JointPosition, Motion, Symmetric3, Vec3};
 use blocks::Blocks;
 
 /// Kernel one: value, gradient and Hessian of the Lagrangian `L(q, v) = 1/2 v' M v - V`, contracted first.
@@ -46,16 +45,10 @@ use blocks::Blocks;
 /// added to M and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S: Scalar> {
-    positions: Vec<JointPosition<S>>,
-    gravity: Vec<Vec3<S>>,
-    composites: Vec<Inertia<S>>,
-    velocities: Vec<Motion<S>>,
-    momenta: Vec<Force<S>>,
+    bodies: Vec<Body<S>>,
     blocks: Blocks,
     /// F_j seen from frame i, for every pair `i <= j` on a branch but those of joints i on the world with others.
     carried: Vec<Force<S::Pack>>,
-    /// For each joint on the link of a joint on the world, how that one looks from here.
-    roots: Vec<RootAxis<S>>,
     /// G_j seen from frame i, likewise.
     rates: Vec<Force<S::Pack>>,
     q: Vec<S>,
@@ -67,6 +60,20 @@ pub struct KernelOne<S: Scalar> {
     l_qq: Matrix<S>,
 }
 
+/// What the passes leave at one joint, seen from its frame.
+#[derive(Clone, Copy, Debug)]
+struct Body<S> {
+    position: JointPosition<S>,
+    gravity: Vec3<S>,
+    /// Inertia of the composite body, IC.
+    composite: Inertia<S>,
+    velocity: Motion<S>,
+    /// H.
+    momentum: Force<S>,
+    /// Where the parent is a joint on the world, how that one looks from here.
+    root: RootAxis<S>,
+}
+
 /// S and gamma of a joint on the world, seen from the frame of a joint on its link.
 #[derive(Clone, Copy, Debug)]
 struct RootAxis<S> {
@@ -74,6 +81,19 @@ struct RootAxis<S> {
     motion: Motion<S>,
     /// The linear part of `gamma = a_g x S`; its angular part is zero.
     gravity: Vec3<S>,
+}
+
+impl<S: Scalar> Body<S> {
+    fn at_rest(position: JointPosition<S>) -> Self {
+        Self {
+            position,
+            gravity: Vec3::zero(),
+            composite: Inertia { mass: 0.0, first_moment: Vec3::zero(), matrix: Symmetric3::zero() },
+            velocity: Motion::zero(),
+            momentum: Force::zero(),
+            root: RootAxis { motion: Motion::zero(), gravity: Vec3::zero() },
+        }
+    }
 }
 
 impl<S: Scalar> RootAxis<S> {
@@ -90,13 +110,8 @@ impl<S: Scalar> KernelOne<S> {
         let n = tree.len();
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
         Self {
-            positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
-            gravity: vec![Vec3::zero(); n],
-            composites: tree.joints().iter().map(|joint| joint.lumped.lift()).collect(),
-            velocities: vec![Motion::zero(); n],
-            momenta: vec![Force::zero(); n],
+            bodies: tree.joints().iter().map(|joint| Body::at_rest(joint.position(S::zero()))).collect(),
             carried: vec![Force::zero(); blocks.len()],
-            roots: vec![RootAxis { motion: Motion::zero(), gravity: Vec3::zero() }; n],
             rates: vec![Force::zero(); blocks.len()],
             blocks,
             q: vec![S::zero(); n],

@@ -12,16 +12,24 @@ impl<T: Copy> Inward<T> {
         Self(None)
     }
 
-    /// The sum of what is kept for joint i and what was handed to it last.
+    /// The sum of what is kept for joint i and what was handed to it last; `kept` finds it in a record.
     #[inline(always)]
-    pub fn total(&mut self, i: usize, kept: &mut [T], add: impl Fn(T, T) -> T) -> T {
+    pub fn total<B>(
+        &mut self,
+        i: usize,
+        records: &mut [B],
+        kept: impl Fn(&mut B) -> &mut T,
+        add: impl Fn(T, T) -> T,
+    ) -> T {
+        let here = *kept(&mut records[i]);
         match self.0.take() {
-            Some((to, value)) if to == i => add(kept[i], value),
+            Some((to, value)) if to == i => add(here, value),
             Some((to, value)) => {
-                kept[to] = add(kept[to], value);
-                kept[i]
+                let other = kept(&mut records[to]);
+                *other = add(*other, value);
+                here
             }
-            None => kept[i],
+            None => here,
         }
     }
 
@@ -43,12 +51,12 @@ impl<T: Copy> Outward<T> {
         Self(None)
     }
 
-    /// The value of the parent, which `kept` holds too.
+    /// The value of the parent, which `kept` finds in its record too.
     #[inline(always)]
-    pub fn of(&self, parent: usize, kept: &[T]) -> T {
+    pub fn of<B>(&self, parent: usize, records: &[B], kept: impl Fn(&B) -> T) -> T {
         match self.0 {
             Some((from, value)) if from == parent => value,
-            _ => kept[parent],
+            _ => kept(&records[parent]),
         }
     }
 
@@ -56,16 +64,5 @@ impl<T: Copy> Outward<T> {
     #[inline(always)]
     pub fn leave(&mut self, i: usize, value: T) {
         self.0 = Some((i, value));
-    }
-}
-
-impl<T: Copy, U: Copy> Outward<(T, U)> {
-    /// The two values of the parent, which the arrays hold too.
-    #[inline(always)]
-    pub fn of_pair(&self, parent: usize, kept: (&[T], &[U])) -> (T, U) {
-        match self.0 {
-            Some((from, values)) if from == parent => values,
-            _ => (kept.0[parent], kept.1[parent]),
-        }
     }
 }

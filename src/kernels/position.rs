@@ -82,7 +82,7 @@ impl<S: Scalar> KernelOne<S> {
                     self.carried[block] = self.pack_transform(tree, child).force_up(self.carried[from]);
                 }
             }
-            let own = unit_momentum(joint.kind, &self.composites[i]);
+            let own = unit_momentum(joint.kind, &self.bodies[i].composite);
             put(&self.blocks, i, own, &mut self.carried);
             for block in self.blocks.of(i) {
                 let entries = along_joint(joint.kind, &self.carried[block]);
@@ -103,12 +103,12 @@ impl<S: Scalar> KernelOne<S> {
     /// Such a joint moves like its axis alone: S_i and gamma_i go one frame up, instead of all F_j and G_j one down.
     fn meet_root(&mut self, tree: &Tree, i: usize) {
         let kind = tree.joints()[i].kind;
-        let own = unit_momentum(kind, &self.composites[i]);
+        let own = unit_momentum(kind, &self.bodies[i].composite);
         put(&self.blocks, i, own, &mut self.carried);
         self.mass_matrix[(i, i)] = along_joint(kind, &own);
         for &child in tree.children(i) {
             let transform = self.transform(tree, child);
-            let gravity = self.gravity[i];
+            let gravity = self.bodies[i].gravity;
             let root = RootAxis {
                 motion: transform.motion_down(unit_motion(kind)),
                 gravity: match kind {
@@ -121,20 +121,20 @@ impl<S: Scalar> KernelOne<S> {
                 let entries = self.carried[block].dot(motion);
                 self.blocks.store_both(i, block, entries, &mut self.mass_matrix);
             }
-            self.roots[child] = root;
+            self.bodies[child].root = root;
         }
     }
 
     /// From frame i to that of the parent and back.
     #[inline(always)]
     pub(super) fn transform<'a>(&self, tree: &'a Tree, i: usize) -> Transform<'a, S> {
-        tree.joints()[i].transform_at(self.positions[i])
+        tree.joints()[i].transform_at(self.bodies[i].position)
     }
 
     /// The same for all lanes of a block.
     #[inline(always)]
     pub(super) fn pack_transform<'a>(&self, tree: &'a Tree, i: usize) -> Transform<'a, S::Pack> {
-        tree.joints()[i].transform_at(self.positions[i].splat())
+        tree.joints()[i].transform_at(self.bodies[i].position.splat())
     }
 
     /// Sine and cosine of the angles, as many at once as a pack has lanes, and distances.
@@ -147,32 +147,37 @@ impl<S: Scalar> KernelOne<S> {
             }
             let (sin, cos) = angles.sin_cos();
             for (lane, &i) in some.iter().enumerate() {
-                self.positions[i] = JointPosition::Turned(Turn::from_sin_cos(sin.lane(lane), cos.lane(lane)));
+                let turn = Turn::from_sin_cos(sin.lane(lane), cos.lane(lane));
+                self.bodies[i].position = JointPosition::Turned(turn);
             }
         }
         for &i in tree.sliding() {
-            self.positions[i] = JointPosition::Slid(tree.joints()[i].shifted(self.q[i]));
+            self.bodies[i].position = JointPosition::Slid(tree.joints()[i].shifted(self.q[i]));
         }
     }
 
     /// Transforms, gravity and composite inertias, each in its body frame.
     fn place(&mut self, tree: &Tree) {
         self.set_positions(tree);
+        let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
         for (i, joint) in tree.joints().iter().enumerate() {
-            let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| before.of(p, &self.gravity));
-            let gravity = self.transform(tree, i).vector_down(outer);
+            let transform = joint.transform_at(bodies[i].position);
+            let world = Vec3::constant(tree.gravity());
+            let outer = joint.parent.map_or(world, |p| before.of(p, bodies, |body| body.gravity));
+            let gravity = transform.vector_down(outer);
             before.leave(i, gravity);
-            self.gravity[i] = gravity;
-            self.composites[i] = joint.lumped.lift();
-            self.composites[i].mass = joint.lumped_mass;
+            let body = &mut bodies[i];
+            body.gravity = gravity;
+            body.composite = joint.lumped.lift();
+            body.composite.mass = joint.lumped_mass;
         }
         let mut inward = Inward::new();
         for (i, joint) in tree.joints().iter().enumerate().rev() {
-            let total = inward.total(i, &mut self.composites, Inertia::with_moments);
-            self.composites[i] = total;
+            let total = inward.total(i, bodies, |body| &mut body.composite, Inertia::with_moments);
+            bodies[i].composite = total;
             if let Some(parent) = joint.parent {
-                inward.hand(parent, self.transform(tree, i).inertia_up(&total));
+                inward.hand(parent, joint.transform_at(bodies[i].position).inertia_up(&total));
             }
         }
     }
@@ -183,7 +188,7 @@ impl<S: Scalar> KernelOne<S> {
         let mut potential = S::from_f64(tree.fixed_potential());
         for (i, joint) in tree.joints().iter().enumerate() {
             if joint.parent.is_none() {
-                let moved = self.transform(tree, i).inertia_up(&self.composites[i]);
+                let moved = self.transform(tree, i).inertia_up(&self.bodies[i].composite);
                 potential -= gravity.dot(moved.first_moment);
             }
             if joint.spring.stiffness != 0.0 {

@@ -1,6 +1,6 @@
 //! A unit lower triangular matrix with the pattern of a tree.
 
-use crate::matrix::{Panel, sum_rows};
+use crate::matrix::{Panel, add_rows, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
@@ -96,20 +96,9 @@ impl<S: Scalar> Triangle<S> {
 
     /// `target -= sum_i L_ki row_i`: rows of the panel `above` that stand before row k, `width` packs each.
     #[inline(always)]
-    pub fn minus_rows<const N: usize, const W: usize>(
-        &self,
-        k: usize,
-        target: &mut [S::Pack],
-        above: &[S::Pack],
-        width: usize,
-    ) {
-        let term = |i: usize| (i, S::Pack::splat(-self.entries.entry::<W>(k, i)));
-        if W > 0 && self.full {
-            sum_rows::<W, S::Pack>(target, above, width, (0..k).map(term));
-        } else {
-            let terms = self.rows.of(k).iter().map(|&i| term(i));
-            sum_rows::<W, S::Pack>(target, above, width, terms);
-        }
+    pub fn minus_rows(&self, k: usize, target: &mut [S::Pack], above: &[S::Pack], width: usize) {
+        let terms = self.rows.of(k).iter().map(|&i| (i, S::Pack::splat(-self.entries.get(k, i))));
+        add_rows(target, above, width, terms);
     }
 
     /// `target -= sum_k L_ki row_k`: rows of the panel `below` that stands after row i, `width` packs each.
@@ -131,12 +120,6 @@ impl<S: Scalar> Triangle<S> {
             let terms = self.columns.of(i).iter().rev().map(|&k| term(k));
             sum_rows::<W, S::Pack>(target, below, width, terms);
         }
-    }
-
-    /// Entries of row k as terms (i, -L_ki), rising.
-    #[inline(always)]
-    pub fn row_terms(&self, k: usize) -> impl Iterator<Item = (usize, S)> + Clone {
-        self.rows.of(k).iter().map(move |&i| (i, -self.entries.get(k, i)))
     }
 
     /// Entries of column i below the diagonal as terms (k, -L_ki), rising.

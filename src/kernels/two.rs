@@ -28,11 +28,7 @@ use std::ops::Add;
 /// (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of inverse dynamics follow.
 #[derive(Clone, Debug)]
 pub struct KernelTwo<S: Scalar> {
-    pub(super) dq: Vec<S>,
-    pub(super) velocities: Vec<Motion<S>>,
-    pub(super) gravity: Vec<Vec3<S>>,
-    pub(super) momenta: Vec<Force<S>>,
-    pub(super) composites: Vec<Inertia<S>>,
+    pub(super) bodies: Vec<Change<S>>,
     /// dF_j seen from frame i, in the blocks of kernel one.
     pub(super) forces: Vec<Force<S::Pack>>,
     /// dG_j, likewise.
@@ -40,6 +36,16 @@ pub struct KernelTwo<S: Scalar> {
     pub(super) mass_matrix: Matrix<S>,
     pub(super) l_vq: Matrix<S>,
     pub(super) l_qq: Matrix<S>,
+}
+
+/// How what stands in a [`Body`](super::Body) changes, seen from the frame of the joint, which moves by S dq.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Change<S> {
+    pub dq: S,
+    pub velocity: Motion<S>,
+    pub gravity: Vec3<S>,
+    pub momentum: Force<S>,
+    pub composite: Inertia<S>,
 }
 
 /// `f + (S dq) x* g`.
@@ -101,13 +107,15 @@ impl<S: Scalar> KernelTwo<S> {
         let n = tree.len();
         let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES).len();
-        let none = Inertia { mass: 0.0, first_moment: zero, matrix: Symmetric3::zero() };
+        let still = Change {
+            dq: S::zero(),
+            velocity: Motion::zero(),
+            gravity: zero,
+            momentum: Force::zero(),
+            composite: Inertia { mass: 0.0, first_moment: zero, matrix: Symmetric3::zero() },
+        };
         Self {
-            dq: vec![S::zero(); n],
-            velocities: vec![Motion::zero(); n],
-            gravity: vec![zero; n],
-            momenta: vec![Force::zero(); n],
-            composites: vec![none; n],
+            bodies: vec![still; n],
             forces: vec![Force::zero(); blocks],
             rates: vec![Force::zero(); blocks],
             mass_matrix: square.clone(),
@@ -129,8 +137,7 @@ impl<S: Scalar> KernelTwo<S> {
     ) -> Result<(), EvalError> {
         check_length("dq", dq, tree.len())?;
         check_length("dv", dv, tree.len())?;
-        self.dq.copy_from_slice(dq);
-        self.outward(tree, kernel, dv);
+        self.outward(tree, kernel, dq, dv);
         self.inward(tree, kernel);
         self.pairs(tree, kernel);
         Ok(())
@@ -152,53 +159,59 @@ impl<S: Scalar> KernelTwo<S> {
     }
 
     /// Changes of velocities and gravity, from the world outward.
-    fn outward(&mut self, tree: &Tree, kernel: &KernelOne<S>, dv: &[S]) {
+    fn outward(&mut self, tree: &Tree, kernel: &KernelOne<S>, dq: &[S], dv: &[S]) {
+        let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
-        for (i, joint) in tree.joints().iter().enumerate() {
-            let (transform, dq, gravity) = (kernel.transform(tree, i), self.dq[i], kernel.gravity[i]);
+        for (i, ((joint, body), (&dq, &dv))) in
+            tree.joints().iter().zip(&kernel.bodies).zip(dq.iter().zip(dv)).enumerate()
+        {
             let (mut velocity, mut down) = match joint.parent {
                 Some(parent) => {
-                    let (velocity, down) = before.of_pair(parent, (&self.velocities, &self.gravity));
+                    let (velocity, down) =
+                        before.of(parent, bodies, |change: &Change<S>| (change.velocity, change.gravity));
+                    let transform = joint.transform_at(body.position);
                     (transform.motion_down(velocity), transform.vector_down(down))
                 }
                 None => (Motion::zero(), Vec3::zero()),
             };
-            match AxisRate::new(joint.kind, &kernel.velocities[i]) {
+            match AxisRate::new(joint.kind, &body.velocity) {
                 AxisRate::Revolute { angular: [a, b], linear: [c, d] } => {
-                    velocity.angular = velocity.angular + Vec3::new(a * dq, b * dq, dv[i]);
+                    velocity.angular = velocity.angular + Vec3::new(a * dq, b * dq, dv);
                     velocity.linear.x += c * dq;
                     velocity.linear.y += d * dq;
-                    down.x += gravity.y * dq;
-                    down.y -= gravity.x * dq;
+                    down.x += body.gravity.y * dq;
+                    down.y -= body.gravity.x * dq;
                 }
                 AxisRate::Prismatic { linear: [c, d] } => {
-                    velocity.linear = velocity.linear + Vec3::new(c * dq, d * dq, dv[i]);
+                    velocity.linear = velocity.linear + Vec3::new(c * dq, d * dq, dv);
                 }
             }
             before.leave(i, (velocity, down));
-            self.velocities[i] = velocity;
-            self.gravity[i] = down;
+            bodies[i] = Change {
+                dq,
+                velocity,
+                gravity: down,
+                momentum: joint.lumped.apply(velocity),
+                composite: Inertia { mass: 0.0, first_moment: Vec3::zero(), matrix: Symmetric3::zero() },
+            };
         }
     }
 
     /// Changes of momenta and composite inertias, from the tips inward; those of joints on the world where they are read.
     fn inward(&mut self, tree: &Tree, kernel: &KernelOne<S>) {
-        for (i, joint) in tree.joints().iter().enumerate() {
-            self.momenta[i] = joint.lumped.apply(self.velocities[i]);
-            self.composites[i] =
-                Inertia { mass: 0.0, first_moment: Vec3::zero(), matrix: Symmetric3::zero() };
-        }
+        let bodies = &mut self.bodies[..tree.joints().len()];
         let (mut momenta, mut composites) = (Inward::new(), Inward::new());
-        for (i, joint) in tree.joints().iter().enumerate().rev() {
-            let momentum = momenta.total(i, &mut self.momenta, Force::add);
-            let composite = composites.total(i, &mut self.composites, Inertia::with_moments);
-            (self.momenta[i], self.composites[i]) = (momentum, composite);
+        for (i, (joint, body)) in tree.joints().iter().zip(&kernel.bodies).enumerate().rev() {
+            let momentum = momenta.total(i, bodies, |change| &mut change.momentum, Force::add);
+            let composite =
+                composites.total(i, bodies, |change| &mut change.composite, Inertia::with_moments);
+            (bodies[i].momentum, bodies[i].composite) = (momentum, composite);
             let Some(parent) = joint.parent else { continue };
-            let (transform, dq) = (kernel.transform(tree, i), self.dq[i]);
+            let (transform, dq) = (joint.transform_at(body.position), bodies[i].dq);
             if tree.joints()[parent].parent.is_some() {
-                momenta.hand(parent, transform.force_up(moved(joint.kind, momentum, &kernel.momenta[i], dq)));
+                momenta.hand(parent, transform.force_up(moved(joint.kind, momentum, &body.momentum, dq)));
             }
-            let change = moved_inertia(joint.kind, &composite, &kernel.composites[i], dq);
+            let change = moved_inertia(joint.kind, &composite, &body.composite, dq);
             composites.hand(parent, transform.inertia_up(&change));
         }
     }
@@ -207,9 +220,10 @@ impl<S: Scalar> KernelTwo<S> {
     #[inline(always)]
     pub(super) fn own(&self, tree: &Tree, kernel: &KernelOne<S>, i: usize) -> [Force<S>; 2] {
         let kind = tree.joints()[i].kind;
-        let psi = AxisRate::new(kind, &kernel.velocities[i]);
-        let dpsi = AxisRate::new(kind, &self.velocities[i]);
-        let rate = psi.momentum(&self.composites[i]) + dpsi.momentum(&kernel.composites[i]);
-        [unit_momentum(kind, &self.composites[i]), rate + across_joint(kind, &self.momenta[i])]
+        let (body, change) = (&kernel.bodies[i], &self.bodies[i]);
+        let psi = AxisRate::new(kind, &body.velocity);
+        let dpsi = AxisRate::new(kind, &change.velocity);
+        let rate = psi.momentum(&change.composite) + dpsi.momentum(&body.composite);
+        [unit_momentum(kind, &change.composite), rate + across_joint(kind, &change.momentum)]
     }
 }

@@ -49,10 +49,11 @@ impl<S: Scalar> KernelTwo<S> {
                 continue;
             }
             let kind = joint.kind;
-            let psi = AxisRate::new(kind, &kernel.velocities[i]).splat();
-            let dpsi = AxisRate::new(kind, &self.velocities[i]).splat();
-            let gamma = turned_gravity(kernel.gravity[i]).map(S::Pack::splat);
-            let dgamma = turned_gravity(self.gravity[i]).map(S::Pack::splat);
+            let (body, change) = (&kernel.bodies[i], &self.bodies[i]);
+            let psi = AxisRate::new(kind, &body.velocity).splat();
+            let dpsi = AxisRate::new(kind, &change.velocity).splat();
+            let gamma = turned_gravity(body.gravity).map(S::Pack::splat);
+            let dgamma = turned_gravity(change.gravity).map(S::Pack::splat);
             for block in kernel.blocks.of(i) {
                 let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
                 let (dcarried, drate) = (&self.forces[block], &self.rates[block]);
@@ -71,7 +72,7 @@ impl<S: Scalar> KernelTwo<S> {
     /// Brings a block of dF_j and dG_j from the frame of `child` to that of its parent.
     #[inline(always)]
     fn carry(&mut self, tree: &Tree, kernel: &KernelOne<S>, child: usize, (from, to): (usize, usize)) {
-        let (kind, dq) = (tree.joints()[child].kind, S::Pack::splat(self.dq[child]));
+        let (kind, dq) = (tree.joints()[child].kind, S::Pack::splat(self.bodies[child].dq));
         let transform = kernel.pack_transform(tree, child);
         let (force, rate) = (self.forces[from], self.rates[from]);
         self.forces[to] = transform.force_up(moved(kind, force, &kernel.carried[from], dq));
@@ -81,7 +82,8 @@ impl<S: Scalar> KernelTwo<S> {
     /// Rows and columns of a joint on the world, whose psi and dpsi are zero.
     fn meet_root(&mut self, tree: &Tree, kernel: &KernelOne<S>, i: usize) {
         let kind = tree.joints()[i].kind;
-        let (gamma, dgamma) = (turned_gravity(kernel.gravity[i]), turned_gravity(self.gravity[i]));
+        let (gamma, dgamma) =
+            (turned_gravity(kernel.bodies[i].gravity), turned_gravity(self.bodies[i].gravity));
         let (block, lane) = kernel.blocks.own(i);
         let (own, change) = (&kernel.carried[block], &self.forces[block]);
         self.mass_matrix[(i, i)] = along_joint(kind, change).lane(lane);
@@ -94,7 +96,7 @@ impl<S: Scalar> KernelTwo<S> {
             JointKind::Prismatic => S::zero(),
         };
         for &child in tree.children(i) {
-            let root = kernel.roots[child].splat();
+            let root = kernel.bodies[child].root.splat();
             let change = self.change_of_root(tree, kernel, i, child, dgamma).splat();
             for block in kernel.blocks.of(child) {
                 let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
@@ -118,13 +120,13 @@ impl<S: Scalar> KernelTwo<S> {
         child: usize,
         [x, y]: [S; 2],
     ) -> RootAxis<S> {
-        let root = &kernel.roots[child];
+        let root = &kernel.bodies[child].root;
         let kind = tree.joints()[child].kind;
         let gamma = Motion { angular: Vec3::zero(), linear: root.gravity };
-        let mut gravity = left_behind(kind, &gamma, self.dq[child]).linear;
+        let mut gravity = left_behind(kind, &gamma, self.bodies[child].dq).linear;
         if tree.joints()[i].kind == JointKind::Revolute {
             gravity = gravity + kernel.transform(tree, child).vector_down(Vec3::new(x, y, S::zero()));
         }
-        RootAxis { motion: left_behind(kind, &root.motion, self.dq[child]), gravity }
+        RootAxis { motion: left_behind(kind, &root.motion, self.bodies[child].dq), gravity }
     }
 }

@@ -97,27 +97,31 @@ impl<S: Scalar> KernelOne<S> {
     pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.len())?;
         self.v.copy_from_slice(v);
+        let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
-        for (i, joint) in tree.joints().iter().enumerate() {
+        for (i, (joint, &v)) in tree.joints().iter().zip(v).enumerate() {
             let mut velocity = match joint.parent {
-                Some(parent) => self.transform(tree, i).motion_down(before.of(parent, &self.velocities)),
+                Some(parent) => {
+                    let outer = before.of(parent, bodies, |body| body.velocity);
+                    joint.transform_at(bodies[i].position).motion_down(outer)
+                }
                 None => Motion::zero(),
             };
             match joint.kind {
-                JointKind::Revolute => velocity.angular.z += v[i],
-                JointKind::Prismatic => velocity.linear.z += v[i],
+                JointKind::Revolute => velocity.angular.z += v,
+                JointKind::Prismatic => velocity.linear.z += v,
             }
             before.leave(i, velocity);
-            self.velocities[i] = velocity;
-            self.momenta[i] = joint.lumped.apply(velocity);
+            bodies[i].velocity = velocity;
+            bodies[i].momentum = joint.lumped.apply(velocity);
         }
         let mut inward = Inward::new();
         for (i, joint) in tree.joints().iter().enumerate().rev() {
-            let total = inward.total(i, &mut self.momenta, Force::add);
-            self.momenta[i] = total;
+            let total = inward.total(i, bodies, |body| &mut body.momentum, Force::add);
+            bodies[i].momentum = total;
             // That of a joint on the world is only asked for along its axis, see `first_derivatives`.
             if let Some(parent) = joint.parent.filter(|&parent| tree.joints()[parent].parent.is_some()) {
-                inward.hand(parent, self.transform(tree, i).force_up(total));
+                inward.hand(parent, joint.transform_at(bodies[i].position).force_up(total));
             }
         }
         self.first_derivatives(tree, v);
@@ -126,21 +130,21 @@ impl<S: Scalar> KernelOne<S> {
 
     /// `p_i = S_i . H_i` (+ armature), `L_q,i = H_i . psi_i + F_i . a_g` (- spring force).
     fn first_derivatives(&mut self, tree: &Tree, v: &[S]) {
-        for (i, joint) in tree.joints().iter().enumerate() {
-            let momentum = &self.momenta[i];
-            self.momentum[i] = along_joint(joint.kind, momentum);
-            let mut gradient = weight(joint.kind, &self.composites[i], self.gravity[i]);
+        for (i, (joint, body)) in tree.joints().iter().zip(&self.bodies).enumerate() {
+            self.momentum[i] = along_joint(joint.kind, &body.momentum);
+            let mut gradient = weight(joint.kind, &body.composite, body.gravity);
             if joint.parent.is_some() {
-                gradient += AxisRate::new(joint.kind, &self.velocities[i]).power(momentum);
+                gradient += AxisRate::new(joint.kind, &body.velocity).power(&body.momentum);
             } else {
-                for &child in tree.children(i) {
-                    self.momentum[i] += self.momenta[child].dot(self.roots[child].motion);
+                for body in tree.children(i).iter().map(|&child| &self.bodies[child]) {
+                    self.momentum[i] += body.momentum.dot(body.root.motion);
                 }
             }
-            if joint.spring.stiffness != 0.0 {
-                gradient -= self.q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
-            }
             self.l_q[i] = gradient;
+        }
+        for &i in tree.sprung() {
+            let spring = tree.joints()[i].spring;
+            self.l_q[i] -= self.q[i].plus(-spring.rest).times(spring.stiffness);
         }
         for &(i, j, value) in tree.armature() {
             self.momentum[i] += v[j].times(value);

@@ -1,9 +1,12 @@
 //! A dense row-major matrix over any scalar, and blocks of it.
 
 mod panel;
+mod product;
 mod rows;
+mod transpose;
 
 pub(crate) use panel::{Panel, sized};
+pub(crate) use product::{Left, Part};
 pub(crate) use rows::{add_rows, add_scaled, dot, sum_rows};
 
 use crate::scalar::Scalar;
@@ -50,16 +53,6 @@ impl<S: Scalar> Matrix<S> {
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [S] {
         &mut self.data[i * self.columns..(i + 1) * self.columns]
-    }
-
-    /// Copies what is below the diagonal of a square matrix to the other side.
-    pub(crate) fn mirror_lower(&mut self) {
-        let n = self.columns;
-        for i in 0..n {
-            for j in 0..i {
-                self.data[j * n + i] = self.data[i * n + j];
-            }
-        }
     }
 
     /// Row `i` to be written and row `k < i` to be read.

@@ -3,9 +3,10 @@
 use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
-/// A dense matrix whose rows are filled up to a whole number of packs: what products of matrices are computed with.
+/// A dense matrix whose rows are filled up to a whole number of packs, and their number to a multiple of the lanes of one: what
+/// products of matrices are computed with.
 ///
-/// What stands in the places beyond the last column is never read as a result.
+/// What stands in the places beyond the last column and the last row is never read as a result.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel<S: Scalar> {
     rows: usize,
@@ -17,14 +18,17 @@ pub(crate) struct Panel<S: Scalar> {
 /// The rows before one, that one, and those after it.
 type Split<'a, P> = (&'a [P], &'a mut [P], &'a [P]);
 
-/// Calls a method whose const parameters are the number of joints N and the packs W in a row of N entries where that is small and
-/// packs have several lanes, else 0 and 0: "read the length".
+/// Calls a method with the number of joints N and the packs W in a row of N entries as const parameters, where packs have several
+/// lanes: both for arms of 6 and 7 joints and machines of 12, W alone for others up to 12. 0 stands for "read the length".
 macro_rules! sized {
     ($S:ty, $n:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
         match $crate::matrix::Panel::<$S>::known_size($n) {
             6 => $object.$method::<6, 2>($($argument),*),
             7 => $object.$method::<7, 2>($($argument),*),
             12 => $object.$method::<12, 3>($($argument),*),
+            1..=4 => $object.$method::<0, 1>($($argument),*),
+            5 | 8 => $object.$method::<0, 2>($($argument),*),
+            9..=11 => $object.$method::<0, 3>($($argument),*),
             _ => $object.$method::<0, 0>($($argument),*),
         }
     };
@@ -38,7 +42,8 @@ impl<S: Scalar> Panel<S> {
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         let width = columns.div_ceil(Self::LANES);
-        Self { rows, columns, width, data: vec![S::Pack::zero(); rows * width] }
+        let padded = rows.next_multiple_of(Self::LANES);
+        Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
     }
 
     /// The number of joints, 0 where packs have one lane.
@@ -75,6 +80,12 @@ impl<S: Scalar> Panel<S> {
         &self.data
     }
 
+    /// The same, to be written.
+    #[inline(always)]
+    pub fn packs_mut(&mut self) -> &mut [S::Pack] {
+        &mut self.data
+    }
+
     /// Row `i`.
     #[inline(always)]
     pub fn row(&self, i: usize) -> &[S::Pack] {
@@ -86,6 +97,13 @@ impl<S: Scalar> Panel<S> {
     pub fn sized_row<const W: usize>(&self, i: usize) -> &[S::Pack] {
         let width = self.width::<W>();
         &self.data[i * width..][..width]
+    }
+
+    /// Row `i`, to be written. W: packs in a row where known, else 0.
+    #[inline(always)]
+    pub fn sized_row_mut<const W: usize>(&mut self, i: usize) -> &mut [S::Pack] {
+        let width = self.width::<W>();
+        &mut self.data[i * width..][..width]
     }
 
     /// Row `i`, to be written.
@@ -143,7 +161,9 @@ impl<S: Scalar> Panel<S> {
             return self.data.copy_from_slice(&from.data);
         }
         let (to, from) = (&mut self.data[..N * W], &from.data[..N * W]);
-        to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
+        for (to, &from) in to.iter_mut().zip(from) {
+            *to = from;
+        }
     }
 
     /// Takes the entries of a matrix of the same size.
@@ -154,13 +174,24 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Fills row `i` with the unit vector `e_i`.
+    /// Fills row `i` with the unit vector `e_i`. W: packs in a row where known, else 0.
     #[inline(always)]
-    pub fn set_unit_row(&mut self, i: usize) {
+    pub fn set_unit_row<const W: usize>(&mut self, i: usize) {
         let zero = S::Pack::zero();
-        let row = self.row_mut(i);
-        row.fill(zero);
+        let row = self.sized_row_mut::<W>(i);
+        for pack in row.iter_mut() {
+            *pack = zero;
+        }
         row[i / Self::LANES] = zero.with_lane(i % Self::LANES, S::one());
+    }
+
+    /// Lets the compiler know that a panel of N x N entries, W packs in a row, has as many packs as that takes: its checks of
+    /// indices vanish.
+    #[inline(always)]
+    pub fn has_size<const N: usize, const W: usize>(&self) {
+        if N > 0 {
+            assert!(self.data.len() == N.next_multiple_of(Self::LANES) * W, "a panel of {N} x {N}");
+        }
     }
 
     /// Writes `function` of row `i` to `to`, which has as many places as there are columns.
@@ -174,15 +205,5 @@ impl<S: Scalar> Panel<S> {
     /// Writes all entries to a matrix of the same size.
     pub fn write(&self, to: &mut Matrix<S>) {
         (0..self.rows).for_each(|i| self.write_row::<0>(i, to.row_mut(i), |pack| pack));
-    }
-
-    /// Copies what is below the diagonal of a square matrix to the other side.
-    #[inline(always)]
-    pub fn mirror_lower(&mut self) {
-        for i in 0..self.columns {
-            for j in 0..i {
-                self.set(j, i, self.get(i, j));
-            }
-        }
     }
 }

@@ -28,7 +28,9 @@ pub(crate) fn sum_rows<const W: usize, S: Scalar>(
     if let (true, Some(target)) = (W > 0, target.first_chunk_mut::<W>()) {
         let (mut sum, (rows, _)) = (*target, source.as_chunks::<W>());
         for (k, a) in terms {
-            sum.iter_mut().zip(&rows[k]).for_each(|(sum, &entry)| *sum = a.mul_add(entry, *sum));
+            for (sum, &entry) in sum.iter_mut().zip(&rows[k]) {
+                *sum = a.mul_add(entry, *sum);
+            }
         }
         *target = sum;
     } else {
@@ -79,7 +81,9 @@ fn add_block<const B: usize, S: Scalar>(
     let mut sum: [S; B] = std::array::from_fn(|column| target[column]);
     for (k, a) in terms {
         let row = &source[k * stride + left..][..B];
-        sum.iter_mut().zip(row).for_each(|(sum, &entry)| *sum = a.mul_add(entry, *sum));
+        for (sum, &entry) in sum.iter_mut().zip(row) {
+            *sum = a.mul_add(entry, *sum);
+        }
     }
     target.copy_from_slice(&sum);
 }

@@ -2,8 +2,7 @@
 
 use super::link::snap;
 use super::origins::{LEAST_SINE, origins};
-use super::tree::JointFrame;
-use super::{JointKind, LinkInertia, Robot};
+use super::{JointFrame, JointKind, LinkInertia, Robot};
 use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
 use nalgebra::{Matrix3, Vector3};
 

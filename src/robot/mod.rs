@@ -10,6 +10,7 @@ mod error;
 pub mod file;
 mod frames;
 mod joint;
+mod joint_frame;
 mod link;
 mod origins;
 pub(crate) mod parameters;
@@ -21,8 +22,9 @@ mod warning;
 pub use builder::RobotBuilder;
 pub use error::RobotError;
 pub use joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
+pub use joint_frame::JointFrame;
 pub use link::{LinkInertia, Placement};
-pub use tree::{JointFrame, Tree};
+pub use tree::Tree;
 pub use warning::Warning;
 
 use nalgebra::{DMatrix, Vector3};

@@ -6,8 +6,7 @@
 //! parameters (W. Khalil, J.-F. Bennis, International Journal of Robotics Research 14 (1995) 382-393). What arrives at
 //! the world does not move: it counts in V alone.
 
-use super::JointKind;
-use super::tree::JointFrame;
+use super::{JointFrame, JointKind};
 use crate::spatial::{ConstantInertia, Inertia, Symmetric3, Vec3};
 
 /// Fills `lumped` and `lumped_mass` of every joint; returns V (J) of what was moved to the world.

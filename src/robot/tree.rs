@@ -7,73 +7,11 @@
 //! regrouped. Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
 
 use super::frames::TurnedFrames;
+use super::joint_frame::{JointFrame, set_reach};
 use super::parameters::nonzero_lower;
 use super::regroup::regroup;
-use super::{Friction, JointKind, Robot, Spring};
-use crate::scalar::Scalar;
-use crate::spatial::{ConstantInertia, FixedScrew, JointPosition, Transform, Turn};
-use nalgebra::Vector3;
+use super::{Friction, JointKind, Robot};
 use std::ops::Range;
-
-/// Constants of one joint and its link, in turned frames.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointFrame {
-    /// Revolute or prismatic.
-    pub kind: JointKind,
-    /// Index of the parent joint; `None` for the world.
-    pub parent: Option<usize>,
-    /// Placement in the parent's frame.
-    pub screw: FixedScrew,
-    /// Added to q (rad, m).
-    pub offset: f64,
-    /// Inertia of the link about the origin of the frame.
-    pub inertia: ConstantInertia,
-    /// Mass of the link and everything it carries (kg).
-    pub subtree_mass: f64,
-    /// What the kernels take for the inertia of the link: regrouped, so that L(q, v) is the same and more of it is zero.
-    pub lumped: ConstantInertia,
-    /// Mass that the kernels take for that of the link and everything it carries (kg).
-    pub lumped_mass: f64,
-    /// At least the root of the integral of the squared distance from the origin over the mass of the link and all
-    /// that it carries, sliding joints at q + offset = 0 (kg^1/2 m).
-    pub reach: f64,
-    /// Whether a joint beyond this one slides.
-    pub carries_slides: bool,
-    /// Joint spring.
-    pub spring: Spring,
-    /// Joint friction.
-    pub friction: Friction,
-}
-
-impl JointFrame {
-    /// To the frame of the parent and back, at position q (rad, m).
-    #[inline(always)]
-    pub fn transform<S: Scalar>(&self, q: S) -> Transform<'_, S> {
-        self.transform_at(self.position(q))
-    }
-
-    /// To the frame of the parent and back, where the joint stands there.
-    #[inline(always)]
-    pub fn transform_at<S: Scalar>(&self, joint: JointPosition<S>) -> Transform<'_, S> {
-        Transform { fixed: &self.screw, joint }
-    }
-
-    /// What the transform needs of q (rad, m).
-    #[inline(always)]
-    pub fn position<S: Scalar>(&self, q: S) -> JointPosition<S> {
-        let q = self.shifted(q);
-        match self.kind {
-            JointKind::Revolute => JointPosition::Turned(Turn::by(q)),
-            JointKind::Prismatic => JointPosition::Slid(q),
-        }
-    }
-
-    /// `q + offset`.
-    #[inline(always)]
-    pub(crate) fn shifted<S: Scalar>(&self, q: S) -> S {
-        if self.offset == 0.0 { q } else { q.plus(self.offset) }
-    }
-}
 
 /// The model that the kernels run on; built from a [`Robot`] once.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,6 +26,8 @@ pub struct Tree {
     subtrees: Vec<usize>,
     turning: Vec<usize>,
     sliding: Vec<usize>,
+    sprung: Vec<usize>,
+    rubbing: Vec<usize>,
 }
 
 impl Tree {
@@ -145,6 +85,16 @@ impl Tree {
     /// The prismatic joints.
     pub(crate) fn sliding(&self) -> &[usize] {
         &self.sliding
+    }
+
+    /// The joints with a spring.
+    pub(crate) fn sprung(&self) -> &[usize] {
+        &self.sprung
+    }
+
+    /// The joints with friction.
+    pub(crate) fn rubbing(&self) -> &[usize] {
+        &self.rubbing
     }
 
     /// Number of pairs `i <= j` in tree order.
@@ -207,10 +157,15 @@ impl Tree {
             *end += subtree.len();
             Some(*end)
         });
+        let those = |has: fn(&JointFrame) -> bool| (0..joints.len()).filter(|&i| has(&joints[i])).collect();
+        let (sprung, rubbing) =
+            (those(|joint| joint.spring.stiffness != 0.0), those(|joint| !joint.friction.is_none()));
         let (turning, sliding) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
             turning,
             sliding,
+            sprung,
+            rubbing,
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             joints,
             gravity,
@@ -223,28 +178,12 @@ impl Tree {
     }
 }
 
-/// Minkowski's inequality, from joint to joint: `reach_i^2 = link_i + sum_c (reach_c + sqrt(mass_c) distance_c)^2`.
-fn set_reach(joints: &mut [JointFrame]) {
-    for i in (0..joints.len()).rev() {
-        let joint = &mut joints[i];
-        let [xx, yy, zz, ..] = joint.inertia.matrix;
-        joint.reach = (joint.reach + 0.5 * (xx + yy + zz).max(0.0)).sqrt();
-        let distance = Vector3::from(joint.screw.translation).norm() + joint.screw.rise.abs();
-        let reach = joint.reach + joint.subtree_mass.sqrt() * distance;
-        let slides = joint.carries_slides || joint.kind == JointKind::Prismatic;
-        if let Some(parent) = joint.parent {
-            joints[parent].reach += reach * reach;
-            joints[parent].carries_slides |= slides;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::robot::frames::about_z;
     use crate::robot::{JointSpec, LinkInertia, Placement};
-    use nalgebra::Matrix3;
+    use nalgebra::{Matrix3, Vector3};
 
     /// Position of each turned frame in the turned world at q, by 4 x 4 products.
     fn positions(tree: &Tree, q: &[f64]) -> Vec<(Matrix3<f64>, Vector3<f64>)> {

@@ -8,6 +8,7 @@
 
 mod count;
 mod dual;
+mod dual_num;
 #[cfg(feature = "wide")]
 mod lanes;
 mod pack;
@@ -17,6 +18,7 @@ mod tangent;
 pub use count::{Constants, Count, Operations, count, count_with};
 #[cfg(feature = "wide")]
 pub use lanes::{F64x4, F64x8, LaneMask, Lanes, Vector};
+pub(crate) use pack::MOST_LANES;
 pub use pack::Pack;
 pub use tangent::Tangent;
 

@@ -4,6 +4,9 @@ use super::Scalar;
 #[cfg(feature = "wide")]
 use super::Vector;
 
+/// The most lanes that a pack has.
+pub(crate) const MOST_LANES: usize = 4;
+
 /// A vector of numbers of type S whose operations work on all of its lanes.
 ///
 /// What the pipeline does in the same way for many joints it does for [`LANES`](Pack::LANES) of them at once: with
@@ -30,6 +33,9 @@ pub trait Pack<S>: Scalar {
 
     /// From as many numbers as there are lanes, or fewer; the lanes left over are zero.
     fn read(from: &[S]) -> Self;
+
+    /// Transposes a square block: as many packs as there are lanes.
+    fn transpose(block: &mut [Self]);
 }
 
 impl<S: Scalar> Pack<S> for S {
@@ -59,6 +65,8 @@ impl<S: Scalar> Pack<S> for S {
     fn read(from: &[S]) -> Self {
         from[0]
     }
+    #[inline(always)]
+    fn transpose(_: &mut [Self]) {}
 }
 
 #[cfg(feature = "wide")]
@@ -100,6 +108,12 @@ impl Pack<f64> for super::F64x4 {
             [a] => [a, 0.0, 0.0, 0.0],
             _ => [0.0; 4],
         }))
+    }
+    #[inline(always)]
+    fn transpose(block: &mut [Self]) {
+        if let Some(block) = block.first_chunk_mut::<4>() {
+            *block = wide::f64x4::transpose(block.map(|pack| pack.vector())).map(Self::new);
+        }
     }
 }
 

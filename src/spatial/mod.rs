@@ -4,11 +4,13 @@
 //! are components, not multiplications.
 
 mod inertia;
+mod screw;
 mod transform;
 mod turn;
 mod vector;
 
 pub use inertia::{ConstantInertia, Inertia, Symmetric3};
-pub use transform::{FixedScrew, JointPosition, Transform};
+pub use screw::FixedScrew;
+pub use transform::{JointPosition, Transform};
 pub use turn::{FixedTurn, Turn};
 pub use vector::{Force, Motion, Vec3};

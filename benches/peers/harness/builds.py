@@ -15,7 +15,7 @@ from machine import say
 FLAGS = {"native": "-C target-cpu=native", "baseline": ""}
 PEERS = ("pinocchio", "casadi", "costate", "generated")
 
-# Without them g++ leaves thousands of small functions of Eigen as calls, and Pinocchio takes twice as long.
+# So that g++ takes the many small functions of Eigen into their callers, as clang++ does by itself.
 GCC_INLINES = ("--param inline-unit-growth=3000 --param large-unit-insns=10000000 --param large-function-growth=10000 "
                "--param large-function-insns=100000 --param max-inline-insns-single=2000 --param max-inline-insns-auto=500")
 BOOST = ("-DBOOST_MPL_LIMIT_LIST_SIZE=30 -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS "
@@ -56,6 +56,8 @@ def build(root, cache, robot, peers, kinds, flags):
 def pinocchio(cache, sources, robot):
     """By every compiler there is: headers only, so that the flags reach all of it."""
     prefix = Path(pinocchio_package.__file__).resolve().parents[4]
+    # Both hold the version of what is included.
+    headers = [prefix / "include/pinocchio/config.hpp", Path(machine.eigen(), "Eigen/src/Core/util/Macros.h")]
     include = ["-isystem", prefix / "include", "-isystem", machine.eigen(), "-I", sources]
     found = []
     for name, _, cpp in machine.compilers():
@@ -63,7 +65,7 @@ def pinocchio(cache, sources, robot):
         command = [cpp, "-std=c++17", *flags.split(), *BOOST.split(), "-w", "-fPIC", "-shared", *include,
                    sources / "pinocchio.cpp"]
         library = build_once(cache, f"pinocchio-{name}.so", command,
-                             [sources / file for file in ("pinocchio.cpp", "joints.hpp", "peer.h")])
+                             [*headers, *(sources / file for file in ("pinocchio.cpp", "joints.hpp", "peer.h"))])
         found.append(Competitor(f"pinocchio-{name}", flags.split(" --param")[0] + (", inlining raised" if name == "gcc" else ""),
                                 library, robot.model))
     return found

@@ -1,18 +1,26 @@
 """Compilers, called once for the same sources and flags."""
 
+import functools
 import hashlib
 import subprocess
 from pathlib import Path
 
-from machine import say, stop
+from machine import first_line, say, stop
 
 # Generated code of a hundred thousand lines keeps a compiler busy; what takes longer than this is left out.
 SECONDS = 900
 
 
+@functools.cache
+def compiler_version(compiler):
+    return first_line(compiler, "--version")
+
+
 def build_once(cache, name, command, inputs, required=True):
-    """Runs a command with `-o` a file whose name holds a digest of command and inputs; None where it fails and may."""
-    digest = hashlib.sha256(" ".join(map(str, command)).encode())
+    """Runs a command with `-o` a file; None where it fails and may. The name of the file holds a digest of command,
+    version of the compiler and inputs, so what has changed is made again."""
+    command = [str(part) for part in command]
+    digest = hashlib.sha256(" ".join([*command, compiler_version(command[0])]).encode())
     for path in inputs:
         digest.update(Path(path).read_bytes())
     folder = cache / "build"
@@ -25,7 +33,7 @@ def build_once(cache, name, command, inputs, required=True):
         return None
     say(f"compiling {name}")
     try:
-        done = subprocess.run([*map(str, command), "-o", str(target)], capture_output=True, text=True, check=False,
+        done = subprocess.run([*command, "-o", str(target)], capture_output=True, text=True, check=False,
                               timeout=SECONDS)
         message = done.stderr if done.returncode else ""
     except subprocess.TimeoutExpired:

@@ -105,7 +105,7 @@ def expert_lagrangian(links):
 
 FORMS = (user_hamiltonian, plain_hamiltonian, expert_hamiltonian, user_lagrangian, expert_lagrangian)
 
-# Number of joints beyond which the code becomes so long that compiling it takes hours.
+# Number of joints beyond which the code becomes too long for compilers.
 LARGEST = {"user": 7, "plain": 7, "expert": 7}
 
 
@@ -121,7 +121,7 @@ def write(robot, folder, kinds):
         files[name] = [folder / f"{name}_{order}.c" for order in range(3)]
         stamp = folder / f"{name}.stamp"
         inputs = [robot.urdf.read_text(), *(Path(module.__file__).read_text() for module in (energy, describe))]
-        inputs.append(Path(__file__).read_text())
+        inputs += [Path(__file__).read_text(), ca.__version__]
         now = hashlib.sha256("".join(inputs).encode()).hexdigest()
         if stamp.exists() and stamp.read_text() == now:
             continue

@@ -12,7 +12,7 @@ use std::hint::black_box;
 pub type Failure = Box<dyn std::error::Error>;
 
 /// One call; where a list is given, the figures are put into it, else they are only computed.
-type Work<'a> = Box<dyn FnMut(Option<&mut Vec<f64>>) -> Result<(), Failure> + 'a>;
+pub type Work<'a> = Box<dyn FnMut(Option<&mut Vec<f64>>) -> Result<(), Failure> + 'a>;
 
 /// A quantity, a route to it, and the work it takes.
 pub struct Candidate<'a> {

@@ -1,98 +1,25 @@
-//! [`Count`] as a number of num-dual's, so that dual and hyper-dual numbers can be made of it.
-//!
-//! What the pipeline uses of it is counted by kind, as [`Scalar`] does; the functions that no formula here needs are one
-//! [`other`](super::Operations::other) each. With num-dual's feature `ndarray`, which asks for one more trait, this does not
-//! compile.
+//! [`Count`] as a number of num-dual's: what the pipeline uses of it is counted by kind, as [`Scalar`] does; the functions
+//! that no formula here needs are one [`other`](super::Operations::other) each.
 
 use super::Count;
 use crate::scalar::Scalar;
-use num_dual::{DualNum, DualStruct, Mappable};
+use crate::scalar::dual_num::dual_num;
 
-impl DualStruct for Count {
-    type Real = f64;
-    type Inner = f64;
-    fn re(&self) -> f64 {
+impl Count {
+    fn real_part(&self) -> f64 {
         self.value()
     }
-    fn from_inner(inner: &f64) -> Self {
-        Self::constant(*inner)
+
+    fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        self.other(function(self.value()))
+    }
+
+    fn combine(self, second: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        self.other_of_two(second, function(self.value(), second.value()))
     }
 }
 
-impl Mappable<Self> for Count {
-    type Output<O> = O;
-    fn map_dual<M: Fn(Self) -> O, O>(self, f: M) -> O {
-        f(self)
-    }
-}
-
-/// Functions of one number that are counted as `other`.
-macro_rules! other_functions {
-    ($($function:ident)*) => {$(
-        fn $function(&self) -> Self {
-            self.other(DualNum::$function(&self.value()))
-        }
-    )*};
-}
-
-impl DualNum for Count {
-    type Primitive = f64;
-    const NDERIV: usize = 0;
-    type InnerDual = f64;
-
-    fn from_re(re: f64) -> Self {
-        Self::constant(re)
-    }
-    fn scale(self, factor: &f64) -> Self {
-        self.times(*factor)
-    }
-    fn recip(&self) -> Self {
-        Scalar::recip(*self)
-    }
-    fn sqrt(&self) -> Self {
-        Scalar::sqrt(*self)
-    }
-    fn exp(&self) -> Self {
-        Scalar::exp(*self)
-    }
-    fn exp_m1(&self) -> Self {
-        Scalar::exp_m1(*self)
-    }
-    fn sin_cos(&self) -> (Self, Self) {
-        Scalar::sin_cos(*self)
-    }
-    fn sin(&self) -> Self {
-        Scalar::sin_cos(*self).0
-    }
-    fn cos(&self) -> Self {
-        Scalar::sin_cos(*self).1
-    }
-    fn tan(&self) -> Self {
-        let (sin, cos) = Scalar::sin_cos(*self);
-        sin / cos
-    }
-    fn tanh(&self) -> Self {
-        Scalar::tanh(*self)
-    }
-    fn powi(&self, n: i32) -> Self {
-        self.other(self.value().powi(n))
-    }
-    fn powf(&self, n: f64) -> Self {
-        self.other(self.value().powf(n))
-    }
-    fn powd(&self, exponent: Self) -> Self {
-        self.other_of_two(exponent, self.value().powf(exponent.value()))
-    }
-    fn log(&self, base: f64) -> Self {
-        self.other(self.value().log(base))
-    }
-    fn atan2(&self, other: Self) -> Self {
-        self.other_of_two(other, self.value().atan2(other.value()))
-    }
-    other_functions! {
-        cbrt exp2 ln log2 log10 ln_1p asin acos atan sinh cosh asinh acosh atanh sph_j0 sph_j1 sph_j2
-    }
-}
+dual_num!(Count);
 
 #[cfg(test)]
 mod tests {

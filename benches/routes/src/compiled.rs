@@ -1,6 +1,6 @@
 //! Machine code of the recorded program, and several states at once.
 
-use crate::robots::Case;
+use crate::cases::Case;
 use crate::routes::{Candidate, Failure};
 use crate::{FIRST, FUNCTION, NODES, SECOND};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
@@ -11,9 +11,15 @@ use costate_jit::Compiled;
 use std::hint::black_box;
 
 /// For F, F_x and y'F_xx: machine code for one state and for four, batches over `F64x4` and `F64x8`.
-pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) -> Result<(), Failure> {
+pub fn candidates<'a>(
+    case: &'a Case,
+    wanted: &dyn Fn(&str, &str) -> bool,
+    list: &mut Vec<Candidate<'a>>,
+) -> Result<(), Failure> {
     for (label, quantity) in [(FUNCTION, Quantity::F), (FIRST, Quantity::FX), (SECOND, Quantity::YFXX)] {
-        machine_code(case, label, quantity, list)?;
+        if [JIT, JIT_LANES].iter().any(|route| wanted(label, route)) {
+            machine_code(case, label, quantity, list)?;
+        }
         lanes::<F64x4>(case, [label, BATCH_4], list);
         lanes::<F64x8>(case, [label, BATCH_8], list);
     }
@@ -25,12 +31,12 @@ const JIT_LANES: &str = "machine code, 4 states at once: one of them";
 const BATCH_4: &str = "batch of 16 states over F64x4: one of them";
 const BATCH_8: &str = "batch of 16 states over F64x8: one of them";
 
-/// States that one call of a route computes: what its time is divided by.
-pub fn states(route: &str) -> usize {
+/// States that one call of a route computes, where it is one of these.
+pub fn states(route: &str) -> Option<usize> {
     match route {
-        JIT_LANES => 4,
-        BATCH_4 | BATCH_8 => NODES,
-        _ => 1,
+        JIT_LANES => Some(4),
+        BATCH_4 | BATCH_8 => Some(NODES),
+        _ => None,
     }
 }
 

@@ -1,8 +1,9 @@
 //! Time and accuracy of every route to F, F_x and y'F_xx, from 2 to 48 joints.
 //!
-//! `cargo bench -p costate-cli --bench scaling` measures and prints the tables; with `COSTATE_WRITE=1` in the environment they
-//! also go to `docs/scaling.md`, and the plots beside it. `cargo test -p costate-cli --bench scaling` only checks, on
-//! robots of up to 12 joints, that all routes agree.
+//! `cargo bench -p costate-routes --bench scaling` measures and prints the tables; with `COSTATE_WRITE=1` in the environment
+//! they also go to `docs/scaling.md`, and the plots beside it. `cargo test -p costate-routes --bench scaling` only checks, on
+//! robots of up to 12 joints, that all routes agree. Arguments of criterion make a run short:
+//! `-- --warm-up-time 0.01 --measurement-time 0.05`.
 //!
 //! The routes are those of `costate bench` (one list, so that both time the same calls) and a few more. Criterion times them
 //! here, since it keeps the figures and tells what changed since the last run; `costate bench` has a clock of its own, which
@@ -10,44 +11,22 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 mod accuracy;
-mod compiled;
-mod numbers;
 mod page;
 mod plot;
-mod robots;
-#[path = "../../src/bench/routes.rs"]
-mod routes;
 
+use costate_routes::cases::Case;
+use costate_routes::routes::{Candidate, Failure};
+use costate_routes::{FIRST, FUNCTION, candidates, states};
 use criterion::{BenchmarkId, Criterion, SamplingMode};
-use robots::Case;
-use routes::{Candidate, Failure};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-
-/// The quantities, as the list of `costate bench` calls them.
-const FUNCTION: &str = "F";
-const FIRST: &str = "F, F_x";
-const SECOND: &str = "F, F_x, y'F_xx";
-
-/// States of one call of a batch.
-const NODES: usize = 16;
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// Batches of which the median is taken, and how many there are of calls longer than [`LONG`].
 const BATCHES: usize = 31;
 const FEW: usize = 10;
 const LONG: Duration = Duration::from_millis(100);
-
-/// All routes to the three quantities, those of `costate bench` first.
-fn candidates(case: &Case) -> Result<Vec<Candidate<'_>>, Failure> {
-    let mut list = routes::candidates(&case.robot, &case.state);
-    // Dual numbers stand in the list of chunks.
-    list.retain(|c| [FUNCTION, FIRST, SECOND].contains(&c.quantity) && c.route != "dual numbers");
-    numbers::candidates(case, &mut list);
-    compiled::candidates(case, &mut list)?;
-    Ok(list)
-}
 
 fn main() -> Result<(), Failure> {
     let timing = std::env::args().any(|argument| argument == "--bench");
@@ -128,7 +107,7 @@ fn time(case: &Case, candidate: &Candidate<'_>) -> Option<page::Time> {
     let mut each: Vec<f64> =
         numbers("times").zip(numbers("iters")).map(|(time, calls)| time / calls).collect();
     each.sort_by(f64::total_cmp);
-    let median = each.get(each.len() / 2)? / compiled::states(candidate.route) as f64;
+    let median = each.get(each.len() / 2)? / states(candidate.route) as f64;
     Some(page::Time { median, batches: each.len() })
 }
 

@@ -1,9 +1,12 @@
 //! Time against the number of joints, both axes logarithmic, one line a route, each labelled at its end.
+//!
+//! Colour and mark tell the lines apart; those of several states at once are dashed.
 
+use crate::ROOT;
 use crate::page::{BASELINE, INSTRUCTIONS, Row, duration, processor, routes};
-use crate::robots::Case;
-use crate::routes::Failure;
-use crate::{FIRST, ROOT, SECOND};
+use costate_routes::cases::Case;
+use costate_routes::routes::Failure;
+use costate_routes::{FIRST, SECOND, states};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
@@ -12,6 +15,8 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Width, height, and the room at the right where the labels stand.
 const SIZE: (u32, u32) = (1100, 720);
 const LABELS: i32 = 370;
+/// Room above the axes, where the title stands.
+const TITLE: i32 = 60;
 /// Height of a label with the room around it.
 const LINE: i32 = 21;
 
@@ -56,9 +61,11 @@ fn draw_quantity(
     let path = format!("{ROOT}/docs/{file}.svg");
     let area = SVGBackend::new(&path, SIZE).into_drawing_area();
     area.fill(&WHITE)?;
+    let style = TextStyle::from(("sans-serif", 22).into_font());
+    area.draw(&Text::new(format!("Time of one state: {title}"), (100, TITLE / 2 - 11), style))?;
     let mut chart = ChartBuilder::on(&area)
-        .caption(format!("Time of one state: {title}"), ("sans-serif", 22))
         .margin(16)
+        .margin_top(TITLE)
         .margin_right(LABELS)
         .x_label_area_size(76)
         .y_label_area_size(84)
@@ -66,6 +73,7 @@ fn draw_quantity(
     chart
         .configure_mesh()
         .disable_x_axis()
+        .disable_x_mesh()
         .y_desc("time of one state")
         .y_labels(12)
         .y_label_formatter(&|ns| duration(*ns).replace(".00", "").replace(".0", ""))
@@ -75,8 +83,9 @@ fn draw_quantity(
         .bold_line_style(BLACK.mix(0.12))
         .draw()?;
     for n in cases.iter().filter(|case| case.chain).map(|case| case.robot.len()) {
-        let at = chart.backend_coord(&(n as f64, bottom));
+        let [at, above] = [bottom, top].map(|ns| chart.backend_coord(&(n as f64, ns)));
         let style = TextStyle::from(("sans-serif", 17).into_font());
+        area.draw(&PathElement::new([at, above], BLACK.mix(0.12)))?;
         area.draw(&PathElement::new([at, (at.0, at.1 + 5)], BLACK))?;
         area.draw(&Text::new(n.to_string(), (at.0 - 5 * n.to_string().len() as i32, at.1 + 10), style))?;
     }
@@ -85,10 +94,21 @@ fn draw_quantity(
     let mut ends = Vec::new();
     for (k, (route, points)) in lines.iter().enumerate() {
         let color = color(k);
-        chart.draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2)))?;
-        chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, color.filled())))?;
-        if let Some(last) = points.last() {
-            ends.push((chart.backend_coord(last), *route, color));
+        let (points, style) = (points.iter().copied(), color.stroke_width(2));
+        if states(route) > 1 {
+            chart.draw_series(DashedLineSeries::new(points.clone(), 7, 4, style))?;
+        } else {
+            chart.draw_series(LineSeries::new(points.clone(), style))?;
+        }
+        let ends_at = points.clone().last();
+        // A disc, a triangle or a cross at each point.
+        match k % 3 {
+            0 => drop(chart.draw_series(points.map(|at| Circle::new(at, 4, color.filled())))?),
+            1 => drop(chart.draw_series(points.map(|at| TriangleMarker::new(at, 6, color.filled())))?),
+            _ => drop(chart.draw_series(points.map(|at| Cross::new(at, 4, color.stroke_width(2))))?),
+        }
+        if let Some(last) = ends_at {
+            ends.push((chart.backend_coord(&last), *route, color));
         }
     }
     label(&area, ends)?;
@@ -133,7 +153,7 @@ fn label(area: &Area<'_>, mut ends: Vec<((i32, i32), &'static str, RGBColor)>) -
 
 /// Colours that stay apart for most eyes, dark enough for text on white.
 fn color(k: usize) -> RGBColor {
-    const COLORS: [(u8, u8, u8); 12] = [
+    const COLORS: [(u8, u8, u8); 14] = [
         (0, 90, 160),
         (200, 80, 0),
         (0, 130, 95),
@@ -146,6 +166,8 @@ fn color(k: usize) -> RGBColor {
         (60, 110, 20),
         (120, 70, 40),
         (50, 50, 180),
+        (20, 20, 20),
+        (140, 110, 190),
     ];
     let (r, g, b) = COLORS[k % COLORS.len()];
     RGBColor(r, g, b)

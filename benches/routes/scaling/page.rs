@@ -1,9 +1,10 @@
 //! The tables of `docs/scaling.md`.
 
-use crate::accuracy::judge;
-use crate::robots::Case;
-use crate::routes::Failure;
-use crate::{BATCHES, FIRST, FUNCTION, NODES, ROOT, SECOND};
+use crate::accuracy::{Error, judge};
+use crate::{BATCHES, ROOT};
+use costate_routes::cases::Case;
+use costate_routes::routes::Failure;
+use costate_routes::{FIRST, FUNCTION, NODES, SECOND};
 use std::fmt::Write;
 
 /// What is known of one route to one quantity of one robot.
@@ -11,7 +12,7 @@ pub struct Row {
     pub case: String,
     pub quantity: &'static str,
     pub route: &'static str,
-    pub error: f64,
+    pub error: Error,
     /// None where it was left out by a filter on the command line.
     pub time: Option<Time>,
 }
@@ -67,9 +68,9 @@ pub fn tables(cases: &[Case], rows: &[Row]) -> Result<String, Failure> {
             Some(format!("{}{mark} ({})", duration(median), ratio(median / base)))
         })?;
         let judge = judge(quantity);
-        write!(text, "\nRelative error `max |a - b| / max |b|`, b by \"{judge}\".\n\n")?;
+        write!(text, "\nRelative error of the worst block, and which that is; b by \"{judge}\".\n\n")?;
         table(&mut text, cases, rows, quantity, |row| {
-            Some(if row.route == judge { "judge".into() } else { format!("{:.0e}", row.error) })
+            Some(if row.route == judge { "judge".into() } else { row.error.to_string() })
         })?;
     }
     factors(&mut text, cases, rows)?;

@@ -1,14 +1,19 @@
-//! Routes of automatic differentiation that `costate bench` leaves out: other chunks, and vectors of second derivatives.
+//! Routes of automatic differentiation that `costate bench` leaves out: F from H, other chunks, vectors of second derivatives.
 
-use crate::robots::Case;
+use crate::cases::Case;
 use crate::routes::{Candidate, Failure};
-use crate::{FIRST, SECOND};
+use crate::{FIRST, FUNCTION, SECOND};
 use costate::derivative::{Function, Jacobian, PhaseVelocity};
-use costate::num_dual::Dual2SVec64;
+use costate::hamiltonian::Hamiltonian;
+use costate::num_dual::{Dual2SVec64, Dual64};
 use std::hint::black_box;
 
-/// F_x by dual numbers with 1, 2, 4, 8 derivatives; y'F_xx by `Dual2SVec` where its size is compiled in: n = 2, 6, 7.
+/// `F = (H_p, u - H_q)`, one dual number at a time: the robots here have no friction.
+pub const GRADIENT: &str = "gradient of H by dual numbers";
+
+/// F by the gradient of H; F_x by dual numbers with 1, 2, 4, 8 derivatives; y'F_xx by `Dual2SVec` where its size is compiled in: n = 2, 6, 7.
 pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
+    gradient(case, list);
     chunk::<1>("dual numbers, 1 at once", case, list);
     chunk::<2>("dual numbers, 2 at once", case, list);
     chunk::<4>("dual numbers, 4 at once", case, list);
@@ -19,6 +24,33 @@ pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
         7 => whole::<14>(case, list),
         _ => (),
     }
+}
+
+fn gradient<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
+    let n = case.robot.len();
+    let mut hamiltonian = Hamiltonian::<Dual64>::new(&case.robot);
+    let mut x: Vec<Dual64> = case.state.x.iter().map(|&x| x.into()).collect();
+    let mut f = vec![0.0; 2 * n];
+    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+        for k in 0..2 * n {
+            x[k].eps = 1.0;
+            let (q, p) = black_box(&x).split_at(n);
+            let energy = hamiltonian.energy(q, p)?;
+            let slope = (energy.kinetic + energy.potential).eps;
+            x[k].eps = 0.0;
+            if k < n {
+                f[n + k] = case.state.u[k] - slope;
+            } else {
+                f[k - n] = slope;
+            }
+        }
+        black_box(&f);
+        if let Some(to) = to {
+            to.extend(&f);
+        }
+        Ok(())
+    };
+    list.push(Candidate { quantity: FUNCTION, route: GRADIENT, work: Box::new(work) });
 }
 
 fn chunk<'a, const C: usize>(route: &'static str, case: &'a Case, list: &mut Vec<Candidate<'a>>) {

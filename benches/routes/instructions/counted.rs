@@ -1,0 +1,33 @@
+//! One call of one route, for the runner of gungraun.
+
+use costate_routes::cases::Case;
+use costate_routes::routes::Work;
+use gungraun::{library_benchmark, library_benchmark_group};
+
+/// The call in this place of all that are counted, made ready and called once; None where there is no such route.
+fn ready([case, route]: [usize; 2]) -> Option<Work<'static>> {
+    let case: &Case = Box::leak(Box::new(Case::files().unwrap().swap_remove(case)));
+    let (_, candidate) = crate::counted(case, |place| place == route).unwrap().pop()?;
+    let mut work = candidate.work;
+    work(None).unwrap();
+    Some(work)
+}
+
+// Two benches never share a name: `call.CASE_ROUTE`.
+#[library_benchmark]
+#[benches::ur5(iter = (0..10).map(|route| [0, route]), setup = ready)]
+#[benches::panda(iter = (0..10).map(|route| [1, route]), setup = ready)]
+#[benches::biped(iter = (0..10).map(|route| [2, route]), setup = ready)]
+fn call(work: Option<Work<'static>>) -> Option<Work<'static>> {
+    let mut work = work?;
+    work(None).unwrap();
+    Some(work)
+}
+
+library_benchmark_group!(name = routes; benchmarks = call);
+gungraun::main!(library_benchmark_groups = routes);
+
+/// To the runner, or, where it is the runner that asks, one call.
+pub fn hand_over() {
+    main();
+}

@@ -1,0 +1,48 @@
+//! Every route to F, F_x and y'F_xx of a few robots, as the benches `scaling` and `instructions` call them.
+
+#![allow(missing_docs, reason = "two benches are all that uses it")]
+
+pub mod cases;
+mod compiled;
+mod generated;
+pub mod numbers;
+pub mod robots;
+#[path = "../../../cli/src/bench/routes.rs"]
+pub mod routes;
+pub mod texts;
+
+use cases::Case;
+use routes::{Candidate, Failure};
+
+/// The quantities, as the list of `costate bench` calls them.
+pub const FUNCTION: &str = "F";
+pub const FIRST: &str = "F, F_x";
+pub const SECOND: &str = "F, F_x, y'F_xx";
+
+/// States of one call of a batch.
+pub const NODES: usize = 16;
+
+/// All routes to the three quantities, those of `costate bench` first.
+pub fn candidates(case: &Case) -> Result<Vec<Candidate<'_>>, Failure> {
+    wanted(case, &|_, _| true)
+}
+
+/// The same, only those routes to a quantity that are wanted: no other is compiled.
+pub fn wanted<'a>(
+    case: &'a Case,
+    wanted: &dyn Fn(&str, &str) -> bool,
+) -> Result<Vec<Candidate<'a>>, Failure> {
+    let mut list = routes::candidates(&case.robot, &case.state);
+    // Dual numbers stand in the list of chunks.
+    list.retain(|c| [FUNCTION, FIRST, SECOND].contains(&c.quantity) && c.route != "dual numbers");
+    numbers::candidates(case, &mut list);
+    generated::candidates(case, &mut list);
+    compiled::candidates(case, wanted, &mut list)?;
+    list.retain(|c| wanted(c.quantity, c.route));
+    Ok(list)
+}
+
+/// States that one call of a route computes: what its time is divided by.
+pub fn states(route: &str) -> usize {
+    generated::states(route).or(compiled::states(route)).unwrap_or(1)
+}

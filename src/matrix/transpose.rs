@@ -1,0 +1,81 @@
+//! Transposition of matrices whose rows are whole packs, square block by square block.
+
+use super::Panel;
+use crate::scalar::{MOST_LANES, Pack, Scalar};
+
+impl<S: Scalar> Panel<S> {
+    /// The square block of packs in rows `LANES top` and on and place `left`.
+    #[inline(always)]
+    fn block<const W: usize>(&self, top: usize, left: usize) -> [S::Pack; MOST_LANES] {
+        let (width, mut block) = (self.width::<W>(), [S::Pack::zero(); MOST_LANES]);
+        let rows = &self.packs()[top * Self::LANES * width..][..Self::LANES * width];
+        for r in 0..Self::LANES {
+            block[r] = rows[r * width + left];
+        }
+        block
+    }
+
+    #[inline(always)]
+    fn set_block<const W: usize>(&mut self, top: usize, left: usize, block: &[S::Pack]) {
+        let width = self.width::<W>();
+        let rows = &mut self.packs_mut()[top * Self::LANES * width..][..Self::LANES * width];
+        for r in 0..Self::LANES {
+            rows[r * width + left] = block[r];
+        }
+    }
+
+    /// Takes the transpose of a square panel of the same size. W: packs in a row where known, else 0.
+    #[inline(always)]
+    pub fn take_transpose<const W: usize>(&mut self, from: &Self) {
+        for top in 0..self.width::<W>() {
+            for left in 0..self.width::<W>() {
+                let mut block = from.block::<W>(top, left);
+                S::Pack::transpose(&mut block[..Self::LANES]);
+                self.set_block::<W>(left, top, &block);
+            }
+        }
+    }
+
+    /// Copies what is below the diagonal of a square matrix to the other side.
+    #[inline(always)]
+    pub fn mirror_lower<const W: usize>(&mut self) {
+        for top in 0..self.width::<W>() {
+            for left in 0..top {
+                let mut block = self.block::<W>(top, left);
+                S::Pack::transpose(&mut block[..Self::LANES]);
+                self.set_block::<W>(left, top, &block);
+            }
+            let mut block = self.block::<W>(top, top);
+            let lower = block;
+            S::Pack::transpose(&mut block[..Self::LANES]);
+            for (r, (pack, lower)) in block.iter_mut().zip(&lower).enumerate().take(Self::LANES) {
+                for lane in 0..=r {
+                    *pack = pack.with_lane(lane, lower.lane(lane));
+                }
+            }
+            self.set_block::<W>(top, top, &block);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panel_of_any_size_is_transposed_and_mirrored() {
+        for n in 1..=13 {
+            let mut given = Panel::<f64>::zeros(n, n);
+            (0..n).for_each(|i| (0..n).for_each(|j| given.set(i, j, (10 * i + j) as f64)));
+            let (mut turned, mut mirrored) = (Panel::zeros(n, n), given.clone());
+            turned.take_transpose::<0>(&given);
+            mirrored.mirror_lower::<0>();
+            for i in 0..n {
+                for j in 0..n {
+                    assert_eq!(turned.get(i, j), given.get(j, i), "n = {n}");
+                    assert_eq!(mirrored.get(i, j), given.get(i.max(j), i.min(j)), "n = {n}");
+                }
+            }
+        }
+    }
+}
