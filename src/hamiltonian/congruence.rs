@@ -1,7 +1,7 @@
 //! From the third derivatives of L along a direction to those of H.
 
 use super::conservative::Conservative;
-use crate::kernels::KernelTwo;
+use crate::kernels::{Factor, KernelTwo};
 use crate::matrix::{Left, Matrix, Panel, Part, sized};
 use crate::scalar::Scalar;
 
@@ -13,8 +13,16 @@ use crate::scalar::Scalar;
 /// qq = -A + W' T + B' W      pq = -M^-1 T      pp = -M^-1 C M^-1
 /// ```
 ///
-/// 4 1/2 n^3 products: qq and pp are symmetric. Half an n^3 could be saved in the coordinates in which M is diagonal,
-/// where each row waits for the one before.
+/// That takes 4 1/2 n^3 multiplications (qq and pp are symmetric), and no row waits for another. In the coordinates in which M
+/// is diagonal it takes 4 n^3, and fewer where joints are on different branches; there each row waits for the one before. With
+/// `U = L^-1`, `M^-1 = U D^-1 U'`, `W = U Z`:
+///
+/// ```text
+/// C^ = U' C U      B^ = U' B      T^ = B^ - C^ Z
+/// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
+/// ```
+///
+/// Packs of several lanes take the first way, single numbers, of which each operation counts, the second.
 #[derive(Clone, Debug)]
 pub(super) struct Congruence<S: Scalar> {
     b: Panel<S>,
@@ -49,11 +57,35 @@ impl<S: Scalar> Congruence<S> {
 
     /// Fills the 2n x 2n matrix h, both triangles; `flow` has come to its second order.
     pub fn apply<K>(&mut self, along: &KernelTwo<S>, flow: &Conservative<S, K>, h: &mut Matrix<S>) {
-        let given = (&flow.inverse, &flow.w);
-        sized!(S, flow.w.columns(), self.apply_sized(along, given, h));
+        if Panel::<S>::LANES == 1 {
+            self.by_factors(along, &flow.factor, &flow.z);
+            self.fill::<0, 0>(h);
+        } else {
+            let given = (&flow.inverse, &flow.w);
+            sized!(S, flow.w.columns(), self.by_products(along, given, h));
+        }
     }
 
-    fn apply_sized<const N: usize, const W: usize>(
+    fn by_factors(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>) {
+        let Self { b, t, qq, pq, pp, qp, .. } = self;
+        qq.read::<0>(along.l_qq());
+        b.read::<0>(along.l_vq());
+        factor.first_half(b);
+        pp.read::<0>(along.mass_matrix());
+        factor.reduce_symmetric(pp);
+        t.copy_from::<0, 0>(b);
+        t.subtract_product::<0, 0>(Left::Rows(pp), z, Part::Whole);
+        pq.copy_from::<0, 0>(t);
+        factor.divide_by_pivots(pq);
+        factor.second_half(pq);
+        factor.expand_symmetric(pp);
+        qq.subtract_product::<0, 0>(Left::Columns(z), t, Part::Lower);
+        qq.subtract_product::<0, 0>(Left::Columns(b), z, Part::Lower);
+        qq.mirror_lower::<0>();
+        qp.take_transpose::<0>(pq);
+    }
+
+    fn by_products<const N: usize, const W: usize>(
         &mut self,
         along: &KernelTwo<S>,
         (inverse, w): (&Panel<S>, &Panel<S>),

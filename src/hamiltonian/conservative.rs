@@ -20,6 +20,8 @@ pub(super) struct Conservative<S: Scalar, K> {
     /// `L_qq - P' M^-1 P = F^p,q`.
     pub reduced: Panel<S>,
     p: Panel<S>,
+    /// `Z = D^-1 L'^-1 P`, `W = L^-1 Z`: in packs of one lane.
+    pub z: Panel<S>,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
@@ -33,7 +35,8 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             w: square.clone(),
             inverse: square.clone(),
             reduced: square.clone(),
-            p: square,
+            p: square.clone(),
+            z: square,
         }
     }
 
@@ -69,14 +72,33 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
 
     /// M^-1, `W = M^-1 P` and `L_qq - P' W` (21), after [`first_order`](Self::first_order).
     ///
-    /// Products with M^-1, which is wanted anyway, cost no more than solutions with the factors of M, and their rows do not wait
-    /// for each other.
+    /// In packs of several lanes by products with M^-1, no row of which waits for another; else by the factors of M, which have
+    /// zeros where joints are on different branches.
     pub fn second_order(&mut self, tree: &Tree) {
         self.kernel.second_order(tree);
-        sized!(S, tree.len(), self.eliminate_velocities());
+        if Panel::<S>::LANES == 1 {
+            self.eliminate_by_factors();
+        } else {
+            sized!(S, tree.len(), self.eliminate_by_products());
+        }
     }
 
-    fn eliminate_velocities<const N: usize, const W: usize>(&mut self) {
+    /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
+    fn eliminate_by_factors(&mut self) {
+        let Self { kernel, factor, inverse, p, w, z, reduced, .. } = self;
+        factor.form_inverse::<0, 0>(inverse);
+        p.read::<0>(kernel.l_vq());
+        reduced.read::<0>(kernel.l_qq());
+        factor.first_half(p);
+        z.copy_from::<0, 0>(p);
+        factor.divide_by_pivots(z);
+        reduced.subtract_product::<0, 0>(Left::Columns(p), z, Part::Lower);
+        reduced.mirror_lower::<0>();
+        w.copy_from::<0, 0>(z);
+        factor.second_half(w);
+    }
+
+    fn eliminate_by_products<const N: usize, const W: usize>(&mut self) {
         // First what does not need the entries of P and L_qq, which were stored one by one just before.
         self.factor.form_inverse::<N, W>(&mut self.inverse);
         self.p.read::<N>(self.kernel.l_vq());

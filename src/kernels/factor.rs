@@ -11,7 +11,7 @@ use crate::scalar::{Pack, Scalar};
 /// pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
-    l: Triangle<S>,
+    pub(super) l: Triangle<S>,
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
     sizes: Vec<S>,
@@ -34,6 +34,11 @@ impl<S: Scalar> Factor<S> {
             work: Panel::zeros(n, n),
             product: Panel::zeros(n, n),
         }
+    }
+
+    /// `1 / D_k`, n.
+    pub(super) fn inverse_pivots(&self) -> &[S] {
+        &self.inverse_pivots
     }
 
     /// Factors the n x n matrix; `size_of(k)` is what the rounding of entry (k, k) is in proportion to.
@@ -155,21 +160,37 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `Y <- M^-1 Y` for a panel with n rows.
-    pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
-        let (n, width) = (y.rows(), y.width::<0>());
-        for i in (0..n).rev() {
+    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solution.
+    pub(crate) fn first_half(&self, y: &mut Panel<S>) {
+        let width = y.width::<0>();
+        for i in (0..y.rows()).rev() {
             let (_, target, after) = y.split_at_row::<0>(i);
             self.l.minus_columns::<0, 0>(i, target, after, width);
         }
+    }
+
+    /// `Y <- D^-1 Y`.
+    pub(crate) fn divide_by_pivots(&self, y: &mut Panel<S>) {
         for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
             let inverse = S::Pack::splat(inverse);
             y.row_mut(k).iter_mut().for_each(|y| *y *= inverse);
         }
-        for k in 0..n {
+    }
+
+    /// `Y <- L^-1 Y`: the second half of a solution.
+    pub(crate) fn second_half(&self, y: &mut Panel<S>) {
+        let width = y.width::<0>();
+        for k in 0..y.rows() {
             let (before, target, _) = y.split_at_row::<0>(k);
             self.l.minus_rows(k, target, before, width);
         }
+    }
+
+    /// `Y <- M^-1 Y` for a panel with n rows.
+    pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
+        self.first_half(y);
+        self.divide_by_pivots(y);
+        self.second_half(y);
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.

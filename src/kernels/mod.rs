@@ -1,6 +1,7 @@
 //! What everything is computed from: the Hessian of the Lagrangian, and the factorisation of the mass matrix.
 
 mod blocks;
+mod congruence;
 mod dissipation;
 mod factor;
 mod hessian;

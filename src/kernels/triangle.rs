@@ -122,6 +122,12 @@ impl<S: Scalar> Triangle<S> {
         }
     }
 
+    /// Entries of row k as terms (i, -L_ki), rising.
+    #[inline(always)]
+    pub fn row_terms(&self, k: usize) -> impl Iterator<Item = (usize, S)> + Clone {
+        self.rows.of(k).iter().map(move |&i| (i, -self.entries.get(k, i)))
+    }
+
     /// Entries of column i below the diagonal as terms (k, -L_ki), rising.
     #[inline(always)]
     pub fn column_terms(&self, i: usize) -> impl Iterator<Item = (usize, S)> + Clone {
