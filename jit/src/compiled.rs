@@ -10,9 +10,12 @@ use costate::EvalError;
 use costate::codegen::Program;
 use std::mem::MaybeUninit;
 
-/// Most steps of a program that is compiled where nothing else is said: code much longer is read more slowly than loops
-/// run, see docs/jit.md.
-pub const DEFAULT_LIMIT: usize = 50_000;
+/// Most steps of a program that is compiled for one state where nothing else is said: straight code is read once a call, and
+/// longer than this more slowly than the loops of the generic code run, see docs/jit.md.
+pub const DEFAULT_LIMIT: usize = 25_000;
+
+/// The same for four states at once, which do four times as much with what is read.
+pub const LANES_LIMIT: usize = 100_000;
 
 /// Most numbers that one call may keep in memory of its own, which is on the stack.
 const MOST_SLOTS: usize = 1 << 13;
@@ -44,6 +47,8 @@ pub struct Compiled<T: Number = f64> {
     slots: usize,
     inputs: usize,
     outputs: usize,
+    /// Whether slot 0 holds the last result of the program, which is no output.
+    guarded: bool,
 }
 
 impl Compiled {
@@ -57,7 +62,7 @@ impl Compiled {
 }
 
 impl Compiled<[f64; 4]> {
-    /// Compiles a program of at most [`DEFAULT_LIMIT`] steps for four states at once: argument k of all four stands in
+    /// Compiles a program of at most [`LANES_LIMIT`] steps for four states at once: argument k of all four stands in
     /// entry k of the inputs, and so do results.
     ///
     /// ```
@@ -79,7 +84,7 @@ impl Compiled<[f64; 4]> {
     /// # Errors
     /// See [`JitError`].
     pub fn lanes(program: &Program) -> Result<Self, JitError> {
-        Self::with_limit(program, DEFAULT_LIMIT)
+        Self::with_limit(program, LANES_LIMIT)
     }
 }
 
@@ -89,19 +94,28 @@ impl<T: Number> Compiled<T> {
     /// # Errors
     /// See [`JitError`].
     pub fn with_limit(program: &Program, limit: usize) -> Result<Self, JitError> {
+        Self::compile(program, limit, false)
+    }
+
+    /// The same for a program whose last result, one number, is kept from the outputs where it is `guarded`: see
+    /// [`call_guarded`](Self::call_guarded).
+    ///
+    /// # Errors
+    /// See [`JitError`].
+    pub(crate) fn compile(program: &Program, limit: usize, guarded: bool) -> Result<Self, JitError> {
         Code::supported()?;
         let steps = program.steps();
         if steps > limit {
             return Err(JitError::TooLong { steps, limit });
         }
-        let Translation { code, stages, constants, slots } = translate(program, T::WIDTH)?;
+        let Translation { code, stages, constants, slots } = translate(program, T::WIDTH, guarded)?;
         if slots > MOST_SLOTS {
             let what = "values that wait at once";
             return Err(JitError::TooWide { what, found: slots, limit: MOST_SLOTS });
         }
         let constants = constants.into_iter().map(|constant| T::splat(constant).store()).collect();
-        let (inputs, outputs) = (program.inputs(), program.outputs());
-        Ok(Self { code: Code::new(&code)?, stages, constants, slots, inputs, outputs })
+        let (inputs, outputs) = (program.inputs(), program.outputs() - usize::from(guarded));
+        Ok(Self { code: Code::new(&code)?, stages, constants, slots, inputs, outputs, guarded })
     }
 
     /// Number of entries of all arguments.
@@ -131,23 +145,30 @@ impl<T: Number> Compiled<T> {
     /// # Errors
     /// [`EvalError::WrongLength`]; the outputs are untouched then.
     pub fn call(&self, inputs: &[T], outputs: &mut [T]) -> Result<(), EvalError> {
+        self.call_guarded(inputs, outputs).map(|_| ())
+    }
+
+    /// As [`call`](Self::call); returns the result that is no output, 0 where there is none.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`].
+    pub(crate) fn call_guarded(&self, inputs: &[T], outputs: &mut [T]) -> Result<T, EvalError> {
         let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
         for (what, expected, found) in lengths {
             if expected != found {
                 return Err(EvalError::WrongLength { what, expected, found });
             }
         }
-        match self.slots {
+        Ok(match self.slots {
             0..=512 => self.run::<512>(inputs, outputs),
             513..=2048 => self.run::<2048>(inputs, outputs),
             _ => self.run::<MOST_SLOTS>(inputs, outputs),
-        }
-        Ok(())
+        })
     }
 
     /// Runs it with `SLOTS` numbers on the stack, at least as many as it needs.
     #[inline(never)]
-    fn run<const SLOTS: usize>(&self, inputs: &[T], outputs: &mut [T]) {
+    fn run<const SLOTS: usize>(&self, inputs: &[T], outputs: &mut [T]) -> T {
         let mut slots = [MaybeUninit::uninit(); SLOTS];
         for stage in &self.stages {
             if let Some(entry) = stage.entry {
@@ -175,6 +196,11 @@ impl<T: Number> Compiled<T> {
                 };
                 store(call, [value; 2], &mut slots);
             }
+        }
+        match self.guarded {
+            // SAFETY: a stretch of code stored the result there, and nothing else uses the slot.
+            true => T::load(unsafe { slots[0].assume_init() }),
+            false => T::splat(0.0),
         }
     }
 

@@ -25,6 +25,21 @@ pub enum JitError {
         /// What is allowed.
         limit: usize,
     },
+    /// The recording was given up before it was a program.
+    #[error(
+        "the recording had more than {operations} operations already, which makes more than {limit} steps, the limit: \
+         straight-line code far larger than the processor's caches is slower than loops. Use the generic code, ask for a \
+         smaller quantity (y_f_x, y_f_xx_d), or raise the limit with Evaluator::with_limit"
+    )]
+    GivenUp {
+        /// How many were recorded.
+        operations: usize,
+        /// How many steps are allowed.
+        limit: usize,
+    },
+    /// No machine code was asked for.
+    #[error("no machine code was asked for (limit 0)")]
+    NotAsked,
     /// Arguments, results, constants or intermediate values are too many to be addressed.
     #[error("the program has {found} {what}, at most {limit} can be addressed; use the generic code")]
     TooWide {

@@ -1,16 +1,18 @@
 //! A quantity of a robot at the speed of machine code, or by the generic code where there is none.
 
+use crate::code::Code;
 use crate::compiled::{Compiled, DEFAULT_LIMIT};
 use crate::error::JitError;
-use crate::generic::Generic;
+use crate::generic::{Generic, Shape};
 use costate::EvalError;
-use costate::codegen::{Argument, CodegenError, Coordinates, Options, Outcome, Quantity, robot_program};
+use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
 use costate::robot::Robot;
 use std::fmt;
 
 /// One quantity of one robot: recorded, compiled, and checked as the generic code is.
 ///
-/// Arguments and results are those of [`robot_program`], each slice all of them one after the other, matrices row by row.
+/// Arguments and results are those of [`robot_program`](costate::codegen::robot_program), each slice all of them one after the
+/// other, matrices row by row.
 ///
 /// ```
 /// use costate::codegen::{Coordinates, Quantity};
@@ -26,16 +28,23 @@ use std::fmt;
 /// # assert!(f_x.len() == 16 && f[0] != 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
 pub struct Evaluator {
-    arguments: Vec<Argument>,
-    results: Vec<Outcome>,
     inputs: usize,
     outputs: usize,
-    steps: usize,
-    compiled: Result<Compiled, JitError>,
+    compiled: Result<Machine, JitError>,
     generic: Generic,
 }
+
+/// Machine code and what it was made of.
+#[derive(Debug)]
+struct Machine {
+    steps: usize,
+    code: Compiled,
+}
+
+/// Operations that an [`Evaluator`] records at the most, for each step of its limit: a recording has up to about twice as many
+/// as its program has steps, more only for energies.
+pub const OPERATIONS_PER_STEP: usize = 4;
 
 /// How an [`Evaluator`] computes.
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +86,8 @@ impl Evaluator {
 
     /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 for the generic code.
     ///
+    /// A program that is much too long is not recorded to its end: time and memory are those of the limit, whatever the robot.
+    ///
     /// # Errors
     /// [`CodegenError::Quantity`].
     pub fn with_limit(
@@ -85,37 +96,30 @@ impl Evaluator {
         coordinates: Coordinates,
         limit: usize,
     ) -> Result<Self, CodegenError> {
-        let program = robot_program(robot, quantity, coordinates, &Options::default())?;
-        Ok(Self {
-            arguments: program.arguments().to_vec(),
-            results: program.results().to_vec(),
-            inputs: program.inputs(),
-            outputs: program.outputs(),
-            steps: program.steps(),
-            compiled: match limit {
-                0 => Err(JitError::TooLong { steps: program.steps(), limit }),
-                limit => Compiled::with_limit(&program, limit),
-            },
-            generic: Generic::new(robot, quantity, coordinates),
-        })
+        let generic = Generic::new(robot, quantity, coordinates);
+        let generic = generic.ok_or_else(|| quantity.undefined(coordinates))?;
+        let entries = |shapes: &[Shape]| shapes.iter().map(Shape::entries).sum();
+        let (inputs, outputs) = (entries(generic.arguments()), entries(generic.results()));
+        let compiled = Machine::new(robot, quantity, coordinates, limit)?;
+        Ok(Self { inputs, outputs, compiled, generic })
     }
 
     /// How it computes.
     pub fn status(&self) -> Status<'_> {
         match &self.compiled {
-            Ok(compiled) => Status::Compiled { steps: self.steps, bytes: compiled.code_len() },
+            Ok(Machine { steps, code }) => Status::Compiled { steps: *steps, bytes: code.code_len() },
             Err(reason) => Status::Generic { reason },
         }
     }
 
     /// The arguments, in order.
-    pub fn arguments(&self) -> &[Argument] {
-        &self.arguments
+    pub fn arguments(&self) -> &[Shape] {
+        self.generic.arguments()
     }
 
-    /// The results, in order; where their entries were among the steps is of no use here.
-    pub fn results(&self) -> &[Outcome] {
-        &self.results
+    /// The results, in order.
+    pub fn results(&self) -> &[Shape] {
+        self.generic.results()
     }
 
     /// Number of entries of all arguments.
@@ -130,14 +134,12 @@ impl Evaluator {
 
     /// Evaluates the quantity; nothing is allocated.
     ///
-    /// Machine code does not look at the pivots of the mass matrix. Where an argument or a result is not finite, the
-    /// generic code computes once more and says why. **A mass matrix that is singular but for rounding gives large numbers without
-    /// meaning**, where the generic code has an error: ask that one where such poses can be met. Outputs may have been written
-    /// before an error is found.
+    /// Machine code also gives what the pivots of the mass matrix have lost ([`guarded_program`](costate::codegen::guarded_program)). Where that may be too much,
+    /// and where an argument or a result is not finite, the generic code computes once more: the result is its own, and so is
+    /// the error. Outputs may have been written before an error is found.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`]; [`EvalError::SingularMassMatrix`] only where a pivot vanishes so
-    /// completely that results are not finite.
+    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`].
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
         let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
         for (what, expected, found) in lengths {
@@ -145,13 +147,47 @@ impl Evaluator {
                 return Err(EvalError::WrongLength { what, expected, found });
             }
         }
-        if let Ok(compiled) = &self.compiled {
-            compiled.call(inputs, outputs)?;
-            if all_finite(inputs) && all_finite(outputs) {
+        if let Ok(Machine { code, .. }) = &self.compiled {
+            let lost = code.call_guarded(inputs, outputs)?;
+            if lost < REGULAR && all_finite(inputs) && all_finite(outputs) {
                 return Ok(());
             }
         }
         self.generic.evaluate(inputs, outputs)
+    }
+}
+
+impl Machine {
+    /// Machine code of at most `limit` steps, or why there is none.
+    fn new(
+        robot: &Robot,
+        quantity: Quantity,
+        coordinates: Coordinates,
+        limit: usize,
+    ) -> Result<Result<Self, JitError>, CodegenError> {
+        if limit == 0 {
+            return Ok(Err(JitError::NotAsked));
+        }
+        if let Err(reason) = Code::supported() {
+            return Ok(Err(reason));
+        }
+        let most = limit.saturating_mul(OPERATIONS_PER_STEP);
+        let program = match guarded_program(robot, quantity, coordinates, most) {
+            Err(CodegenError::LongRecording { limit: operations }) => {
+                return Ok(Err(JitError::GivenUp { operations, limit }));
+            }
+            program => program?,
+        };
+        let code = Compiled::compile(&program, limit, quantity.inverts(coordinates));
+        Ok(code.map(|code| Self { steps: program.steps(), code }))
+    }
+}
+
+impl fmt::Debug for Evaluator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut f = f.debug_struct("Evaluator");
+        f.field("arguments", &self.arguments()).field("results", &self.results());
+        f.field("compiled", &self.compiled).finish_non_exhaustive()
     }
 }
 

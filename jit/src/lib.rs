@@ -28,7 +28,8 @@ mod plan;
 mod registers;
 mod translate;
 
-pub use compiled::{Compiled, DEFAULT_LIMIT};
+pub use compiled::{Compiled, DEFAULT_LIMIT, LANES_LIMIT};
 pub use error::JitError;
-pub use evaluator::{Evaluator, Status};
+pub use evaluator::{Evaluator, OPERATIONS_PER_STEP, Status};
+pub use generic::Shape;
 pub use number::Number;

@@ -78,11 +78,12 @@ fn uses(nodes: &[Node], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u
     uses
 }
 
-/// Writes the machine code of a program, for one state or four at a time.
+/// Writes the machine code of a program, for one state or four at a time; where it is `guarded` its last result goes into
+/// slot 0 and not to the outputs.
 ///
 /// # Errors
 /// [`JitError::Malformed`], [`JitError::TooWide`].
-pub(crate) fn translate(program: &Program, width: Width) -> Result<Translation, JitError> {
+pub(crate) fn translate(program: &Program, width: Width, guarded: bool) -> Result<Translation, JitError> {
     let nodes = program.nodes();
     for (what, found) in
         [("nodes", nodes.len()), ("inputs", program.inputs()), ("outputs", program.outputs())]
@@ -95,19 +96,24 @@ pub(crate) fn translate(program: &Program, width: Width) -> Result<Translation, 
     let results: Vec<usize> =
         program.results().iter().flat_map(|result| result.entries.iter().map(|id| id.index())).collect();
     // A result that is computed by a step is stored there; the others are copied at the end.
-    let mut outputs: HashMap<usize, Vec<u32>> = HashMap::new();
+    let mut outputs: HashMap<usize, Vec<Place>> = HashMap::new();
     for &step in planned.iter().flat_map(|stage| &stage.steps) {
         outputs.insert(step, Vec::new());
     }
     let mut copied = Vec::new();
-    for (k, node) in (0..).zip(&results) {
+    let guard = results.len().checked_sub(1).filter(|_| guarded);
+    for (k, node) in results.iter().enumerate() {
+        let place = if Some(k) == guard { Place::Slot(0) } else { Place::Output(k as u32) };
         match outputs.get_mut(node) {
-            Some(places) => places.push(k),
-            None => copied.push((k, *node)),
+            Some(places) => places.push(place),
+            None => copied.push((place, *node)),
         }
     }
     let late: Vec<usize> = copied.iter().map(|&(_, node)| node).collect();
     let mut registers = Registers::new(width, uses(nodes, &planned, &late));
+    if guard.is_some() {
+        registers.new_slot();
+    }
     let (constants, homes) = constants(nodes);
     homes.into_iter().for_each(|(node, home)| registers.set_home(node, home));
     let mut stages = Vec::new();
@@ -147,28 +153,29 @@ fn step(
     nodes: &[Node],
     k: usize,
     time: u32,
-    outputs: &[u32],
+    outputs: &[Place],
 ) -> Result<(), JitError> {
     let node = &nodes[k];
     node.operands().for_each(|id| registers.pass(id.index(), time));
     let target = emit::step(registers, k, node)?;
     registers.assign(k, target);
     for &output in outputs {
-        registers.assembler.store(target, Place::Output(output));
+        registers.assembler.store(target, output);
     }
-    if let Some(&output) = outputs.first() {
-        registers.set_home(k, Place::Output(output));
+    // Not the slot, which would be given away with the value.
+    if let Some(&output) = outputs.iter().find(|output| matches!(output, Place::Output(_))) {
+        registers.set_home(k, output);
     }
     node.operands().map(Id::index).chain([k]).for_each(|value| registers.release(value));
     Ok(())
 }
 
 /// Results that no step computes: constants, arguments, values of functions.
-fn copy(registers: &mut Registers, copied: &[(u32, usize)], time: u32) -> Result<(), JitError> {
+fn copy(registers: &mut Registers, copied: &[(Place, usize)], time: u32) -> Result<(), JitError> {
     for &(output, node) in copied {
         registers.pass(node, time);
         let source = registers.load(node, registers.lock(&[]))?;
-        registers.assembler.store(source, Place::Output(output));
+        registers.assembler.store(source, output);
     }
     Ok(())
 }

@@ -4,14 +4,17 @@
 
 use costate::EvalError;
 use costate::codegen::{Coordinates, Options, Program, Quantity, robot_program};
-use costate::robot::{JointSpec, LinkInertia, Robot};
-use costate_jit::{Compiled, Evaluator, JitError};
+use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate_jit::{Compiled, Evaluator, JitError, Status};
 use nalgebra::Matrix3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 thread_local! {
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+    /// Bytes that this thread holds more than it gave back, and the most that it held.
+    static HELD: Cell<isize> = const { Cell::new(0) };
+    static MOST_HELD: Cell<isize> = const { Cell::new(0) };
 }
 
 /// Counts what this thread asks of the system's allocator.
@@ -21,10 +24,13 @@ struct Counting;
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        HELD.set(HELD.get() + layout.size() as isize);
+        MOST_HELD.set(MOST_HELD.get().max(HELD.get()));
         // SAFETY: the caller's promise is passed on.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        HELD.set(HELD.get() - layout.size() as isize);
         // SAFETY: the caller's promise is passed on.
         unsafe { System.dealloc(pointer, layout) }
     }
@@ -190,4 +196,25 @@ fn the_same_program_becomes_the_same_code() {
     first.call(&inputs, &mut results[0]).unwrap();
     second.call(&inputs, &mut results[1]).unwrap();
     assert_eq!(results[0], results[1]);
+}
+
+/// The whole recording of this quantity would be some three million operations, more than 100 MB.
+#[test]
+fn what_is_far_too_long_is_given_up_early() {
+    let body = LinkInertia::about_com(1.0, [0.1, 0.2, 0.3], Matrix3::identity() * 0.1);
+    let mut builder = Robot::builder("snake");
+    for k in 0..60_usize {
+        let axis = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.3], [0.1, 0.0, 1.0]][k % 3];
+        let joint = JointSpec::revolute(format!("j{k}")).axis(axis).carrying(body);
+        let joint = if k > 0 { joint.on(format!("j{}", k - 1)) } else { joint };
+        builder = builder.joint(joint.placed(Placement::from_xyz_rpy([0.1, 0.2, 0.3], [0.4, 0.5, 0.6])));
+    }
+    let robot = builder.build().unwrap();
+    let before = HELD.get();
+    MOST_HELD.set(before);
+    let evaluator = Evaluator::new(&robot, Quantity::YFXX, Coordinates::Hamiltonian).unwrap();
+    let most = MOST_HELD.get() - before;
+    let Status::Generic { reason } = evaluator.status() else { panic!("{}", evaluator.status()) };
+    assert!(matches!(reason, JitError::GivenUp { .. } | JitError::Processor { .. }), "{reason}");
+    assert!(most < 40_000_000, "{most} bytes");
 }

@@ -10,7 +10,7 @@ mod random_robot;
 use costate::codegen::{Coordinates, Options, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
-use costate_jit::{Compiled, Evaluator, JitError, Status};
+use costate_jit::{Compiled, DEFAULT_LIMIT, Evaluator, JitError, Status};
 use generic::{State, expected, judge};
 use proptest::prelude::*;
 use random_robot::{Case, cases, tolerance};
@@ -81,7 +81,7 @@ fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
             }
             let mut again = vec![f64::NAN; evaluator.outputs()];
             evaluator.evaluate(&inputs, &mut again).unwrap();
-            assert_eq!(outputs, again, "the evaluator runs other code");
+            judge(&program, &again, &expected, tolerance(robot, q))?;
             fallback.evaluate(&inputs, &mut again).unwrap();
             judge(&program, &again, &expected, tolerance(robot, q))?;
         }
@@ -126,13 +126,22 @@ proptest! {
 #[test]
 fn what_is_not_compiled_says_why_and_what_to_do() {
     let robot = Robot::from_file(folder().join("robots/ur5.urdf")).unwrap();
-    let fallback = Evaluator::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, 10).unwrap();
-    let text = fallback.status().to_string();
-    assert!(text.starts_with("generic code: the program has ") && text.contains("the limit is 10"), "{text}");
-    assert!(text.contains("with_limit"), "{text}");
-    assert!(matches!(fallback.status(), Status::Generic { reason: JitError::TooLong { limit: 10, .. } }));
+    let with_limit =
+        |limit| Evaluator::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, limit).unwrap();
+    let (long, far_too_long, unwanted) = (with_limit(800), with_limit(10), with_limit(0));
+    assert!(matches!(unwanted.status(), Status::Generic { reason: JitError::NotAsked }));
     if compiles() {
-        let compiled = Evaluator::new(&robot, Quantity::FX, Coordinates::Hamiltonian).unwrap();
+        for (evaluator, begin, limit) in [
+            (&long, "generic code: the program has ", "the limit is 800"),
+            (&far_too_long, "generic code: the recording had more than ", "more than 10 steps"),
+        ] {
+            let text = evaluator.status().to_string();
+            assert!(text.starts_with(begin) && text.contains(limit) && text.contains("with_limit"), "{text}");
+        }
+        assert!(matches!(long.status(), Status::Generic { reason: JitError::TooLong { limit: 800, .. } }));
+        let given_up = Status::Generic { reason: &JitError::GivenUp { operations: 40, limit: 10 } };
+        assert_eq!(far_too_long.status().to_string(), given_up.to_string());
+        let compiled = with_limit(DEFAULT_LIMIT);
         assert!(compiled.status().to_string().starts_with("machine code: "), "{}", compiled.status());
     }
     let none = Evaluator::new(&robot, Quantity::InverseDynamics, Coordinates::Hamiltonian);

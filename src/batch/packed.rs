@@ -155,7 +155,8 @@ macro_rules! impl_packed_for_lanes {
                     for (square, ((a, b), (c, d))) in into.as_chunks_mut::<QUAD>().0.iter_mut().zip(above) {
                         let columns = turned([a, b, c, d]);
                         for (packed, column) in square.iter_mut().zip(&columns) {
-                            packed.as_mut_slice()[QUAD * k..QUAD * (k + 1)].copy_from_slice(column.as_array());
+                            let lanes = &mut packed.as_mut_slice()[QUAD * k..QUAD * (k + 1)];
+                            lanes.copy_from_slice(column.as_array());
                         }
                     }
                 }
@@ -173,7 +174,8 @@ macro_rules! impl_packed_for_lanes {
                     let upper = first.as_chunks_mut().0.iter_mut().zip(second.as_chunks_mut().0);
                     let lower = third.as_chunks_mut().0.iter_mut().zip(fourth.as_chunks_mut().0);
                     for ([p, q, r, s], ((a, b), (c, d))) in from.as_chunks().0.iter().zip(upper.zip(lower)) {
-                        let [turned_a, turned_b, turned_c, turned_d] = turned([quarter(p.as_slice(), k), quarter(q.as_slice(), k), quarter(r.as_slice(), k), quarter(s.as_slice(), k)]);
+                        let quarters = [p, q, r, s].map(|packed| quarter(packed.as_slice(), k));
+                        let [turned_a, turned_b, turned_c, turned_d] = turned(quarters);
                         (*a, *b) = (turned_a.to_array(), turned_b.to_array());
                         (*c, *d) = (turned_c.to_array(), turned_d.to_array());
                     }

@@ -32,6 +32,15 @@ pub enum CodegenError {
         /// What is allowed.
         limit: usize,
     },
+    /// A recording that was given up.
+    #[error(
+        "the recording was given up after {limit} operations; ask for a smaller quantity (y_f_x, y_f_xx_d), or use the \
+         generic code"
+    )]
+    LongRecording {
+        /// What is allowed.
+        limit: usize,
+    },
     /// A result whose entries do not fill its rows and columns.
     #[error("result {name} has {found} entries, not {rows} x {columns}")]
     Shape {

@@ -1,5 +1,7 @@
 //! What programs of robots compute.
 
+use super::error::CodegenError;
+
 /// In which coordinates the state equation is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinates {
@@ -67,6 +69,25 @@ impl Quantity {
         Self::Energy,
         Self::InverseDynamics,
     ];
+
+    /// That there is no such quantity in these coordinates, and which there are.
+    pub fn undefined(self, coordinates: Coordinates) -> CodegenError {
+        let defined = Self::ALL.into_iter().filter(|other| other.arguments(coordinates, false).is_some());
+        CodegenError::Quantity {
+            quantity: self.name(),
+            coordinates: coordinates.name(),
+            available: defined.map(Self::name).collect::<Vec<_>>().join(", "),
+        }
+    }
+
+    /// Whether it takes the inverse of the mass matrix.
+    pub fn inverts(self, coordinates: Coordinates) -> bool {
+        match (self, coordinates) {
+            (Self::MassMatrix | Self::InverseDynamics, _) | (Self::Energy, Coordinates::Lagrangian) => false,
+            (Self::F | Self::FX | Self::YFX | Self::YFXX | Self::YFXXD, _)
+            | (Self::Energy, Coordinates::Hamiltonian) => true,
+        }
+    }
 
     /// As in the table.
     pub fn name(self) -> &'static str {

@@ -15,6 +15,8 @@ pub(super) struct Recording {
     pub number: u32,
     pub arena: Arena,
     pub labels: Option<Labels>,
+    /// Most nodes, where there is a limit.
+    pub most: Option<usize>,
 }
 
 /// Constants that stand for something else, and those that stand for themselves, by their bits without sign.
@@ -48,6 +50,11 @@ pub(super) fn replace_labels(table: Vec<(f64, Expr)>, numbers: Vec<f64>) -> Resu
         labels.table.len() < count || labels.table.keys().any(|label| labels.numbers.contains(label));
     RECORDING.with_borrow_mut(|recording| recording.labels = Some(labels));
     if doubled { Err(CodegenError::Constant) } else { Ok(()) }
+}
+
+/// The recording that runs fails with [`CodegenError::LongRecording`] once it has more nodes than this.
+pub(super) fn limit_recording(most: usize) {
+    RECORDING.with_borrow_mut(|recording| recording.most = Some(most));
 }
 
 static RECORDINGS: AtomicU32 = AtomicU32::new(0);
@@ -100,8 +107,12 @@ fn recorded_node(result: Expr) -> Signed {
 }
 
 impl Recording {
-    /// The value of an expression; `None`, and an error, where it does not belong here.
+    /// The value of an expression; `None`, and an error, where it does not belong here or the recording has grown too long.
     pub fn value(&mut self, expr: Expr) -> Option<Value> {
+        if let Some(limit) = self.most.filter(|&most| self.arena.nodes.len() > most) {
+            self.arena.fail(CodegenError::LongRecording { limit });
+            return None;
+        }
         match expr.0 {
             Content::Constant(value) => Some(Value::Constant(value)),
             Content::Node { node, recording } if recording == self.number => Some(Value::Of(node)),

@@ -34,15 +34,19 @@ pub fn robot_program(
     coordinates: Coordinates,
     options: &Options,
 ) -> Result<Program, CodegenError> {
-    let available = || {
-        let defined = Quantity::ALL.into_iter().filter(|q| q.arguments(coordinates, false).is_some());
-        defined.map(Quantity::name).collect::<Vec<_>>().join(", ")
-    };
-    let names = quantity.arguments(coordinates, options.only).ok_or_else(|| CodegenError::Quantity {
-        quantity: quantity.name(),
-        coordinates: coordinates.name(),
-        available: available(),
-    })?;
+    program_with(robot, quantity, coordinates, options, |_, _| Ok(Vec::new()))
+}
+
+/// The same with further results, of the model and q, recorded first and put last.
+pub(super) fn program_with(
+    robot: &Robot,
+    quantity: Quantity,
+    coordinates: Coordinates,
+    options: &Options,
+    further: impl FnOnce(&Tree, &[Expr]) -> Result<Vec<RecordedResult>, CodegenError>,
+) -> Result<Program, CodegenError> {
+    let names = quantity.arguments(coordinates, options.only);
+    let names = names.ok_or_else(|| quantity.undefined(coordinates))?;
     let n = robot.len();
     let size = |name: &str| match (name, coordinates) {
         ("y" | "d", Coordinates::Hamiltonian) => 2 * n,
@@ -60,6 +64,7 @@ pub fn robot_program(
             Some(parameters) => labelled(robot, parameters)?,
             None => Tree::from(robot),
         };
+        let mut further = further(&tree, of("q"))?;
         let mut results = match coordinates {
             Coordinates::Hamiltonian => hamiltonian(tree, quantity, &of)?,
             Coordinates::Lagrangian => lagrangian(tree, quantity, &of)?,
@@ -67,6 +72,7 @@ pub fn robot_program(
         if options.only {
             results.retain(|(name, ..)| quantity.result(coordinates).contains(&name.as_str()));
         }
+        results.append(&mut further);
         Ok(results)
     })?;
     let what = if options.only { "alone" } else { "with what comes on the way" };

@@ -23,7 +23,7 @@ mod second_order;
 pub use coordinates::Coordinates;
 pub use forward::{ForwardDynamicsJacobian, StateJacobian};
 pub use inverse::InverseDynamicsJacobian;
-pub use second_order::{ContractedHessian, SecondOrder};
+pub use second_order::{ContractedHessian, SecondOrder, whole_hessian};
 
 use crate::error::EvalError;
 use crate::hamiltonian::check;

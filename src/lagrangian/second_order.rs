@@ -76,19 +76,25 @@ impl<'a, S: Scalar> ContractedHessian<'a, S> {
 
     /// A copy with all zeros in their places: 3n x 3n, symmetric, rows and columns in the order z = (q, v, u).
     pub fn to_matrix(&self) -> Matrix<S> {
-        let n = self.uq.rows();
-        let mut whole = Matrix::zeros(3 * n, 3 * n);
-        for i in 0..2 * n {
-            whole.row_mut(i)[..2 * n].copy_from_slice(self.xx.row(i));
-        }
-        for i in 0..n {
-            for j in 0..n {
-                whole[(2 * n + i, j)] = self.uq[(i, j)];
-                whole[(j, 2 * n + i)] = self.uq[(i, j)];
-            }
-        }
-        whole
+        whole_hessian(self.xx(), self.uq())
     }
+}
+
+/// The contracted Hessian of forward dynamics in z = (q, v, u) from its blocks [`xx`](ContractedHessian::xx), 2n x 2n, and
+/// [`uq`](ContractedHessian::uq), n x n, with all zeros in their places: 3n x 3n, symmetric.
+pub fn whole_hessian<S: Scalar>(xx: Block<'_, S>, uq: Block<'_, S>) -> Matrix<S> {
+    let n = uq.rows();
+    let mut whole = Matrix::zeros(3 * n, 3 * n);
+    for i in 0..2 * n {
+        whole.row_mut(i)[..2 * n].copy_from_slice(xx.row(i));
+    }
+    for i in 0..n {
+        for j in 0..n {
+            whole[(2 * n + i, j)] = uq[(i, j)];
+            whole[(j, 2 * n + i)] = uq[(i, j)];
+        }
+    }
+    whole
 }
 
 impl<S: Scalar> SecondOrder<S> {

@@ -27,9 +27,10 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A number that robot dynamics can be computed with.
 ///
-/// Implemented for `f64`, `f32`, [`Count`], [`Expr`](crate::codegen::Expr), [`Tangent`] over any scalar, and for num-dual's numbers of static size: `Dual`, `Dual2`, `Dual3`,
-/// `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec`, each over any scalar, so that nested
-/// ones work too. Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
+/// Implemented for `f64`, `f32`, [`Count`], [`Expr`](crate::codegen::Expr) and `Lanes` (feature `wide`: `F64x4`, `F64x8`), for
+/// [`Tangent`] over any scalar, and for num-dual's numbers of static size, each over any scalar that num-dual takes, so that
+/// nested ones work too: `Dual`, `Dual2`, `Dual3`, `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec` (the
+/// last three not over `Lanes`). Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
 /// [`plus`](Scalar::plus), which cost a dual number much less than an operation between two of them.
 ///
 /// ```

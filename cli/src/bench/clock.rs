@@ -11,6 +11,14 @@ pub struct Spread {
     pub q75: f64,
 }
 
+impl Spread {
+    /// That of one of so many.
+    pub fn divided_by(self, count: usize) -> Self {
+        let [median, q25, q75] = [self.median, self.q25, self.q75].map(|time| time / count as f64);
+        Self { median, q25, q75 }
+    }
+}
+
 /// A batch lasts at least this long, so that reading the clock is nothing beside it.
 const BATCH: Duration = Duration::from_micros(300);
 

@@ -1,13 +1,16 @@
 //! `costate bench`: times of each quantity by each route, on this machine.
 
+mod batches;
 mod clock;
+#[cfg(feature = "jit")]
+mod machine;
 mod routes;
 
 use crate::report::{Table, joints};
 use crate::{Outcome, RobotArguments};
 use clock::{Spread, measure};
 use costate::robot::Robot;
-use routes::{Candidate, State, candidates};
+use routes::{Candidate, Failure, State, candidates};
 use serde_json::json;
 use std::io::Write;
 use std::process::ExitCode;
@@ -31,6 +34,8 @@ pub struct Arguments {
 struct Row {
     quantity: &'static str,
     route: &'static str,
+    /// How many states one call computes; the time is that of one of them.
+    states: usize,
     time: Spread,
     /// Greatest difference from the figures of the first route to the quantity, relative to its greatest entry.
     error: f64,
@@ -39,7 +44,7 @@ struct Row {
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
     let state = State::random(&robot, arguments.seed)?;
-    let mut candidates = candidates(&robot, &state);
+    let (mut candidates, notes) = all(&robot, &state)?;
     let mut errors = Vec::new();
     let mut judge: Vec<f64> = Vec::new();
     let mut judged = "";
@@ -54,16 +59,48 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let mut out = std::io::stdout().lock();
     let times = measure(&mut candidates, arguments.batches as usize)?;
     let rows = candidates.iter().zip(times).zip(errors).map(|((candidate, time), error)| {
-        let Candidate { quantity, route, .. } = candidate;
-        Row { quantity, route, time, error }
+        let Candidate { quantity, route, .. } = *candidate;
+        let states = states(route);
+        Row { quantity, route, states, time: time.divided_by(states), error }
     });
     let rows: Vec<Row> = rows.collect();
     if arguments.json {
-        writeln!(out, "{}", as_json(&robot, arguments, &rows))?;
+        writeln!(out, "{}", as_json(&robot, arguments, &rows, &notes))?;
     } else {
-        print(&robot, arguments, &rows, &mut out)?;
+        print(&robot, arguments, &rows, &notes, &mut out)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Machine code for vectors of four numbers.
+const FOUR: &str = "machine code, 4 states at once";
+/// Batches on one thread.
+const LANES_4: &str = "batch over F64x4";
+const LANES_8: &str = "batch over F64x8";
+/// Batches over lanes as wide as pay on this processor, and over all threads.
+const THREADS: &str = "batch over lanes and threads";
+
+/// How many states one call of a route computes.
+fn states(route: &str) -> usize {
+    match route {
+        FOUR => 4,
+        LANES_4 | LANES_8 => 16,
+        THREADS => 512,
+        _ => 1,
+    }
+}
+
+/// All that is timed, quantity by quantity, and which routes are not there, and why.
+fn all<'a>(robot: &Robot, state: &'a State) -> Result<(Vec<Candidate<'a>>, Vec<String>), Failure> {
+    let (mut list, mut notes) = (candidates(robot, state), Vec::new());
+    #[cfg(feature = "jit")]
+    machine::candidates(robot, state, &mut list, &mut notes)?;
+    #[cfg(not(feature = "jit"))]
+    notes.push("No machine code: built without the feature jit.".into());
+    batches::candidates(robot, state, &mut list, &mut notes);
+    let quantities: Vec<_> = list.iter().map(|candidate| candidate.quantity).collect();
+    list.sort_by_key(|candidate| quantities.iter().position(|quantity| *quantity == candidate.quantity));
+    Ok((list, notes))
 }
 
 /// `max |a - b| / max |b|`; not a number where one of them holds one.
@@ -88,10 +125,10 @@ fn instructions() -> &'static str {
     }
 }
 
-fn as_json(robot: &Robot, arguments: &Arguments, rows: &[Row]) -> serde_json::Value {
+fn as_json(robot: &Robot, arguments: &Arguments, rows: &[Row], notes: &[String]) -> serde_json::Value {
     let row = |row: &Row| {
         json!({
-            "quantity": row.quantity, "route": row.route, "median_ns": row.time.median,
+            "quantity": row.quantity, "route": row.route, "states": row.states, "median_ns": row.time.median,
             "q25_ns": row.time.q25, "q75_ns": row.time.q75, "relative_error": row.error,
         })
     };
@@ -101,13 +138,20 @@ fn as_json(robot: &Robot, arguments: &Arguments, rows: &[Row]) -> serde_json::Va
         "batches": arguments.batches,
         "instructions": instructions(),
         "rows": rows.iter().map(row).collect::<Vec<_>>(),
+        "notes": notes,
     })
 }
 
-fn print(robot: &Robot, arguments: &Arguments, rows: &[Row], out: &mut impl Write) -> std::io::Result<()> {
+fn print(
+    robot: &Robot,
+    arguments: &Arguments,
+    rows: &[Row],
+    notes: &[String],
+    out: &mut impl Write,
+) -> std::io::Result<()> {
     writeln!(
         out,
-        "{}, {}: one state, one thread, f64; medians of {} batches, all routes in turn;\ncompiled for {}\n",
+        "{}, {}: time of one state in f64, on one thread unless said; medians of {} batches, all routes in turn;\ncompiled for {}\n",
         robot.name(),
         joints(robot),
         arguments.batches,
@@ -131,7 +175,16 @@ fn print(robot: &Robot, arguments: &Arguments, rows: &[Row], out: &mut impl Writ
     }
     writeln!(out, "{table}")?;
     writeln!(out, "  Timed: one call on a built workspace, from q, p, u (and y) to the filled arrays.")?;
-    writeln!(out, "  Relative error: max |a - b| / max |b|, b by the first route to the same quantity.")
+    writeln!(out, "  Relative error: max |a - b| / max |b|, b by the first route to the same quantity.")?;
+    writeln!(
+        out,
+        "  Several states in one call: its time by their number. Batches: from and to node-major arrays."
+    )?;
+    writeln!(
+        out,
+        "  Machine code for one state checks what the generic code checks, that for 4 states nothing."
+    )?;
+    notes.iter().try_for_each(|note| writeln!(out, "  {note}"))
 }
 
 #[cfg(test)]

@@ -8,6 +8,12 @@ use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
 use std::hint::black_box;
 
+/// Quantities that more than one route computes.
+pub const F: &str = "F";
+pub const FIRST: &str = "F, F_x";
+pub const ADJOINT: &str = "F, y'F_x";
+pub const SECOND: &str = "F, F_x, y'F_xx";
+
 /// Why a piece of work stopped.
 pub type Failure = Box<dyn std::error::Error>;
 
@@ -84,28 +90,28 @@ fn first_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>
     let State { x, u, y, .. } = state;
     let (q, p) = x.split_at(n);
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-    add(list, ["F", "analytic"], move |to| {
+    add(list, [F, "analytic"], move |to| {
         give_slice(to, hamiltonian.phase_velocity(black_box(q), p, u)?);
         Ok(())
     });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-    add(list, ["F, F_x", "analytic"], move |to| {
+    add(list, [FIRST, "analytic"], move |to| {
         give(to, hamiltonian.jacobian(black_box(q), p, u)?.matrix());
         Ok(())
     });
     let mut tensors = Hamiltonian::<f64, _>::with_route(Tree::from(robot), Christoffel);
-    add(list, ["F, F_x", "tensors"], move |to| {
+    add(list, [FIRST, "tensors"], move |to| {
         give(to, tensors.jacobian(black_box(q), p, u)?.matrix());
         Ok(())
     });
     let mut jacobian = Jacobian::new(PhaseVelocity::new(robot).under(u));
-    add(list, ["F, F_x", "dual numbers"], move |to| {
+    add(list, [FIRST, "dual numbers"], move |to| {
         give(to, jacobian.evaluate(black_box(x))?.jacobian.view());
         Ok(())
     });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
     let mut differences = Differences::new(2 * n);
-    add(list, ["F, F_x", "central differences of F"], move |to| {
+    add(list, [FIRST, "central differences of F"], move |to| {
         let columns = differences.of(black_box(x), |x, sign, column| {
             let f = hamiltonian.phase_velocity(&x[..n], &x[n..], u)?;
             column.iter_mut().zip(f).for_each(|(c, f)| *c += sign * f);
@@ -115,7 +121,7 @@ fn first_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>
         Ok(())
     });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-    add(list, ["F, y'F_x", "adjoint product"], move |to| {
+    add(list, [ADJOINT, "adjoint product"], move |to| {
         give_slice(to, hamiltonian.adjoint(black_box(q), p, u, y)?.y_f_x);
         Ok(())
     });
@@ -125,7 +131,7 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
     let n = robot.len();
     let State { x, u, y, d, .. } = state;
     let (q, p) = x.split_at(n);
-    let quantity = "F, F_x, y'F_xx";
+    let quantity = SECOND;
     let mut rule = SecondOrder::<f64>::new(robot);
     add(list, [quantity, "2n+1 rule"], move |to| {
         give(to, rule.contracted_hessian(black_box(q), p, u, y)?.matrix());

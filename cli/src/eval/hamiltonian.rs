@@ -1,7 +1,11 @@
 //! Answers in (q, p): f, f_x, y_f_xx.
 
 use super::line::{Answer, Motion, State};
+#[cfg(feature = "jit")]
+use super::machine::Machine;
 use super::{Evaluator, Route};
+#[cfg(feature = "jit")]
+use costate::codegen;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{self, ContractedHessian, DualPass, Linearisation, SecondOrder};
 use costate::matrix::Block;
@@ -14,6 +18,8 @@ enum Workspace {
     Tensors(Box<DualPass<f64, Christoffel>>),
     Dual(Box<Jacobian<PhaseVelocity>>, Box<NestedHessian<PhaseVelocity>>),
     Hyperdual(Box<Hessian<PhaseVelocity>>),
+    #[cfg(feature = "jit")]
+    Jit(Box<Machine>),
 }
 
 impl Answer {
@@ -51,6 +57,8 @@ impl Hamiltonian {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
             Route::Hyperdual => Workspace::Hyperdual(Box::new(Hessian::new(function()))),
+            #[cfg(feature = "jit")]
+            Route::Jit => Workspace::Jit(Box::new(Machine::new(robot, codegen::Coordinates::Hamiltonian))),
         };
         Self { hamiltonian: hamiltonian::Hamiltonian::new(robot), workspace }
     }
@@ -95,6 +103,15 @@ impl Evaluator for Hamiltonian {
                 answer.derivatives(hessian.last().value(), hessian.last().jacobian().view());
                 if y.is_some() {
                     answer.matrix("y_f_xx", hessian.last_contracted().view());
+                }
+            }
+            #[cfg(feature = "jit")]
+            Workspace::Jit(machine) => {
+                for (name, entries) in machine.evaluate([q, &p, u], y)? {
+                    answer.result(name, &entries);
+                    if name == "f" {
+                        answer.vector("v", &entries.as_slice()[..q.len()]);
+                    }
                 }
             }
         }

@@ -1,18 +1,24 @@
 //! Answers in (q, v): qdd, qdd_z, yv_qdd_zz.
 
 use super::line::{Answer, Motion, State};
+#[cfg(feature = "jit")]
+use super::machine::Machine;
 use super::{Evaluator, Route};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{self, SecondOrder};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Robot;
+#[cfg(feature = "jit")]
+use costate::{codegen, lagrangian::whole_hessian};
 
 /// The workspaces of one route.
 enum Workspace {
     Analytic(Box<SecondOrder<f64>>),
     Dual(Box<Jacobian<ForwardDynamics>>, Box<NestedHessian<ForwardDynamics>>),
     Hyperdual(Box<Hessian<ForwardDynamics>>),
+    #[cfg(feature = "jit")]
+    Jit(Box<Machine>),
 }
 
 pub struct Lagrangian {
@@ -30,6 +36,8 @@ impl Lagrangian {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
             Route::Hyperdual => Workspace::Hyperdual(Box::new(Hessian::new(function()))),
+            #[cfg(feature = "jit")]
+            Route::Jit => Workspace::Jit(Box::new(Machine::new(robot, codegen::Coordinates::Lagrangian))),
             Route::Tensors => {
                 return Err("--route tensors leads to Hamiltonian coordinates only; take analytic, dual or hyperdual \
                             with --coordinates lagrangian"
@@ -82,6 +90,15 @@ impl Evaluator for Lagrangian {
                 hessian.contracted(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
                 let (last, second) = (hessian.last(), hessian.last_contracted().view());
                 derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
+            }
+            #[cfg(feature = "jit")]
+            (Workspace::Jit(machine), y) => {
+                let results = machine.evaluate([q, &v, u], y)?;
+                let entries: Vec<_> = results.iter().map(|(_, entries)| entries).collect();
+                if let [a, a_z, second @ ..] = entries.as_slice() {
+                    let whole = second.first_chunk().map(|[xx, uq]| whole_hessian(xx.view(), uq.view()));
+                    derivatives(a.as_slice(), a_z.view(), whole.as_ref().map(Matrix::view));
+                }
             }
         }
         Ok(answer)

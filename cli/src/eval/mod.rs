@@ -3,6 +3,8 @@
 mod hamiltonian;
 mod lagrangian;
 mod line;
+#[cfg(feature = "jit")]
+mod machine;
 
 use crate::{Outcome, RobotArguments};
 use costate::robot::Robot;
@@ -38,6 +40,9 @@ enum Route {
     Hyperdual,
     /// Christoffel coefficients; contracted Hessian by one dual pass through them (Hamiltonian coordinates only)
     Tensors,
+    /// Machine code, compiled when it is first needed; where there can be none the generic code, with a note on stderr
+    #[cfg(feature = "jit")]
+    Jit,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]

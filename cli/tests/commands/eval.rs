@@ -4,6 +4,16 @@ use crate::child::{costate, flat, json_lines, root, stderr, stdout};
 use serde_json::{Value, json};
 use std::process::Output;
 
+/// All routes.
+const ROUTES: &[&str] = &[
+    "analytic",
+    "dual",
+    "hyperdual",
+    "tensors",
+    #[cfg(feature = "jit")]
+    "jit",
+];
+
 /// Every route, every fixture: the references hold for what comes out of the command.
 #[test]
 fn eval_agrees_with_the_references_by_every_route() {
@@ -13,7 +23,7 @@ fn eval_agrees_with_the_references_by_every_route() {
         ("robots/manutec_r3.toml", "manutec_r3"),
         ("tests/fixtures/friction_tree.toml", "friction_tree"),
     ] {
-        for route in ["analytic", "dual", "hyperdual", "tensors"] {
+        for &route in ROUTES {
             agrees_with(robot, &format!("tests/fixtures/{fixture}.jsonl"), route);
         }
     }
@@ -62,7 +72,7 @@ fn eval_agrees_with_the_shared_references() {
     let mut count = 0;
     for states in files.map(|file| file.unwrap().path()) {
         let robot = shared.join("robots").join(states.file_stem().unwrap()).with_extension("urdf");
-        for route in ["analytic", "dual", "hyperdual", "tensors"] {
+        for &route in ROUTES {
             agrees_with(robot.to_str().unwrap(), states.to_str().unwrap(), route);
         }
         count += 1;
@@ -124,7 +134,7 @@ fn velocities_or_momenta_in_lagrangian_coordinates() {
 {"q":[0.1,0.2],"p":[0.3,0.4],"u":[1.0,2.0]}
 {"q":[0.1,0.2],"p":[0.3,0.4]}
 "#;
-    for route in ["analytic", "dual", "hyperdual"] {
+    for &route in ROUTES.iter().filter(|route| **route != "tensors") {
         let arguments = ["eval", "robots/two_link.toml", "--coordinates", "lagrangian", "--route", route];
         let answers = json_lines(&costate(&arguments, input));
         assert_eq!(flat(&answers[0]["v"]), [1.0, -0.5]);
@@ -214,9 +224,39 @@ fn a_singular_state_is_a_bad_line_that_names_the_joint() {
     let input = br#"{"q":[0,0],"v":[0,0]}"#;
     let output = costate(&["eval", robot.to_str().unwrap()], input);
     let lagrangian = costate(&["eval", robot.to_str().unwrap(), "--coordinates", "lagrangian"], input);
+    for &route in ROUTES {
+        let by_route = costate(&["eval", robot.to_str().unwrap(), "--route", route], input);
+        assert_eq!(json_lines(&by_route), json_lines(&output), "{route}");
+    }
     std::fs::remove_file(&robot).unwrap();
     assert_eq!(json_lines(&lagrangian), json_lines(&output));
     assert_eq!(output.status.code(), Some(2));
     assert!(json_lines(&output)[0]["error"].as_str().unwrap().contains("singular at joint 'spin'"));
     assert!(stderr(&output).contains("warning: joint 'spin'"));
+}
+
+/// What is too long to be compiled is computed by the generic code, and stderr says so once.
+#[cfg(feature = "jit")]
+#[test]
+fn jit_falls_back_with_a_note() {
+    let robot = std::env::temp_dir().join(format!("costate-snake-{}.toml", std::process::id()));
+    let joint = |k: usize| {
+        let axis = ["[1.0, 0.0, 0.2]", "[0.1, 1.0, 0.0]", "[0.0, 0.3, 1.0]"][k % 3];
+        format!(
+            "[[joint]]\nname = 'j{k}'\naxis = {axis}\nplacement = {{ xyz = [0.1, 0.2, 0.3] }}\nmass = 1.0\n\
+             com = [0.1, 0.1, 0.0]\ninertia = {{ xx = 0.1, yy = 0.1, zz = 0.1 }}\n"
+        )
+    };
+    let text = (0..40).map(joint).fold(String::from("name = 'snake'\n"), |text, joint| text + &joint);
+    std::fs::write(&robot, text).unwrap();
+    let line = json!({ "q": vec![0.2; 40], "p": vec![0.1; 40] }).to_string();
+    let line = format!("{line}\n{line}\n");
+    let arguments = ["eval", robot.to_str().unwrap(), "--route"];
+    let [jit, analytic] =
+        ["jit", "analytic"].map(|route| costate(&[&arguments[..], &[route]].concat(), line.as_bytes()));
+    std::fs::remove_file(&robot).unwrap();
+    assert!(jit.status.success() && analytic.stderr.is_empty());
+    assert_eq!(stdout(&jit), stdout(&analytic));
+    let notes = stderr(&jit);
+    assert!(notes.starts_with("note: f_x by the generic code: ") && notes.lines().count() == 1, "{notes}");
 }

@@ -121,8 +121,22 @@ fn bench_as_json_and_as_a_table() {
     assert!(output.status.success() && output.stderr.is_empty());
     let bench: Value = serde_json::from_slice(&output.stdout).unwrap();
     let rows = bench["rows"].as_array().unwrap();
+    let notes: Vec<&str> = bench["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    for (quantity, route, reason) in [
+        ("F, F_x", "batch over F64x4", ""),
+        ("F, F_x, y'F_xx", "batch over F64x8", ""),
+        ("F, F_x", "machine code", "No machine code"),
+        ("F, F_x, y'F_xx", "machine code, 4 states at once", "No machine code"),
+        ("F, F_x", "batch over lanes and threads", "No batches over threads"),
+    ] {
+        let is_there = rows.iter().any(|row| row["quantity"] == quantity && row["route"] == route);
+        let excused = notes.iter().any(|note| !reason.is_empty() && note.starts_with(reason));
+        assert!(is_there != excused, "{quantity} by {route}: {notes:?}");
+    }
     for row in rows {
         let number = |key: &str| row[key].as_f64().unwrap();
+        let several = ["batch", "4 states"].iter().any(|word| row["route"].as_str().unwrap().contains(word));
+        assert_eq!(number("states") > 1.0, several, "{row}");
         assert!(number("q25_ns") > 0.0 && number("q25_ns") <= number("median_ns"), "{row}");
         assert!(number("median_ns") <= number("q75_ns"), "{row}");
         let differences = row["route"].as_str().unwrap().contains("differences");

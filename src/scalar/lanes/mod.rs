@@ -19,6 +19,11 @@ use super::{Scalar, real_tanh_and_slope};
 /// `Dual3`, `HyperDual` and `HyperHyperDual` can be made of it; those with a vector of derivatives choose by one truth value
 /// and cannot.
 ///
+/// What the library refuses it refuses for all lanes: one state that is not finite, or whose mass matrix is singular, is the
+/// error of the whole call, and no lane has a result. A [`Batch`](crate::batch::Batch) then evaluates the states one by one.
+/// In [`sin_cos`](Scalar::sin_cos) one lane beyond 1e6 rad, or that is no number, sends all of them to the standard library,
+/// one after the other: as exact, but slower.
+///
 /// A vector is as wide as the instructions that the program is compiled for: eight lanes are one register with AVX-512,
 /// two with AVX, four with SSE2. Compile with `-C target-cpu=native` for the processor at hand.
 ///

@@ -1,0 +1,76 @@
+//! Derivatives by machine code: each order is compiled when a line first asks for it.
+
+use super::line::Answer;
+use costate::codegen::{CodegenError, Coordinates, Quantity};
+use costate::matrix::Matrix;
+use costate::robot::Robot;
+use costate_jit::{Evaluator, Status};
+
+/// Machine code of f and f_x (qdd and qdd_z), and of the same with what is contracted with y.
+pub struct Machine {
+    robot: Robot,
+    coordinates: Coordinates,
+    first: Option<Compiled>,
+    second: Option<Compiled>,
+}
+
+/// Results by their names.
+pub type Results = Vec<(&'static str, Matrix<f64>)>;
+
+struct Compiled {
+    evaluator: Evaluator,
+    results: Vec<f64>,
+}
+
+impl Compiled {
+    /// Says on stderr why the generic code computes where it does.
+    fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
+        let evaluator = Evaluator::new(robot, quantity, coordinates)?;
+        if let Status::Generic { .. } = evaluator.status() {
+            eprintln!("note: {} by the {}", quantity.name(), evaluator.status());
+        }
+        Ok(Self { results: vec![0.0; evaluator.outputs()], evaluator })
+    }
+}
+
+impl Machine {
+    pub fn new(robot: &Robot, coordinates: Coordinates) -> Self {
+        Self { robot: robot.clone(), coordinates, first: None, second: None }
+    }
+
+    /// All results by their names, from the state, the actuation and, for the second order, y.
+    pub fn evaluate(
+        &mut self,
+        state: [&[f64]; 3],
+        y: Option<&[f64]>,
+    ) -> Result<Results, Box<dyn std::error::Error>> {
+        let (order, quantity) = match y {
+            None => (&mut self.first, Quantity::FX),
+            Some(_) => (&mut self.second, Quantity::YFXX),
+        };
+        let compiled = match order {
+            Some(compiled) => compiled,
+            None => order.insert(Compiled::new(&self.robot, quantity, self.coordinates)?),
+        };
+        let inputs = [&state.concat(), y.unwrap_or_default()].concat();
+        let Compiled { evaluator, results } = compiled;
+        evaluator.evaluate(&inputs, results)?;
+        let mut rest = results.as_slice();
+        let named = evaluator.results().iter().map(|shape| {
+            let (entries, more) = rest.split_at(shape.entries());
+            rest = more;
+            (shape.name, Matrix::from_rows(shape.columns, entries))
+        });
+        Ok(named.collect())
+    }
+}
+
+impl Answer {
+    /// Adds a result under its name; one of a single column as a vector.
+    pub fn result(&mut self, name: &str, entries: &Matrix<f64>) {
+        match entries.columns() {
+            1 => self.vector(name, entries.as_slice()),
+            _ => self.matrix(name, entries.view()),
+        }
+    }
+}
