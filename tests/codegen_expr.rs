@@ -103,6 +103,37 @@ fn a_product_is_joined_with_every_sum_or_computed_once() {
 }
 
 /// Friction as the kernels use it: exponential functions, comparisons, selections.
+/// p products and t other terms are p + max(t - 1, 0) steps, however they were put together.
+#[test]
+fn a_sum_of_products_takes_no_more_steps_than_it_must() {
+    let nested = recorded(|x, y, z| {
+        let (a, b) = (x + y, y - z);
+        vec![a, b, ((a * b - x * z) + (y * y - a)) - ((z - b * z) - x * x)]
+    });
+    assert_eq!(nested.steps(), 2 + 5 + 1, "{:?}", nested.nodes());
+    // x y is a factor too, so it is computed.
+    let pure = recorded(|x, y, z| vec![(x * y - z * z) + (y * z - x * x), -(x * z) - (y * y - x * y * z)]);
+    assert_eq!(pure.steps(), 1 + 3 + 3, "{:?}", pure.nodes());
+    // x y joins both sums, each of which has two other terms.
+    let shared = recorded(|x, y, z| vec![(x * y + z) - y, (x - x * y) - z]);
+    assert_eq!(shared.steps(), 2 + 2, "{:?}", shared.nodes());
+    let (x, y, z) = (0.3, -0.7, 2.0);
+    let (a, b) = (x + y, y - z);
+    let expected = [
+        vec![a, b, a * b - x * z + y * y - a - z + b * z + x * x],
+        vec![x * y - z * z + y * z - x * x, x * y * z - x * z - y * y],
+        vec![x * y + z - y, x - x * y - z],
+    ];
+    for (program, expected) in [nested, pure, shared].iter().zip(expected) {
+        let near = |(found, expected): (f64, f64)| (found - expected).abs() < 1e-14;
+        let found = at(program, &[x, y, z]);
+        assert!(
+            found.iter().copied().zip(expected.iter().copied()).all(near),
+            "{found:?} is not {expected:?}"
+        );
+    }
+}
+
 fn law(v: Expr) -> Vec<Expr> {
     let law = Friction { viscous: 0.7, coulomb: 3.0, coulomb_velocity: 0.25 };
     let d = friction(&law, v);

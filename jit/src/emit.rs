@@ -4,7 +4,7 @@ use crate::assembler::{Arithmetic, Form, Fused, Operand, Register};
 use crate::error::JitError;
 use crate::place::Place;
 use crate::registers::{NEVER, Registers};
-use costate::codegen::Node;
+use costate::codegen::{Id, Node};
 
 /// What a change of sign needs, the sign bits alone: entries 0 and 1 of the constants, since 16 bytes are read at least.
 pub(crate) const SIGNS: [f64; 2] = [-0.0, -0.0];
@@ -15,6 +15,7 @@ pub(crate) const SIGNS: [f64; 2] = [-0.0, -0.0];
 /// [`JitError::Malformed`] where a value that it uses is nowhere.
 pub(crate) fn step(registers: &mut Registers, k: usize, node: &Node) -> Result<Register, JitError> {
     use Arithmetic::{Add, Div, Mul, Sub};
+    registers.keep(&node.operands().map(Id::index).collect::<Vec<_>>())?;
     match *node {
         Node::Add(a, b) => either_way(registers, Add, a.index(), b.index()),
         Node::Mul(a, b) => either_way(registers, Mul, a.index(), b.index()),

@@ -1,7 +1,8 @@
-//! From the nodes of a recording to those of a program: signs settled, products joined with sums, dead nodes left out.
+//! From the nodes of a recording to those of a program: signs settled, sums joined with their products, dead nodes left out.
 
 use super::arena::Arena;
 use super::node::{Id, Node};
+use super::sums::joined;
 use super::value::{Signed, Value};
 
 /// Nodes, operands first, and where the results are.
@@ -54,7 +55,7 @@ impl Graph {
 /// The graph of these results of a recording.
 pub(super) fn lower(nodes: Vec<Node>, results: &[Signed]) -> Graph {
     let flipped = flips(&nodes, results);
-    fuse(signed(&nodes, results, &flipped).swept())
+    joined(&signed(&nodes, results, &flipped).swept())
 }
 
 /// Which nodes are computed with the other sign.
@@ -145,54 +146,4 @@ fn sum(arena: &mut Arena, a: Signed, b: Signed, flipped: bool) -> Signed {
         (true, false) => (Node::Sub(b.id, a.id), false),
     };
     Signed { id: arena.intern(node), negative }
-}
-
-/// Products that only sums use become one step with each of them, if no other product takes its place there.
-///
-/// A product that one sum uses comes first. One of several sums is joined with all of them or with none: it saves a step
-/// where it is not needed for itself any more.
-fn fuse(graph: Graph) -> Graph {
-    let uses = graph.uses();
-    let mut depth = vec![0_u32; graph.nodes.len()];
-    let mut sums = vec![Vec::new(); graph.nodes.len()];
-    for (k, node) in graph.nodes.iter().enumerate() {
-        depth[k] = node.operands().map(|id| depth[id.index()] + 1).max().unwrap_or(0);
-        if let Node::Add(a, b) | Node::Sub(a, b) = *node {
-            sums[a.index()].push(k);
-            sums[b.index()].push(k);
-        }
-    }
-    let is_product = |id: Id| matches!(graph.nodes[id.index()], Node::Mul(..));
-    let mut joined: Vec<Option<Id>> = vec![None; graph.nodes.len()];
-    for (k, node) in graph.nodes.iter().enumerate() {
-        let (Node::Add(a, b) | Node::Sub(a, b)) = *node else { continue };
-        let once = [a, b].into_iter().filter(|&id| is_product(id) && uses[id.index()] == 1);
-        // Of two products the one that is ready last: the other waits for it as a term.
-        joined[k] = once.max_by_key(|id| depth[id.index()]);
-    }
-    for (k, sums) in sums.iter().enumerate() {
-        let id = Id(k as u32);
-        let in_sums_alone = sums.len() > 1 && sums.len() == uses[k] as usize;
-        if is_product(id) && in_sums_alone && sums.iter().all(|&sum| joined[sum].is_none()) {
-            sums.iter().for_each(|&sum| joined[sum] = Some(id));
-        }
-    }
-    let nodes = graph.nodes.iter().zip(&joined).map(|(&node, &joined)| join(&graph.nodes, node, joined));
-    Graph { nodes: nodes.collect(), results: graph.results }.swept()
-}
-
-/// A sum joined with one of its terms, a product.
-fn join(nodes: &[Node], sum: Node, product: Option<Id>) -> Node {
-    let factors = |id: Id| match nodes[id.index()] {
-        Node::Mul(x, y) if Some(id) == product => Some((x, y)),
-        _ => None,
-    };
-    let (Node::Add(a, b) | Node::Sub(a, b)) = sum else { return sum };
-    match (sum, factors(a), factors(b)) {
-        (Node::Add(..), Some((x, y)), _) => Node::MulAdd(x, y, b),
-        (Node::Add(..), _, Some((x, y))) => Node::MulAdd(x, y, a),
-        (_, Some((x, y)), _) => Node::MulSub(x, y, b),
-        (_, _, Some((x, y))) => Node::NegMulAdd(x, y, a),
-        _ => sum,
-    }
 }

@@ -29,6 +29,7 @@ mod quantity;
 mod recording;
 mod robot;
 mod rust;
+mod sums;
 mod text;
 mod value;
 

@@ -40,7 +40,7 @@ pub fn states(route: &str) -> Option<usize> {
     }
 }
 
-/// Nothing is added where the program is above the limit of the compiler, or the processor has no machine code.
+/// A route is left out where the program is above its limit, or the processor has no machine code.
 fn machine_code<'a>(
     case: &'a Case,
     label: &'static str,
@@ -48,35 +48,41 @@ fn machine_code<'a>(
     list: &mut Vec<Candidate<'a>>,
 ) -> Result<(), Failure> {
     let program = robot_program(&case.robot, quantity, Coordinates::Hamiltonian, &Options::default())?;
-    let (Ok(one), Ok(four)) = (Compiled::new(&program), Compiled::lanes(&program)) else {
-        println!("{}: {label}: {} steps are above the limit of the compiler", case.title, program.steps());
-        return Ok(());
+    let above = |route: &str| {
+        println!("{}: {label}: {} steps are above the limit of {route}", case.title, program.steps());
     };
     let results = program.outputs() - entries(label, case.robot.len())..program.outputs();
     let state = &case.state;
     let inputs: Vec<f64> =
-        state.x.iter().chain(&state.u).chain(&state.y).copied().take(one.inputs()).collect();
+        state.x.iter().chain(&state.u).chain(&state.y).copied().take(program.inputs()).collect();
     let fours: Vec<[f64; 4]> =
         inputs.iter().map(|&x| [1.0, 0.9, 0.8, 0.7].map(|factor| factor * x)).collect();
-    let mut outputs = vec![0.0; one.outputs()];
-    let wanted = results.clone();
-    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
-        one.call(black_box(&inputs), black_box(&mut outputs))?;
-        if let Some(to) = to {
-            to.extend(&outputs[wanted.clone()]);
-        }
-        Ok(())
-    };
-    list.push(Candidate { quantity: label, route: JIT, work: Box::new(work) });
-    let mut outputs = vec![[0.0; 4]; four.outputs()];
-    let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
-        four.call(black_box(&fours), black_box(&mut outputs))?;
-        if let Some(to) = to {
-            to.extend(outputs[results.clone()].iter().map(|lanes| lanes[0]));
-        }
-        Ok(())
-    };
-    list.push(Candidate { quantity: label, route: JIT_LANES, work: Box::new(work) });
+    if let Ok(one) = Compiled::new(&program) {
+        let (mut outputs, wanted, inputs) = (vec![0.0; one.outputs()], results.clone(), inputs);
+        let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+            one.call(black_box(&inputs), black_box(&mut outputs))?;
+            if let Some(to) = to {
+                to.extend(&outputs[wanted.clone()]);
+            }
+            Ok(())
+        };
+        list.push(Candidate { quantity: label, route: JIT, work: Box::new(work) });
+    } else {
+        above(JIT);
+    }
+    if let Ok(four) = Compiled::lanes(&program) {
+        let mut outputs = vec![[0.0; 4]; four.outputs()];
+        let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
+            four.call(black_box(&fours), black_box(&mut outputs))?;
+            if let Some(to) = to {
+                to.extend(outputs[results.clone()].iter().map(|lanes| lanes[0]));
+            }
+            Ok(())
+        };
+        list.push(Candidate { quantity: label, route: JIT_LANES, work: Box::new(work) });
+    } else {
+        above(JIT_LANES);
+    }
     Ok(())
 }
 
