@@ -28,6 +28,7 @@
 
 pub mod batch;
 pub mod codegen;
+pub mod control;
 pub mod derivative;
 pub mod dynamics;
 mod error;

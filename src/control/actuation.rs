@@ -1,0 +1,125 @@
+//! The control that makes the Hamiltonian greatest.
+
+use super::extremal::{Ease, Law, Side};
+use super::problem::Problem;
+
+/// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
+/// at the nearest point to the free maximum.
+///
+/// Controls that cost nothing jump from bound to bound. To lead there smoothly, an [eased](Ease) problem gives them the cost
+/// `r w^2 ( s artanh s + 1/2 log(1 - s^2) )`, s = (u - middle)/w with w half the distance between the bounds: near the middle
+/// that is `1/2 r (u - middle)^2`, and the maximum is at `u = middle + w tanh(b y_p / (r w))`.
+#[derive(Clone, Debug)]
+pub(super) struct Actuation {
+    /// b_i.
+    pub gain: Vec<f64>,
+    /// r_i.
+    pub effort: Vec<f64>,
+    /// Bounds, infinite where there are none.
+    pub bounds: Vec<(f64, f64)>,
+    /// Controls that cost nothing and have the smooth cost now: their middle and w.
+    smooth: Vec<Option<(f64, f64)>>,
+}
+
+/// A control as it acts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Control {
+    pub u: f64,
+    /// du / d(b y_p).
+    pub slope: f64,
+    /// Its part of the running cost.
+    pub cost: f64,
+    /// What it costs only because the problem is eased.
+    pub smoothing: f64,
+}
+
+impl Actuation {
+    /// That of a problem.
+    pub fn new(problem: &Problem) -> Self {
+        let n = problem.robot.len();
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let bounds = match &problem.bounds {
+            Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),
+            None => vec![free; n],
+        };
+        let (gain, effort) = (problem.gain.clone(), problem.cost.effort.clone());
+        Self { gain, effort, bounds, smooth: vec![None; n] }
+    }
+
+    /// Wider bounds than asked for, and a cost for controls that have none: at `ease.effort = 1` that of staying at a bound
+    /// is about the price of time.
+    pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Ease) {
+        let price = if time_cost > 0.0 { time_cost } else { 1.0 };
+        for (i, &(low, high)) in asked.bounds.iter().enumerate() {
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            self.bounds[i] = match ease.bounds {
+                1.0 => (low, high),
+                _ if low.is_finite() && ease.bounds.is_finite() => {
+                    (middle - ease.bounds * half, middle + ease.bounds * half)
+                }
+                _ => (f64::NEG_INFINITY, f64::INFINITY),
+            };
+            (self.effort[i], self.smooth[i]) = match asked.effort[i] {
+                0.0 if ease.effort > 0.0 => {
+                    (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))
+                }
+                effort => (effort, None),
+            };
+        }
+    }
+
+    /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
+    pub fn unbounded(&self, i: usize, y_p: f64) -> f64 {
+        let pull = self.gain[i] * y_p;
+        let middle = self.smooth[i].map_or(0.0, |(middle, _)| middle);
+        if pull == 0.0 { middle } else { middle + pull / self.effort[i] }
+    }
+
+    /// u_i and what goes with it.
+    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control {
+        let free = self.unbounded(i, y_p);
+        if let (Law::Maximal, Some((middle, width))) = (law, self.smooth[i]) {
+            return self.smoothed(i, free - middle, (middle, width));
+        }
+        let (low, high) = self.bounds[i];
+        let side = match law {
+            Law::Given(sides) => sides[i],
+            Law::Maximal => super::arcs::side_of(free, (low, high)),
+        };
+        let (u, slope) = match side {
+            Side::Low => (low, 0.0),
+            Side::Inside => (free, self.effort[i].recip()),
+            Side::High => (high, 0.0),
+        };
+        Control { u, slope, cost: 0.5 * self.effort[i] * u * u, smoothing: 0.0 }
+    }
+
+    /// With `free = b y_p / r`.
+    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control {
+        let r = self.effort[i];
+        if width.is_infinite() {
+            let smoothing = 0.5 * r * free * free;
+            return Control { u: middle + free, slope: r.recip(), cost: 0.0, smoothing };
+        }
+        let argument = free / width;
+        let s = argument.tanh();
+        // 1/2 log(1 - s^2) = -log cosh, without cancellation.
+        let size = argument.abs();
+        let log_cosh = size + (-2.0 * size).exp().ln_1p() - std::f64::consts::LN_2;
+        let smoothing = r * width * width * (s * argument - log_cosh);
+        let cosh = log_cosh.exp();
+        Control { u: middle + width * s, slope: (r * cosh * cosh).recip(), cost: 0.0, smoothing }
+    }
+
+    /// `b_i y_p,i - r_i u_i` at the bound that is reached or left, and its slope in y_p,i; between two bounds `b_i y_p,i`.
+    pub fn switching(&self, i: usize, sides: (Side, Side), y_p: f64) -> (f64, f64) {
+        let (low, high) = self.bounds[i];
+        let bound = match sides {
+            (Side::Low, Side::High) | (Side::High, Side::Low) => 0.0,
+            (Side::Low, _) | (_, Side::Low) => low,
+            (Side::High, _) | (_, Side::High) => high,
+            (Side::Inside, Side::Inside) => 0.0,
+        };
+        (self.gain[i] * y_p - self.effort[i] * bound, self.gain[i])
+    }
+}

@@ -1,0 +1,117 @@
+//! What can be wrong with a problem.
+
+/// Why a problem was refused; names the key of the problem file and the joint.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProblemError {
+    /// A list of the wrong length.
+    #[error("{key} has {found} entries, the robot has {expected} joints: give one for each")]
+    WrongLength {
+        /// The key.
+        key: &'static str,
+        /// Number of joints.
+        expected: usize,
+        /// Length found.
+        found: usize,
+    },
+    /// An entry that is infinite or undefined.
+    #[error("{key}: the entry of joint '{joint}' is not finite")]
+    NotFinite {
+        /// The key.
+        key: &'static str,
+        /// The joint.
+        joint: String,
+    },
+    /// A joint that the robot does not have.
+    #[error("{key} names joint {joint}, but the joints are numbered from 0 to {last}", last = n - 1)]
+    UnknownJoint {
+        /// The key.
+        key: &'static str,
+        /// The number given.
+        joint: usize,
+        /// Number of joints.
+        n: usize,
+    },
+    /// A number that must be positive.
+    #[error("{key} = {value} must be positive and finite")]
+    NotPositive {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A number that must not be negative.
+    #[error("{key}{of} = {value} must not be negative, nor infinite", of = of_joint(.joint))]
+    Negative {
+        /// The key.
+        key: &'static str,
+        /// The joint, where it is a list.
+        joint: Option<String>,
+        /// Its value.
+        value: f64,
+    },
+    /// A free final time that costs nothing.
+    #[error("time.free needs cost.time > 0: without a price of time the best motion takes for ever")]
+    FreeTimeWithoutCost,
+    /// A control that does nothing.
+    #[error("actuation.gain of joint '{joint}' is zero: its control would do nothing")]
+    NoGain {
+        /// The joint.
+        joint: String,
+    },
+    /// Bounds that leave nothing between them.
+    #[error("bounds.u_min = {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}")]
+    EmptyBounds {
+        /// The joint.
+        joint: String,
+        /// Lower bound.
+        u_min: f64,
+        /// Upper bound.
+        u_max: f64,
+    },
+    /// A range of positions that leaves nothing.
+    #[error("penalty.q_min = {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}")]
+    EmptyRange {
+        /// The joint.
+        joint: String,
+        /// Lower limit.
+        q_min: f64,
+        /// Upper limit.
+        q_max: f64,
+    },
+    /// A control that costs nothing and has no bounds.
+    #[error(
+        "cost.effort of joint '{joint}' is zero and there are no bounds: give it a weight, or bounds.u_min and bounds.u_max"
+    )]
+    UnboundedEffort {
+        /// The joint.
+        joint: String,
+    },
+    /// A fixed time and no effort.
+    #[error(
+        "cost.effort is zero for all joints and time.final is fixed: nothing is left to minimise; give efforts, or free the time"
+    )]
+    NothingToMinimise,
+    /// An option out of range.
+    #[error("solver.{key} = {value}: {remedy}")]
+    BadOption {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        remedy: &'static str,
+    },
+    /// A saved solution of another robot.
+    #[error("start_from.file holds a motion of {found} joints, the robot has {expected}")]
+    OtherRobot {
+        /// Number of joints.
+        expected: usize,
+        /// Number of joints in the file.
+        found: usize,
+    },
+}
+
+fn of_joint(joint: &Option<String>) -> String {
+    joint.as_ref().map_or_else(String::new, |joint| format!(" of joint '{joint}'"))
+}

@@ -1,0 +1,60 @@
+//! Optimal motions by Pontryagin's maximum principle.
+//!
+//! A [`Problem`] asks for the control that takes a robot from its start to its end and makes the cost
+//! `J = integral of l(x, u) dt` least. Along such a motion there is a costate y with
+//!
+//! ```text
+//! H*(x, y) = max_u [ y'f(x, u) - l(x, u) ]      x' = H*_y      y' = -H*_x
+//! ```
+//!
+//! a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian holds the contracted Hessian y'F_xx
+//! ([`RobotExtremal`]). [`Solver`] solves it by collocation at Lobatto's points and Newton's method; anything that is an
+//! [`Extremal`] goes the same way through [`solve_extremal`]. Signs are those of H* above throughout: `dJ/dT = -H*`,
+//! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`.
+
+mod accuracy;
+mod actuation;
+mod almost_block_diagonal;
+mod arcs;
+mod collocation;
+mod condensed;
+mod continuation;
+mod dormand_prince;
+mod ends;
+mod error;
+mod extremal;
+mod final_time;
+mod guess;
+mod jacobi;
+mod lobatto;
+mod lu;
+mod mesh;
+mod motion;
+mod newton;
+mod options;
+mod penalty;
+mod polynomial;
+mod problem;
+mod refine;
+mod residuals;
+mod robot_extremal;
+mod robot_jacobian;
+mod search;
+mod solution;
+mod solver;
+mod stages;
+mod status;
+mod timed;
+mod values;
+
+pub use almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
+pub use error::ProblemError;
+pub use extremal::{Ease, Extremal, Law, Rate, Side};
+pub use motion::{Certificate, Motion};
+pub use options::{Iteration, Jacobian, Options};
+pub use problem::{Bounds, Cost, End, Penalty, Problem, Start, Time};
+pub use robot_extremal::RobotExtremal;
+pub use search::solve_extremal;
+pub use solution::{Solution, Trajectory};
+pub use solver::Solver;
+pub use status::Status;

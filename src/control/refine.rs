@@ -1,0 +1,187 @@
+//! Newton's method and better meshes by turns.
+
+use super::accuracy::{Estimate, estimate, next_mesh};
+use super::collocation::{Collocation, Failure};
+use super::extremal::Extremal;
+use super::mesh::{Mesh, Span};
+use super::newton::{LEAST_DAMPING, Limits, Outcome, newton};
+use super::options::{Iteration, Options};
+use super::status::Status;
+use super::timed::{Arcs, Clock, Timed};
+
+/// A solution of the boundary-value problem on its mesh, or the best that was found.
+pub(super) struct Extremum {
+    pub equations: Collocation,
+    pub clock: Clock,
+    pub arcs: Arcs,
+    pub status: Status,
+    /// Estimated errors on the last mesh, where it came to that.
+    pub estimate: Option<Estimate>,
+}
+
+/// Who is told each Newton step.
+pub(super) type Listener<'a> = Box<dyn FnMut(&Iteration) + 'a>;
+
+/// What all parts of a solution share: options, the table of iterations and who listens.
+pub(super) struct Context<'a> {
+    pub options: Options,
+    pub iterations: Vec<Iteration>,
+    pub listener: Option<Listener<'a>>,
+    pub phase: &'static str,
+    /// Most Newton steps on one mesh.
+    pub steps: usize,
+    /// Smallest damping.
+    pub damping: f64,
+}
+
+impl<'a> Context<'a> {
+    pub fn new(options: &Options, listener: Option<Listener<'a>>) -> Self {
+        let steps = options.max_iterations;
+        Self {
+            options: options.clone(),
+            iterations: Vec::new(),
+            listener,
+            phase: "fixed time",
+            steps,
+            damping: LEAST_DAMPING,
+        }
+    }
+
+    fn record(&mut self, iteration: Iteration) {
+        if let Some(listener) = &mut self.listener {
+            listener(&iteration);
+        }
+        self.iterations.push(iteration);
+    }
+}
+
+impl Extremum {
+    /// Equations on a mesh with a guess, not yet solved.
+    pub fn guess<E: Extremal>(
+        extremal: &mut E,
+        (clock, arcs): (Clock, Arcs),
+        mesh: Mesh,
+        points: usize,
+        guess: impl FnMut(usize, f64, &mut [f64]),
+    ) -> Self {
+        let timed = Timed::new(extremal, clock, arcs);
+        let equations = Collocation::new(&timed, mesh, points, guess);
+        let Timed { arcs, .. } = timed;
+        Self { equations, clock, arcs, status: Status::NewtonFailed, estimate: None }
+    }
+
+    /// Solves to the tolerance, with as many nodes as that takes.
+    pub fn solve<E: Extremal>(mut self, extremal: &mut E, tolerance: f64, context: &mut Context<'_>) -> Self {
+        let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
+        loop {
+            let limits =
+                Limits { tolerance: 0.1 * tolerance, steps: context.steps, damping: context.damping };
+            let outcome = newton(&mut self.equations, &mut timed, limits, |equations, timed, step| {
+                let final_time = final_time(equations, timed);
+                let (cost, penalty) = costs(equations, timed);
+                context.record(Iteration {
+                    phase: context.phase.into(),
+                    nodes: equations.mesh.nodes(),
+                    number: step.number,
+                    residual: step.correction,
+                    step: step.damping,
+                    final_time,
+                    cost: cost + penalty,
+                });
+            });
+            self.status = match outcome {
+                Outcome::Converged => Status::Converged,
+                Outcome::Stalled => Status::NewtonFailed,
+                Outcome::Limit => Status::IterationLimit,
+                Outcome::Failed(Failure::Singular(_)) => Status::Singular,
+                Outcome::Failed(Failure::Evaluation(error)) => Status::EvaluationFailed(error.to_string()),
+            };
+            if !self.status.is_converged() {
+                return self;
+            }
+            let estimate = match estimate(&mut self.equations, &mut timed) {
+                Ok(estimate) => estimate,
+                Err(error) => {
+                    self.status = Status::EvaluationFailed(error.to_string());
+                    return self;
+                }
+            };
+            if estimate.largest() <= tolerance {
+                self.estimate = Some(estimate);
+                return self;
+            }
+            let equations = &self.equations;
+            let most = context.options.max_nodes - 1;
+            let exhausted = equations.mesh.intervals() >= most - most / 20;
+            let mesh = next_mesh(&equations.mesh, &estimate, (equations.method.order(), most), tolerance);
+            self.estimate = Some(estimate);
+            if exhausted {
+                self.status = Status::MeshLimit;
+                return self;
+            }
+            let points = equations.method.len();
+            let finer = Collocation::new(&timed, mesh, points, |arc, s, w| equations.sample(arc, s, w));
+            self.equations = finer;
+        }
+    }
+
+    /// T (s).
+    pub fn final_time<E: Extremal>(&self, extremal: &mut E) -> f64 {
+        final_time(&self.equations, &Timed::new(extremal, self.clock, self.arcs.clone()))
+    }
+
+    /// Cost and penalties.
+    pub fn costs<E: Extremal>(&self, extremal: &mut E) -> (f64, f64) {
+        costs(&self.equations, &Timed::new(extremal, self.clock, self.arcs.clone()))
+    }
+
+    /// Duration of each arc (s).
+    pub fn durations(&self, z_len: usize) -> Vec<f64> {
+        let (m, mesh) = (self.equations.m, &self.equations.mesh);
+        let mut durations = vec![0.0; mesh.arcs()];
+        for (k, span) in mesh.spans.iter().enumerate() {
+            if let Span::Interval { arc, .. } = *span {
+                durations[arc] = match self.clock {
+                    Clock::Fixed(time) => time,
+                    _ => self.equations.current.nodes[k * m + z_len],
+                };
+            }
+        }
+        durations
+    }
+}
+
+fn final_time<E: Extremal>(equations: &Collocation, timed: &Timed<'_, E>) -> f64 {
+    let m = equations.m;
+    let spans = equations.mesh.spans.iter().enumerate();
+    spans
+        .map(|(k, span)| match *span {
+            Span::Interval { length, .. } => {
+                length * timed.duration(&equations.current.nodes[k * m..(k + 1) * m])
+            }
+            Span::Switch { .. } => 0.0,
+        })
+        .sum()
+}
+
+/// Integrals of the running cost and of the penalties, by the quadrature of the method.
+fn costs<E: Extremal>(equations: &Collocation, timed: &Timed<'_, E>) -> (f64, f64) {
+    let (m, inner) = (equations.m, equations.method.len() - 2);
+    let weights = equations.method.weights();
+    let (mut cost, mut penalty) = (0.0, 0.0);
+    for (k, span) in equations.mesh.spans.iter().enumerate() {
+        if let Span::Interval { length, .. } = *span {
+            let h = length * timed.duration(&equations.current.nodes[k * m..(k + 1) * m]);
+            for (j, weight) in weights.iter().enumerate() {
+                let rate = match j {
+                    0 => &equations.rates.0[k],
+                    j if j == inner + 1 => &equations.rates.0[k + 1],
+                    j => &equations.rates.1[k * inner + j - 1],
+                };
+                cost += h * weight * rate.cost;
+                penalty += h * weight * rate.penalty;
+            }
+        }
+    }
+    (cost, penalty)
+}

@@ -1,0 +1,103 @@
+//! By way of easier problems.
+
+use super::arcs::solve_arcs;
+use super::continuation::follow;
+use super::extremal::{Ease, Extremal};
+use super::final_time::free_time;
+use super::problem::Time;
+use super::refine::{Context, Extremum};
+use super::search::{DIRECT_STEPS, Guess, LOOSE, at_fixed_time, sharpen};
+use super::status::Status;
+
+/// Without limits and to a nearer end first; then the end, the time and the limits that were asked for.
+pub(super) fn by_stages<E: Extremal>(
+    extremal: &mut E,
+    time: Time,
+    guess: Guess<'_>,
+    context: &mut Context<'_>,
+) -> Extremum {
+    let loose = LOOSE.max(context.options.tolerance);
+    let easiest = extremal.easiest();
+    let mut ease = Ease { goal: 1.0, ..easiest };
+    context.phase = "without limits";
+    extremal.set_ease(ease);
+    context.steps = context.options.max_iterations.min(DIRECT_STEPS);
+    let mut at = at_fixed_time(extremal, time, (1.0, guess), context).solve(extremal, loose, context);
+    if !at.status.is_converged() && easiest.goal < 1.0 {
+        context.phase = "nearer end";
+        ease.goal = easiest.goal;
+        extremal.set_ease(ease);
+        at = at_fixed_time(extremal, time, (ease.goal, guess), context).solve(extremal, loose, context);
+        at = follow(at, extremal, context, |extremal, s| {
+            extremal.set_ease(Ease { goal: easiest.goal + s * (1.0 - easiest.goal), ..ease });
+        });
+        ease.goal = 1.0;
+    }
+    context.steps = context.options.max_iterations;
+    if let (Time::Free { .. }, true) = (time, at.status.is_converged()) {
+        at = free_time(at, extremal, loose, context);
+    }
+    if easiest.penalty < 1.0 {
+        context.phase = "penalties";
+        at = follow(at, extremal, context, |extremal, s| {
+            let penalty = 1e-6_f64.powf(1.0 - s);
+            extremal.set_ease(Ease { penalty, ..ease });
+        });
+        ease.penalty = 1.0;
+    }
+    if easiest.bounds > 1.0 {
+        context.phase = "bounds";
+        extremal.set_ease(Ease { bounds: 1.0, ..ease });
+        let excess = at.excess(extremal).max(1.0);
+        at = follow(at, extremal, context, |extremal, s| {
+            extremal.set_ease(Ease { bounds: excess.powf(1.0 - s), ..ease });
+        });
+        ease.bounds = 1.0;
+    }
+    if easiest.effort > 0.0 {
+        return without_effort(at, extremal, ease, context);
+    }
+    extremal.set_ease(Ease::NONE);
+    context.phase = if let Time::Fixed(_) = time { "fixed time" } else { "free time" };
+    sharpen(at, extremal, context)
+}
+
+/// The weight of the effort goes to zero by steps; after each the arcs are tried that its solution shows.
+fn without_effort<E: Extremal>(
+    mut at: Extremum,
+    extremal: &mut E,
+    ease: Ease,
+    context: &mut Context<'_>,
+) -> Extremum {
+    let tolerance = context.options.tolerance;
+    let mut ease = ease;
+    for next in SMOOTHINGS {
+        context.phase = "smoothing";
+        let effort = ease.effort;
+        at = follow(at, extremal, context, |extremal, s| {
+            ease.effort = effort * (next / effort).powf(s);
+            extremal.set_ease(ease);
+        });
+        extremal.set_ease(Ease::NONE);
+        let steps = std::mem::replace(&mut context.steps, DIRECT_STEPS);
+        let found = solve_arcs(&at, extremal, tolerance, context);
+        context.steps = steps;
+        if let Some(found) = found {
+            return found;
+        }
+        if !at.status.is_converged() {
+            break;
+        }
+    }
+    // The motion of the smoothed problem; it keeps to the bounds and meets the end.
+    extremal.set_ease(ease);
+    context.phase = "smoothing";
+    let smoothed = at.solve(extremal, tolerance.max(1e-7), context);
+    match smoothed.status {
+        Status::Converged => smoothed.with_status(Status::SwitchesNotRefined),
+        _ => smoothed,
+    }
+}
+
+/// Weights of the effort at which the arcs are tried, in parts of one that makes it matter.
+const SMOOTHINGS: [f64; 7] = [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4];

@@ -1,0 +1,10 @@
+//! Optimal motions against values known in closed form or published.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
+
+mod bounded;
+mod extremals;
+mod known;
+mod linear_algebra;
+mod one_state;
+mod problems;
