@@ -6,6 +6,7 @@ mod codegen;
 mod count;
 mod eval;
 mod info;
+mod optimize;
 mod report;
 
 use clap::{Args, Parser, Subcommand};
@@ -45,6 +46,11 @@ enum Command {
     ///
     /// The text depends on nothing but the robot and what is asked for; its head says what arguments and results are.
     Codegen(codegen::Arguments),
+    /// Find an optimal motion, by the maximum principle
+    ///
+    /// The problem file names a robot and says where to start, where to end, how long, and what it costs:
+    /// docs/optimize.md. Exit status 3 where it was not solved; what is written then is the best iterate.
+    Optimize(optimize::Arguments),
 }
 
 /// The robot, and how to read it.
@@ -85,6 +91,7 @@ fn main() -> ExitCode {
         Command::Count(arguments) => count::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Codegen(arguments) => codegen::run(&arguments),
+        Command::Optimize(arguments) => optimize::run(&arguments),
     };
     match outcome {
         Ok(code) => code,

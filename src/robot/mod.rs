@@ -14,6 +14,7 @@ mod joint_frame;
 mod link;
 mod origins;
 pub(crate) mod parameters;
+mod poses;
 mod regroup;
 mod tree;
 pub mod urdf;

@@ -4,5 +4,6 @@
 
 mod child;
 mod eval;
+mod optimize;
 mod reports;
 mod source;

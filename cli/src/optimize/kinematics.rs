@@ -1,0 +1,163 @@
+//! The robot as a stick figure: points in the world and the lines between them.
+
+use costate::control::Trajectory;
+use costate::robot::{JointKind, Robot};
+
+/// x, y, z in the world frame (m).
+pub type Point = [f64; 3];
+
+/// What a line of the figure stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// From the world to a joint that stands on it.
+    Base,
+    /// Between two joints, or from the last joint to the centre of mass of its link.
+    Link,
+    /// The way that a prismatic joint has gone.
+    Slide,
+}
+
+impl Part {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Base => "base",
+            Self::Link => "link",
+            Self::Slide => "slide",
+        }
+    }
+}
+
+/// Point 0 is the origin of the world; joint i stands at point 1 + 2 i and has moved to point 2 + 2 i, the same for
+/// a revolute one. The centres of mass of the links that carry no other follow.
+pub struct Skeleton<'a> {
+    robot: &'a Robot,
+    leaves: Vec<usize>,
+    /// Two points and what lies between them.
+    pub lines: Vec<(usize, usize, Part)>,
+    /// The points whose way is drawn: one for each link that carries no other.
+    pub tips: Vec<usize>,
+}
+
+/// Shorter lines are left out (m).
+const SHORTEST: f64 = 1e-9;
+
+fn stands(i: usize) -> usize {
+    1 + 2 * i
+}
+
+/// The point of joint i, moved.
+pub fn moved(i: usize) -> usize {
+    2 + 2 * i
+}
+
+impl<'a> Skeleton<'a> {
+    pub fn new(robot: &'a Robot) -> Self {
+        let n = robot.len();
+        let carries = |i: usize| robot.joints().iter().any(|joint| joint.parent == Some(i));
+        let leaves: Vec<usize> = (0..n).filter(|&i| !carries(i)).collect();
+        let mut lines = Vec::new();
+        for (i, joint) in robot.joints().iter().enumerate() {
+            let length = joint.placement.translation.norm();
+            let (from, part) = joint.parent.map_or((0, Part::Base), |parent| (moved(parent), Part::Link));
+            if length > SHORTEST {
+                lines.push((from, stands(i), part));
+            }
+            if joint.kind == JointKind::Prismatic {
+                lines.push((stands(i), moved(i), Part::Slide));
+            }
+        }
+        let mut tips = Vec::new();
+        for (k, &leaf) in leaves.iter().enumerate() {
+            let tip = 1 + 2 * n + k;
+            let has_length = robot.joints()[leaf].inertia.com.norm() > SHORTEST;
+            tips.push(if has_length { tip } else { moved(leaf) });
+            if has_length {
+                lines.push((moved(leaf), tip, Part::Link));
+            }
+        }
+        Self { robot, leaves, lines, tips }
+    }
+
+    /// All points at q (rad, m); all at the origin where q has the wrong length.
+    pub fn points(&self, q: &[f64]) -> Vec<Point> {
+        let joints = self.robot.joints();
+        let mut points = vec![[0.0; 3]; 1 + 2 * joints.len() + self.leaves.len()];
+        let Ok(poses) = self.robot.poses(q) else { return points };
+        for (i, (joint, pose)) in joints.iter().zip(&poses).enumerate() {
+            let standing = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
+            points[stands(i)] = standing.translation.into();
+            points[moved(i)] = pose.translation.into();
+        }
+        for (k, &leaf) in self.leaves.iter().enumerate() {
+            let pose = &poses[leaf];
+            points[1 + 2 * joints.len() + k] =
+                (pose.rotation * joints[leaf].inertia.com + pose.translation).into();
+        }
+        points
+    }
+}
+
+/// q at a time of the motion, cubic between the nodes, with the rates there.
+pub fn position(motion: &Trajectory, time: f64) -> Vec<f64> {
+    let next = motion.t.partition_point(|&t| t < time).clamp(1, motion.t.len().max(2) - 1);
+    let (before, h) = (next - 1, motion.t[next] - motion.t[next - 1]);
+    // At a switch two nodes have the same time, and the same q.
+    let s = if h > 0.0 { ((time - motion.t[before]) / h).clamp(0.0, 1.0) } else { 0.0 };
+    let weight = [(1.0 + 2.0 * s) * (1.0 - s).powi(2), s * (1.0 - s).powi(2) * h];
+    let weight_next = [s * s * (3.0 - 2.0 * s), s * s * (s - 1.0) * h];
+    let joint = |i: usize| {
+        weight[0] * motion.q[before][i]
+            + weight[1] * motion.v[before][i]
+            + weight_next[0] * motion.q[next][i]
+            + weight_next[1] * motion.v[next][i]
+    };
+    (0..motion.q[before].len()).map(joint).collect()
+}
+
+/// The points of the figure at `count` times from start to end, without those that are not finite.
+pub fn film(skeleton: &Skeleton<'_>, motion: &Trajectory, count: usize) -> Vec<Vec<Point>> {
+    let [first, .., last] = motion.t[..] else {
+        return motion.q.iter().map(|q| skeleton.points(q)).collect();
+    };
+    let time = |k: usize| first + (last - first) * k as f64 / (count - 1) as f64;
+    let frames = (0..count).map(|k| skeleton.points(&position(motion, time(k))));
+    frames.filter(|points| points.iter().flatten().all(|x| x.is_finite())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use costate::robot::{JointSpec, LinkInertia, Placement};
+
+    #[test]
+    fn a_cart_with_a_pole_has_a_slide_and_a_link() {
+        let cart =
+            JointSpec::prismatic("cart").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
+        let pole = JointSpec::revolute("pole").on("cart").axis([0.0, 1.0, 0.0]);
+        let pole = pole.carrying(LinkInertia::point(1.0, [0.0, 0.0, 0.5]));
+        let lift = Placement::from_xyz_rpy([0.0, 0.0, 0.2], [0.0; 3]);
+        let robot = Robot::builder("cart pole").joint(cart).joint(pole.placed(lift)).build().unwrap();
+        let skeleton = Skeleton::new(&robot);
+        let parts: Vec<_> = skeleton.lines.iter().map(|line| line.2).collect();
+        assert_eq!(parts, [Part::Slide, Part::Link, Part::Link]);
+        let points = skeleton.points(&[0.7, std::f64::consts::FRAC_PI_2]);
+        let expected =
+            [[0.0; 3], [0.0; 3], [0.7, 0.0, 0.0], [0.7, 0.0, 0.2], [0.7, 0.0, 0.2], [1.2, 0.0, 0.2]];
+        for (point, expected) in points.iter().zip(&expected) {
+            assert!(point.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{points:?}");
+        }
+        assert_eq!(skeleton.tips, [5]);
+    }
+
+    #[test]
+    fn positions_between_nodes_follow_a_cubic_exactly() {
+        let t = vec![0.0, 0.0, 0.4, 0.4, 1.0];
+        let q = t.iter().map(|t| vec![t * t * (3.0 - 2.0 * t)]).collect();
+        let v = t.iter().map(|t| vec![6.0 * t * (1.0 - t)]).collect();
+        let motion = Trajectory { t, q, v, ..Trajectory::default() };
+        for time in [0.0_f64, 0.1, 0.4, 0.77, 1.0] {
+            let expected = time * time * (3.0 - 2.0 * time);
+            assert!((position(&motion, time)[0] - expected).abs() < 1e-15, "{time}");
+        }
+    }
+}

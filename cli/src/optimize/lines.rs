@@ -1,0 +1,38 @@
+//! Where a key stands in a TOML text.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Line of a byte of the text, from 1.
+pub fn line_at(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}
+
+/// Line of `table.key`, or of the table where the key is missing; `None` where both are.
+pub fn line_of(text: &str, path: &str) -> Option<usize> {
+    let document = DeTable::parse(text).ok()?;
+    let mut table = document.get_ref();
+    let mut line = None;
+    for name in path.split('.') {
+        let Some((key, value)) = table.iter().find(|(key, _)| key.get_ref() == name) else { break };
+        line = Some(line_at(text, Spanned::span(key).start));
+        let DeValue::Table(inner) = value.get_ref() else { break };
+        table = inner;
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::line_of;
+
+    #[test]
+    fn keys_are_found_in_tables_of_either_form() {
+        let text = "robot = \"a\"\n\n[start]\nq = [\n  1.0,\n]\n[end]\nq = [1]\n";
+        for (path, line) in [("robot", 1), ("start.q", 4), ("end.q", 8), ("end.v", 7)] {
+            assert_eq!(line_of(text, path), Some(line), "{path}");
+        }
+        assert_eq!(line_of("time = { free = true }", "time.guess"), Some(1));
+        assert_eq!(line_of(text, "bounds.u_min"), None);
+    }
+}

@@ -1,0 +1,105 @@
+//! `costate optimize`: an optimal motion of a robot, from a problem file.
+
+mod kinematics;
+mod lines;
+mod problem_file;
+mod progress;
+mod report;
+mod saved;
+mod summary;
+mod tables;
+
+use crate::Outcome;
+use costate::control::{Problem, Solution, Solver};
+use costate::robot::LoadOptions;
+use problem_file::Task;
+use saved::Saved;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Problem file (.toml): robot, start, end, time, cost
+    problem: PathBuf,
+    /// Print one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+    /// Write the report, one HTML file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write the plots of the report as SVG files
+    #[arg(long, value_name = "FOLDER")]
+    svg: Option<PathBuf>,
+    /// Write the solution, or the best iterate, as JSON that `[start_from] file` reads
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// Refuse robots that are not physical (massless links, violated triangle inequality)
+    #[arg(long)]
+    strict: bool,
+    /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction
+    #[arg(long)]
+    friction: bool,
+}
+
+/// Exit status of a problem that was not solved.
+const NOT_CONVERGED: u8 = 3;
+
+pub fn run(arguments: &Arguments) -> Outcome {
+    let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
+    let task = Task::read(&arguments.problem, load)?;
+    task.problem.robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let started = Instant::now();
+    let solution = solve(&task)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let problem = &task.problem;
+    let warnings = problem.limit_warnings(&solution);
+    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let saved = Saved::new(&solution, problem.penalty.is_some());
+    if let Some(file) = &arguments.save {
+        write(file, &serde_json::to_string(&saved)?)?;
+    }
+    let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
+    if let Some(file) = &arguments.output {
+        write(file, &report::page(&motion))?;
+    }
+    if let Some(folder) = &arguments.svg {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        for (name, text) in report::files(&motion) {
+            write(&folder.join(name), &text)?;
+        }
+    }
+    let mut out = std::io::stdout().lock();
+    if arguments.json {
+        writeln!(out, "{}", serde_json::to_string(&saved)?)?;
+    } else {
+        summary::print(problem, &solution, seconds, &mut out)?;
+    }
+    Ok(if solution.status.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(NOT_CONVERGED) })
+}
+
+/// Solves the task, with a line on a terminal that says how far it is.
+fn solve(task: &Task) -> Result<Solution, Box<dyn std::error::Error>> {
+    let line = progress::Line::new(&task.problem.robot)?;
+    let mut solver = Solver::new(&task.problem, task.options.clone())?;
+    if let Some(start) = &task.start_from {
+        solver = solver.from(start);
+    }
+    let solution = solver.on_iteration(|iteration| line.show(iteration)).solve();
+    line.clear();
+    Ok(solution)
+}
+
+fn write(file: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(file, text).map_err(|error| unwritable(file, &error))
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> String {
+    format!("{}: cannot be written ({error}); check the path and the permissions", path.display())
+}
+
+/// Whether the motion may take any time.
+fn time_is_free(problem: &Problem) -> bool {
+    matches!(problem.time, costate::control::Time::Free { .. })
+}

@@ -1,0 +1,158 @@
+//! The page: figures, the moving robot, plots, iterations, the problem.
+
+use super::panels::{self, Panel};
+use super::stage_data::{TURNING, data};
+use super::strobe::Stage;
+use super::svg::{STYLE, escaped};
+use super::{FRAMES, Motion, views};
+use crate::optimize::kinematics::{Skeleton, film};
+use crate::optimize::summary;
+use costate::control::Status;
+
+const PAGE_STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// The whole file.
+pub fn text(motion: &Motion<'_>) -> String {
+    let robot = &motion.problem.robot;
+    let name = escaped(robot.name());
+    let along = plots(panels::along_the_motion(motion));
+    let controls = plots(panels::control_by_control(motion));
+    let controls = if controls.is_empty() {
+        controls
+    } else {
+        format!("<h3>Each control</h3><div class=\"grid-of-pictures\">{controls}</div>")
+    };
+    let solver = plots(panels::residuals(&motion.solution.iterations));
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <title>Optimal motion of {name}</title>\n<style>{STYLE}{PAGE_STYLE}</style></head>\n<body>\n\
+         {head}{pictures}\
+         <section><h2>Along the motion</h2>{keys}\
+         <div class=\"grid-of-plots\">{along}</div>{controls}</section>\n\
+         <section><h2>Solver</h2><div class=\"solver\">{solver}{iterations}</div></section>\n\
+         <section><h2>Problem</h2><pre>{source}</pre></section>\n\
+         <footer>costate {version}; H* = y'f - l, y' = -H*_x, u = clip(R<sup>-1</sup>B'y_p). \
+         Angles in rad, lengths in m, times in s; costates in units of the cost.</footer>\n\
+         <script>{SCRIPT}</script>\n</body></html>\n",
+        head = head(motion),
+        pictures = pictures(motion),
+        keys = keys(motion),
+        iterations = iterations(motion),
+        source = escaped(motion.source.trim_end()),
+        version = env!("CARGO_PKG_VERSION"),
+    )
+}
+
+fn plots(panels: Vec<Panel>) -> String {
+    panels.iter().map(|(_, plot)| format!("<figure>{}</figure>\n", plot.svg())).collect()
+}
+
+/// Name, status, figures, warnings.
+fn head(motion: &Motion<'_>) -> String {
+    let Motion { problem, solution, warnings, .. } = *motion;
+    let good = solution.status.is_converged();
+    let figures: String = summary::figures(problem, solution)
+        .iter()
+        .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{}</dd></div>", escaped(value)))
+        .collect();
+    let warnings: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(warning))).collect();
+    let warnings =
+        if warnings.is_empty() { warnings } else { format!("<ul class=\"warnings\">{warnings}</ul>") };
+    let failure = format!("Not a solution but the best iterate: {}.", escaped(&solution.status.to_string()));
+    format!(
+        "<header><h1>{} <span class=\"status {}\">{}</span></h1><p>{}</p><p class=\"bad\">{}</p></header>\n\
+         <dl>{figures}</dl>\n{warnings}\n",
+        escaped(problem.robot.name()),
+        if good { "good" } else { "bad" },
+        escaped(&summary::spaced(solution.status.name())),
+        escaped(&summary::criterion(problem)),
+        if good { "" } else { &failure }
+    )
+}
+
+/// The moving figure and the strobe pictures.
+fn pictures(motion: &Motion<'_>) -> String {
+    let robot = &motion.problem.robot;
+    let skeleton = Skeleton::new(robot);
+    let film = film(&skeleton, &motion.solution.trajectory, FRAMES);
+    let views = views::views(&film.concat());
+    let stages: Vec<Stage<'_>> = views.iter().map(|view| Stage::new(view, &film)).collect();
+    let fixed: String = stages
+        .iter()
+        .map(|stage| format!("<figure class=\"film\">{}</figure>\n", stage.empty(&skeleton, &film)))
+        .collect();
+    let (width, height) = TURNING;
+    let turning = format!(
+        "<figure class=\"film\"><svg class=\"stage turning\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-label=\"turned by dragging\"><text class=\"title\" x=\"16\" y=\"18\">turned by dragging</text>\
+         <g class=\"triad\"></g><path class=\"way\"/><g class=\"pose moving\"></g></svg></figure>\n"
+    );
+    let turning = if stages.len() > 1 { &turning } else { "" };
+    let strobes: String = stages
+        .iter()
+        .map(|stage| format!("<figure>{}</figure>\n", stage.strobe(robot, &skeleton, &film)))
+        .collect();
+    let data = data(robot, &skeleton, &film, &stages, motion.solution.final_time);
+    // The data hold no text of the user's, so nothing in them can end their element.
+    format!(
+        "<section><h2>Motion</h2><div class=\"controls\">\
+         <button type=\"button\" id=\"play\">Play</button>\
+         <input type=\"range\" id=\"slider\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"time\">\
+         <output id=\"clock\"></output>\
+         <label>speed <select id=\"speed\"></select></label></div>\
+         <div class=\"grid-of-pictures\">{fixed}{turning}{strobes}</div>\
+         <p class=\"note\">Strobe pictures: equal times from pose to pose. Lines join the origins of the joint \
+         frames and end at the centre of mass of the last link; circles turn, rectangles slide; the thin line is the \
+         way of the end.</p>\
+         </section>\n\
+         <script type=\"application/json\" id=\"data\">{data}</script>\n"
+    )
+}
+
+/// What dashes mean, where there are any.
+fn keys(motion: &Motion<'_>) -> String {
+    let mut keys = Vec::new();
+    if motion.problem.bounds.is_some() {
+        keys.push("dashed: bounds");
+    }
+    if panels::has_limits(motion) {
+        keys.push("dotted: limits of the robot, not enforced");
+    }
+    if !motion.solution.switches.is_empty() {
+        keys.push("upright lines: entry to and exit from a bound");
+    }
+    if keys.is_empty() { String::new() } else { format!("<p class=\"note\">{}.</p>", keys.join("; ")) }
+}
+
+/// The table of iterations and the other starts.
+fn iterations(motion: &Motion<'_>) -> String {
+    let solution = motion.solution;
+    let cells = |tag: &str, cells: &[String]| -> String {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>")
+    };
+    let table = |header: &[&str], rows: String| {
+        let header = cells("th", &header.iter().map(ToString::to_string).collect::<Vec<_>>());
+        format!("<div class=\"wide\"><table><thead>{header}</thead><tbody>{rows}</tbody></table></div>")
+    };
+    let rows: String =
+        solution.iterations.iter().map(|iteration| cells("td", &summary::iteration_row(iteration))).collect();
+    let mut text = String::new();
+    if !rows.is_empty() {
+        text += &table(&summary::ITERATION_HEADER, rows);
+    }
+    if solution.others.len() > 1 {
+        let row = |(number, (cost, status)): (usize, &(f64, Status))| {
+            cells(
+                "td",
+                &[(number + 1).to_string(), status.name().to_owned(), super::numbers::short(*cost, 12)],
+            )
+        };
+        let rows = solution.others.iter().enumerate().map(row).collect();
+        text +=
+            &format!("<div><h3>Starts</h3>{}</div>", table(&["start", "status", "cost and penalties"], rows));
+    }
+    text
+}

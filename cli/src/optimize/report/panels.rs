@@ -1,0 +1,176 @@
+//! Which curves are drawn.
+
+use super::Motion;
+use super::numbers::short;
+use super::plot::{Curve, Look, Plot};
+use super::svg::cut;
+use super::units::{self, Units};
+use costate::control::{Iteration, Trajectory};
+use costate::robot::{JointKind, Robot};
+
+/// A plot and the name of its file.
+pub type Panel = (String, Plot);
+
+/// Everything along the motion: q, v, p, u, y_q, y_p, H*.
+pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
+    let trajectory = &motion.solution.trajectory;
+    let robot = &motion.problem.robot;
+    let t = &trajectory.t;
+    let plot = |file: &str, title: &str, symbol: &str, unit: Units, rows: &[Vec<f64>]| {
+        let mut plot = Plot::over_time(title, format!("{symbol} ({})", units::of_robot(robot, unit)));
+        plot.curves = curves(robot, t, rows);
+        plot.marks.clone_from(&motion.solution.switches);
+        (file.to_owned(), plot)
+    };
+    let angles = if robot.joints().iter().any(|joint| joint.kind == JointKind::Prismatic) {
+        "positions"
+    } else {
+        "angles"
+    };
+    let mut panels = vec![
+        plot("positions", &format!("Joint {angles}"), "q", units::POSITION, &trajectory.q),
+        plot("rates", "Joint rates", "v", units::RATE, &trajectory.v),
+    ];
+    panels.push(controls(motion));
+    panels.push(plot("momenta", "Momenta p = M v", "p", units::MOMENTUM, &trajectory.p));
+    let (y_q, y_p) = (&trajectory.y_q, &trajectory.y_p);
+    panels.push(plot("costates_q", "Costates of the positions", "y_q", units::POSITION_COSTATE, y_q));
+    panels.push(plot("costates_p", "Costates of the momenta", "y_p", units::MOMENTUM_COSTATE, y_p));
+    panels.push(hamiltonian(motion));
+    panels.push(mesh(motion));
+    panels
+}
+
+/// One curve a joint.
+fn curves(robot: &Robot, t: &[f64], rows: &[Vec<f64>]) -> Vec<Curve> {
+    let joints = robot.joints().iter().enumerate();
+    joints
+        .map(|(i, joint)| Curve {
+            name: joint.name.clone(),
+            color: i,
+            points: column(t, rows, i),
+            look: Look::Smooth,
+        })
+        .collect()
+}
+
+fn column(t: &[f64], rows: &[Vec<f64>], i: usize) -> Vec<(f64, f64)> {
+    t.iter().zip(rows).filter_map(|(&t, row)| Some((t, *row.get(i)?))).collect()
+}
+
+/// Title and axis of the controls: torques, unless some are forces or a gain stands between.
+fn names_of_controls(motion: &Motion<'_>, unit: &str) -> (&'static str, String) {
+    if motion.problem.gain.iter().any(|&gain| gain != 1.0) {
+        return ("Control", "u, before the gain".into());
+    }
+    let slides = motion.problem.robot.joints().iter().any(|joint| joint.kind == JointKind::Prismatic);
+    (if slides { "Control" } else { "Torque" }, format!("u ({unit})"))
+}
+
+/// The bounds of a control, or the limits of the joint where the motion comes near to them.
+fn levels(motion: &Motion<'_>, i: usize) -> Vec<Curve> {
+    let (t, u) = (&motion.solution.trajectory.t, &motion.solution.trajectory.u);
+    let ends = [t.first(), t.last()].map(|t| t.copied().unwrap_or(0.0));
+    let level = |value: f64, look| Curve {
+        name: format!("{} {}", if look == Look::Bound { "bound" } else { "limit" }, short(value, 6)),
+        color: i,
+        points: ends.map(|t| (t, value)).to_vec(),
+        look,
+    };
+    if let Some(bounds) = &motion.problem.bounds {
+        let both = [bounds.u_min[i], bounds.u_max[i]].into_iter().filter(|bound| bound.is_finite());
+        return both.map(|bound| level(bound, Look::Bound)).collect();
+    }
+    let limit = motion.problem.robot.joints()[i].limits.effort / motion.problem.gain[i].abs();
+    let largest = column(t, u, i).iter().fold(0.0_f64, |largest, (_, u)| largest.max(u.abs()));
+    let near = (0.5..4.0).contains(&(largest / limit));
+    if near { [-limit, limit].map(|limit| level(limit, Look::Limit)).into() } else { Vec::new() }
+}
+
+/// Whether limits of joints are drawn.
+pub fn has_limits(motion: &Motion<'_>) -> bool {
+    (0..motion.problem.robot.len()).any(|i| levels(motion, i).iter().any(|level| level.look == Look::Limit))
+}
+
+/// All controls, with bounds as long as these can be told apart.
+fn controls(motion: &Motion<'_>) -> Panel {
+    let robot = &motion.problem.robot;
+    let (title, label) = names_of_controls(motion, &units::of_robot(robot, units::EFFORT));
+    let mut plot = Plot::over_time(format!("{title}s u"), label);
+    let Trajectory { t, u, .. } = &motion.solution.trajectory;
+    let few = robot.len() <= 2;
+    let levels = (0..robot.len()).filter(|_| few).flat_map(|i| levels(motion, i));
+    plot.curves = levels.chain(curves(robot, t, u)).collect();
+    plot.marks.clone_from(&motion.solution.switches);
+    ("controls".into(), plot)
+}
+
+/// One control a plot, with bounds or limits; none where all of them are seen together well enough.
+pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
+    let robot = &motion.problem.robot;
+    if robot.len() <= 2 {
+        return Vec::new();
+    }
+    let Trajectory { t, u, .. } = &motion.solution.trajectory;
+    let panel = |(i, curve): (usize, Curve)| {
+        let joint = &robot.joints()[i];
+        let (title, label) = names_of_controls(motion, units::of_joint(joint.kind, units::EFFORT));
+        let mut plot = Plot::over_time(format!("{title} {}", cut(&joint.name, 30)), label).small();
+        plot.curves = levels(motion, i).into_iter().chain([curve]).collect();
+        plot.marks.clone_from(&motion.solution.switches);
+        (format!("control_{}", i + 1), plot)
+    };
+    curves(robot, t, u).into_iter().enumerate().map(panel).collect()
+}
+
+/// H* less its mean.
+fn hamiltonian(motion: &Motion<'_>) -> Panel {
+    let solution = motion.solution;
+    let mean = solution.hamiltonian;
+    let mut plot = Plot::over_time(format!("H* less its mean, {}", short(mean, 8)), "H* - mean (cost/s)");
+    let values = &solution.trajectory.hamiltonian;
+    let points = solution.trajectory.t.iter().zip(values).map(|(&t, h)| (t, h - mean)).collect();
+    plot.curves.push(Curve { name: "H* - mean".into(), color: 0, points, look: Look::Smooth });
+    ("hamiltonian".into(), plot)
+}
+
+/// How far the nodes lie apart.
+fn mesh(motion: &Motion<'_>) -> Panel {
+    let t = &motion.solution.trajectory.t;
+    let mut plot = Plot::over_time(format!("Mesh: distance of {} nodes", t.len()), "to the next node (s)");
+    plot.logarithmic = true;
+    let steps = t.windows(2).filter(|pair| pair[0] < pair[1]);
+    let steps = steps.flat_map(|pair| [pair[0], pair[1]].map(|t| (t, pair[1] - pair[0])));
+    plot.curves.push(Curve { name: "distance".into(), color: 0, points: steps.collect(), look: Look::Line });
+    plot.marks.clone_from(&motion.solution.switches);
+    ("mesh".into(), plot)
+}
+
+/// The residual by iteration, one curve a phase and mesh.
+pub fn residuals(iterations: &[Iteration]) -> Vec<Panel> {
+    if iterations.is_empty() {
+        return Vec::new();
+    }
+    let mut plot = Plot::over_time("Newton's method", "residual");
+    plot.x_label = "iteration, counted through";
+    plot.over_time = false;
+    plot.logarithmic = true;
+    let mut last = None;
+    for (k, iteration) in iterations.iter().enumerate() {
+        let now = (iteration.phase.to_string(), iteration.nodes);
+        if last.as_ref() != Some(&now) {
+            let name = format!("{}, {}", now.0, now.1);
+            plot.curves.push(Curve {
+                name,
+                color: plot.curves.len(),
+                points: Vec::new(),
+                look: Look::Dotted,
+            });
+        }
+        last = Some(now);
+        if let Some(curve) = plot.curves.last_mut() {
+            curve.points.push((k as f64 + 1.0, iteration.residual));
+        }
+    }
+    vec![("residuals".into(), plot)]
+}

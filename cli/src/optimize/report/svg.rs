@@ -1,0 +1,90 @@
+//! SVG text: escaping, and pictures that stand alone.
+
+/// The colours and lines that every picture uses, in light and dark.
+pub const STYLE: &str = include_str!("figure.css");
+
+/// Text that may stand between tags and in attributes.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c if c.is_control() && c != '\n' && c != '\t' => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// The first `most` characters, with an ellipsis in place of the others.
+pub fn cut(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.into();
+    }
+    text.chars().take(most - 1).chain(['\u{2026}']).collect()
+}
+
+/// An upright line of a grid and the number below it.
+pub fn upright(at: f64, (top, bottom): (f64, f64), number: &str) -> String {
+    format!(
+        "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
+         <text class=\"tick\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{number}</text>",
+        bottom + 16.0
+    )
+}
+
+/// A level line of a grid, of this class, and the number to its left.
+pub fn level(at: f64, (left, right): (f64, f64), number: &str, class: &str) -> String {
+    format!(
+        "<path class=\"{class}\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
+         <text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{number}</text>",
+        left - 6.0,
+        at + 4.0
+    )
+}
+
+/// The names of both axes of the rectangle `(left, right)` x `(top, bottom)`.
+pub fn axis_names((left, right): (f64, f64), (top, bottom): (f64, f64), [x, y]: [&str; 2]) -> String {
+    let (centre, middle, below) = (0.5 * (left + right), 0.5 * (top + bottom), bottom + 36.0);
+    let label = "class=\"label\" text-anchor=\"middle\"";
+    format!(
+        "<text {label} x=\"{centre:.1}\" y=\"{below:.1}\">{}</text>\
+         <text {label} transform=\"translate(14 {middle:.1}) rotate(-90)\">{}</text>",
+        escaped(x),
+        escaped(y)
+    )
+}
+
+/// A picture of a page as a file of its own, of the size that its view box says.
+pub fn alone(picture: &str) -> String {
+    let style = format!("<style>{STYLE}</style><rect class=\"ground\" width=\"100%\" height=\"100%\"/>");
+    let view_box = picture.split("viewBox=\"0 0 ").nth(1).and_then(|rest| rest.split('"').next());
+    let (width, height) = view_box.and_then(|size| size.split_once(' ')).unwrap_or(("100%", "100%"));
+    let head = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" ");
+    let picture = picture.replacen("<svg ", &head, 1);
+    let opened = picture.find('>').map_or(0, |end| end + 1);
+    format!("{}{style}{}\n", &picture[..opened], &picture[opened..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_break_out_of_their_place() {
+        assert_eq!(escaped("a<b>\"c\" & 'd'\u{7}"), "a&lt;b&gt;&quot;c&quot; &amp; &#39;d&#39; ");
+        assert_eq!((cut("short", 5), cut("shoulder_lift", 6)), ("short".into(), "shoul\u{2026}".into()));
+    }
+
+    #[test]
+    fn a_picture_alone_has_a_name_space_and_its_style() {
+        let picture = alone("<svg viewBox=\"0 0 30 20.5\"><g/></svg>");
+        let head = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"30\" height=\"20.5\" ";
+        assert!(picture.starts_with(&format!("{head}viewBox=\"0 0 30 20.5\"><style>")), "{picture}");
+        assert!(picture.ends_with("<g/></svg>\n"));
+    }
+}

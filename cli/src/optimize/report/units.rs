@@ -1,0 +1,31 @@
+//! What joints are measured in.
+
+use costate::robot::{JointKind, Robot};
+
+/// A quantity that belongs to a joint: its unit for a revolute and for a prismatic one.
+pub type Units = [&'static str; 2];
+
+pub const POSITION: Units = ["rad", "m"];
+pub const RATE: Units = ["rad/s", "m/s"];
+pub const MOMENTUM: Units = ["N m s", "N s"];
+pub const EFFORT: Units = ["N m", "N"];
+pub const POSITION_COSTATE: Units = ["cost/rad", "cost/m"];
+pub const MOMENTUM_COSTATE: Units = ["cost/(N m s)", "cost/(N s)"];
+
+/// The unit, or both where joints of both kinds are there.
+pub fn of_robot(robot: &Robot, [revolute, prismatic]: Units) -> String {
+    let has = |kind| robot.joints().iter().any(|joint| joint.kind == kind);
+    match (has(JointKind::Revolute), has(JointKind::Prismatic)) {
+        (true, true) => format!("{revolute}, {prismatic}"),
+        (false, _) => prismatic.into(),
+        _ => revolute.into(),
+    }
+}
+
+/// The unit of one joint.
+pub fn of_joint(kind: JointKind, [revolute, prismatic]: Units) -> &'static str {
+    match kind {
+        JointKind::Revolute => revolute,
+        JointKind::Prismatic => prismatic,
+    }
+}

@@ -1,0 +1,114 @@
+//! A solution for people, on standard output.
+
+use super::report::numbers::short;
+use crate::report::{Table, joints};
+use costate::control::{Certificate, Iteration, Problem, Solution};
+use std::io::Write;
+
+/// `minimum of T + 1/2 u'Ru, final time free`, by what the problem has.
+pub fn criterion(problem: &Problem) -> String {
+    let effort = problem.cost.effort.iter().any(|&r| r != 0.0);
+    let time = match problem.cost.time {
+        0.0 => None,
+        1.0 => Some("T".to_owned()),
+        weight => Some(format!("{} T", short(weight, 6))),
+    };
+    let terms = [time, effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned())];
+    let terms: Vec<_> = terms.into_iter().flatten().collect();
+    let minimum = if terms.is_empty() { "0".into() } else { terms.join(" + ") };
+    let time = if super::time_is_free(problem) { "final time free" } else { "final time fixed" };
+    let bounds = if problem.bounds.is_some() { ", actuation bounded" } else { "" };
+    let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
+    format!("minimum of {minimum}, {time}{bounds}{penalty}")
+}
+
+/// Name and value of each figure of a solution.
+pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
+    let mut figures = vec![("cost", short(solution.cost, 12))];
+    if problem.penalty.is_some() {
+        figures.push(("cost of penalties", short(solution.penalty_cost, 6)));
+    }
+    figures.extend([
+        ("final time", format!("{} s", short(solution.final_time, 10))),
+        ("H*", short(solution.hamiltonian, 10)),
+        ("drift of H*", small(solution.hamiltonian_drift)),
+        ("end defect", small(solution.end_defect)),
+        ("Newton iterations", solution.newton_iterations.to_string()),
+        ("mesh nodes", solution.nodes.to_string()),
+        ("conjugate time", conjugate(solution)),
+    ]);
+    if !solution.switches.is_empty() {
+        figures.push(("switches", solution.switches.len().to_string()));
+    }
+    figures
+}
+
+fn conjugate(solution: &Solution) -> String {
+    match (solution.conjugate_time, solution.certificate) {
+        (Some(time), _) => format!("{} s: not a minimum", short(time, 8)),
+        (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
+        _ => "not checked".into(),
+    }
+}
+
+/// A name without underscores.
+pub fn spaced(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// Two digits of what should be nothing.
+fn small(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}
+
+/// Header of the table of iterations.
+pub const ITERATION_HEADER: [&str; 7] =
+    ["phase", "nodes", "iteration", "residual", "step", "final time s", "cost"];
+
+/// A row of the table of iterations.
+pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
+    vec![
+        iteration.phase.to_string(),
+        iteration.nodes.to_string(),
+        iteration.number.to_string(),
+        small(iteration.residual),
+        short(iteration.step, 3),
+        short(iteration.final_time, 7),
+        short(iteration.cost, 9),
+    ]
+}
+
+/// The solution, its figures, the other starts and the iterations.
+pub fn print(
+    problem: &Problem,
+    solution: &Solution,
+    seconds: f64,
+    out: &mut impl Write,
+) -> std::io::Result<()> {
+    let robot = &problem.robot;
+    writeln!(out, "{}, {}: {}\n", robot.name(), joints(robot), criterion(problem))?;
+    let mut table = Table::new(&["status", &spaced(solution.status.name())], 2);
+    for (name, value) in figures(problem, solution) {
+        table.row(vec![name.into(), value]);
+    }
+    table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
+    write!(out, "{table}")?;
+    if !solution.status.is_converged() {
+        writeln!(out, "\n  Not a solution but the best iterate: {}.", solution.status)?;
+    }
+    if solution.others.len() > 1 {
+        writeln!(out)?;
+        let mut table = Table::new(&["start", "status", "cost and penalties"], 2);
+        for (number, (cost, status)) in solution.others.iter().enumerate() {
+            table.row(vec![(number + 1).to_string(), status.name().into(), short(*cost, 12)]);
+        }
+        write!(out, "{table}")?;
+    }
+    if !solution.iterations.is_empty() {
+        writeln!(out)?;
+        let mut table = Table::new(&ITERATION_HEADER, 1);
+        solution.iterations.iter().for_each(|iteration| table.row(iteration_row(iteration)));
+        write!(out, "{table}")?;
+    }
+    Ok(())
+}
