@@ -9,7 +9,10 @@ use std::path::{Path, PathBuf};
 /// Where the runner keeps what callgrind writes: beside the build of this program, `TARGET/release/deps/instructions-...`.
 pub fn home() -> PathBuf {
     let program = std::env::current_exe().unwrap_or_default();
-    program.ancestors().nth(3).map(|target| target.join("gungraun")).unwrap_or_default()
+    let folder = program.ancestors().nth(3).map(|target| target.join("gungraun")).unwrap_or_default();
+    // Started by cargo, the runner adds the name of the package.
+    let of_package = folder.join(env!("CARGO_PKG_NAME"));
+    if of_package.is_dir() { of_package } else { folder }
 }
 
 /// Instructions of a call: the first number of callgrind's totals.
