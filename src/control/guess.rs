@@ -1,6 +1,9 @@
 //! Where a search begins.
 
+use super::path::{Path, lowest_path};
 use super::problem::Problem;
+use super::refine::Context;
+use super::search::Guess;
 use super::robot_extremal::RobotExtremal;
 use super::solution::Trajectory;
 
@@ -51,6 +54,19 @@ fn uniform(state: &mut u64) -> f64 {
     ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
+/// Position and rate of joint i at s = t/T on the disturbed cubic to a part of the way to the end.
+pub(super) fn disturbed_cubic(
+    problem: &Problem,
+    (disturbance, goal): (&Disturbance, f64),
+    i: usize,
+    s: f64,
+) -> (f64, f64) {
+    let (from, to, time) =
+        ((problem.start.q[i], problem.start.v[i]), (problem.end.q[i], problem.end.v[i]), problem.time.value());
+    let part = |from: f64, to: f64| if goal == 1.0 { to } else { from + goal * (to - from) };
+    disturbance.add(i, time, s, cubic(from, (part(from.0, to.0), part(from.1, to.1)), time, s))
+}
+
 /// z at s = t/T: cubics in the joint coordinates to a part of the way to the end, p = M v, costates zero. Where the mass
 /// matrix cannot be formed, p = 0.
 pub(super) fn cubics(
@@ -60,18 +76,45 @@ pub(super) fn cubics(
     s: f64,
     z: &mut [f64],
 ) {
-    let (n, time) = (problem.robot.len(), problem.time.value());
+    let n = problem.robot.len();
     let mut v = vec![0.0; n];
-    let part = |from: f64, to: f64, goal: f64| if goal == 1.0 { to } else { from + goal * (to - from) };
     for i in 0..n {
-        let from = (problem.start.q[i], problem.start.v[i]);
-        let to = (part(from.0, problem.end.q[i], goal), part(from.1, problem.end.v[i], goal));
-        (z[i], v[i]) = disturbance.add(i, time, s, cubic(from, to, time, s));
+        (z[i], v[i]) = disturbed_cubic(problem, (disturbance, goal), i, s);
     }
     let (q, rest) = z.split_at_mut(n);
     rest.fill(0.0);
     if let Ok(p) = extremal.momentum(q, &v) {
         rest[..n].copy_from_slice(p);
+    }
+}
+
+/// Guesses for a robot: a saved motion or cubics, and paths of low cost.
+pub(super) struct RobotGuess<'a> {
+    pub problem: &'a Problem,
+    pub disturbance: Disturbance,
+    pub saved: Option<&'a Trajectory>,
+    /// What gives momenta.
+    pub momenta: RobotExtremal,
+    pub path: Option<Path>,
+}
+
+impl Guess for RobotGuess<'_> {
+    fn simple(&mut self, goal: f64, s: f64, z: &mut [f64]) {
+        match self.saved {
+            Some(start) if goal == 1.0 => saved(start, s, z),
+            _ => cubics(self.problem, &mut self.momenta, (&self.disturbance, goal), s, z),
+        }
+    }
+
+    fn find_path(&mut self, smoothing: f64, context: &mut Context<'_>) -> Option<(f64, f64)> {
+        self.path = lowest_path(self.problem, &self.disturbance, smoothing, |step| context.record(step));
+        self.path.as_ref().map(|path| (path.cost(), path.time()))
+    }
+
+    fn path(&mut self, s: f64, z: &mut [f64]) {
+        if self.path.as_mut().is_none_or(|path| path.sample(s, z).is_err()) {
+            z.fill(f64::NAN);
+        }
     }
 }
 

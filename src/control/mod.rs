@@ -32,6 +32,7 @@ mod mesh;
 mod motion;
 mod newton;
 mod options;
+mod path;
 mod penalty;
 mod polynomial;
 mod problem;

@@ -81,18 +81,19 @@ impl Options {
     }
 }
 
-/// One Newton step.
+/// One Newton step, on the extremal or on the way down to the path that it is looked for from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iteration {
-    /// What was being solved: "fixed time", "free time", "smoothing", "switches".
+    /// What was being solved: "fixed time", "free time", "smoothing", "switches"; "path" on the way to the first guess.
     pub phase: String,
     /// Nodes of the mesh.
     pub nodes: usize,
     /// Number of the step on this mesh, from 1.
     pub number: usize,
-    /// Length of the full correction, in parts of the size of the components (root mean square).
+    /// Length of the full correction, in parts of the size of the components (root mean square); of a path, the part
+    /// of the cost that was gained.
     pub residual: f64,
-    /// Damping: the part of the correction that was taken.
+    /// Damping: the part of the correction that was taken; of a path, 1 / (1 + damping of Levenberg and Marquardt).
     pub step: f64,
     /// T (s).
     pub final_time: f64,

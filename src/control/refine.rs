@@ -47,7 +47,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    fn record(&mut self, iteration: Iteration) {
+    pub fn record(&mut self, iteration: Iteration) {
         if let Some(listener) = &mut self.listener {
             listener(&iteration);
         }
@@ -133,6 +133,12 @@ impl Extremum {
     /// Cost and penalties.
     pub fn costs<E: Extremal>(&self, extremal: &mut E) -> (f64, f64) {
         costs(&self.equations, &Timed::new(extremal, self.clock, self.arcs.clone()))
+    }
+
+    /// Cost and penalties together.
+    pub fn total<E: Extremal>(&self, extremal: &mut E) -> f64 {
+        let (cost, penalty) = self.costs(extremal);
+        cost + penalty
     }
 
     /// Duration of each arc (s).

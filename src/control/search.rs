@@ -8,7 +8,7 @@ use super::motion::Motion;
 use super::options::Options;
 use super::problem::Time;
 use super::refine::{Context, Extremum};
-use super::stages::by_stages;
+use super::stages::{by_stages, without_effort};
 use super::status::Status;
 use super::timed::{Arcs, Clock};
 
@@ -63,62 +63,125 @@ pub fn solve_extremal<E: Extremal>(
     guess: impl FnMut(f64, &mut [f64]),
 ) -> Motion {
     let mut context = Context::new(options, None);
-    let mut guess = guess;
-    let found = search(extremal, time, |_, s, z| guess(s, z), &mut context);
+    let found = search(extremal, time, &mut Plain(guess), &mut context);
     found.into_motion(extremal, context.iterations)
 }
 
-/// As [`solve_extremal`], with the table of iterations in `context`; the guess is also asked for a part of the way to the end.
+/// Where a search begins: z at s = t/T.
+pub(super) trait Guess {
+    /// That of a motion to a part of the way to the end.
+    fn simple(&mut self, goal: f64, s: f64, z: &mut [f64]);
+
+    /// Looks for a path of low cost, with a weight of the effort of controls that cost nothing; its cost and duration.
+    fn find_path(&mut self, _smoothing: f64, _context: &mut Context<'_>) -> Option<(f64, f64)> {
+        None
+    }
+
+    /// That of the path found last.
+    fn path(&mut self, _s: f64, _z: &mut [f64]) {}
+}
+
+/// A guess of z alone.
+struct Plain<F>(F);
+
+impl<F: FnMut(f64, &mut [f64])> Guess for Plain<F> {
+    fn simple(&mut self, _: f64, s: f64, z: &mut [f64]) {
+        (self.0)(s, z);
+    }
+}
+
+/// As [`solve_extremal`], with the table of iterations in `context`.
 ///
-/// First the problem itself. Where that fails, an easier one: without penalties and bounds, and to an end that is nearer;
-/// then each of these is brought back.
+/// First from the simple guess. Then from a path of low cost, where that failed or costs more. Where both fail, by way of
+/// easier problems: without penalties and bounds, and to an end that is nearer; then each of these is brought back.
 pub(super) fn search<E: Extremal>(
     extremal: &mut E,
     time: Time,
-    mut guess: impl FnMut(f64, f64, &mut [f64]),
+    guess: &mut dyn Guess,
     context: &mut Context<'_>,
 ) -> Extremum {
-    let tolerance = context.options.tolerance;
-    let loose = LOOSE.max(tolerance);
+    let loose = LOOSE.max(context.options.tolerance);
     let easiest = extremal.easiest();
     context.phase = "fixed time";
     let mut best = None;
     if easiest.effort == 0.0 {
         context.steps = context.options.max_iterations.min(DIRECT_STEPS);
-        let first = at_fixed_time(extremal, time, (1.0, &mut guess), context).solve(extremal, loose, context);
+        let first = at_fixed_time(extremal, time, (1.0, guess), context).solve(extremal, loose, context);
         context.steps = context.options.max_iterations;
-        let found = finish(first, extremal, time, context);
-        if found.status.is_converged() || easiest == Ease::NONE {
+        best = Some(finish(first, extremal, time, context));
+    }
+    let solved = best.as_ref().filter(|best| best.status.is_converged());
+    let cost = solved.map(|best| best.total(extremal));
+    context.phase = PATH;
+    if let Some((lower, duration)) = guess.find_path(FIRST_SMOOTHING, context)
+        && cost.is_none_or(|cost| lower < cost - NOTICEABLE * cost.abs())
+    {
+        let found = from_path(extremal, (time, duration), guess, context);
+        if found.status.is_converged() && cost.is_none_or(|cost| found.total(extremal) < cost) {
             return found;
         }
-        best = Some(found);
+        best = best.filter(|best| best.status.is_converged()).or(Some(found));
     }
-    let found = by_stages(extremal, time, &mut guess, context);
+    if let Some(best) = best
+        && (best.status.is_converged() || easiest == Ease::NONE)
+    {
+        return best;
+    }
+    by_stages(extremal, time, guess, context)
+}
+
+/// The name of the phase that looks for a path.
+pub(super) const PATH: &str = "path";
+
+/// Most Newton steps of an attempt where there is another way.
+pub(super) const DIRECT_STEPS: usize = 25;
+
+/// Part of the cost by which a path must be cheaper than a solution to be followed up.
+const NOTICEABLE: f64 = 1e-3;
+
+/// Weight of the effort of controls that cost nothing, on the first path.
+const FIRST_SMOOTHING: f64 = 0.1;
+
+/// From a path of low cost to a solution.
+fn from_path<E: Extremal>(
+    extremal: &mut E,
+    (time, duration): (Time, f64),
+    guess: &mut dyn Guess,
+    context: &mut Context<'_>,
+) -> Extremum {
+    let loose = LOOSE.max(context.options.tolerance);
+    let Options { nodes, points, .. } = context.options;
+    let smoothing = extremal.easiest().effort * FIRST_SMOOTHING;
+    let ease = Ease { effort: smoothing, ..Ease::NONE };
+    extremal.set_ease(ease);
+    context.phase = if smoothing > 0.0 { "smoothing" } else { "from path" };
+    let (mesh, clock) = (Mesh::uniform(&[2 * (nodes - 1)]), Clock::Fixed(duration));
+    let first = Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.path(s, z));
+    let first = first.solve(extremal, loose, context);
+    if smoothing == 0.0 {
+        return finish(first, extremal, time, context);
+    }
+    let first = match time {
+        Time::Free { .. } if first.status.is_converged() => free_time(first, extremal, loose, context),
+        _ => first,
+    };
+    let found = without_effort(first, extremal, ease, context);
     if found.status != Status::SwitchesNotRefined {
         extremal.set_ease(Ease::NONE);
     }
-    match best {
-        Some(best) if !found.status.is_converged() => best,
-        _ => found,
-    }
+    found
 }
-
-/// Most Newton steps of the first attempt, where there is another way.
-pub(super) const DIRECT_STEPS: usize = 25;
-
-/// z at (part of the way to the end, part of the time).
-pub(super) type Guess<'a> = &'a mut dyn FnMut(f64, f64, &mut [f64]);
 
 /// The equations of one arc at a fixed time, with the guess of what leads to a part of the end.
 pub(super) fn at_fixed_time<E: Extremal>(
     extremal: &mut E,
     time: Time,
-    (goal, guess): (f64, Guess<'_>),
+    (goal, guess): (f64, &mut dyn Guess),
     context: &Context<'_>,
 ) -> Extremum {
     let Options { nodes, points, .. } = context.options;
     let (mesh, clock) = (Mesh::uniform(&[nodes - 1]), Clock::Fixed(time.value()));
-    Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess(goal, s, z))
+    Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.simple(goal, s, z))
 }
 
 /// From a rough solution at a fixed time to an exact one in the time asked for.

@@ -3,6 +3,7 @@
 use super::error::ProblemError;
 use super::motion::{Certificate, Motion};
 use super::options::Iteration;
+use super::search::PATH;
 use super::problem::Problem;
 use super::status::Status;
 use serde::{Deserialize, Serialize};
@@ -31,7 +32,7 @@ pub struct Solution {
     /// was found, by an adaptive integrator (rad, m, rad/s, m/s); infinite where that was not possible.
     #[serde(default = "infinite", deserialize_with = "infinite_or_number")]
     pub end_defect: f64,
-    /// Newton steps, all meshes and starts together.
+    /// Newton steps on extremals, all meshes and starts together.
     pub newton_iterations: usize,
     /// Nodes of the last mesh.
     pub nodes: usize,
@@ -44,7 +45,7 @@ pub struct Solution {
     /// Estimated error of each component (q, p, y_q, y_p), in parts of its largest value.
     #[serde(default, skip_deserializing)]
     pub errors: Vec<f64>,
-    /// The Newton steps.
+    /// The Newton steps, and those on the way to a path.
     #[serde(default, skip_deserializing)]
     pub iterations: Vec<Iteration>,
     /// The motion.
@@ -125,7 +126,7 @@ impl Solution {
             hamiltonian_drift: motion.hamiltonian_drift,
             costate_start: (first(&y_q), first(&y_p)),
             end_defect,
-            newton_iterations: motion.iterations.len(),
+            newton_iterations: motion.iterations.iter().filter(|step| step.phase != PATH).count(),
             nodes: motion.t.len(),
             conjugate_time: motion.conjugate_time,
             certificate: motion.certificate,

@@ -1,7 +1,7 @@
 //! From a problem to the best motion found.
 
 use super::error::ProblemError;
-use super::guess::{Disturbance, cubics, saved};
+use super::guess::{Disturbance, RobotGuess};
 use super::motion::Motion;
 use super::options::{Iteration, Options};
 use super::problem::Problem;
@@ -86,14 +86,15 @@ impl<'a> Solver<'a> {
     }
 
     fn solve_from(&mut self, number: usize, extremal: &mut RobotExtremal) -> Solution {
-        let disturbance = Disturbance::draw(self.problem, self.options.seed, number);
         let mut context = Context::new(&self.options, self.listener.take());
-        let mut guessing = extremal.clone();
-        let guess = |goal: f64, s: f64, z: &mut [f64]| match (&self.start, number) {
-            (Some(start), 0) if goal == 1.0 => saved(start, s, z),
-            _ => cubics(self.problem, &mut guessing, (&disturbance, goal), s, z),
+        let mut guess = RobotGuess {
+            problem: self.problem,
+            disturbance: Disturbance::draw(self.problem, self.options.seed, number),
+            saved: self.start.as_ref().filter(|_| number == 0),
+            momenta: extremal.clone(),
+            path: None,
         };
-        let found = search(extremal, self.problem.time, guess, &mut context);
+        let found = search(extremal, self.problem.time, &mut guess, &mut context);
         self.listener = context.listener.take();
         let motion = found.into_motion(extremal, context.iterations);
         self.solution(motion, extremal)

@@ -13,7 +13,7 @@ use super::status::Status;
 pub(super) fn by_stages<E: Extremal>(
     extremal: &mut E,
     time: Time,
-    guess: Guess<'_>,
+    guess: &mut dyn Guess,
     context: &mut Context<'_>,
 ) -> Extremum {
     let loose = LOOSE.max(context.options.tolerance);
@@ -63,7 +63,7 @@ pub(super) fn by_stages<E: Extremal>(
 }
 
 /// The weight of the effort goes to zero by steps; after each the arcs are tried that its solution shows.
-fn without_effort<E: Extremal>(
+pub(super) fn without_effort<E: Extremal>(
     mut at: Extremum,
     extremal: &mut E,
     ease: Ease,
