@@ -9,6 +9,8 @@ use super::timed::{Arcs, Clock};
 
 /// How often the arcs are read off again from a solution that contradicts them.
 const ROUNDS: usize = 5;
+/// Smallest damping: where arcs were read off right, the first steps are nearly whole.
+const LEAST_DAMPING: f64 = 0.01;
 /// Most arcs that are tried.
 const MOST_ARCS: usize = 60;
 
@@ -24,6 +26,7 @@ pub(super) fn solve_arcs<E: Extremal>(
     let mut crossings = rough.crossings(extremal);
     let mut last: Option<Extremum> = None;
     let phase = std::mem::replace(&mut context.phase, "switches");
+    let damping = std::mem::replace(&mut context.damping, LEAST_DAMPING);
     let mut found = None;
     for _ in 0..ROUNDS {
         let from = last.as_ref().unwrap_or(rough);
@@ -52,7 +55,7 @@ pub(super) fn solve_arcs<E: Extremal>(
         crossings = solved.crossings(extremal);
         last = Some(solved);
     }
-    context.phase = phase;
+    (context.phase, context.damping) = (phase, damping);
     found
 }
 

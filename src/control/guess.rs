@@ -1,6 +1,6 @@
 //! Where a search begins.
 
-use super::path::{Path, lowest_path};
+use super::path::{Path, Wish, lowest_path};
 use super::problem::Problem;
 use super::refine::Context;
 use super::search::Guess;
@@ -106,8 +106,8 @@ impl Guess for RobotGuess<'_> {
         }
     }
 
-    fn find_path(&mut self, smoothing: f64, context: &mut Context<'_>) -> Option<(f64, f64)> {
-        self.path = lowest_path(self.problem, &self.disturbance, smoothing, |step| context.record(step));
+    fn find_path(&mut self, wish: Wish, context: &mut Context<'_>) -> Option<(f64, f64)> {
+        self.path = lowest_path(self.problem, &self.disturbance, wish, |step| context.record(step));
         self.path.as_ref().map(|path| (path.cost(), path.time()))
     }
 

@@ -5,11 +5,12 @@ use super::extremal::{Ease, Extremal};
 use super::final_time::free_time;
 use super::mesh::Mesh;
 use super::motion::Motion;
+use super::continuation::follow;
 use super::options::Options;
+use super::path::{INTERVALS, Wish};
 use super::problem::Time;
 use super::refine::{Context, Extremum};
 use super::stages::{by_stages, without_effort};
-use super::status::Status;
 use super::timed::{Arcs, Clock};
 
 /// Tolerance of solutions that only lead to the next one.
@@ -72,8 +73,8 @@ pub(super) trait Guess {
     /// That of a motion to a part of the way to the end.
     fn simple(&mut self, goal: f64, s: f64, z: &mut [f64]);
 
-    /// Looks for a path of low cost, with a weight of the effort of controls that cost nothing; its cost and duration.
-    fn find_path(&mut self, _smoothing: f64, _context: &mut Context<'_>) -> Option<(f64, f64)> {
+    /// Looks for a path of low cost; its cost and duration.
+    fn find_path(&mut self, _wish: Wish, _context: &mut Context<'_>) -> Option<(f64, f64)> {
         None
     }
 
@@ -112,11 +113,13 @@ pub(super) fn search<E: Extremal>(
     }
     let solved = best.as_ref().filter(|best| best.status.is_converged());
     let cost = solved.map(|best| best.total(extremal));
-    context.phase = PATH;
-    if let Some((lower, duration)) = guess.find_path(FIRST_SMOOTHING, context)
-        && cost.is_none_or(|cost| lower < cost - NOTICEABLE * cost.abs())
-    {
-        let found = from_path(extremal, (time, duration), guess, context);
+    for wish in WISHES {
+        context.phase = PATH;
+        let Some((lower, duration)) = guess.find_path(wish, context) else { break };
+        if cost.is_some_and(|cost| lower >= cost - NOTICEABLE * cost.abs()) {
+            break;
+        }
+        let found = from_path(extremal, (time, duration), (wish, guess), context);
         if found.status.is_converged() && cost.is_none_or(|cost| found.total(extremal) < cost) {
             return found;
         }
@@ -127,6 +130,7 @@ pub(super) fn search<E: Extremal>(
     {
         return best;
     }
+    extremal.set_ease(Ease::NONE);
     by_stages(extremal, time, guess, context)
 }
 
@@ -139,37 +143,51 @@ pub(super) const DIRECT_STEPS: usize = 25;
 /// Part of the cost by which a path must be cheaper than a solution to be followed up.
 const NOTICEABLE: f64 = 1e-3;
 
-/// Weight of the effort of controls that cost nothing, on the first path.
-const FIRST_SMOOTHING: f64 = 0.1;
+/// Paths that are tried in turn.
+const WISHES: [Wish; 4] = [
+    Wish { smoothing: 0.1, penalty: 1.0, halvings: 0 },
+    Wish { smoothing: 0.1, penalty: 1.0, halvings: 1 },
+    Wish { smoothing: 1.0, penalty: 1e-2, halvings: 1 },
+    Wish { smoothing: 1.0, penalty: 1e-2, halvings: 2 },
+];
 
 /// From a path of low cost to a solution.
 fn from_path<E: Extremal>(
     extremal: &mut E,
     (time, duration): (Time, f64),
-    guess: &mut dyn Guess,
+    (wish, guess): (Wish, &mut dyn Guess),
     context: &mut Context<'_>,
 ) -> Extremum {
     let loose = LOOSE.max(context.options.tolerance);
     let Options { nodes, points, .. } = context.options;
-    let smoothing = extremal.easiest().effort * FIRST_SMOOTHING;
-    let ease = Ease { effort: smoothing, ..Ease::NONE };
-    extremal.set_ease(ease);
-    context.phase = if smoothing > 0.0 { "smoothing" } else { "from path" };
-    let (mesh, clock) = (Mesh::uniform(&[2 * (nodes - 1)]), Clock::Fixed(duration));
-    let first = Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.path(s, z));
-    let first = first.solve(extremal, loose, context);
-    if smoothing == 0.0 {
-        return finish(first, extremal, time, context);
-    }
-    let first = match time {
-        Time::Free { .. } if first.status.is_converged() => free_time(first, extremal, loose, context),
-        _ => first,
+    let easiest = extremal.easiest();
+    let mut ease = Ease {
+        effort: if easiest.effort > 0.0 { wish.smoothing } else { 0.0 },
+        penalty: if easiest.penalty < 1.0 { wish.penalty } else { 1.0 },
+        ..Ease::NONE
     };
-    let found = without_effort(first, extremal, ease, context);
-    if found.status != Status::SwitchesNotRefined {
-        extremal.set_ease(Ease::NONE);
+    extremal.set_ease(ease);
+    context.phase = "from path";
+    let intervals = (2 * (nodes - 1)).max(INTERVALS << wish.halvings);
+    let (mesh, clock) = (Mesh::uniform(&[intervals]), Clock::Fixed(duration));
+    let first = Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.path(s, z));
+    let mut at = first.solve(extremal, loose, context);
+    if let (Time::Free { .. }, true) = (time, at.status.is_converged()) {
+        at = free_time(at, extremal, loose, context);
     }
-    found
+    if ease.penalty < 1.0 {
+        context.phase = "penalties";
+        at = follow(at, extremal, context, |extremal, s| {
+            extremal.set_ease(Ease { penalty: wish.penalty.powf(1.0 - s), ..ease });
+        });
+        ease.penalty = 1.0;
+    }
+    if ease.effort > 0.0 {
+        return without_effort(at, extremal, ease, context);
+    }
+    extremal.set_ease(Ease::NONE);
+    context.phase = if let Time::Fixed(_) = time { "fixed time" } else { "free time" };
+    sharpen(at, extremal, context)
 }
 
 /// The equations of one arc at a fixed time, with the guess of what leads to a part of the end.

@@ -17,44 +17,75 @@ pub(super) use costates::Path;
 use super::guess::{Disturbance, disturbed_cubic};
 use super::options::Iteration;
 use super::problem::Problem;
+use super::search::PATH;
 use objective::Objective;
 
-/// Intervals of the splines.
-const INTERVALS: usize = 24;
+/// Intervals of the first splines.
+pub(super) const INTERVALS: usize = 24;
 
 /// What stands for bounds and penalties, round by round: stiffness of bounds in parts of the weight of the effort, and part
 /// of the penalties.
 const ROUNDS: [(f64, f64); 3] = [(1.0, 1e-2), (10.0, 0.1), (100.0, 1.0)];
 
-/// A path of low cost near the disturbed cubics, with effort of controls that cost nothing weighted by `smoothing` (see
-/// [`Ease`](super::Ease)); `None` where the cost of the cubics is undefined.
+/// For what a path is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wish {
+    /// Weight of the effort of controls that cost nothing, as in [`Ease`](super::Ease).
+    pub smoothing: f64,
+    /// Part of the penalties.
+    pub penalty: f64,
+    /// How often the intervals of the splines are halved.
+    pub halvings: usize,
+}
+
+/// A path of low cost near the disturbed cubics; `None` where the cost of the cubics is undefined.
 pub(super) fn lowest_path(
     problem: &Problem,
     disturbance: &Disturbance,
-    smoothing: f64,
+    wish: Wish,
     mut listen: impl FnMut(Iteration),
 ) -> Option<Path> {
     let n = problem.robot.len();
     let mut objective = Objective::new(problem, INTERVALS);
-    let weight = problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
-    let price = if problem.cost.time > 0.0 { problem.cost.time } else { 1.0 };
-    let mut time = problem.time.value();
-    let theta = {
-        let (basis, coefficients) = (&objective.basis, &objective.coefficients);
-        coefficients.unknowns(|place| {
-            let (k, joint) = (place / n, place % n);
-            disturbed_cubic(problem, (disturbance, 1.0), joint, basis.place(k)).0
-        })
-    };
-    let mut theta = theta;
-    let bounded = problem.bounds.is_some();
+    let weight = wish.penalty * problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
+    let limited = problem.bounds.is_some() || weight > 0.0;
+    let theta = objective.coefficients.unknowns(|place| {
+        let s = objective.basis.place(place / n);
+        disturbed_cubic(problem, (disturbance, 1.0), place % n, s).0
+    });
+    let mut at = (theta, problem.time.value());
     let mut lowest = None;
-    for (round, (stiffness, part)) in ROUNDS.into_iter().enumerate() {
-        if !bounded && weight == 0.0 && round + 1 < ROUNDS.len() {
-            continue;
+    let rounds = if limited { &ROUNDS[..] } else { &ROUNDS[2..] };
+    let halvings = (0..wish.halvings).map(|_| (ROUNDS[2], true));
+    for ((stiffness, part), halved) in rounds.iter().map(|&round| (round, false)).chain(halvings) {
+        if halved {
+            (objective, at.0) = objective.halved(problem, &at.0, at.1);
         }
         objective.penalties.set_weight(part * weight);
-        for (cost, &effort) in objective.controls.iter_mut().zip(&problem.cost.effort) {
+        objective.set_control_costs(problem, wish.smoothing, stiffness);
+        let nodes = objective.basis.intervals + 1;
+        let found = minimise::minimise(&mut objective, at, |number, at, (gain, damping)| {
+            listen(Iteration {
+                phase: PATH.into(),
+                nodes,
+                number,
+                residual: gain / at.cost.abs(),
+                step: 1.0 / (1.0 + damping),
+                final_time: at.time,
+                cost: at.cost,
+            });
+        })?;
+        at = (found.theta.clone(), found.time);
+        lowest = Some(found);
+    }
+    Path::new(problem, objective, lowest?).ok()
+}
+
+impl Objective {
+    /// Costs of the controls: those that cost nothing weighted by `smoothing`, bounds as stiff as said.
+    fn set_control_costs(&mut self, problem: &Problem, smoothing: f64, stiffness: f64) {
+        let price = if problem.cost.time > 0.0 { problem.cost.time } else { 1.0 };
+        for (cost, &effort) in self.controls.iter_mut().zip(&problem.cost.effort) {
             let (low, high) = cost.bounds;
             let half = 0.5 * (high - low);
             let of_time = if half.is_finite() { 2.0 * price / (half * half) } else { 0.0 };
@@ -64,22 +95,22 @@ pub(super) fn lowest_path(
             }
             cost.stiffness = stiffness * if effort == 0.0 { of_time } else { effort };
         }
-        let from = (std::mem::take(&mut theta), time);
-        let found = minimise::minimise(&mut objective, from, |number, at, (gain, damping)| {
-            listen(Iteration {
-                phase: "path".into(),
-                nodes: INTERVALS + 1,
-                number,
-                residual: gain / at.cost.abs(),
-                step: 1.0 / (1.0 + damping),
-                final_time: at.time,
-                cost: at.cost,
-            });
-        })?;
-        (theta, time) = (found.theta.clone(), found.time);
-        lowest = Some(found);
     }
-    Path::new(problem, objective, lowest?).ok()
+
+    /// The same path on intervals of half the length: objective and unknowns.
+    fn halved(&mut self, problem: &Problem, theta: &[f64], time: f64) -> (Self, Vec<f64>) {
+        let n = self.joints();
+        let finer = Self::new(problem, 2 * self.basis.intervals);
+        let unknowns = finer.coefficients.unknowns(|place| {
+            let (k, joint) = (place / n, place % n);
+            let s = finer.basis.middle(k);
+            let interval = self.basis.interval(s);
+            let value = |k: usize| self.coefficients.value((interval + k) * n + joint, theta, time);
+            let sums = self.basis.at(interval, s).map(|of| (0..4).map(|k| of[k] * value(k)).sum());
+            finer.basis.coefficient(k, s, sums)
+        });
+        (finer, unknowns)
+    }
 }
 
 #[cfg(test)]
@@ -91,7 +122,8 @@ mod tests {
     fn costates_along_a_path_are_near_those_of_the_extremal() {
         let robot = Robot::from_file("robots/two_link.toml").unwrap();
         let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.5], 1.2);
-        let mut path = lowest_path(&problem, &Disturbance::default(), 0.0, |_| {}).unwrap();
+        let wish = Wish { smoothing: 0.0, penalty: 1.0, halvings: 0 };
+        let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
         let solution =
             crate::control::Solver::new(&problem, crate::control::Options::default()).unwrap().solve();
         assert!((path.cost() - solution.cost).abs() < 1e-3 * solution.cost, "{} {}", path.cost(), solution.cost);

@@ -28,6 +28,18 @@ impl Basis {
         self.knots[k + 1..k + 4].iter().sum::<f64>() / 3.0
     }
 
+    /// Coefficient k of a path that is one cubic around it, from value and derivatives of that cubic in s at `s`: its blossom
+    /// at the three knots inside the support.
+    pub fn coefficient(&self, k: usize, s: f64, [value, first, second, third]: [f64; 4]) -> f64 {
+        let [x, y, z] = [1, 2, 3].map(|i| self.knots[k + i] - s);
+        value + first * (x + y + z) / 3.0 + second * (x * y + y * z + z * x) / 6.0 + third * x * y * z / 6.0
+    }
+
+    /// The middle of an interval on which function k is not zero.
+    pub fn middle(&self, k: usize) -> f64 {
+        (k.saturating_sub(2).min(self.intervals - 1) as f64 + 0.5) / self.intervals as f64
+    }
+
     /// The interval that s lies on.
     pub fn interval(&self, s: f64) -> usize {
         ((s * self.intervals as f64) as usize).min(self.intervals - 1)
@@ -66,6 +78,22 @@ impl Basis {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_finer_basis_holds_the_same_path() {
+        let (coarse, fine) = (Basis::new(4), Basis::new(8));
+        let c = |k: usize| (k as f64 * 1.3).sin();
+        let at = |basis: &Basis, c: &dyn Fn(usize) -> f64, s: f64| {
+            let interval = basis.interval(s);
+            basis.at(interval, s).map(|values| (0..ACTIVE).map(|k| values[k] * c(interval + k)).sum::<f64>())
+        };
+        let finer = |k: usize| fine.coefficient(k, fine.middle(k), at(&coarse, &c, fine.middle(k)));
+        for i in 0..=30 {
+            let s = f64::from(i) / 30.0;
+            let (a, b) = (at(&coarse, &c, s)[0], at(&fine, &finer, s)[0]);
+            assert!((a - b).abs() < 1e-13, "{s}: {a} {b}");
+        }
+    }
 
     #[test]
     fn lines_and_cubics_are_reproduced() {
