@@ -89,11 +89,14 @@ fn defined(error: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error.abs() }
 }
 
-/// A mesh on which the error should come below the tolerance; at most four times as many intervals, at least half, and no
-/// more than `most`.
+/// A mesh on which the error should come below the tolerance; at most four times as many intervals and no more than `most`.
+///
+/// On the first mesh fewer intervals may do, at least half. Later ones only grow, by half where the error `before` was not
+/// much larger: there the solution is not as smooth as the order asks for.
 pub(super) fn next_mesh(
     mesh: &Mesh,
     estimate: &Estimate,
+    before: Option<f64>,
     (order, most): (usize, usize),
     tolerance: f64,
 ) -> Mesh {
@@ -107,8 +110,12 @@ pub(super) fn next_mesh(
     } else {
         2.0 * present
     };
-    let least = if error > tolerance { 1.1 * present.min(1.5 * wanted) } else { 0.5 * present };
-    let count = wanted.clamp(least.min(4.0 * present), 4.0 * present).ceil() as usize;
+    let least = match before {
+        None => 1.1 * present.min(1.5 * wanted),
+        Some(before) if error > 0.1 * before => 1.5 * present,
+        Some(_) => 1.1 * present,
+    };
+    let count = wanted.clamp(least, 4.0 * present).ceil() as usize;
     let count = count.min(most);
     if total.is_finite() {
         mesh.equidistributed(&estimate.local, order, count)

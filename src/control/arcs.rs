@@ -4,6 +4,7 @@ use super::extremal::{Extremal, Side};
 use super::mesh::{Mesh, Span};
 use super::motion::Crossing;
 use super::refine::{Context, Extremum};
+use super::search::LOOSE;
 use super::status::Status;
 use super::timed::{Arcs, Clock};
 
@@ -11,6 +12,8 @@ use super::timed::{Arcs, Clock};
 const ROUNDS: usize = 5;
 /// Smallest damping: where arcs were read off right, the first steps are nearly whole.
 const LEAST_DAMPING: f64 = 0.01;
+/// Part of the cost by which a solution on arcs may differ from the rough one that they were read off from.
+const FAR: f64 = 0.05;
 /// Most arcs that are tried.
 const MOST_ARCS: usize = 60;
 
@@ -34,8 +37,8 @@ pub(super) fn solve_arcs<E: Extremal>(
             break;
         }
         let arcs = from.on_arcs(extremal, &crossings, context);
-        let solved = arcs.solve(extremal, tolerance, context);
-        if !solved.status.is_converged() {
+        let solved = arcs.solve(extremal, LOOSE.max(tolerance), context);
+        if !solved.status.is_converged() || solved.is_far_from(rough, extremal) {
             break;
         }
         let durations = solved.durations(2 * extremal.states());
@@ -49,7 +52,8 @@ pub(super) fn solve_arcs<E: Extremal>(
             continue;
         }
         if solved.agrees_with_arcs(extremal) {
-            found = Some(solved);
+            let solved = solved.solve(extremal, tolerance, context);
+            found = (solved.status.is_converged() && solved.agrees_with_arcs(extremal)).then_some(solved);
             break;
         }
         crossings = solved.crossings(extremal);
@@ -179,6 +183,12 @@ impl Extremum {
             }
         }
         largest
+    }
+
+    /// Whether the cost is so much higher than that of a rough solution that the arcs are those of another motion.
+    fn is_far_from<E: Extremal>(&self, rough: &Self, extremal: &mut E) -> bool {
+        let (cost, near) = (self.costs(extremal).0, rough.costs(extremal).0);
+        (cost - near).abs() > FAR * near.abs()
     }
 
     /// The same with a status.

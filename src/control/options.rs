@@ -42,7 +42,7 @@ impl Default for Options {
         Self {
             tolerance: 1e-9,
             nodes: 21,
-            max_nodes: 2001,
+            max_nodes: 6001,
             max_iterations: 60,
             jacobian: Jacobian::Exact,
             points: 4,

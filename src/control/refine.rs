@@ -73,6 +73,7 @@ impl Extremum {
     /// Solves to the tolerance, with as many nodes as that takes.
     pub fn solve<E: Extremal>(mut self, extremal: &mut E, tolerance: f64, context: &mut Context<'_>) -> Self {
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
+        let mut before = None;
         loop {
             let limits =
                 Limits { tolerance: 0.1 * tolerance, steps: context.steps, damping: context.damping };
@@ -113,7 +114,9 @@ impl Extremum {
             let equations = &self.equations;
             let most = context.options.max_nodes - 1;
             let exhausted = equations.mesh.intervals() >= most - most / 20;
-            let mesh = next_mesh(&equations.mesh, &estimate, (equations.method.order(), most), tolerance);
+            let order = (equations.method.order(), most);
+            let mesh = next_mesh(&equations.mesh, &estimate, before, order, tolerance);
+            before = Some(estimate.largest());
             self.estimate = Some(estimate);
             if exhausted {
                 self.status = Status::MeshLimit;

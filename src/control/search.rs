@@ -11,6 +11,7 @@ use super::path::{INTERVALS, Wish};
 use super::problem::Time;
 use super::refine::{Context, Extremum};
 use super::stages::{by_stages, without_effort};
+use super::status::Status;
 use super::timed::{Arcs, Clock};
 
 /// Tolerance of solutions that only lead to the next one.
@@ -120,7 +121,8 @@ pub(super) fn search<E: Extremal>(
             break;
         }
         let found = from_path(extremal, (time, duration), (wish, guess), context);
-        if found.status.is_converged() && cost.is_none_or(|cost| found.total(extremal) < cost) {
+        let enough = found.status.is_converged() || found.status == Status::MeshLimit;
+        if enough && cost.is_none_or(|cost| found.total(extremal) < cost) {
             return found;
         }
         best = best.filter(|best| best.status.is_converged()).or(Some(found));
