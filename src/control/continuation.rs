@@ -10,9 +10,9 @@ const LEAST_STEP: f64 = 1.0 / 1024.0;
 /// Most points that are tried.
 const MOST_POINTS: usize = 60;
 /// Most Newton steps for one point of the way.
-const STEPS: usize = 10;
+const STEPS: usize = 20;
 /// Smallest damping on the way: what needs a smaller one may lead to another solution.
-const DAMPING: f64 = 0.1;
+const DAMPING: f64 = 0.02;
 
 /// Follows solutions while `set` takes the problem from s = 0, where `at` is a solution, to s = 1.
 ///
