@@ -21,6 +21,16 @@ pub(super) struct Actuation {
     smooth: Vec<Option<(f64, f64)>>,
 }
 
+/// Half the distance between two bounds; where there is only one its size stands for it, or 1 where that is zero.
+pub(super) fn half_width((low, high): (f64, f64)) -> f64 {
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => 0.5 * (high - low),
+        (true, false) if low != 0.0 => low.abs(),
+        (false, true) if high != 0.0 => high.abs(),
+        _ => 1.0,
+    }
+}
+
 /// A control as it acts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Control {
@@ -51,14 +61,9 @@ impl Actuation {
     pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Ease) {
         let price = if time_cost > 0.0 { time_cost } else { 1.0 };
         for (i, &(low, high)) in asked.bounds.iter().enumerate() {
-            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-            self.bounds[i] = match ease.bounds {
-                1.0 => (low, high),
-                _ if low.is_finite() && ease.bounds.is_finite() => {
-                    (middle - ease.bounds * half, middle + ease.bounds * half)
-                }
-                _ => (f64::NEG_INFINITY, f64::INFINITY),
-            };
+            let (middle, half) = (0.5 * (low + high), half_width((low, high)));
+            let further = (ease.bounds - 1.0) * half;
+            self.bounds[i] = if ease.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
             (self.effort[i], self.smooth[i]) = match asked.effort[i] {
                 0.0 if ease.effort > 0.0 => {
                     (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))

@@ -22,6 +22,14 @@ pub enum ProblemError {
         /// The joint.
         joint: String,
     },
+    /// A limit that is undefined.
+    #[error("{key}: the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit")]
+    NotANumber {
+        /// The key.
+        key: &'static str,
+        /// The joint.
+        joint: String,
+    },
     /// A joint that the robot does not have.
     #[error("{key} names joint {joint}, but the joints are numbered from 0 to {last}", last = n - 1)]
     UnknownJoint {
@@ -79,9 +87,10 @@ pub enum ProblemError {
         /// Upper limit.
         q_max: f64,
     },
-    /// A control that costs nothing and has no bounds.
+    /// A control that costs nothing and is not bounded on both sides.
     #[error(
-        "cost.effort of joint '{joint}' is zero and there are no bounds: give it a weight, or bounds.u_min and bounds.u_max"
+        "cost.effort of joint '{joint}' is zero and it is not bounded on both sides: give it a weight, or finite \
+         bounds.u_min and bounds.u_max"
     )]
     UnboundedEffort {
         /// The joint.

@@ -155,8 +155,7 @@ impl Extremal for RobotExtremal {
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.ends.start(z, residual, jacobian);
-        Ok(())
+        self.ends.start(z, residual, jacobian)
     }
 
     fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
@@ -183,7 +182,7 @@ impl Extremal for RobotExtremal {
             goal: 0.1,
             penalty: if self.asked.1 > 0.0 { 0.0 } else { 1.0 },
             effort: if effort.contains(&0.0) { 1.0 } else { 0.0 },
-            bounds: if bounds.iter().any(|(low, _)| low.is_finite()) { f64::INFINITY } else { 1.0 },
+            bounds: if bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite()) { f64::INFINITY } else { 1.0 },
         }
     }
 

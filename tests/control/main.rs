@@ -4,6 +4,7 @@
 
 mod bounded;
 mod extremals;
+mod free_start;
 mod known;
 mod linear_algebra;
 mod one_state;
