@@ -2,6 +2,7 @@
 
 use super::extremal::{Ease, Law, Side};
 use super::problem::Problem;
+use crate::scalar::Scalar;
 
 /// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
 /// at the nearest point to the free maximum.
@@ -33,14 +34,14 @@ pub(super) fn half_width((low, high): (f64, f64)) -> f64 {
 
 /// A control as it acts.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Control {
-    pub u: f64,
+pub(super) struct Control<S> {
+    pub u: S,
     /// du / d(b y_p).
-    pub slope: f64,
+    pub slope: S,
     /// Its part of the running cost.
-    pub cost: f64,
+    pub cost: S,
     /// What it costs only because the problem is eased.
-    pub smoothing: f64,
+    pub smoothing: S,
 }
 
 impl Actuation {
@@ -81,26 +82,43 @@ impl Actuation {
     }
 
     /// u_i and what goes with it.
-    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control {
-        let free = self.unbounded(i, y_p);
-        if let (Law::Maximal, Some((middle, width))) = (law, self.smooth[i]) {
-            return self.smoothed(i, free - middle, (middle, width));
-        }
-        let (low, high) = self.bounds[i];
-        let side = match law {
-            Law::Given(sides) => sides[i],
-            Law::Maximal => super::arcs::side_of(free, (low, high)),
+    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control<f64> {
+        let sides = match (law, self.smooth[i]) {
+            (Law::Maximal, None) => return self.maximal(i, y_p),
+            (Law::Maximal, Some((middle, width))) => {
+                return self.smoothed(i, self.unbounded(i, y_p) - middle, (middle, width));
+            }
+            (Law::Given(sides), _) => sides,
         };
-        let (u, slope) = match side {
+        let (low, high) = self.bounds[i];
+        let (u, slope) = match sides[i] {
             Side::Low => (low, 0.0),
-            Side::Inside => (free, self.effort[i].recip()),
+            Side::Inside => (self.unbounded(i, y_p), self.effort[i].recip()),
             Side::High => (high, 0.0),
         };
         Control { u, slope, cost: 0.5 * self.effort[i] * u * u, smoothing: 0.0 }
     }
 
+    /// `u_i = clip(r_i^-1 b_i y_p,i)`; for r_i = 0 the bound that the sign of b_i y_p,i asks for.
+    pub fn maximal<S: Scalar>(&self, i: usize, y_p: S) -> Control<S> {
+        let ((low, high), r) = (self.bounds[i], self.effort[i]);
+        let (pull, zero) = (y_p.times(self.gain[i]), S::zero());
+        let (mut u, mut slope, at_low, at_high) = if r == 0.0 {
+            (S::from_f64(0.0_f64.clamp(low, high)), zero, pull.less(zero), zero.less(pull))
+        } else {
+            let u = pull / S::from_f64(r);
+            (u, S::from_f64(r.recip()), u.less(S::from_f64(low)), S::from_f64(high).less(u))
+        };
+        for (mask, bound) in [(at_low, low), (at_high, high)] {
+            if bound.is_finite() {
+                (u, slope) = (S::select(mask, S::from_f64(bound), u), S::select(mask, zero, slope));
+            }
+        }
+        Control { u, slope, cost: (u * u).times(0.5 * r), smoothing: zero }
+    }
+
     /// With `free = b y_p / r`.
-    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control {
+    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control<f64> {
         let r = self.effort[i];
         if width.is_infinite() {
             let smoothing = 0.5 * r * free * free;

@@ -1,12 +1,13 @@
 //! What an optimal motion is asked for.
 
 use super::error::ProblemError;
+use super::running_cost::UserTerm;
 use crate::robot::Robot;
 
 /// Find u(t) that takes a robot from its start to its end and makes
 ///
 /// ```text
-/// J = c_t T + integral of ( 1/2 sum_i r_i u_i^2 + penalties ) dt ,      dx/dt = F(x) + (0, B u)
+/// J = c_t T + integral of ( 1/2 sum_i r_i u_i^2 + terms + penalties ) dt ,      dx/dt = F(x) + (0, B u)
 /// ```
 ///
 /// least, x = (q, p). `H*(x, y) = max_u [ y'f - l ]` is the maximised Hamiltonian, l = dJ/dt, and `y' = -H*_x`: so
@@ -23,6 +24,8 @@ pub struct Problem {
     pub time: Time,
     /// The criterion.
     pub cost: Cost,
+    /// Further terms l(q, v) of the running cost, each times 1.
+    pub terms: Vec<UserTerm>,
     /// Diagonal of B, n.
     pub gain: Vec<f64>,
     /// Bounds on u, if any.
@@ -126,6 +129,7 @@ impl Problem {
             end: End { q: to.to_vec(), v: vec![0.0; n], q_free: Vec::new(), v_free: Vec::new() },
             time: Time::Fixed(time),
             cost: Cost { time: 0.0, effort: vec![1.0; n] },
+            terms: Vec::new(),
             gain: vec![1.0; n],
             bounds: None,
             penalty: None,
@@ -144,7 +148,9 @@ impl Problem {
         self.vector("end.v", &self.end.v)?;
         let Self { start, end, .. } = self;
         let of_start = [("start.q_free", &start.q_free), ("start.v_free", &start.v_free)];
-        for (key, joints) in of_start.into_iter().chain([("end.q_free", &end.q_free), ("end.v_free", &end.v_free)]) {
+        for (key, joints) in
+            of_start.into_iter().chain([("end.q_free", &end.q_free), ("end.v_free", &end.v_free)])
+        {
             if let Some(&joint) = joints.iter().find(|&&joint| joint >= n) {
                 return Err(ProblemError::UnknownJoint { key, joint, n });
             }
@@ -159,7 +165,7 @@ impl Problem {
         if !(self.cost.time >= 0.0 && self.cost.time.is_finite()) {
             return Err(ProblemError::Negative { key: "cost.time", joint: None, value: self.cost.time });
         }
-        if matches!(self.time, Time::Free { .. }) && self.cost.time == 0.0 {
+        if matches!(self.time, Time::Free { .. }) && self.cost.time == 0.0 && self.terms.is_empty() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }
         self.not_negative("cost.effort", &self.cost.effort)?;
@@ -168,7 +174,8 @@ impl Problem {
             return Err(ProblemError::NoGain { joint: self.name(joint) });
         }
         self.check_bounds()?;
-        if matches!(self.time, Time::Fixed(_)) && self.cost.effort.iter().all(|&r| r == 0.0) {
+        let costs = self.cost.effort.iter().any(|&r| r > 0.0) || !self.terms.is_empty();
+        if matches!(self.time, Time::Fixed(_)) && !costs {
             return Err(ProblemError::NothingToMinimise);
         }
         self.penalty.as_ref().map_or(Ok(()), |penalty| self.check_penalty(penalty))
@@ -185,9 +192,9 @@ impl Problem {
             }
         }
         let bounded = |j: usize| {
-            self.bounds.as_ref().is_some_and(|Bounds { u_min, u_max }| {
-                u_min[j].is_finite() && u_max[j].is_finite()
-            })
+            self.bounds
+                .as_ref()
+                .is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
         };
         match (0..self.robot.len()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
             Some(joint) => Err(ProblemError::UnboundedEffort { joint: self.name(joint) }),

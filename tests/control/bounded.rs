@@ -77,7 +77,9 @@ fn bounds_on_one_joint_of_two_leave_the_other_free() {
     assert!(one.trajectory.u.iter().any(|u| u[1].abs() == 1.0) && !one.switches.is_empty());
     assert!(one.trajectory.u.iter().any(|u| u[0].abs() > 2.0));
     assert!((one.cost - far.cost).abs() < 1e-9 * far.cost, "{} {}", one.cost, far.cost);
-    assert!(one.cost > 1.0001 * solve(&Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[0.5, 0.8], 1.2)).cost);
+    assert!(
+        one.cost > 1.0001 * solve(&Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[0.5, 0.8], 1.2)).cost
+    );
 }
 
 #[test]

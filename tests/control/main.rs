@@ -9,3 +9,4 @@ mod known;
 mod linear_algebra;
 mod one_state;
 mod problems;
+mod user_terms;

@@ -75,6 +75,7 @@ fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
         end,
         time: time(&file.time)?,
         cost: Cost { time: file.cost.time, effort: or(&file.cost.effort, 0.0) },
+        terms: Vec::new(),
         gain: or(&file.actuation.gain, 1.0),
         bounds: bounds.map(|table| Bounds { u_min: table.u_min.clone(), u_max: table.u_max.clone() }),
         penalty: penalty.map(|table| Penalty {

@@ -1,0 +1,76 @@
+//! The sum of the running costs of a user, with gradient and Hessian.
+
+use super::running_cost::{ExtremalScalar, Once, Twice, UserTerm};
+use crate::matrix::Matrix;
+use crate::scalar::{Scalar, Tangent};
+
+/// `l(q, v)`, its gradient and Hessian in (q, v): by dual numbers, one evaluation for each component, and by dual numbers of
+/// dual numbers, one for each pair of components.
+#[derive(Clone, Debug)]
+pub(super) struct UserTerms<S: Scalar> {
+    terms: Vec<UserTerm>,
+    once: Vec<Once<S>>,
+    twice: Vec<Twice<S>>,
+    /// l(q, v).
+    pub value: S,
+    /// (l_q, l_v), 2n.
+    pub gradient: Vec<S>,
+    /// l_zz, 2n x 2n, z = (q, v).
+    pub hessian: Matrix<S>,
+}
+
+impl<S: ExtremalScalar> UserTerms<S> {
+    /// Those of a robot with n joints.
+    pub fn new(n: usize, terms: &[UserTerm]) -> Self {
+        let (once, size) = (Tangent::new(S::zero(), S::zero()), if terms.is_empty() { 0 } else { 2 * n });
+        Self {
+            terms: terms.to_vec(),
+            once: vec![once; size],
+            twice: vec![Tangent::new(once, once); size],
+            value: S::zero(),
+            gradient: vec![S::zero(); size],
+            hessian: Matrix::zeros(size, size),
+        }
+    }
+
+    /// Whether there are any.
+    pub fn any(&self) -> bool {
+        !self.terms.is_empty()
+    }
+
+    /// l and its gradient.
+    pub fn first(&mut self, q: &[S], v: &[S]) {
+        for (number, &z) in self.once.iter_mut().zip(q.iter().chain(v)) {
+            *number = Tangent::new(z, S::zero());
+        }
+        for i in 0..self.once.len() {
+            self.once[i].eps = S::one();
+            let (q, v) = self.once.split_at(q.len());
+            let mut sum = Tangent::new(S::zero(), S::zero());
+            self.terms.iter().for_each(|term| sum += S::first(term, q, v));
+            (self.value, self.gradient[i]) = (sum.re, sum.eps);
+            self.once[i].eps = S::zero();
+        }
+    }
+
+    /// l, its gradient and its Hessian.
+    pub fn second(&mut self, q: &[S], v: &[S]) {
+        let constant = |value: S| Tangent::new(value, S::zero());
+        for (number, &z) in self.twice.iter_mut().zip(q.iter().chain(v)) {
+            *number = Tangent::new(constant(z), constant(S::zero()));
+        }
+        for i in 0..self.twice.len() {
+            self.twice[i].eps.re = S::one();
+            for j in 0..=i {
+                self.twice[j].re.eps = S::one();
+                let (q, v) = self.twice.split_at(q.len());
+                let mut sum = Tangent::new(constant(S::zero()), constant(S::zero()));
+                self.terms.iter().for_each(|term| sum += S::second(term, q, v));
+                (self.value, self.gradient[i]) = (sum.re.re, sum.eps.re);
+                (self.hessian[(i, j)], self.hessian[(j, i)]) = (sum.eps.eps, sum.eps.eps);
+                self.twice[j].re.eps = S::zero();
+            }
+            self.twice[i].eps.re = S::zero();
+        }
+    }
+}
