@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 pub(super) struct Equations<S: Scalar> {
     pub second: SecondOrder<S>,
     pub penalties: Penalties,
-    terms: UserTerms<S>,
+    pub terms: UserTerms<S>,
     /// b_i.
     pub gain: Vec<f64>,
     /// c_t.

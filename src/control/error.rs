@@ -1,5 +1,8 @@
 //! What can be wrong with a problem.
 
+use crate::codegen::CodegenError;
+use crate::error::EvalError;
+
 /// Why a problem was refused; names the key of the problem file and the joint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -119,6 +122,21 @@ pub enum ProblemError {
         /// Number of joints in the file.
         found: usize,
     },
+}
+
+/// Why the equations of a problem were not recorded, or not taken from generated code.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SourceError {
+    /// The problem cannot be posed.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The equations cannot be recorded.
+    #[error(transparent)]
+    Codegen(#[from] CodegenError),
+    /// The robot cannot stand at the start or the end.
+    #[error(transparent)]
+    Eval(#[from] EvalError),
 }
 
 fn of_joint(joint: &Option<String>) -> String {

@@ -5,7 +5,7 @@ use super::ends::Ends;
 use super::equations::{Equations, Running};
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
 use super::options::Jacobian;
-use super::problem::Problem;
+use super::problem::{Problem, Time};
 use crate::error::EvalError;
 use crate::hamiltonian::SecondOrder;
 
@@ -28,6 +28,8 @@ pub struct RobotExtremal {
     asked: (Actuation, f64),
     ends: Ends,
     jacobian: Jacobian,
+    /// Whether an easier problem has user terms that are weaker: not where they are the price of time.
+    ease_terms: bool,
     /// For differences.
     pub(super) point: Vec<f64>,
     pub(super) beside: [Vec<f64>; 2],
@@ -46,6 +48,8 @@ impl RobotExtremal {
             asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
             ends: Ends::new(problem)?,
             jacobian,
+            ease_terms: !problem.terms.is_empty()
+                && (problem.cost.time > 0.0 || matches!(problem.time, Time::Fixed(_))),
             point: vec![0.0; 4 * n],
             beside: [vec![0.0; 4 * n], vec![0.0; 4 * n]],
         })
@@ -115,6 +119,7 @@ impl Extremal for RobotExtremal {
     fn set_ease(&mut self, ease: Ease) {
         self.ends.set_goal(ease.goal);
         self.equations.penalties.set_weight(ease.penalty * self.asked.1);
+        self.equations.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
         self.actuation.ease(&self.asked.0, self.equations.time_cost, ease);
     }
 
@@ -122,7 +127,7 @@ impl Extremal for RobotExtremal {
         let Actuation { effort, bounds, .. } = &self.asked.0;
         Ease {
             goal: 0.1,
-            penalty: if self.asked.1 > 0.0 { 0.0 } else { 1.0 },
+            penalty: if self.asked.1 > 0.0 || self.ease_terms { 0.0 } else { 1.0 },
             effort: if effort.contains(&0.0) { 1.0 } else { 0.0 },
             bounds: if bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite()) {
                 f64::INFINITY

@@ -9,6 +9,8 @@ use crate::scalar::{Scalar, Tangent};
 #[derive(Clone, Debug)]
 pub(super) struct UserTerms<S: Scalar> {
     terms: Vec<UserTerm>,
+    /// Factor of all, 1 but for an easier problem.
+    pub factor: f64,
     once: Vec<Once<S>>,
     twice: Vec<Twice<S>>,
     /// l(q, v).
@@ -25,6 +27,7 @@ impl<S: ExtremalScalar> UserTerms<S> {
         let (once, size) = (Tangent::new(S::zero(), S::zero()), if terms.is_empty() { 0 } else { 2 * n });
         Self {
             terms: terms.to_vec(),
+            factor: 1.0,
             once: vec![once; size],
             twice: vec![Tangent::new(once, once); size],
             value: S::zero(),
@@ -48,6 +51,7 @@ impl<S: ExtremalScalar> UserTerms<S> {
             let (q, v) = self.once.split_at(q.len());
             let mut sum = Tangent::new(S::zero(), S::zero());
             self.terms.iter().for_each(|term| sum += S::first(term, q, v));
+            let sum = sum.times(self.factor);
             (self.value, self.gradient[i]) = (sum.re, sum.eps);
             self.once[i].eps = S::zero();
         }
@@ -66,6 +70,7 @@ impl<S: ExtremalScalar> UserTerms<S> {
                 let (q, v) = self.twice.split_at(q.len());
                 let mut sum = Tangent::new(constant(S::zero()), constant(S::zero()));
                 self.terms.iter().for_each(|term| sum += S::second(term, q, v));
+                let sum = sum.times(self.factor);
                 (self.value, self.gradient[i]) = (sum.re.re, sum.eps.re);
                 (self.hessian[(i, j)], self.hessian[(j, i)]) = (sum.eps.eps, sum.eps.eps);
                 self.twice[j].re.eps = S::zero();
