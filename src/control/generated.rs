@@ -1,8 +1,8 @@
 //! Extremals whose equations are computed by generated code.
 
+use super::equations::Running;
 use super::error::SourceError;
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
-use super::equations::Running;
 use super::options::Jacobian;
 use super::problem::Problem;
 use super::robot_extremal::{RobotExtremal, with_hamiltonian};

@@ -78,8 +78,7 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
             }
         };
         let l = l.map_err(CodegenError::Eval)?;
-        let mut results =
-            vec![("z_t".into(), 4 * n, 1, rate), ("l".into(), 2, 1, vec![l.cost, l.penalty])];
+        let mut results = vec![("z_t".into(), 4 * n, 1, rate), ("l".into(), 2, 1, vec![l.cost, l.penalty])];
         if of == ProgramOf::Jacobian {
             results.push(("z_t_z".into(), 4 * n, 4 * n, matrix));
         }
@@ -116,6 +115,8 @@ fn notes(problem: &Problem, of: ProgramOf) -> Vec<String> {
         }
     }
     notes.extend(terms.iter().map(|term| format!("Further running cost: {term:?}.")));
-    notes.push("The mass matrix must be regular: results are not finite otherwise, and nothing is checked.".into());
+    notes.push(
+        "The mass matrix must be regular: results are not finite otherwise, and nothing is checked.".into(),
+    );
     notes
 }

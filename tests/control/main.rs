@@ -9,4 +9,5 @@ mod known;
 mod linear_algebra;
 mod one_state;
 mod problems;
+mod source;
 mod user_terms;

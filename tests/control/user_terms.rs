@@ -48,8 +48,8 @@ fn solve(problem: &Problem) -> Solution {
 
 /// Cost of the double integrator from 0 to a in the time T, rest to rest, with `l = 1/2 (x^2 + v^2 + u^2)`.
 ///
-/// Its extremals obey `x'''' - x'' + x = 0`. With roots ±(α ± iβ), α = cos 30°, β = sin 30°, the four solutions
-/// `e^{±αt} cos βt, e^{±αt} sin βt` meet the four conditions; along them `2 J = [ x x'/... ]` is avoided by Gauss's rule.
+/// Its extremals obey `x'''' - x'' + x = 0`: four solutions `e^{±αt} cos βt`, `e^{±αt} sin βt` with α + iβ = e^{iπ/6}, four
+/// conditions at the ends. Along them 2 l is the rate of `x'' x' - x''' x + x' x`.
 fn linear_quadratic_cost(a: f64, time: f64) -> f64 {
     let (alpha, beta) = (0.75_f64.sqrt(), 0.5_f64);
     // Derivatives of e^{st}: complex powers of s; real and imaginary part are two solutions.
@@ -63,7 +63,6 @@ fn linear_quadratic_cost(a: f64, time: f64) -> f64 {
     let matrix = nalgebra::Matrix4::from_fn(|i, k| value(k, rows[i].0, rows[i].1));
     let c = matrix.lu().solve(&nalgebra::Vector4::new(0.0, 0.0, a, 0.0)).unwrap();
     let x = |order: i32, t: f64| (0..4).map(|k| c[k] * value(k, order, t)).sum::<f64>();
-    // d/dt (u v - u' x) = u^2 - u'' x + ... with u = x'' and x'''' = x'' - x: l is half the rate of u v - u' x + v x.
     let boundary = |t: f64| x(2, t) * x(1, t) - x(3, t) * x(0, t) + x(1, t) * x(0, t);
     0.5 * (boundary(time) - boundary(0.0))
 }
