@@ -9,8 +9,8 @@
 //!
 //! a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian holds the contracted Hessian y'F_xx
 //! ([`RobotExtremal`]). [`Solver`] solves it by collocation at Lobatto's points and Newton's method; anything that is an
-//! [`Extremal`] goes the same way through [`solve_extremal`]. Signs are those of H* above throughout: `dJ/dT = -H*`,
-//! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`.
+//! [`Extremal`], [generated code](GeneratedExtremal) for one, goes the same way through [`solve_extremal`]. Signs are those of H*
+//! above throughout: `dJ/dT = -H*`, `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`.
 
 mod accuracy;
 mod actuation;

@@ -1,7 +1,7 @@
 //! Running costs of a user, generic over the scalar.
 
 use costate::control::{
-    Extremal, Jacobian, Law, Options, Problem, RobotExtremal, RunningCost, Solution, Solver, UserTerm,
+    Extremal, Jacobian, Law, Options, Problem, RobotExtremal, RunningCost, Solution, Solver, Time, UserTerm,
 };
 use costate::derivative::Function;
 use costate::dynamics::{AutomaticCost, Cost};
@@ -213,14 +213,35 @@ fn an_obstacle_is_passed_farther_off() {
     assert!((slope + around.costate_start.0[1]).abs() < 1e-4 * slope.abs().max(1.0));
 }
 
+/// A price of time.
+struct Constant(f64);
+
+impl RunningCost for Constant {
+    fn eval<S: Scalar>(&self, _: &[S], _: &[S]) -> S {
+        S::from_f64(self.0)
+    }
+}
+
 #[test]
-fn a_term_makes_up_for_a_price_of_time_and_of_effort() {
+fn a_term_can_be_the_price_of_time() {
+    // 6 / T^3 + 2 T is least at T^4 = 9.
     let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
-    problem.time = costate::control::Time::Free { guess: 1.0 };
+    problem.time = Time::Free { guess: 1.5 };
     assert!(problem.check().is_err());
-    problem.terms = vec![UserTerm::new(Quadratic)];
+    problem.terms = vec![UserTerm::new(Constant(1.5)), UserTerm::new(Constant(0.5))];
     assert_eq!(problem.check(), Ok(()));
+    let solution = solve(&problem);
+    let time = 3.0_f64.sqrt();
+    assert!((solution.final_time - time).abs() < 1e-8, "{}", solution.final_time);
+    assert!((solution.cost - (6.0 / time.powi(3) + 2.0 * time)).abs() < 1e-9);
+}
+
+#[test]
+fn terms_are_equal_to_their_clones_alone() {
+    let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
+    problem.terms = vec![UserTerm::new(Quadratic)];
     assert_eq!(problem, problem.clone());
     assert_ne!(problem.terms, vec![UserTerm::new(Quadratic)]);
     assert!(format!("{problem:?}").contains("Quadratic"));
+    assert_eq!(problem.terms[0].value(&[3.0], &[4.0]), 12.5);
 }
