@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 
 /// A penalty and its first two derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Term<S> {
+pub(super) struct Term<S = f64> {
     pub value: S,
     pub first: S,
     pub second: S,

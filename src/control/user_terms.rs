@@ -79,3 +79,50 @@ impl<S: ExtremalScalar> UserTerms<S> {
         }
     }
 }
+
+impl UserTerms<f64> {
+    /// l alone.
+    pub fn at(&self, q: &[f64], v: &[f64]) -> f64 {
+        self.factor * self.terms.iter().map(|term| term.value(q, v)).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::control::guess::Disturbance;
+    use crate::control::path::lowest_path;
+    use crate::control::{Options, Problem, RunningCost, Solver, UserTerm};
+    use crate::robot::Robot;
+    use crate::scalar::Scalar;
+
+    struct Springs;
+
+    impl RunningCost for Springs {
+        fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+            q.iter()
+                .zip(v)
+                .fold(S::zero(), |sum, (&q, &v)| sum + q * q.times(20.0) + (v * v).times(3.0) + q * v)
+        }
+    }
+
+    #[test]
+    fn user_terms_and_a_free_start_belong_to_a_path() {
+        let robot = Robot::from_file("robots/two_link.toml").unwrap();
+        let mut problem = Problem::rest_to_rest(robot, &[0.4, 0.2], &[1.0, -0.5], 1.2);
+        problem.terms = vec![UserTerm::new(Springs)];
+        for v_free in [vec![], vec![1]] {
+            problem.start.v_free = v_free;
+            let mut path = lowest_path(&problem, &Disturbance::default(), 0.0, |_| {}).unwrap();
+            let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+            assert!(solution.status.is_converged());
+            let cost = solution.cost;
+            assert!((path.cost() - cost).abs() < 2e-3 * cost, "{} {cost}", path.cost());
+            let (mut z, middle) = ([0.0; 8], solution.trajectory.t.partition_point(|&t| t < 0.6));
+            path.sample(solution.trajectory.t[middle] / 1.2, &mut z).unwrap();
+            let largest = solution.trajectory.y_q.iter().flatten().fold(0.0_f64, |most, y| most.max(y.abs()));
+            for (found, expected) in z[4..6].iter().zip(&solution.trajectory.y_q[middle]) {
+                assert!((found - expected).abs() < 0.02 * largest, "{found} {expected}");
+            }
+        }
+    }
+}
