@@ -57,7 +57,7 @@ fn linear_quadratic_cost(a: f64, time: f64) -> f64 {
         let sign = if k < 2 { 1.0 } else { -1.0 };
         let angle = beta.atan2(sign * alpha) * f64::from(order) + beta * t;
         let size = (sign * alpha * t).exp();
-        if k % 2 == 0 { size * angle.cos() } else { size * angle.sin() }
+        if k.is_multiple_of(2) { size * angle.cos() } else { size * angle.sin() }
     };
     let rows = [(0, 0.0), (1, 0.0), (0, time), (1, time)];
     let matrix = nalgebra::Matrix4::from_fn(|i, k| value(k, rows[i].0, rows[i].1));
