@@ -181,6 +181,11 @@ impl Problem {
         self.penalty.as_ref().map_or(Ok(()), |penalty| self.check_penalty(penalty))
     }
 
+    /// Whether an easier problem may have weaker user terms: not where they are the price of time.
+    pub(super) fn terms_may_be_weaker(&self) -> bool {
+        !self.terms.is_empty() && (self.cost.time > 0.0 || matches!(self.time, Time::Fixed(_)))
+    }
+
     /// Bounds are numbers with something between them, and both finite where the control costs nothing.
     fn check_bounds(&self) -> Result<(), ProblemError> {
         if let Some(Bounds { u_min, u_max }) = &self.bounds {

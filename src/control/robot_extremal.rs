@@ -5,7 +5,7 @@ use super::ends::Ends;
 use super::equations::{Equations, Running};
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
 use super::options::Jacobian;
-use super::problem::{Problem, Time};
+use super::problem::Problem;
 use crate::error::EvalError;
 use crate::hamiltonian::SecondOrder;
 
@@ -28,7 +28,7 @@ pub struct RobotExtremal {
     asked: (Actuation, f64),
     ends: Ends,
     jacobian: Jacobian,
-    /// Whether an easier problem has user terms that are weaker: not where they are the price of time.
+    /// Whether an easier problem has weaker user terms.
     ease_terms: bool,
     /// For differences.
     pub(super) point: Vec<f64>,
@@ -48,8 +48,7 @@ impl RobotExtremal {
             asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
             ends: Ends::new(problem)?,
             jacobian,
-            ease_terms: !problem.terms.is_empty()
-                && (problem.cost.time > 0.0 || matches!(problem.time, Time::Fixed(_))),
+            ease_terms: problem.terms_may_be_weaker(),
             point: vec![0.0; 4 * n],
             beside: [vec![0.0; 4 * n], vec![0.0; 4 * n]],
         })

@@ -90,7 +90,7 @@ impl UserTerms<f64> {
 #[cfg(test)]
 mod tests {
     use crate::control::guess::Disturbance;
-    use crate::control::path::lowest_path;
+    use crate::control::path::{Wish, lowest_path};
     use crate::control::{Options, Problem, RunningCost, Solver, UserTerm};
     use crate::robot::Robot;
     use crate::scalar::Scalar;
@@ -110,9 +110,10 @@ mod tests {
         let robot = Robot::from_file("robots/two_link.toml").unwrap();
         let mut problem = Problem::rest_to_rest(robot, &[0.4, 0.2], &[1.0, -0.5], 1.2);
         problem.terms = vec![UserTerm::new(Springs)];
+        let wish = Wish { smoothing: 0.0, penalty: 1.0, halvings: 0 };
         for v_free in [vec![], vec![1]] {
             problem.start.v_free = v_free;
-            let mut path = lowest_path(&problem, &Disturbance::default(), 0.0, |_| {}).unwrap();
+            let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
             let solution = Solver::new(&problem, Options::default()).unwrap().solve();
             assert!(solution.status.is_converged());
             let cost = solution.cost;
