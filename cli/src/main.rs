@@ -67,9 +67,12 @@ struct RobotArguments {
 }
 
 impl RobotArguments {
+    fn options(&self) -> LoadOptions {
+        LoadOptions { strict: self.strict, friction: self.friction }
+    }
+
     fn load(&self) -> Result<Robot, RobotError> {
-        let options = LoadOptions { strict: self.strict, friction: self.friction };
-        Robot::from_file_with(&self.robot, options)
+        Robot::from_file_with(&self.robot, self.options())
     }
 
     /// Loads the robot and says on stderr what is odd about it.

@@ -1,9 +1,13 @@
-//! Writes straight-line code for two robots into `OUT_DIR`.
+//! Writes straight-line code for some robots into `OUT_DIR`.
 
 use costate::codegen::{Coordinates, Options, Quantity, RustOptions, robot_program};
+use costate::control::{ProgramOf, pontryagin_program};
 use costate::robot::Robot;
 use std::error::Error;
 use std::path::Path;
+
+#[path = "src/problems.rs"]
+mod problems;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let robots = Path::new(&std::env::var("CARGO_MANIFEST_DIR")?).join("../../robots");
@@ -20,6 +24,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         let program = robot_program(&Robot::from_file(path)?, quantity, coordinates, &Options::default())?;
         let source = program.to_rust(&RustOptions { number, ..RustOptions::default() })?;
         std::fs::write(Path::new(&out).join(format!("{}.rs", program.name())), source)?;
+    }
+    // The extremals of two problems: whole, and without their Jacobian.
+    println!("cargo::rerun-if-changed=src/problems.rs");
+    for of in ProgramOf::ALL {
+        for problem in [problems::two_link(&robots)?, problems::manutec_r3(&robots)?] {
+            let program = pontryagin_program(&problem, of)?;
+            let source = program.to_rust(&RustOptions::default())?;
+            std::fs::write(Path::new(&out).join(format!("{}.rs", program.name())), source)?;
+        }
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::extremal::{Ease, Law, Side};
 use super::problem::Problem;
+use crate::scalar::Scalar;
 
 /// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
 /// at the nearest point to the free maximum.
@@ -21,16 +22,26 @@ pub(super) struct Actuation {
     smooth: Vec<Option<(f64, f64)>>,
 }
 
+/// Half the distance between two bounds; where there is only one its size stands for it, or 1 where that is zero.
+pub(super) fn half_width((low, high): (f64, f64)) -> f64 {
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => 0.5 * (high - low),
+        (true, false) if low != 0.0 => low.abs(),
+        (false, true) if high != 0.0 => high.abs(),
+        _ => 1.0,
+    }
+}
+
 /// A control as it acts.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Control {
-    pub u: f64,
+pub(super) struct Control<S> {
+    pub u: S,
     /// du / d(b y_p).
-    pub slope: f64,
+    pub slope: S,
     /// Its part of the running cost.
-    pub cost: f64,
+    pub cost: S,
     /// What it costs only because the problem is eased.
-    pub smoothing: f64,
+    pub smoothing: S,
 }
 
 impl Actuation {
@@ -51,14 +62,9 @@ impl Actuation {
     pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Ease) {
         let price = if time_cost > 0.0 { time_cost } else { 1.0 };
         for (i, &(low, high)) in asked.bounds.iter().enumerate() {
-            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-            self.bounds[i] = match ease.bounds {
-                1.0 => (low, high),
-                _ if low.is_finite() && ease.bounds.is_finite() => {
-                    (middle - ease.bounds * half, middle + ease.bounds * half)
-                }
-                _ => (f64::NEG_INFINITY, f64::INFINITY),
-            };
+            let (middle, half) = (0.5 * (low + high), half_width((low, high)));
+            let further = (ease.bounds - 1.0) * half;
+            self.bounds[i] = if ease.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
             (self.effort[i], self.smooth[i]) = match asked.effort[i] {
                 0.0 if ease.effort > 0.0 => {
                     (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))
@@ -76,26 +82,43 @@ impl Actuation {
     }
 
     /// u_i and what goes with it.
-    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control {
-        let free = self.unbounded(i, y_p);
-        if let (Law::Maximal, Some((middle, width))) = (law, self.smooth[i]) {
-            return self.smoothed(i, free - middle, (middle, width));
-        }
-        let (low, high) = self.bounds[i];
-        let side = match law {
-            Law::Given(sides) => sides[i],
-            Law::Maximal => super::arcs::side_of(free, (low, high)),
+    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control<f64> {
+        let sides = match (law, self.smooth[i]) {
+            (Law::Maximal, None) => return self.maximal(i, y_p),
+            (Law::Maximal, Some((middle, width))) => {
+                return self.smoothed(i, self.unbounded(i, y_p) - middle, (middle, width));
+            }
+            (Law::Given(sides), _) => sides,
         };
-        let (u, slope) = match side {
+        let (low, high) = self.bounds[i];
+        let (u, slope) = match sides[i] {
             Side::Low => (low, 0.0),
-            Side::Inside => (free, self.effort[i].recip()),
+            Side::Inside => (self.unbounded(i, y_p), self.effort[i].recip()),
             Side::High => (high, 0.0),
         };
         Control { u, slope, cost: 0.5 * self.effort[i] * u * u, smoothing: 0.0 }
     }
 
+    /// `u_i = clip(r_i^-1 b_i y_p,i)`; for r_i = 0 the bound that the sign of b_i y_p,i asks for.
+    pub fn maximal<S: Scalar>(&self, i: usize, y_p: S) -> Control<S> {
+        let ((low, high), r) = (self.bounds[i], self.effort[i]);
+        let (pull, zero) = (y_p.times(self.gain[i]), S::zero());
+        let (mut u, mut slope, at_low, at_high) = if r == 0.0 {
+            (S::from_f64(0.0_f64.clamp(low, high)), zero, pull.less(zero), zero.less(pull))
+        } else {
+            let u = pull / S::from_f64(r);
+            (u, S::from_f64(r.recip()), u.less(S::from_f64(low)), S::from_f64(high).less(u))
+        };
+        for (mask, bound) in [(at_low, low), (at_high, high)] {
+            if bound.is_finite() {
+                (u, slope) = (S::select(mask, S::from_f64(bound), u), S::select(mask, zero, slope));
+            }
+        }
+        Control { u, slope, cost: (u * u).times(0.5 * r), smoothing: zero }
+    }
+
     /// With `free = b y_p / r`.
-    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control {
+    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control<f64> {
         let r = self.effort[i];
         if width.is_infinite() {
             let smoothing = 0.5 * r * free * free;

@@ -1,5 +1,6 @@
 //! Arcs on which each control stays on its side of its bounds, with borders that move.
 
+use super::actuation::half_width;
 use super::extremal::{Extremal, Side};
 use super::mesh::{Mesh, Span};
 use super::motion::Crossing;
@@ -157,7 +158,7 @@ impl Extremum {
                 extremal.unbounded_controls(w, &mut u);
                 u.iter().zip(sides).enumerate().all(|(control, (&u, &side))| {
                     let (low, high) = extremal.bounds(control);
-                    let slack = if low.is_finite() { 1e-7 * (high - low) } else { 0.0 };
+                    let slack = 2e-7 * half_width((low, high));
                     match side {
                         Side::Low => u <= low + slack,
                         Side::Inside => (low - slack..=high + slack).contains(&u),
@@ -168,7 +169,7 @@ impl Extremum {
         })
     }
 
-    /// The largest distance of a free control from the middle of its bounds, in parts of half the distance between them.
+    /// How far a free control is beyond its bounds at most, in parts of their half width; 1 at a bound, less between them.
     pub(super) fn excess<E: Extremal>(&self, extremal: &E) -> f64 {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let mut u = vec![0.0; extremal.controls()];
@@ -177,8 +178,8 @@ impl Extremum {
             extremal.unbounded_controls(&w[..z_len], &mut u);
             for (control, &u) in u.iter().enumerate() {
                 let (low, high) = extremal.bounds(control);
-                if low.is_finite() && u.is_finite() {
-                    largest = largest.max((2.0 * u - low - high).abs() / (high - low));
+                if u.is_finite() {
+                    largest = largest.max(1.0 + (low - u).max(u - high) / half_width((low, high)));
                 }
             }
         }

@@ -1,5 +1,8 @@
 //! What can be wrong with a problem.
 
+use crate::codegen::CodegenError;
+use crate::error::EvalError;
+
 /// Why a problem was refused; names the key of the problem file and the joint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -17,6 +20,14 @@ pub enum ProblemError {
     /// An entry that is infinite or undefined.
     #[error("{key}: the entry of joint '{joint}' is not finite")]
     NotFinite {
+        /// The key.
+        key: &'static str,
+        /// The joint.
+        joint: String,
+    },
+    /// A limit that is undefined.
+    #[error("{key}: the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit")]
+    NotANumber {
         /// The key.
         key: &'static str,
         /// The joint.
@@ -79,9 +90,10 @@ pub enum ProblemError {
         /// Upper limit.
         q_max: f64,
     },
-    /// A control that costs nothing and has no bounds.
+    /// A control that costs nothing and is not bounded on both sides.
     #[error(
-        "cost.effort of joint '{joint}' is zero and there are no bounds: give it a weight, or bounds.u_min and bounds.u_max"
+        "cost.effort of joint '{joint}' is zero and it is not bounded on both sides: give it a weight, or finite \
+         bounds.u_min and bounds.u_max"
     )]
     UnboundedEffort {
         /// The joint.
@@ -110,6 +122,21 @@ pub enum ProblemError {
         /// Number of joints in the file.
         found: usize,
     },
+}
+
+/// Why the equations of a problem were not recorded, or not taken from generated code.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SourceError {
+    /// The problem cannot be posed.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The equations cannot be recorded.
+    #[error(transparent)]
+    Codegen(#[from] CodegenError),
+    /// The robot cannot stand at the start or the end.
+    #[error(transparent)]
+    Eval(#[from] EvalError),
 }
 
 fn of_joint(joint: &Option<String>) -> String {

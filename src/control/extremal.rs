@@ -46,7 +46,7 @@ impl Rate {
 pub struct Ease {
     /// Part of the way from the start to the end.
     pub goal: f64,
-    /// Factor of the penalties.
+    /// Factor of the penalties and of user terms.
     pub penalty: f64,
     /// Weight of the effort of controls that cost nothing, in parts of one that makes it matter; 0 for none.
     pub effort: f64,

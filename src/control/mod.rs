@@ -9,8 +9,8 @@
 //!
 //! a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian holds the contracted Hessian y'F_xx
 //! ([`RobotExtremal`]). [`Solver`] solves it by collocation at Lobatto's points and Newton's method; anything that is an
-//! [`Extremal`] goes the same way through [`solve_extremal`]. Signs are those of H* above throughout: `dJ/dT = -H*`,
-//! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`.
+//! [`Extremal`], [generated code](GeneratedExtremal) for one, goes the same way through [`solve_extremal`]. Signs are those of H*
+//! above throughout: `dJ/dT = -H*`, `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`.
 
 mod accuracy;
 mod actuation;
@@ -21,9 +21,11 @@ mod condensed;
 mod continuation;
 mod dormand_prince;
 mod ends;
+mod equations;
 mod error;
 mod extremal;
 mod final_time;
+mod generated;
 mod guess;
 mod jacobi;
 mod lobatto;
@@ -40,22 +42,28 @@ mod refine;
 mod residuals;
 mod robot_extremal;
 mod robot_jacobian;
+mod running_cost;
 mod search;
 mod solution;
 mod solver;
+mod source;
 mod stages;
 mod status;
 mod timed;
+mod user_terms;
 mod values;
 
 pub use almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use error::ProblemError;
+pub use error::{ProblemError, SourceError};
 pub use extremal::{Ease, Extremal, Law, Rate, Side};
+pub use generated::GeneratedExtremal;
 pub use motion::{Certificate, Motion};
 pub use options::{Iteration, Jacobian, Options};
 pub use problem::{Bounds, Cost, End, Penalty, Problem, Start, Time};
 pub use robot_extremal::RobotExtremal;
+pub use running_cost::{RunningCost, UserTerm};
 pub use search::solve_extremal;
 pub use solution::{Solution, Trajectory};
 pub use solver::Solver;
+pub use source::{ProgramOf, pontryagin_program};
 pub use status::Status;

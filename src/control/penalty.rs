@@ -1,13 +1,14 @@
 //! Penalties on positions and rates: `weight/2 (violation)^2`, once continuously differentiable.
 
 use super::problem::Penalty;
+use crate::scalar::Scalar;
 
 /// A penalty and its first two derivatives.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Term {
-    pub value: f64,
-    pub first: f64,
-    pub second: f64,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term<S = f64> {
+    pub value: S,
+    pub first: S,
+    pub second: S,
 }
 
 /// All penalties of a problem; infinite where there is no limit.
@@ -34,6 +35,11 @@ impl Penalties {
         self.v_max.is_some() && self.weight > 0.0
     }
 
+    /// Whether the rate of joint i is limited.
+    pub fn limit_rate(&self, i: usize) -> bool {
+        self.limit_rates() && self.v_max.as_ref().is_some_and(|v_max| v_max[i].is_finite())
+    }
+
     /// Whether anything is limited.
     pub fn any(&self) -> bool {
         self.weight > 0.0
@@ -45,25 +51,29 @@ impl Penalties {
     }
 
     /// That of the position of joint i.
-    pub fn position(&self, i: usize, q: f64) -> Term {
-        let (low, high) = self.q[i];
-        self.beyond(low, high, q)
+    pub fn position<S: Scalar>(&self, i: usize, q: S) -> Term<S> {
+        self.beyond(self.q[i], q)
     }
 
     /// That of the rate of joint i.
-    pub fn rate(&self, i: usize, v: f64) -> Term {
-        self.v_max.as_ref().map_or(Term::default(), |v_max| self.beyond(-v_max[i], v_max[i], v))
+    pub fn rate<S: Scalar>(&self, i: usize, v: S) -> Term<S> {
+        let limit = self.v_max.as_ref().map_or(f64::INFINITY, |v_max| v_max[i]);
+        self.beyond((-limit, limit), v)
     }
 
-    fn beyond(&self, low: f64, high: f64, x: f64) -> Term {
-        let violation = if x < low {
-            x - low
-        } else if x > high {
-            x - high
-        } else {
-            return Term::default();
+    fn beyond<S: Scalar>(&self, (low, high): (f64, f64), x: S) -> Term<S> {
+        let (mut violation, mut second) = (S::zero(), S::zero());
+        let mut limit = |mask: S::Mask, limit: f64| {
+            violation = S::select(mask, x.plus(-limit), violation);
+            second = S::select(mask, S::from_f64(self.weight), second);
         };
-        let first = self.weight * violation;
-        Term { value: 0.5 * first * violation, first, second: self.weight }
+        if low.is_finite() {
+            limit(x.less(S::from_f64(low)), low);
+        }
+        if high.is_finite() {
+            limit(S::from_f64(high).less(x), high);
+        }
+        let first = violation.times(self.weight);
+        Term { value: (first * violation).times(0.5), first, second }
     }
 }

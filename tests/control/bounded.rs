@@ -53,6 +53,36 @@ fn bounded_effort_saturates_at_both_ends() {
 }
 
 #[test]
+fn one_bound_saturates_on_its_side() {
+    // u = 5 for t < s, then 5 - b (t - s): at rest at T = 1 with b = 10 / (1 - s)^2, a metre on for 1 - s = 0.9.
+    let cost = 12.5 * 0.1 + 0.5 * (25.0 * 0.9 - 50.0 + 100.0 / 2.7);
+    let free = f64::INFINITY;
+    for (u_min, u_max, switch) in [(-free, 5.0, 0.1), (-5.0, free, 0.9)] {
+        let bounds = Some(Bounds { u_min: vec![u_min], u_max: vec![u_max] });
+        let solution = solve(&Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) });
+        assert_eq!(solution.switches.len(), 1);
+        assert!((solution.switches[0] - switch).abs() < 1e-8, "{:?}", solution.switches);
+        assert!((solution.cost - cost).abs() < 1e-9, "{} {cost}", solution.cost);
+    }
+}
+
+#[test]
+fn bounds_on_one_joint_of_two_leave_the_other_free() {
+    let robot = Robot::from_file("robots/two_link.toml").unwrap();
+    let solve_with = |none: f64| {
+        let bounds = Some(Bounds { u_min: vec![-none, -1.0], u_max: vec![none, 1.0] });
+        solve(&Problem { bounds, ..Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[0.5, 0.8], 1.2) })
+    };
+    let (one, far) = (solve_with(f64::INFINITY), solve_with(1e4));
+    assert!(one.trajectory.u.iter().any(|u| u[1].abs() == 1.0) && !one.switches.is_empty());
+    assert!(one.trajectory.u.iter().any(|u| u[0].abs() > 2.0));
+    assert!((one.cost - far.cost).abs() < 1e-9 * far.cost, "{} {}", one.cost, far.cost);
+    assert!(
+        one.cost > 1.0001 * solve(&Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[0.5, 0.8], 1.2)).cost
+    );
+}
+
+#[test]
 fn the_two_link_arm_is_fastest_with_torques_at_their_bounds() {
     let robot = Robot::from_file("robots/two_link.toml").unwrap();
     let solution = solve(&least_time(robot, &[1.0, 0.6], 1.0, 4.0));

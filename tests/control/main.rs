@@ -4,7 +4,10 @@
 
 mod bounded;
 mod extremals;
+mod free_start;
 mod known;
 mod linear_algebra;
 mod one_state;
 mod problems;
+mod source;
+mod user_terms;

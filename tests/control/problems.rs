@@ -20,6 +20,8 @@ fn what_is_wrong_is_named_by_its_key() {
     refused(&|p| p.start.v[1] = f64::NAN, "start.v");
     refused(&|p| p.end.q = vec![0.0; 3], "end.q");
     refused(&|p| p.end.v = vec![], "end.v");
+    refused(&|p| p.start.q_free = vec![2], "start.q_free");
+    refused(&|p| p.start.v_free = vec![3], "start.v_free");
     refused(&|p| p.end.q_free = vec![2], "end.q_free");
     refused(&|p| p.end.v_free = vec![5], "end.v_free");
     refused(&|p| p.time = Time::Fixed(0.0), "time.final");
@@ -35,6 +37,19 @@ fn what_is_wrong_is_named_by_its_key() {
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0, 1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0] }), "bounds.u_max");
+    let infinite = f64::INFINITY;
+    let bounds = |u_min: f64, u_max: f64| Some(Bounds { u_min: vec![-1.0, u_min], u_max: vec![1.0, u_max] });
+    refused(&|p| p.bounds = bounds(f64::NAN, 1.0), "bounds.u_min: the entry of joint 'elbow'");
+    refused(&|p| p.bounds = bounds(-1.0, f64::NAN), "bounds.u_max: the entry of joint 'elbow'");
+    refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min = inf of joint 'elbow'");
+    for (u_min, u_max) in [(-infinite, infinite), (-1.0, infinite), (-infinite, 1.0)] {
+        let change = |p: &mut Problem| (p.cost.effort[1], p.bounds) = (0.0, bounds(u_min, u_max));
+        refused(&change, "cost.effort of joint 'elbow'");
+        let mut weighted = problem();
+        weighted.bounds = bounds(u_min, u_max);
+        weighted.cost.effort[0] = 0.0;
+        assert_eq!(weighted.check(), Ok(()));
+    }
     let penalty = |q_min: f64| Penalty {
         weight: 1.0,
         q_min: Some(vec![q_min; 2]),
@@ -44,6 +59,17 @@ fn what_is_wrong_is_named_by_its_key() {
     refused(&|p| p.penalty = Some(penalty(2.0)), "penalty.q_min");
     refused(&|p| p.penalty = Some(Penalty { weight: -1.0, ..penalty(0.0) }), "penalty.weight");
     refused(&|p| p.penalty = Some(Penalty { v_max: Some(vec![-1.0; 2]), ..penalty(0.0) }), "penalty.v_max");
+    let limits = |q_min, q_max, v_max| {
+        let with = |entry: f64| Some(vec![entry, 0.5]);
+        Some(Penalty { weight: 1.0, q_min: with(q_min), q_max: Some(vec![q_max; 2]), v_max: with(v_max) })
+    };
+    refused(&|p| p.penalty = limits(f64::NAN, 1.0, 1.0), "penalty.q_min: the entry of joint 'shoulder'");
+    refused(&|p| p.penalty = limits(0.0, 1.0, f64::NAN), "penalty.v_max: the entry of joint 'shoulder'");
+    refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "penalty.q_min = inf");
+    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "penalty.q_max = -inf");
+    let mut held = problem();
+    held.penalty = limits(-infinite, infinite, infinite);
+    assert_eq!(held.check(), Ok(()));
     assert_eq!(problem().check(), Ok(()));
     let options = Options { tolerance: 0.0, ..Options::default() };
     assert!(
@@ -101,6 +127,24 @@ fn penalties_push_a_motion_back_and_are_told_apart() {
     assert!(held.status.is_converged(), "{} {:?}", held.status, held.iterations);
     assert!(fastest(&held) < 1.05 * limit && held.penalty_cost > 0.0 && held.cost > free.cost);
     assert!(held.hamiltonian_drift < 1e-7, "{}", held.hamiltonian_drift);
+}
+
+#[test]
+fn an_infinite_limit_is_none() {
+    let infinite = f64::INFINITY;
+    let solve = |none: f64| {
+        let mut held = problem();
+        held.penalty = Some(Penalty {
+            weight: 1e3,
+            q_min: Some(vec![-none; 2]),
+            q_max: Some(vec![none, 0.5]),
+            v_max: Some(vec![none, 0.6]),
+        });
+        Solver::new(&held, Options::default()).unwrap().solve()
+    };
+    let (without, far) = (solve(infinite), solve(1e9));
+    assert!(without.status.is_converged() && without.penalty_cost > 0.0);
+    assert!((without.total() - far.total()).abs() < 1e-10 * far.total());
 }
 
 #[test]

@@ -12,7 +12,7 @@ mod tables;
 use crate::Outcome;
 use costate::control::{Problem, Solution, Solver};
 use costate::robot::LoadOptions;
-use problem_file::Task;
+pub use problem_file::Task;
 use saved::Saved;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -54,6 +54,13 @@ impl Task {
 fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
     let n = robot.len();
     let or = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
+    let EndTable { q, v, q_free, v_free } = &file.start;
+    let start = Start {
+        q: q.clone(),
+        v: or(v, 0.0),
+        q_free: joints(&robot, "start.q_free", q_free)?,
+        v_free: joints(&robot, "start.v_free", v_free)?,
+    };
     let EndTable { q, v, q_free, v_free } = &file.end;
     let end = End {
         q: q.clone(),
@@ -64,10 +71,11 @@ fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
     let bounds = file.bounds.as_ref();
     let penalty = file.penalty.as_ref();
     Ok(Problem {
-        start: Start { q: file.start.q.clone(), v: or(&file.start.v, 0.0) },
+        start,
         end,
         time: time(&file.time)?,
         cost: Cost { time: file.cost.time, effort: or(&file.cost.effort, 0.0) },
+        terms: Vec::new(),
         gain: or(&file.actuation.gain, 1.0),
         bounds: bounds.map(|table| Bounds { u_min: table.u_min.clone(), u_max: table.u_max.clone() }),
         penalty: penalty.map(|table| Penalty {
@@ -146,22 +154,23 @@ mod tests {
     fn every_key_reaches_the_problem() {
         let Task { problem, options, start_from, .. } = read(
             "all",
-            "[start]\nq = [0, 0.1]\nv = [0.2, 0.3]\n\
+            "[start]\nq = [0, 0.1]\nv = [0.2, 0.3]\nq_free = [1]\nv_free = [\"elbow\", 0]\n\
              [end]\nq = [1, 1.1]\nv = [1.2, 1.3]\nq_free = [\"elbow\", 1, 0]\nv_free = [\"shoulder\"]\n\
              [time]\nfree = true\nguess = 2\n\
-             [cost]\ntime = 3\neffort = [0, 4]\n\
+             [cost]\ntime = 3\neffort = [2, 0]\n\
              [actuation]\ngain = [5, -6]\n\
-             [bounds]\nu_min = [-7, -8]\nu_max = [7.5, 8.5]\n\
+             [bounds]\nu_min = [-inf, -8]\nu_max = [7.5, 8.5]\n\
              [penalty]\nweight = 9\nq_min = [-10, -11]\nq_max = [10, 11]\nv_max = [12, 13]\n\
              [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\n",
         );
-        assert_eq!(problem.start, Start { q: vec![0.0, 0.1], v: vec![0.2, 0.3] });
+        let (q, v) = (vec![0.0, 0.1], vec![0.2, 0.3]);
+        assert_eq!(problem.start, Start { q, v, q_free: vec![1], v_free: vec![0, 1] });
         let (q, v) = (vec![1.0, 1.1], vec![1.2, 1.3]);
         assert_eq!(problem.end, End { q, v, q_free: vec![0, 1], v_free: vec![0] });
         assert_eq!(problem.time, Time::Free { guess: 2.0 });
-        assert_eq!(problem.cost, Cost { time: 3.0, effort: vec![0.0, 4.0] });
+        assert_eq!(problem.cost, Cost { time: 3.0, effort: vec![2.0, 0.0] });
         assert_eq!(problem.gain, [5.0, -6.0]);
-        let bounds = Bounds { u_min: vec![-7.0, -8.0], u_max: vec![7.5, 8.5] };
+        let bounds = Bounds { u_min: vec![f64::NEG_INFINITY, -8.0], u_max: vec![7.5, 8.5] };
         assert_eq!(problem.bounds, Some(bounds));
         let limits = |a: f64, b: f64| Some(vec![a, b]);
         let (q_min, q_max, v_max) = (limits(-10.0, -11.0), limits(10.0, 11.0), limits(12.0, 13.0));
@@ -177,6 +186,7 @@ mod tests {
         let Task { problem, options, .. } = read("least", text);
         assert_eq!((problem.start.v, problem.end.v), (vec![0.0; 2], vec![0.0; 2]));
         assert_eq!((problem.end.q_free.len(), problem.end.v_free.len()), (0, 0));
+        assert_eq!((problem.start.q_free.len(), problem.start.v_free.len()), (0, 0));
         assert_eq!((problem.time, problem.cost.time, problem.gain), (Time::Fixed(2.0), 0.0, vec![1.0; 2]));
         assert!(problem.bounds.is_none() && problem.penalty.is_none());
         assert_eq!(options, Options::default());

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub struct ProblemFile {
     /// Relative to the problem file.
     pub robot: PathBuf,
-    pub start: StartTable,
+    pub start: EndTable,
     pub end: EndTable,
     pub time: TimeTable,
     #[serde(default)]
@@ -23,14 +23,7 @@ pub struct ProblemFile {
     pub solver: SolverTable,
 }
 
-/// rad or m, rad/s or m/s.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StartTable {
-    pub q: Vec<f64>,
-    pub v: Option<Vec<f64>>,
-}
-
+/// State at the start or the end, rad or m, rad/s or m/s.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndTable {

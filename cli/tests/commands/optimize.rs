@@ -79,6 +79,16 @@ fn bad_problems_are_refused_with_file_line_and_key() {
             &["bounds.u_min", "elbow", "bounds.u_max"],
         ),
         (and("[bounds]\nu_min = [-1.0]\nu_max = [1.0, 2.0]"), Some(11), &["bounds.u_min", "1", "2"]),
+        (
+            and("[bounds]\nu_min = [-1.0, nan]\nu_max = [1.0, 2.0]"),
+            Some(11),
+            &["bounds.u_min", "elbow", "not a number"],
+        ),
+        (
+            with("effort = [1.0, 1.0]", "effort = [1.0, 0.0]\n[bounds]\nu_min = [-1, -1]\nu_max = [1, inf]"),
+            Some(9),
+            &["cost.effort", "elbow", "both sides", "bounds.u_max"],
+        ),
         (and("[bounds]\nu_max = [1.0, 2.0]"), Some(10), &["`u_min`", "missing", "add it"]),
         (and("[penalty]\nweight = -1.0"), Some(11), &["penalty.weight", "negative"]),
         (and("[penalty]\nweight = 1.0\nv_max = [1.0]"), Some(12), &["penalty.v_max", "1", "2"]),
@@ -92,6 +102,12 @@ fn bad_problems_are_refused_with_file_line_and_key() {
             and("[start_from]\nfile = \"no.json\""),
             Some(11),
             &["start_from.file", "no.json", "check the path"],
+        ),
+        (with("q = [0.0, 0.0]", "q = [0.0, 0.0]\nq_free = [2]"), Some(4), &["start.q_free", "2", "0 to 1"]),
+        (
+            with("q = [0.0, 0.0]", "q = [0.0, 0.0]\nv_free = [\"wrist\"]"),
+            Some(4),
+            &["start.v_free", "wrist", "shoulder, elbow"],
         ),
         (with("q = [1.0, 0.5]", "q = [1.0, 0.5]\nq_free = [2]"), Some(6), &["end.q_free", "2", "0 to 1"]),
         (
@@ -281,5 +297,19 @@ fn every_example_is_solved() {
         for key in ["hamiltonian_drift", "end_defect"] {
             assert!(solution[key].as_f64().unwrap() < 1e-6, "{}: {key} {}", file.display(), solution[key]);
         }
+    }
+}
+
+#[test]
+fn a_free_start_and_bounds_on_one_joint_are_taken_from_the_file() {
+    let given = json(&optimize("given", &two_link(), &["--json"]));
+    let text = two_link().replace("q = [0.0, 0.0]", "q = [0.0, 0.0]\nv_free = [\"elbow\"]");
+    let limits =
+        "[bounds]\nu_min = [-inf, -0.5]\nu_max = [inf, 0.5]\n[penalty]\nweight = 10\nv_max = [inf, 1]\n";
+    for (text, cheaper) in [(text, true), (format!("{}{limits}", two_link()), false)] {
+        let found = json(&optimize("found", &text, &["--json"]));
+        assert_eq!((&found["status"], &given["status"]), (&"converged".into(), &"converged".into()));
+        let costs = [&found, &given].map(|solution| solution["cost"].as_f64().unwrap());
+        assert_eq!(costs[0] < 0.999 * costs[1], cheaper, "{costs:?}");
     }
 }

@@ -29,11 +29,41 @@ fn codegen_says_why_it_writes_nothing() {
         ("f_x", ["--limit", "100"], "the limit is 100"),
         ("y_f_x", ["--coordinates", "lagrangian"], "there are: f, f_x, y_f_xx"),
         ("momentum", ["--lang", "c"], "mass_matrix"),
+        ("f", ["--problem", "examples/problems/ur5_reach.toml"], "--problem goes with --quantity pontryagin"),
+        (
+            "pontryagin",
+            ["--problem", "examples/problems/two_link.toml"],
+            "robot 'two_link' is not the robot 'ur5",
+        ),
+        ("pontryagin", ["--coordinates", "lagrangian"], "--coordinates lagrangian does not go with"),
+        ("pontryagin_rate", ["--limit", "10"], "the limit is 10"),
         ("f", ["-o", "nowhere/at/all.rs"], "nowhere/at/all.rs"),
     ] {
         let output =
             costate(&[&["codegen", "robots/ur5.urdf", "--quantity", quantity], &more[..]].concat(), b"");
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{quantity}");
         assert!(stderr(&output).contains(reason), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn codegen_writes_the_extremals_of_a_problem_file() {
+    use costate::codegen::RustOptions;
+    use costate::control::{Bounds, Problem, ProgramOf, pontryagin_program};
+    let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
+    let plain = Problem::rest_to_rest(robot, &[0.0; 2], &[0.0; 2], 1.0);
+    let bounds = Some(Bounds { u_min: vec![-12.0, -5.0], u_max: vec![12.0, 5.0] });
+    let bounded = Problem { bounds, ..plain.clone() };
+    let asked = ["--problem", "examples/problems/two_link_bounded.toml"];
+    for (quantity, more, problem, of) in [
+        ("pontryagin", &[][..], &plain, ProgramOf::Jacobian),
+        ("pontryagin", &asked[..], &bounded, ProgramOf::Jacobian),
+        ("pontryagin_rate", &asked[..], &bounded, ProgramOf::Rate),
+    ] {
+        let output =
+            costate(&[&["codegen", "robots/two_link.toml", "--quantity", quantity], more].concat(), b"");
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+        let source = pontryagin_program(problem, of).unwrap().to_rust(&RustOptions::default()).unwrap();
+        assert_eq!(stdout(&output), source);
     }
 }

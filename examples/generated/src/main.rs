@@ -1,5 +1,8 @@
 //! Runs code that `build.rs` generated; the tests compare it with the generic code of the library.
 
+#[cfg(test)]
+mod problems;
+
 /// UR5: F, F_x and y'F_xx.
 pub mod ur5 {
     include!(concat!(env!("OUT_DIR"), "/ur5_hamiltonian_y_f_xx.rs"));
@@ -15,11 +18,30 @@ pub mod cart_pole {
     include!(concat!(env!("OUT_DIR"), "/cart_pole_lagrangian_f_x.rs"));
 }
 
+/// Two-link arm: the extremals of least torque, with and without their Jacobian.
+pub mod two_link {
+    include!(concat!(env!("OUT_DIR"), "/two_link_pontryagin.rs"));
+
+    /// z' alone.
+    pub mod rate {
+        include!(concat!(env!("OUT_DIR"), "/two_link_pontryagin_rate.rs"));
+    }
+}
+
 fn main() {
     let (q, p, u) = ([0.3, -0.8, 1.1, 0.2, 0.5, -0.4], [1.0, 0.5, -0.2, 0.1, 0.0, 0.02], [0.0; 6]);
     let y: [f64; 12] = std::array::from_fn(|k| 1.0 - 0.1 * k as f64);
     let (mut f, mut f_x, mut y_f_xx) = ([0.0; 12], [0.0; 144], [0.0; 144]);
     ur5::ur5_hamiltonian_y_f_xx(&q, &p, &u, &y, &mut f, &mut f_x, &mut y_f_xx);
+    let (mut z_t, mut l) = ([0.0; 8], [0.0; 2]);
+    two_link::rate::two_link_pontryagin_rate(
+        &[0.1, 0.2],
+        &[1.0, 0.3],
+        &[3.0, 2.0, 1.0, 0.5],
+        &mut z_t,
+        &mut l,
+    );
+    println!("Two-link arm: dz/dt = {z_t:.4?}");
     println!("UR5: dx/dt = {f:.4?}");
     println!("first row of F_x = {:.4?}", &f_x[..12]);
     println!("first row of y'F_xx = {:.4?}", &y_f_xx[..12]);
@@ -29,7 +51,10 @@ fn main() {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-    use super::{cart_pole, panda, ur5};
+    use super::{cart_pole, panda, problems, two_link, ur5};
+    use costate::control::{
+        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
+    };
     use costate::derivative::largest;
     use costate::hamiltonian::{Hamiltonian, SecondOrder};
     use costate::lagrangian::Lagrangian;
@@ -37,6 +62,7 @@ mod tests {
     use costate::num_dual::Dual64;
     use costate::robot::Robot;
     use std::array::from_fn;
+    use std::path::{Path, PathBuf};
 
     fn robot(file: &str) -> Robot {
         Robot::from_file(format!("{}/../../robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -121,6 +147,82 @@ mod tests {
             let expected: Vec<f64> = (0..6).map(|row| f_x[(row, column)]).collect();
             agree(&f.map(|f| f.eps), &expected);
         }
+    }
+
+    /// Manutec r3: extremals with bounds and penalties.
+    mod manutec_r3_extremals {
+        include!(concat!(env!("OUT_DIR"), "/manutec_r3_pontryagin.rs"));
+
+        pub mod rate {
+            include!(concat!(env!("OUT_DIR"), "/manutec_r3_pontryagin_rate.rs"));
+        }
+    }
+
+    fn robots() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots")
+    }
+
+    /// z', l and the Jacobian of z' by the library.
+    fn of_the_library(problem: &Problem, z: &[f64]) -> (Vec<f64>, [f64; 2], Vec<f64>) {
+        let mut extremal = RobotExtremal::new(problem, Jacobian::Exact).unwrap();
+        let (mut g, mut jacobian) = (vec![0.0; z.len()], vec![0.0; z.len() * z.len()]);
+        let rate = extremal.linear(z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+        (g, [rate.cost, rate.penalty], jacobian)
+    }
+
+    #[test]
+    fn extremals_of_the_manutec_r3_are_those_of_the_library_on_both_sides_of_its_bounds() {
+        let problem = problems::manutec_r3(&robots()).unwrap();
+        let mut at_bound = [0; 2];
+        for state in 0..40 {
+            let (q, p): ([f64; 3], [f64; 3]) = (numbers(state, 1.5), numbers(state + 1, 20.0));
+            let y: [f64; 6] = numbers(state + 2, 0.25);
+            let (mut z_t, mut l, mut z_t_z) = ([0.0; 12], [0.0; 2], [0.0; 144]);
+            manutec_r3_extremals::manutec_r3_pontryagin(&q, &p, &y, &mut z_t, &mut l, &mut z_t_z);
+            let expected = of_the_library(&problem, &[&q[..], &p, &y].concat());
+            agree(&z_t, &expected.0);
+            agree(&l, &expected.1);
+            agree(&z_t_z, &expected.2);
+            let (mut rate, mut cost) = ([0.0; 12], [0.0; 2]);
+            manutec_r3_extremals::rate::manutec_r3_pontryagin_rate(&q, &p, &y, &mut rate, &mut cost);
+            agree(&rate, &expected.0);
+            agree(&cost, &expected.1);
+            for i in 0..3 {
+                at_bound[usize::from(z_t_z[(3 + i) * 12 + 9 + i] == 0.0)] += 1;
+            }
+            assert!(l[1] > 0.0, "penalties are at work");
+        }
+        assert!(at_bound[0] > 10 && at_bound[1] > 10, "{at_bound:?} inside and at a bound");
+    }
+
+    /// The four parts of z of the two-link arm.
+    fn parts(z: &[f64]) -> ([f64; 2], [f64; 2], [f64; 4]) {
+        (from_fn(|i| z[i]), from_fn(|i| z[2 + i]), from_fn(|i| z[4 + i]))
+    }
+
+    #[test]
+    fn the_solver_runs_on_compiled_extremals() {
+        let problem = problems::two_link(&robots()).unwrap();
+        let mut extremal = GeneratedExtremal::new(
+            &problem,
+            |z, z_t, l| {
+                let (q, p, y) = parts(z);
+                let (z_t, l) = (z_t.try_into().unwrap(), l.try_into().unwrap());
+                two_link::rate::two_link_pontryagin_rate(&q, &p, &y, z_t, l);
+            },
+            |z, z_t, l, z_t_z| {
+                let (q, p, y) = parts(z);
+                let (z_t, l) = (z_t.try_into().unwrap(), l.try_into().unwrap());
+                two_link::two_link_pontryagin(&q, &p, &y, z_t, l, z_t_z.try_into().unwrap());
+            },
+        )
+        .unwrap();
+        let guess = |s: f64, z: &mut [f64]| {
+            z[..2].iter_mut().zip(&problem.end.q).for_each(|(z, q)| *z = q * s * s * (3.0 - 2.0 * s));
+        };
+        let motion = solve_extremal(&mut extremal, problem.time, &Options::default(), guess);
+        assert!(motion.status.is_converged(), "{}", motion.status);
+        assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
     }
 
     /// What the sine and cosine of generated code differ by from those of the standard library, in units of the last place.

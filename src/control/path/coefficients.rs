@@ -35,7 +35,7 @@ impl Coefficients {
         for k in 0..basis.len() {
             for j in 0..n {
                 let (at, beside, q, v, free, sign) = if k < 2 {
-                    let free = (false, false);
+                    let free = (start.q_free.contains(&j), start.v_free.contains(&j));
                     (j, n + j, start.q[j], start.v[j], free, 1.0)
                 } else {
                     let free = (end.q_free.contains(&j), end.v_free.contains(&j));

@@ -78,6 +78,7 @@ impl Path {
             let sum = crate::matrix::dot(mass.row(i), &self.pull_rate);
             y_q[i] = self.objective.penalties.rate(i, v[i]).first - sum;
         }
+        self.objective.add_rate_price(y_q);
         Ok(())
     }
 

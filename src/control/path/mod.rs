@@ -32,7 +32,7 @@ const ROUNDS: [(f64, f64); 3] = [(1.0, 1e-2), (10.0, 0.1), (100.0, 1.0)];
 pub(super) struct Wish {
     /// Weight of the effort of controls that cost nothing, as in [`Ease`](super::Ease).
     pub smoothing: f64,
-    /// Part of the penalties.
+    /// Part of the penalties and of user terms.
     pub penalty: f64,
     /// How often the intervals of the splines are halved.
     pub halvings: usize,
@@ -62,6 +62,7 @@ pub(super) fn lowest_path(
             (objective, at.0) = objective.halved(problem, &at.0, at.1);
         }
         objective.penalties.set_weight(part * weight);
+        objective.terms.factor = if problem.terms_may_be_weaker() { wish.penalty } else { 1.0 };
         objective.set_control_costs(problem, wish.smoothing, stiffness);
         let nodes = objective.basis.intervals + 1;
         let found = minimise::minimise(&mut objective, at, |number, at, (gain, damping)| {

@@ -7,6 +7,7 @@ use super::spline::{ACTIVE, Basis};
 use crate::control::actuation::Actuation;
 use crate::control::penalty::Penalties;
 use crate::control::problem::{Problem, Time};
+use crate::control::user_terms::UserTerms;
 use crate::error::EvalError;
 use crate::lagrangian::SecondOrder;
 
@@ -15,7 +16,7 @@ pub(super) const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// ```text
-/// J(theta, T) = c_t T + T sum over Gauss points of  weight ( sum_i phi_i(u_i) + penalties(q, v) )
+/// J(theta, T) = c_t T + T sum over Gauss points of  weight ( sum_i phi_i(u_i) + (terms + penalties)(q, v) )
 /// q(s) = sum_k c_k B_k(s),  v = q'/T,  a = q''/T^2,  u = B^-1 tau(q, v, a)
 /// ```
 ///
@@ -28,6 +29,7 @@ pub(super) struct Objective {
     pub controls: Vec<ControlCost>,
     pub gain: Vec<f64>,
     pub penalties: Penalties,
+    pub terms: UserTerms<f64>,
     pub dynamics: SecondOrder<f64>,
     pub time_cost: f64,
     pub time_is_free: bool,
@@ -72,6 +74,7 @@ impl Objective {
             controls,
             gain: actuation.gain,
             penalties: Penalties::new(n, problem.penalty.as_ref()),
+            terms: UserTerms::new(n, &problem.terms),
             dynamics: SecondOrder::new(&problem.robot),
             time_cost: problem.cost.time,
             time_is_free: matches!(problem.time, Time::Free { .. }),
@@ -142,6 +145,15 @@ impl Objective {
         Ok(())
     }
 
+    /// Adds l_v of the user terms after [`Objective::path`].
+    pub fn add_rate_price(&mut self, target: &mut [f64]) {
+        if self.terms.any() {
+            let n = self.joints();
+            self.terms.first(&self.z[0][..n], &self.z[0][n..2 * n]);
+            target.iter_mut().zip(&self.terms.gradient[n..]).for_each(|(target, l_v)| *target += l_v);
+        }
+    }
+
     /// J alone; infinite where it is undefined.
     pub fn value(&mut self, theta: &[f64], time: f64) -> Result<f64, EvalError> {
         let mut sum = 0.0;
@@ -152,7 +164,7 @@ impl Objective {
             let (q, rest) = self.z[0].split_at(n);
             let (v, a) = rest.split_at(n);
             let tau = self.dynamics.first().inverse_dynamics(q, v, a)?;
-            let mut l = 0.0;
+            let mut l = self.terms.at(q, v);
             for j in 0..n {
                 l += self.controls[j].at(tau[j] / self.gain[j]).value;
                 l += self.penalties.position(j, q[j]).value + self.penalties.rate(j, v[j]).value;
@@ -199,6 +211,20 @@ impl Objective {
                 value += term.value;
                 self.first[at] += term.first;
                 self.second[at * width + at] += term.second;
+            }
+        }
+        if self.terms.any() {
+            if exact {
+                self.terms.second(q, v)
+            } else {
+                self.terms.first(q, v)
+            }
+            value += self.terms.value;
+            for r in 0..2 * n {
+                self.first[r] += self.terms.gradient[r];
+                for c in 0..=r {
+                    self.second[r * width + c] += if exact { self.terms.hessian[(r, c)] } else { 0.0 };
+                }
             }
         }
         if exact {

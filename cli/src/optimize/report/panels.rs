@@ -79,7 +79,10 @@ fn levels(motion: &Motion<'_>, i: usize) -> Vec<Curve> {
     };
     if let Some(bounds) = &motion.problem.bounds {
         let both = [bounds.u_min[i], bounds.u_max[i]].into_iter().filter(|bound| bound.is_finite());
-        return both.map(|bound| level(bound, Look::Bound)).collect();
+        let levels: Vec<Curve> = both.map(|bound| level(bound, Look::Bound)).collect();
+        if !levels.is_empty() {
+            return levels;
+        }
     }
     let limit = motion.problem.robot.joints()[i].limits.effort / motion.problem.gain[i].abs();
     let largest = column(t, u, i).iter().fold(0.0_f64, |largest, (_, u)| largest.max(u.abs()));
