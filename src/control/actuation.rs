@@ -32,6 +32,11 @@ pub(super) fn half_width((low, high): (f64, f64)) -> f64 {
     }
 }
 
+/// What a unit of smoothing costs in a unit of time: c_t, or 1.
+pub(super) fn price(time_cost: f64) -> f64 {
+    if time_cost > 0.0 { time_cost } else { 1.0 }
+}
+
 /// A control as it acts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Control<S> {
@@ -60,7 +65,7 @@ impl Actuation {
     /// Wider bounds than asked for, and a cost for controls that have none: at `ease.effort = 1` that of staying at a bound
     /// is about the price of time.
     pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Ease) {
-        let price = if time_cost > 0.0 { time_cost } else { 1.0 };
+        let price = price(time_cost);
         for (i, &(low, high)) in asked.bounds.iter().enumerate() {
             let (middle, half) = (0.5 * (low + high), half_width((low, high)));
             let further = (ease.bounds - 1.0) * half;

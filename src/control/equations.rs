@@ -38,8 +38,10 @@ pub(super) struct Equations<S: Scalar> {
 pub(super) struct Running<S> {
     /// Without penalties.
     pub cost: S,
-    /// Penalties, and costs that only an easier problem has.
+    /// Penalties.
     pub penalty: S,
+    /// What only an easier problem costs.
+    pub smoothing: S,
 }
 
 impl<S: ExtremalScalar> Equations<S> {
@@ -71,7 +73,7 @@ impl<S: ExtremalScalar> Equations<S> {
     ) -> Result<Running<S>, EvalError> {
         let n = self.force.len();
         let (x, y) = z.split_at(2 * n);
-        let mut l = Running { cost: S::from_f64(self.time_cost), penalty: S::zero() };
+        let mut l = Running { cost: S::from_f64(self.time_cost), penalty: S::zero(), smoothing: S::zero() };
         self.shifted.copy_from_slice(y);
         self.l_q.fill(S::zero());
         for i in 0..n {
@@ -79,7 +81,7 @@ impl<S: ExtremalScalar> Equations<S> {
             self.force[i] = control.u.times(gain);
             self.slopes[i] = control.slope.times(gain * gain);
             l.cost += control.cost;
-            l.penalty += control.smoothing;
+            l.smoothing += control.smoothing;
         }
         if self.penalties.any() {
             for (i, &q) in x[..n].iter().enumerate() {

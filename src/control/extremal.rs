@@ -29,14 +29,16 @@ pub struct Rate {
     pub hamiltonian: f64,
     /// Running cost l without penalties.
     pub cost: f64,
-    /// Penalties, the rest of l.
+    /// Penalties.
     pub penalty: f64,
+    /// The rest of l: what only an easier problem costs.
+    pub smoothing: f64,
 }
 
 impl Rate {
     /// `|y'f| + |l|`: what H* is small against.
     pub fn magnitude(&self) -> f64 {
-        let l = self.cost + self.penalty;
+        let l = self.cost + self.penalty + self.smoothing;
         (self.hamiltonian + l).abs() + l.abs()
     }
 }
@@ -113,6 +115,11 @@ pub trait Extremal {
     /// Whether the start and the end fix all of x.
     fn ends_are_fixed(&self) -> bool {
         true
+    }
+
+    /// How easy the problem is now.
+    fn ease(&self) -> Ease {
+        Ease::NONE
     }
 
     /// Makes the problem easier, or, with [`Ease::NONE`], itself again. What does not exist is left aside.

@@ -83,7 +83,7 @@ where
             let mut l = [0.0; 2];
             (self.rate)(z, g, &mut l);
             if all_finite(g) && all_finite(&l) {
-                return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1] }));
+                return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
         self.library.rate(z, law, g)
@@ -100,7 +100,7 @@ where
             let mut l = [0.0; 2];
             (self.linear)(z, g, &mut l, jacobian);
             if all_finite(g) && all_finite(&l) && all_finite(jacobian) {
-                return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1] }));
+                return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
         self.library.linear(z, law, g, jacobian)

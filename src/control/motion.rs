@@ -2,7 +2,7 @@
 
 use super::arcs::side_of;
 use super::dormand_prince::{DormandPrince, Stopped};
-use super::extremal::{Extremal, Side};
+use super::extremal::{Ease, Extremal, Side};
 use super::mesh::Span;
 use super::options::Iteration;
 use super::refine::Extremum;
@@ -33,6 +33,8 @@ pub struct Motion {
     pub cost: f64,
     /// Integral of the penalties.
     pub penalty_cost: f64,
+    /// Weight of the smoothing that is left: 0 for the problem itself.
+    pub smoothing: f64,
     /// Mean of H* over the nodes and inner points.
     pub hamiltonian: f64,
     /// `max |H* - mean| / max (|y'f| + |l|)`.
@@ -62,6 +64,7 @@ pub struct Motion {
 impl Extremum {
     /// The motion, integrated again and checked for conjugate times where it converged.
     pub(super) fn into_motion<E: Extremal>(mut self, extremal: &mut E, iterations: Vec<Iteration>) -> Motion {
+        extremal.set_ease(self.ease);
         let values = self.equations.current.clone();
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
         if let Err(error) = self.equations.evaluate(&mut timed, &values)
@@ -74,8 +77,11 @@ impl Extremum {
         let converged = self.status.is_converged();
         let whole = converged || self.status == Status::SwitchesNotRefined;
         let end_state = if whole { self.integrated_again(extremal).ok() } else { None };
-        let (conjugate_time, certificate) =
-            if converged { self.second_variation(extremal) } else { (None, Certificate::NotChecked) };
+        let (conjugate_time, certificate) = if converged && self.ease == Ease::NONE {
+            self.second_variation(extremal)
+        } else {
+            (None, Certificate::NotChecked)
+        };
         let (hamiltonian, hamiltonian_drift) = self.drift();
         let durations = self.durations(z_len);
         let (mut t, mut z, mut u) = (Vec::new(), Vec::new(), Vec::new());
@@ -105,6 +111,7 @@ impl Extremum {
             final_time,
             cost,
             penalty_cost,
+            smoothing: self.ease.effort,
             hamiltonian,
             hamiltonian_drift,
             end_state,

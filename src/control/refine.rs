@@ -2,7 +2,7 @@
 
 use super::accuracy::{Estimate, estimate, next_mesh};
 use super::collocation::{Collocation, Failure};
-use super::extremal::Extremal;
+use super::extremal::{Ease, Extremal};
 use super::mesh::{Mesh, Span};
 use super::newton::{LEAST_DAMPING, Limits, Outcome, newton};
 use super::options::{Iteration, Options};
@@ -15,6 +15,8 @@ pub(super) struct Extremum {
     pub clock: Clock,
     pub arcs: Arcs,
     pub status: Status,
+    /// The problem that it belongs to.
+    pub ease: Ease,
     /// Estimated errors on the last mesh, where it came to that.
     pub estimate: Option<Estimate>,
 }
@@ -67,11 +69,13 @@ impl Extremum {
         let timed = Timed::new(extremal, clock, arcs);
         let equations = Collocation::new(&timed, mesh, points, guess);
         let Timed { arcs, .. } = timed;
-        Self { equations, clock, arcs, status: Status::NewtonFailed, estimate: None }
+        let (status, ease) = (Status::NewtonFailed, extremal.ease());
+        Self { equations, clock, arcs, status, ease, estimate: None }
     }
 
     /// Solves to the tolerance, with as many nodes as that takes.
     pub fn solve<E: Extremal>(mut self, extremal: &mut E, tolerance: f64, context: &mut Context<'_>) -> Self {
+        self.ease = extremal.ease();
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
         let mut before = None;
         loop {

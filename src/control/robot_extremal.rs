@@ -1,6 +1,6 @@
 //! Extremals of a robot: `z = (q, p, y_q, y_p)`.
 
-use super::actuation::Actuation;
+use super::actuation::{Actuation, price};
 use super::ends::Ends;
 use super::equations::{Equations, Running};
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
@@ -28,6 +28,7 @@ pub struct RobotExtremal {
     asked: (Actuation, f64),
     ends: Ends,
     jacobian: Jacobian,
+    ease: Ease,
     /// Whether an easier problem has weaker user terms.
     ease_terms: bool,
     /// For differences.
@@ -48,6 +49,7 @@ impl RobotExtremal {
             asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
             ends: Ends::new(problem)?,
             jacobian,
+            ease: Ease::NONE,
             ease_terms: problem.terms_may_be_weaker(),
             point: vec![0.0; 4 * n],
             beside: [vec![0.0; 4 * n], vec![0.0; 4 * n]],
@@ -115,9 +117,16 @@ impl Extremal for RobotExtremal {
         self.ends.are_fixed()
     }
 
+    fn ease(&self) -> Ease {
+        self.ease
+    }
+
     fn set_ease(&mut self, ease: Ease) {
+        self.ease = ease;
         self.ends.set_goal(ease.goal);
+        let price = price(self.equations.time_cost);
         self.equations.penalties.set_weight(ease.penalty * self.asked.1);
+        self.equations.penalties.set_rounding(ease.effort * price);
         self.equations.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
         self.actuation.ease(&self.asked.0, self.equations.time_cost, ease);
     }
@@ -181,6 +190,6 @@ impl Extremal for RobotExtremal {
 /// `H* = y'f - l` and l.
 pub(super) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> Rate {
     let states = z.len() / 2;
-    let hamiltonian = crate::matrix::dot(&z[states..], &g[..states]) - l.cost - l.penalty;
-    Rate { hamiltonian, cost: l.cost, penalty: l.penalty }
+    let hamiltonian = crate::matrix::dot(&z[states..], &g[..states]) - l.cost - l.penalty - l.smoothing;
+    Rate { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
 }

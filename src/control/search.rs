@@ -1,11 +1,11 @@
 //! The way from a guess to a solution, for any extremal.
 
 use super::arcs::solve_arcs;
+use super::continuation::follow;
 use super::extremal::{Ease, Extremal};
 use super::final_time::free_time;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::continuation::follow;
 use super::options::Options;
 use super::path::{INTERVALS, Wish};
 use super::problem::Time;
@@ -31,7 +31,7 @@ pub(super) const LOOSE: f64 = 1e-4;
 /// #     fn rate(&mut self, z: &[f64], _: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
 /// #         g.copy_from_slice(&[z[1], 0.0]);
 /// #         let cost = 0.5 * z[1] * z[1];
-/// #         Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, penalty: 0.0 })
+/// #         Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, ..Rate::default() })
 /// #     }
 /// #     fn linear(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64], j: &mut [f64]) -> Result<Rate, EvalError> {
 /// #         j.copy_from_slice(&[0.0, 1.0, 0.0, 0.0]);
@@ -121,7 +121,8 @@ pub(super) fn search<E: Extremal>(
             break;
         }
         let found = from_path(extremal, (time, duration), (wish, guess), context);
-        let enough = found.status.is_converged() || found.status == Status::MeshLimit;
+        let close = [Status::Converged, Status::MeshLimit, Status::SwitchesNotRefined];
+        let enough = close.contains(&found.status);
         if enough && cost.is_none_or(|cost| found.total(extremal) < cost) {
             return found;
         }
@@ -175,7 +176,10 @@ fn from_path<E: Extremal>(
     let first = Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.path(s, z));
     let mut at = first.solve(extremal, loose, context);
     if let (Time::Free { .. }, true) = (time, at.status.is_converged()) {
-        at = free_time(at, extremal, loose, context);
+        // The path has nearly the right time already.
+        let free = at.with_clock(extremal, Clock::Free).solve(extremal, loose, context);
+        let found = free.status.is_converged() && free.final_time(extremal) > 0.0;
+        at = if found { free } else { free_time(at, extremal, loose, context) };
     }
     if ease.penalty < 1.0 {
         context.phase = "penalties";

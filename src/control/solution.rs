@@ -3,8 +3,8 @@
 use super::error::ProblemError;
 use super::motion::{Certificate, Motion};
 use super::options::Iteration;
-use super::search::PATH;
 use super::problem::Problem;
+use super::search::PATH;
 use super::status::Status;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +20,10 @@ pub struct Solution {
     /// Integral of the penalties.
     #[serde(default)]
     pub penalty_cost: f64,
+    /// Weight of the effort of controls that cost nothing that is still there, in parts of one that makes it matter: 0 where
+    /// the switches of a motion of least time were found; else cost and penalties are those of a control that is nearly so.
+    #[serde(default)]
+    pub smoothing: f64,
     /// T (s).
     pub final_time: f64,
     /// Mean of H* along the motion; `dJ/dT = -H*`.
@@ -121,6 +125,7 @@ impl Solution {
             status: motion.status,
             cost: motion.cost,
             penalty_cost: motion.penalty_cost,
+            smoothing: motion.smoothing,
             final_time: motion.final_time,
             hamiltonian: motion.hamiltonian,
             hamiltonian_drift: motion.hamiltonian_drift,

@@ -126,6 +126,7 @@ fn failed(problem: &Problem, status: Status) -> Solution {
         status,
         cost: f64::INFINITY,
         penalty_cost: 0.0,
+        smoothing: 0.0,
         final_time: problem.time.value(),
         hamiltonian: 0.0,
         hamiltonian_drift: 0.0,

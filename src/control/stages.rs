@@ -71,9 +71,11 @@ pub(super) fn without_effort<E: Extremal>(
 ) -> Extremum {
     let tolerance = context.options.tolerance;
     let mut ease = ease;
+    let mut change = f64::INFINITY;
     for next in SMOOTHINGS {
         context.phase = "smoothing";
         let effort = ease.effort;
+        let before = at.total(extremal);
         at = follow(at, extremal, context, |extremal, s| {
             ease.effort = effort * (next / effort).powf(s);
             extremal.set_ease(ease);
@@ -88,17 +90,27 @@ pub(super) fn without_effort<E: Extremal>(
         if !at.status.is_converged() {
             break;
         }
+        change = (at.total(extremal) - before).abs() / before.abs();
+        if next < 1e-4 && change < NEGLIGIBLE {
+            break;
+        }
     }
     // The motion of the smoothed problem; it keeps to the bounds and meets the end.
     extremal.set_ease(ease);
     context.phase = "smoothing";
-    let smoothed = at.solve(extremal, tolerance.max(1e-7), context);
+    let smoothed = at.solve(extremal, tolerance.max(SMOOTHED), context);
     match smoothed.status {
-        Status::Converged => smoothed.with_status(Status::SwitchesNotRefined),
+        Status::Converged if change > NEGLIGIBLE => smoothed.with_status(Status::SwitchesNotRefined),
         _ => smoothed,
     }
 }
 
+/// Change of the cost with the weight of the effort, in parts of it, below which the smoothed problem stands for the one asked
+/// for: where a control stays inside its bounds for a while there are no switches to be found.
+const NEGLIGIBLE: f64 = 2e-5;
+
+/// Tolerance of the smoothed problem where it stands for the one asked for.
+const SMOOTHED: f64 = 1e-6;
+
 /// Weights of the effort at which the arcs are tried, in parts of one that makes it matter.
-const SMOOTHINGS: [f64; 13] =
-    [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7];
+const SMOOTHINGS: [f64; 13] = [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7];
