@@ -3,8 +3,8 @@
 use super::path::{Path, Wish, lowest_path};
 use super::problem::Problem;
 use super::refine::Context;
-use super::search::Guess;
 use super::robot_extremal::RobotExtremal;
+use super::search::Guess;
 use super::solution::Trajectory;
 
 /// The cubic in t that takes a joint from (q, v) at 0 to (q, v) at T: position and rate at s = t/T.
@@ -61,8 +61,11 @@ pub(super) fn disturbed_cubic(
     i: usize,
     s: f64,
 ) -> (f64, f64) {
-    let (from, to, time) =
-        ((problem.start.q[i], problem.start.v[i]), (problem.end.q[i], problem.end.v[i]), problem.time.value());
+    let (from, to, time) = (
+        (problem.start.q[i], problem.start.v[i]),
+        (problem.end.q[i], problem.end.v[i]),
+        problem.time.value(),
+    );
     let part = |from: f64, to: f64| if goal == 1.0 { to } else { from + goal * (to - from) };
     disturbance.add(i, time, s, cubic(from, (part(from.0, to.0), part(from.1, to.1)), time, s))
 }

@@ -1,11 +1,11 @@
 //! The way from a guess to a solution, for any extremal.
 
 use super::arcs::solve_arcs;
+use super::continuation::follow;
 use super::extremal::{Ease, Extremal};
 use super::final_time::free_time;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::continuation::follow;
 use super::options::Options;
 use super::path::{INTERVALS, Wish};
 use super::problem::Time;

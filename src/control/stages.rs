@@ -100,5 +100,4 @@ pub(super) fn without_effort<E: Extremal>(
 }
 
 /// Weights of the effort at which the arcs are tried, in parts of one that makes it matter.
-const SMOOTHINGS: [f64; 13] =
-    [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7];
+const SMOOTHINGS: [f64; 13] = [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7];

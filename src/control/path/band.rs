@@ -91,8 +91,7 @@ mod tests {
             if i - j <= width { value(i, j) } else { 0.0 }
         };
         let expected: Vec<f64> = (0..size).map(|i| (i as f64).cos()).collect();
-        let mut x: Vec<f64> =
-            (0..size).map(|i| (0..size).map(|j| entry(i, j) * expected[j]).sum()).collect();
+        let mut x: Vec<f64> = (0..size).map(|i| (0..size).map(|j| entry(i, j) * expected[j]).sum()).collect();
         assert!(band.factor());
         band.solve(&mut x);
         assert!(x.iter().zip(&expected).all(|(x, e)| (x - e).abs() < 1e-13));

@@ -47,7 +47,15 @@ pub(super) fn minimise(
                 if cost < at.cost - 1e-4 * solver.predicted {
                     gain = at.cost - cost;
                     let ratio = gain / solver.predicted;
-                    damping = (damping * if ratio > 0.7 { 0.1 } else if ratio > 0.3 { 0.5 } else { 2.0 }).max(1e-9);
+                    damping = (damping
+                        * if ratio > 0.7 {
+                            0.1
+                        } else if ratio > 0.3 {
+                            0.5
+                        } else {
+                            2.0
+                        })
+                    .max(1e-9);
                     (at.theta, at.time, at.cost) = (trial.0, trial.1, cost);
                     break;
                 }
@@ -119,7 +127,8 @@ impl Solver {
             self.matrix.solve(&mut self.border);
             let pivot = corner[0] * (1.0 + damping) - crate::matrix::dot(border, &self.border);
             // Where T would go up the hill, as far down as it is steep.
-            let pivot = if pivot > 1e-8 * corner[0].abs() { pivot } else { pivot.abs() + of.gradient[count].abs() };
+            let pivot =
+                if pivot > 1e-8 * corner[0].abs() { pivot } else { pivot.abs() + of.gradient[count].abs() };
             of_time[0] = (-of.gradient[count] - crate::matrix::dot(border, of_theta)) / pivot;
             of_theta.iter_mut().zip(&self.border).for_each(|(step, border)| *step -= of_time[0] * border);
             curved = damping * corner[0].abs() * of_time[0] * of_time[0];

@@ -127,14 +127,22 @@ mod tests {
         let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
         let solution =
             crate::control::Solver::new(&problem, crate::control::Options::default()).unwrap().solve();
-        assert!((path.cost() - solution.cost).abs() < 1e-3 * solution.cost, "{} {}", path.cost(), solution.cost);
+        assert!(
+            (path.cost() - solution.cost).abs() < 1e-3 * solution.cost,
+            "{} {}",
+            path.cost(),
+            solution.cost
+        );
         let trajectory = &solution.trajectory;
         for (i, t) in trajectory.t.iter().enumerate() {
             let mut z = [0.0; 8];
             path.sample(t / 1.2, &mut z).unwrap();
             let parts = [&trajectory.q[i], &trajectory.p[i], &trajectory.y_q[i], &trajectory.y_p[i]];
             for (part, (found, size)) in parts.into_iter().zip(z.chunks(2).zip([1.0, 5.0, 100.0, 20.0])) {
-                assert!(part.iter().zip(found).all(|(a, b)| (a - b).abs() < 0.08 * size), "{t}: {part:?} {found:?}");
+                assert!(
+                    part.iter().zip(found).all(|(a, b)| (a - b).abs() < 0.08 * size),
+                    "{t}: {part:?} {found:?}"
+                );
             }
         }
     }

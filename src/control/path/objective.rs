@@ -205,9 +205,7 @@ impl Objective {
                     self.second[r * width + c] += scaled * row(c);
                 }
             }
-            for (at, term) in
-                [(i, self.penalties.position(i, q[i])), (n + i, self.penalties.rate(i, v[i]))]
-            {
+            for (at, term) in [(i, self.penalties.position(i, q[i])), (n + i, self.penalties.rate(i, v[i]))] {
                 value += term.value;
                 self.first[at] += term.first;
                 self.second[at * width + at] += term.second;
