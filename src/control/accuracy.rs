@@ -29,9 +29,12 @@ impl Estimate {
 /// Values at the points of that method come from the collocation polynomial, made better by two Picard iterations; its order
 /// is higher by two, so that `-A^-1 (defect)` is the error at the nodes to leading order. Between them the polynomial is
 /// compared with the values made better. After the last Newton step, whose matrix is used.
+///
+/// `respond` writes `-A^-1 (defect)`: that of [`Collocation::response`], or with further equations.
 pub(super) fn estimate<E: Extremal>(
     equations: &mut Collocation,
     timed: &mut Timed<'_, E>,
+    respond: impl FnOnce(&mut Collocation, &[f64], &mut Values),
 ) -> Result<Estimate, EvalError> {
     let (m, s) = (equations.m, equations.method.len());
     let finer = Lobatto::new(s + 1);
@@ -77,7 +80,7 @@ pub(super) fn estimate<E: Extremal>(
         local[k] = (square / m as f64).sqrt();
     }
     let mut errors = Values::zeros(equations.mesh.nodes(), m, s);
-    equations.response(&defects, &mut errors);
+    respond(equations, &defects, &mut errors);
     for (i, &error) in errors.nodes.iter().enumerate() {
         components[i % m] = components[i % m].max(defined(error));
     }

@@ -74,9 +74,14 @@ impl Actuation {
                 0.0 if ease.effort > 0.0 => {
                     (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))
                 }
-                effort => (effort, None),
+                effort => (effort, asked.smooth[i].map(|(middle, width)| (middle, ease.bounds * width))),
             };
         }
+    }
+
+    /// Whether it has the smooth cost, with which it never reaches a bound.
+    pub fn is_smooth(&self, i: usize) -> bool {
+        self.smooth[i].is_some()
     }
 
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.

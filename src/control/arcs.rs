@@ -146,7 +146,7 @@ impl Extremum {
     }
 
     /// Whether at all inner points the maximum of the Hamiltonian is on the side that the arc says.
-    fn agrees_with_arcs<E: Extremal>(&self, extremal: &E) -> bool {
+    pub(super) fn agrees_with_arcs<E: Extremal>(&self, extremal: &E) -> bool {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let inner = self.equations.method.len() - 2;
         let mut u = vec![0.0; extremal.controls()];

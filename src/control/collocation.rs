@@ -1,13 +1,13 @@
 //! Collocation on a mesh: the equations, and the correction that their linearisation asks for.
 
-use super::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
+use super::borders::{Borders, set_scales};
 use super::condensed::Condensed;
+use super::discretised::{Discretised, Failure, Solvable};
 use super::extremal::{Extremal, Rate};
 use super::lobatto::Lobatto;
 use super::mesh::{Mesh, Span};
 use super::timed::Timed;
 use super::values::Values;
-use crate::error::EvalError;
 
 /// The collocation equations on one mesh: all that is ever allocated for it.
 ///
@@ -29,27 +29,9 @@ pub(super) struct Collocation {
     pub scale: Vec<f64>,
     node_jacobians: Vec<f64>,
     condensed: Vec<Condensed>,
-    pub(super) matrix: AlmostBlockDiagonal,
-    /// Residuals in the order of the matrix, and of the inner points.
-    pub(super) residual: Vec<f64>,
+    pub(super) borders: Borders,
+    /// Residuals of the inner points.
     pub(super) inner_residual: Vec<f64>,
-    /// Divisors of the conditions at start, end and of each switch.
-    pub(super) divisors: Vec<f64>,
-    pub(super) conditions: Vec<f64>,
-    pub(super) at_start: usize,
-}
-
-/// Why a linearisation failed.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Failure {
-    Evaluation(EvalError),
-    Singular(SingularMatrix),
-}
-
-impl From<EvalError> for Failure {
-    fn from(error: EvalError) -> Self {
-        Self::Evaluation(error)
-    }
 }
 
 impl Collocation {
@@ -62,7 +44,6 @@ impl Collocation {
     ) -> Self {
         let (m, nodes, method) = (timed.len(), mesh.nodes(), Lobatto::new(points));
         let inner = (nodes - 1) * (points - 2);
-        let at_start = timed.at_start();
         let mut values = Values::zeros(nodes, m, points);
         let mut s = 0.0;
         guess(0, 0.0, &mut values.nodes[..m]);
@@ -85,55 +66,100 @@ impl Collocation {
         }
         Self {
             condensed: vec![Condensed::new(m, points - 2); nodes - 1],
-            matrix: AlmostBlockDiagonal::zeros(m, at_start, nodes - 1),
+            borders: Borders::new(m, timed.at_start(), nodes),
             slopes: Values::zeros(nodes, m, points),
             rates: (vec![Rate::default(); nodes], vec![Rate::default(); inner]),
             scale: vec![1.0; m],
             node_jacobians: vec![0.0; nodes * m * m],
-            residual: vec![0.0; nodes * m],
             inner_residual: vec![0.0; inner * m],
-            divisors: vec![1.0; m + nodes],
-            conditions: vec![0.0; m * m],
             current: values,
-            at_start,
             method,
             mesh,
             m,
         }
     }
 
-    /// Values of the same shape, zero.
-    pub fn zeros(&self) -> Values {
+    /// `-A^-1 r` at the nodes for residuals of the intervals alone, m for each span, in scaled variables.
+    pub fn response(&mut self, defects: &[f64], target: &mut Values) {
+        let first = self.borders.row(0);
+        target.nodes.fill(0.0);
+        for (to, from) in target.nodes[first..].iter_mut().zip(defects) {
+            *to = -from;
+        }
+        self.borders.matrix.solve(&mut target.nodes);
+    }
+}
+
+impl Discretised for Collocation {
+    fn zeros(&self) -> Values {
         Values::zeros(self.mesh.nodes(), self.m, self.method.len())
     }
 
-    /// Scales: the largest size of each component along the motion, but no less than a hundredth of that of its group.
-    /// True where a group is all zero, and has the scale 1. `with`: a correction that counts too.
-    pub fn set_scales<E: Extremal>(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> bool {
-        let m = self.m;
-        let mut sizes = vec![0.0_f64; m];
-        for (i, value) in self.current.nodes.iter().enumerate() {
-            let moved = with.map_or(0.0, |with| with.nodes[i].abs() * self.scale[i % m]);
-            sizes[i % m] = sizes[i % m].max(value.abs()).max(moved);
-        }
-        let z = timed.z_len();
-        let group = |c: usize| if c < z { timed.extremal.group(c) } else { usize::MAX - c };
-        let mut unknown = false;
-        for c in 0..m {
-            let largest = (0..m).filter(|&d| group(d) == group(c)).map(|d| sizes[d]).fold(0.0_f64, f64::max);
-            let floor = if largest > 0.0 { 0.01 * largest } else { 1.0 };
-            self.scale[c] = sizes[c].max(floor);
-            unknown |= largest == 0.0;
-        }
-        unknown
+    fn current(&self) -> &Values {
+        &self.current
     }
 
-    /// Slopes and residuals at `values`.
-    pub fn evaluate<E: Extremal>(
-        &mut self,
-        timed: &mut Timed<'_, E>,
-        values: &Values,
-    ) -> Result<(), EvalError> {
+    fn current_mut(&mut self) -> &mut Values {
+        &mut self.current
+    }
+
+    fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    fn correction(&mut self, target: &mut Values) {
+        let (m, inner) = (self.m, self.method.len() - 2);
+        target.nodes.iter_mut().zip(&self.borders.residual).for_each(|(to, from)| *to = -from);
+        target.inner.iter_mut().zip(&self.inner_residual).for_each(|(to, from)| *to = -from);
+        for (k, span) in self.mesh.spans.iter().enumerate() {
+            if let Span::Interval { length, .. } = *span {
+                let own = &mut target.inner[k * inner * m..(k + 1) * inner * m];
+                let reduced = &mut target.nodes[self.borders.row(k)..self.borders.row(k + 1)];
+                self.condensed[k].reduce(&self.method, length, own, reduced);
+            }
+        }
+        self.borders.matrix.solve(&mut target.nodes);
+        for (k, span) in self.mesh.spans.iter().enumerate() {
+            if let Span::Interval { .. } = span {
+                let own = &mut target.inner[k * inner * m..(k + 1) * inner * m];
+                self.condensed[k].expand(&target.nodes[k * m..(k + 2) * m], own);
+            }
+        }
+    }
+}
+
+impl<E: Extremal> Solvable<E> for Collocation {
+    /// By the quadrature of the method.
+    fn costs(&self, timed: &Timed<'_, E>) -> (f64, f64) {
+        let (m, inner) = (self.m, self.method.len() - 2);
+        let weights = self.method.weights();
+        let (mut cost, mut penalty) = (0.0, 0.0);
+        for (k, span) in self.mesh.spans.iter().enumerate() {
+            if let Span::Interval { length, .. } = *span {
+                let h = length * timed.duration(&self.current.nodes[k * m..(k + 1) * m]);
+                for (j, weight) in weights.iter().enumerate() {
+                    let rate = match j {
+                        0 => &self.rates.0[k],
+                        j if j == inner + 1 => &self.rates.0[k + 1],
+                        j => &self.rates.1[k * inner + j - 1],
+                    };
+                    cost += h * weight * rate.cost;
+                    penalty += h * weight * rate.penalty;
+                }
+            }
+        }
+        (cost, penalty)
+    }
+
+    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> bool {
+        set_scales(timed, &self.current.nodes, &mut self.scale, with)
+    }
+
+    fn evaluate(&mut self, timed: &mut Timed<'_, E>, values: &Values) -> Result<(), Failure> {
         let (m, inner) = (self.m, self.method.len() - 2);
         for i in 0..self.mesh.nodes() {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
@@ -149,11 +175,10 @@ impl Collocation {
                 }
             }
         }
-        self.set_residuals(timed, values, false)
+        Ok(self.set_residuals(timed, values, false)?)
     }
 
-    /// Slopes, residuals and the factored matrix at the current values.
-    pub fn linearise<E: Extremal>(&mut self, timed: &mut Timed<'_, E>) -> Result<(), Failure> {
+    fn linearise(&mut self, timed: &mut Timed<'_, E>) -> Result<(), Failure> {
         let (m, inner) = (self.m, self.method.len() - 2);
         for i in 0..self.mesh.nodes() {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
@@ -174,47 +199,17 @@ impl Collocation {
                     to_scaled(jacobian, &self.scale);
                 }
                 let ends = self.node_jacobians[k * m * m..(k + 2) * m * m].split_at(m * m);
-                condensed
-                    .condense(&self.method, length, ends, (&mut self.matrix, k))
-                    .map_err(Failure::Singular)?;
+                condensed.condense(&self.method, length, ends, (&mut self.borders.matrix, k))?;
             }
         }
-        let current = std::mem::replace(&mut self.current, Values { nodes: Vec::new(), inner: Vec::new() });
+        let current = std::mem::replace(
+            &mut self.current,
+            Values { nodes: Vec::new(), inner: Vec::new(), position: 0.0 },
+        );
         let set = self.set_residuals(timed, &current, true);
         self.current = current;
         set?;
-        self.matrix.factor().map_err(Failure::Singular)
-    }
-
-    /// `-A^-1 r` for the residuals of the last evaluation and the matrix of the last linearisation.
-    pub fn correction(&mut self, target: &mut Values) {
-        let (m, inner, first) = (self.m, self.method.len() - 2, self.at_start);
-        target.nodes.iter_mut().zip(&self.residual).for_each(|(to, from)| *to = -from);
-        target.inner.iter_mut().zip(&self.inner_residual).for_each(|(to, from)| *to = -from);
-        for (k, span) in self.mesh.spans.iter().enumerate() {
-            if let Span::Interval { length, .. } = *span {
-                let own = &mut target.inner[k * inner * m..(k + 1) * inner * m];
-                let reduced = &mut target.nodes[first + k * m..first + (k + 1) * m];
-                self.condensed[k].reduce(&self.method, length, own, reduced);
-            }
-        }
-        self.matrix.solve(&mut target.nodes);
-        for (k, span) in self.mesh.spans.iter().enumerate() {
-            if let Span::Interval { .. } = span {
-                let own = &mut target.inner[k * inner * m..(k + 1) * inner * m];
-                self.condensed[k].expand(&target.nodes[k * m..(k + 2) * m], own);
-            }
-        }
-    }
-
-    /// `-A^-1 r` at the nodes for residuals of the intervals alone, m for each span, in scaled variables.
-    pub fn response(&mut self, defects: &[f64], target: &mut Values) {
-        let first = self.at_start;
-        target.nodes.fill(0.0);
-        for (to, from) in target.nodes[first..].iter_mut().zip(defects) {
-            *to = -from;
-        }
-        self.matrix.solve(&mut target.nodes);
+        Ok(self.borders.factor()?)
     }
 }
 

@@ -63,7 +63,7 @@ pub(super) fn follow<E: Extremal>(
 
 impl Extremum {
     /// The same mesh and unknowns, moved by `factor` times what changed since `before`; not yet solved.
-    fn predicted<E: Extremal>(&self, extremal: &mut E, before: Option<(&Self, f64)>) -> Self {
+    pub(super) fn predicted<E: Extremal>(&self, extremal: &mut E, before: Option<(&Self, f64)>) -> Self {
         let (mesh, points) = (self.equations.mesh.clone(), self.equations.method.len());
         let mut old = vec![0.0; self.equations.m];
         Self::guess(extremal, (self.clock, self.arcs.clone()), mesh, points, |arc, s, w| {

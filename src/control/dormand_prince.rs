@@ -1,4 +1,4 @@
-//! An adaptive Runge-Kutta integrator, written independently of the collocation, to judge what that found.
+//! An adaptive Runge-Kutta integrator: that of multiple shooting, and the judge of what collocation found.
 
 use crate::error::EvalError;
 
@@ -23,8 +23,10 @@ const ERROR: [f64; STAGES] =
 pub(super) struct DormandPrince {
     slopes: Vec<Vec<f64>>,
     point: Vec<f64>,
-    /// Relative and absolute tolerance of a step.
+    /// Tolerance of a step, in parts of the size of each component.
     tolerance: f64,
+    /// Smallest size of each component: what its error is measured by where it is less.
+    sizes: Vec<f64>,
 }
 
 /// The integration stopped before its end.
@@ -39,10 +41,21 @@ const MOST_STEPS: usize = 100_000;
 
 impl DormandPrince {
     pub fn new(size: usize, tolerance: f64) -> Self {
-        Self { slopes: vec![vec![0.0; size]; STAGES], point: vec![0.0; size], tolerance }
+        let sizes = vec![1.0; size];
+        Self { slopes: vec![vec![0.0; size]; STAGES], point: vec![0.0; size], tolerance, sizes }
     }
 
-    /// Takes x from `from` to `to` along `x' = rate(t, x)`.
+    /// Smallest size of each component, 1 at first; infinite for one that does not decide about steps.
+    pub fn sizes_mut(&mut self) -> &mut [f64] {
+        &mut self.sizes
+    }
+
+    /// Changes the tolerance of a step.
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.tolerance = tolerance;
+    }
+
+    /// Takes x from `from` to `to` along `x' = rate(t, x)`; undefined and endless values stop it.
     pub fn integrate(
         &mut self,
         x: &mut [f64],
@@ -51,6 +64,7 @@ impl DormandPrince {
     ) -> Result<(), Stopped> {
         let (mut t, mut h) = (from, to - from);
         let least = 1e-14 * (to - from).abs();
+        let mut first = 0;
         for _ in 0..MOST_STEPS {
             if (to - t).abs() <= least {
                 return Ok(());
@@ -58,7 +72,7 @@ impl DormandPrince {
             if (to - t).abs() < h.abs() * (1.0 + 1e-12) {
                 h = to - t;
             }
-            for stage in 0..STAGES {
+            for stage in first..STAGES {
                 self.point.copy_from_slice(x);
                 for (a, slope) in A[stage].iter().zip(&self.slopes[..stage]) {
                     crate::matrix::add_scaled(&mut self.point, h * a, slope);
@@ -69,15 +83,22 @@ impl DormandPrince {
             let mut square = 0.0;
             for (i, (&old, &new)) in x.iter().zip(&self.point).enumerate() {
                 let error: f64 = (0..STAGES).map(|stage| ERROR[stage] * self.slopes[stage][i]).sum();
-                square += (h * error / (self.tolerance * old.abs().max(new.abs()).max(1.0))).powi(2);
+                let size = old.abs().max(new.abs()).max(self.sizes[i]);
+                square += (h * error / (self.tolerance * size)).powi(2);
             }
             let error = (square / x.len() as f64).sqrt();
             if error <= 1.0 {
                 t += h;
                 x.copy_from_slice(&self.point);
+                // So its slope is the first of the next step.
+                self.slopes.swap(0, STAGES - 1);
             }
-            let factor = if error > 0.0 { 0.9 * error.powf(-0.2) } else { 5.0 };
-            h *= if factor.is_finite() { factor.clamp(0.2, 5.0) } else { 0.2 };
+            first = 1;
+            let factor = 0.9 * error.powf(-0.2);
+            h *= if factor.is_nan() { 0.2 } else { factor.clamp(0.2, 5.0) };
+            if h.abs() < least {
+                break;
+            }
         }
         Err(Stopped::TooManySteps)
     }
@@ -85,7 +106,19 @@ impl DormandPrince {
 
 #[cfg(test)]
 mod tests {
-    use super::DormandPrince;
+    use super::{DormandPrince, Stopped};
+
+    #[test]
+    fn what_leaves_all_bounds_is_an_error() {
+        let mut x = [1.0];
+        let mut integrator = DormandPrince::new(1, 1e-9);
+        // x = 1 / (1 - t).
+        let escape = |_: f64, x: &[f64], f: &mut [f64]| {
+            f[0] = x[0] * x[0];
+            Ok(())
+        };
+        assert_eq!(integrator.integrate(&mut x, (0.0, 2.0), escape), Err(Stopped::TooManySteps));
+    }
 
     #[test]
     fn a_circle_closes() {

@@ -114,6 +114,16 @@ pub enum ProblemError {
         /// What it must be.
         remedy: &'static str,
     },
+    /// A continuation in a parameter that the problem does not have, or to a value that it must not have.
+    #[error("continuation to {parameter} = {value}: {reason}")]
+    Continuation {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// The value.
+        value: f64,
+        /// What is wrong with it, and what to do.
+        reason: String,
+    },
     /// A saved solution of another robot.
     #[error("start_from.file holds a motion of {found} joints, the robot has {expected}")]
     OtherRobot {

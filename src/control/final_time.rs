@@ -64,7 +64,7 @@ impl Extremum {
             }
         });
         if let (Clock::Fixed(old), Clock::Fixed(new)) = (self.clock, clock) {
-            let Values { nodes, inner } = &mut found.equations.current;
+            let Values { nodes, inner, .. } = &mut found.equations.current;
             let all = nodes.chunks_exact_mut(z_len).chain(inner.chunks_exact_mut(z_len));
             all.for_each(|z| extremal.stretch(z, new / old));
         }

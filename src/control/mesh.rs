@@ -56,6 +56,38 @@ impl Mesh {
         }
     }
 
+    /// Neighbouring intervals taken together, so that no arc has more than `most`; and the lengths that each is made of, none
+    /// for a switch.
+    pub fn coarsened(&self, most: usize) -> (Self, Vec<Vec<f64>>) {
+        let mut arcs: Vec<Vec<f64>> = vec![Vec::new(); self.arcs()];
+        for span in &self.spans {
+            if let Span::Interval { arc, length } = *span {
+                arcs[arc].push(length);
+            }
+        }
+        let (mut parts, mut taken) = (Vec::new(), Vec::new());
+        for (arc, lengths) in arcs.iter().enumerate() {
+            if arc > 0 {
+                parts.push(Vec::new());
+            }
+            let chunks = lengths.chunks(lengths.len().div_ceil(most).max(1));
+            parts.extend(chunks.clone().map(<[f64]>::to_vec));
+            taken.push(chunks.map(|chunk| chunk.iter().sum()).collect());
+        }
+        (Self::from_lengths(taken), parts)
+    }
+
+    /// Intervals of these lengths in place of each one.
+    pub fn cut(&self, parts: &[Vec<f64>]) -> Self {
+        let mut arcs: Vec<Vec<f64>> = vec![Vec::new(); self.arcs()];
+        for (span, parts) in self.spans.iter().zip(parts) {
+            if let Span::Interval { arc, .. } = *span {
+                arcs[arc].extend(parts);
+            }
+        }
+        Self::from_lengths(arcs)
+    }
+
     /// A mesh with about `intervals` intervals on which the errors are alike, when `errors` (one for each span, zero for
     /// a switch) grow with the power `order + 1` of the length.
     ///
@@ -108,6 +140,15 @@ fn divide(parts: &[(f64, f64)]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::{Mesh, Span};
+
+    #[test]
+    fn what_is_taken_together_can_be_cut_again() {
+        let mesh = Mesh::from_lengths([vec![0.1, 0.2, 0.3, 0.4], vec![0.5, 0.5]]);
+        let (coarse, parts) = mesh.coarsened(3);
+        assert_eq!((coarse.intervals(), coarse.arcs()), (4, 2));
+        assert!(parts[2].is_empty() && parts[1] == [0.3, 0.4]);
+        assert_eq!(coarse.cut(&parts), mesh);
+    }
 
     #[test]
     fn intervals_gather_where_errors_are_large() {

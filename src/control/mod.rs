@@ -8,17 +8,21 @@
 //! ```
 //!
 //! a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian holds the contracted Hessian y'F_xx
-//! ([`RobotExtremal`]). [`Solver`] solves it by collocation at Lobatto's points and Newton's method; anything that is an
-//! [`Extremal`], [generated code](GeneratedExtremal) for one, goes the same way through [`solve_extremal`]. Signs are those of H*
-//! above throughout: `dJ/dT = -H*`, `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`.
+//! ([`RobotExtremal`]). [`Solver`] solves it by collocation at Lobatto's points, or by multiple [shooting](Method::Shooting)
+//! with the variational equations, and Newton's method; anything that is an [`Extremal`], [generated code](GeneratedExtremal) for
+//! one, goes the same way through [`solve_extremal`]. Signs are those of H* above throughout: `dJ/dT = -H*`,
+//! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`. [`Continuation`] follows solutions while a parameter changes.
 
 mod accuracy;
 mod actuation;
 mod almost_block_diagonal;
 mod arcs;
+mod borders;
+mod branch;
 mod collocation;
 mod condensed;
 mod continuation;
+mod discretised;
 mod dormand_prince;
 mod ends;
 mod equations;
@@ -31,7 +35,9 @@ mod jacobi;
 mod lobatto;
 mod lu;
 mod mesh;
+mod mismatch;
 mod motion;
+mod multiple_shooting;
 mod newton;
 mod options;
 mod path;
@@ -44,6 +50,7 @@ mod robot_extremal;
 mod robot_jacobian;
 mod running_cost;
 mod search;
+mod shooting;
 mod solution;
 mod solver;
 mod source;
@@ -54,11 +61,12 @@ mod user_terms;
 mod values;
 
 pub use almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
+pub use branch::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
 pub use error::{ProblemError, SourceError};
 pub use extremal::{Ease, Extremal, Law, Rate, Side};
 pub use generated::GeneratedExtremal;
 pub use motion::{Certificate, Motion};
-pub use options::{Iteration, Jacobian, Options};
+pub use options::{Iteration, Jacobian, Method, Options};
 pub use problem::{Bounds, Cost, End, Penalty, Problem, Start, Time};
 pub use robot_extremal::RobotExtremal;
 pub use running_cost::{RunningCost, UserTerm};

@@ -1,6 +1,7 @@
 //! A solved extremal as numbers over time, and how good it is.
 
 use super::arcs::side_of;
+use super::discretised::Solvable;
 use super::dormand_prince::{DormandPrince, Stopped};
 use super::extremal::{Ease, Extremal, Side};
 use super::mesh::Span;
@@ -41,6 +42,9 @@ pub struct Motion {
     pub hamiltonian_drift: f64,
     /// x at the end of a motion integrated again with the control that was found.
     pub end_state: Option<Vec<f64>>,
+    /// Largest mismatch when segments of the motion, costates included, are integrated again from their found starts, in
+    /// parts of the size of each component.
+    pub shooting_defect: Option<f64>,
     /// First conjugate time (s), if there is one before T.
     pub conjugate_time: Option<f64>,
     /// What follows from it.
@@ -77,6 +81,7 @@ impl Extremum {
         let converged = self.status.is_converged();
         let whole = converged || self.status == Status::SwitchesNotRefined;
         let end_state = if whole { self.integrated_again(extremal).ok() } else { None };
+        let shooting_defect = if whole { self.shooting_defect(extremal).ok() } else { None };
         let (conjugate_time, certificate) = if converged && self.ease == Ease::NONE {
             self.second_variation(extremal)
         } else {
@@ -115,6 +120,7 @@ impl Extremum {
             hamiltonian,
             hamiltonian_drift,
             end_state,
+            shooting_defect,
             conjugate_time,
             certificate,
             errors,

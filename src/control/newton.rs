@@ -1,6 +1,6 @@
 //! Damped Newton steps with the natural monotonicity test.
 
-use super::collocation::{Collocation, Failure};
+use super::discretised::{Failure, Solvable};
 use super::extremal::Extremal;
 use super::timed::Timed;
 use super::values::Values;
@@ -43,17 +43,17 @@ struct Workspace {
     trial: Values,
 }
 
-/// Newton's method on the collocation equations from their current values.
+/// Newton's method on discretised equations from their current values.
 ///
 /// A step `z + d s` with s = -A^-1 r is taken when the correction `-A^-1 r(z + d s)`, with the same matrix, is shorter by the
 /// factor `1 - d/4`: a test that does not change when equations are multiplied by a regular matrix. The damping d is
 /// predicted from how far that correction is from `(1 - d) s`, what it would be without curvature. Converged when the
 /// correction of a new linearisation is no longer than the tolerance, in parts of the size of the components.
-pub(super) fn newton<E: Extremal>(
-    equations: &mut Collocation,
+pub(super) fn newton<Q: Solvable<E>, E: Extremal>(
+    equations: &mut Q,
     timed: &mut Timed<'_, E>,
     Limits { tolerance, steps, damping: least }: Limits,
-    mut listen: impl FnMut(&Collocation, &Timed<'_, E>, Step),
+    mut listen: impl FnMut(&Q, &Timed<'_, E>, Step),
 ) -> Outcome {
     let mut work =
         Workspace { correction: equations.zeros(), simplified: equations.zeros(), trial: equations.zeros() };
@@ -88,7 +88,7 @@ pub(super) fn newton<E: Extremal>(
             return Outcome::Stalled;
         };
         last = Some(length * next * damping);
-        std::mem::swap(&mut equations.current, &mut work.trial);
+        std::mem::swap(equations.current_mut(), &mut work.trial);
         listen(equations, timed, Step { number, correction: length, damping });
         if damping == 1.0 && (next <= tolerance || length <= tolerance) {
             equations.set_scales(timed, None);
@@ -103,8 +103,8 @@ pub(super) fn newton<E: Extremal>(
 }
 
 /// Finds a damping for which the step passes the test; leaves the new values in `trial`.
-fn damped<E: Extremal>(
-    equations: &mut Collocation,
+fn damped<Q: Solvable<E>, E: Extremal>(
+    equations: &mut Q,
     timed: &mut Timed<'_, E>,
     work: &mut Workspace,
     predicted: f64,
@@ -113,7 +113,7 @@ fn damped<E: Extremal>(
     let length = work.correction.norm();
     let (mut damping, mut raised) = (predicted, false);
     while damping >= least {
-        work.trial.set_sum(&equations.current, damping, &equations.scale, &work.correction);
+        work.trial.set_sum(equations.current(), damping, equations.scale(), &work.correction);
         if equations.evaluate(timed, &work.trial).is_err() {
             damping *= 0.5;
             continue;
@@ -138,8 +138,8 @@ fn damped<E: Extremal>(
 }
 
 /// Whether the correction of a new linearisation is short enough; takes it then, and evaluates there.
-fn finished<E: Extremal>(
-    equations: &mut Collocation,
+fn finished<Q: Solvable<E>, E: Extremal>(
+    equations: &mut Q,
     timed: &mut Timed<'_, E>,
     work: &mut Workspace,
     tolerance: f64,
@@ -151,10 +151,10 @@ fn finished<E: Extremal>(
     if work.correction.norm() > tolerance {
         return false;
     }
-    work.trial.set_sum(&equations.current, 1.0, &equations.scale, &work.correction);
+    work.trial.set_sum(equations.current(), 1.0, equations.scale(), &work.correction);
     if equations.evaluate(timed, &work.trial).is_err() {
         return false;
     }
-    std::mem::swap(&mut equations.current, &mut work.trial);
+    std::mem::swap(equations.current_mut(), &mut work.trial);
     true
 }

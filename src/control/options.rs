@@ -16,12 +16,25 @@ pub enum Jacobian {
     WithoutHessian,
 }
 
+/// How motions between nodes are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Polynomials that satisfy the equations at Lobatto's points, on meshes that are refined.
+    #[default]
+    Collocation,
+    /// Integration from node to node by an adaptive integrator, together with the variational equations.
+    Shooting,
+}
+
 /// How to solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Largest estimated error of a component, in parts of the largest value that it takes along the motion.
     pub tolerance: f64,
-    /// Nodes of the first mesh.
+    /// How motions between nodes are found.
+    pub method: Method,
+    /// Nodes of the first mesh; of all in multiple shooting.
     pub nodes: usize,
     /// Most nodes.
     pub max_nodes: usize,
@@ -41,6 +54,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             tolerance: 1e-9,
+            method: Method::Collocation,
             nodes: 21,
             max_nodes: 6001,
             max_iterations: 60,

@@ -1,11 +1,12 @@
 //! Newton's method and better meshes by turns.
 
 use super::accuracy::{Estimate, estimate, next_mesh};
-use super::collocation::{Collocation, Failure};
+use super::collocation::Collocation;
+use super::discretised::{Failure, Solvable};
 use super::extremal::{Ease, Extremal};
 use super::mesh::{Mesh, Span};
 use super::newton::{LEAST_DAMPING, Limits, Outcome, newton};
-use super::options::{Iteration, Options};
+use super::options::{Iteration, Method, Options};
 use super::status::Status;
 use super::timed::{Arcs, Clock, Timed};
 
@@ -49,6 +50,35 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// Newton's method, its steps in the table.
+    pub fn newton<Q: Solvable<E>, E: Extremal>(
+        &mut self,
+        equations: &mut Q,
+        timed: &mut Timed<'_, E>,
+        tolerance: f64,
+    ) -> Status {
+        let limits = Limits { tolerance, steps: self.steps, damping: self.damping };
+        let outcome = newton(equations, timed, limits, |equations, timed, step| {
+            let (cost, penalty) = equations.costs(timed);
+            self.record(Iteration {
+                phase: self.phase.into(),
+                nodes: equations.mesh().nodes(),
+                number: step.number,
+                residual: step.correction,
+                step: step.damping,
+                final_time: equations.final_time(timed),
+                cost: cost + penalty,
+            });
+        });
+        match outcome {
+            Outcome::Converged => Status::Converged,
+            Outcome::Stalled => Status::NewtonFailed,
+            Outcome::Limit => Status::IterationLimit,
+            Outcome::Failed(Failure::Singular(_)) => Status::Singular,
+            Outcome::Failed(failure) => Status::EvaluationFailed(failure.to_string()),
+        }
+    }
+
     pub fn record(&mut self, iteration: Iteration) {
         if let Some(listener) = &mut self.listener {
             listener(&iteration);
@@ -73,38 +103,24 @@ impl Extremum {
         Self { equations, clock, arcs, status, ease, estimate: None }
     }
 
-    /// Solves to the tolerance, with as many nodes as that takes.
+    /// Solves to the tolerance by the method asked for, with as many nodes as that takes.
     pub fn solve<E: Extremal>(mut self, extremal: &mut E, tolerance: f64, context: &mut Context<'_>) -> Self {
         self.ease = extremal.ease();
+        match context.options.method {
+            Method::Collocation => self.collocate(extremal, tolerance, context),
+            Method::Shooting => self.shoot(extremal, tolerance, context),
+        }
+    }
+
+    fn collocate<E: Extremal>(mut self, extremal: &mut E, tolerance: f64, context: &mut Context<'_>) -> Self {
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
         let mut before = None;
         loop {
-            let limits =
-                Limits { tolerance: 0.1 * tolerance, steps: context.steps, damping: context.damping };
-            let outcome = newton(&mut self.equations, &mut timed, limits, |equations, timed, step| {
-                let final_time = final_time(equations, timed);
-                let (cost, penalty) = costs(equations, timed);
-                context.record(Iteration {
-                    phase: context.phase.into(),
-                    nodes: equations.mesh.nodes(),
-                    number: step.number,
-                    residual: step.correction,
-                    step: step.damping,
-                    final_time,
-                    cost: cost + penalty,
-                });
-            });
-            self.status = match outcome {
-                Outcome::Converged => Status::Converged,
-                Outcome::Stalled => Status::NewtonFailed,
-                Outcome::Limit => Status::IterationLimit,
-                Outcome::Failed(Failure::Singular(_)) => Status::Singular,
-                Outcome::Failed(Failure::Evaluation(error)) => Status::EvaluationFailed(error.to_string()),
-            };
+            self.status = context.newton(&mut self.equations, &mut timed, 0.1 * tolerance);
             if !self.status.is_converged() {
                 return self;
             }
-            let estimate = match estimate(&mut self.equations, &mut timed) {
+            let estimate = match estimate(&mut self.equations, &mut timed, Collocation::response) {
                 Ok(estimate) => estimate,
                 Err(error) => {
                     self.status = Status::EvaluationFailed(error.to_string());
@@ -134,12 +150,12 @@ impl Extremum {
 
     /// T (s).
     pub fn final_time<E: Extremal>(&self, extremal: &mut E) -> f64 {
-        final_time(&self.equations, &Timed::new(extremal, self.clock, self.arcs.clone()))
+        self.equations.final_time(&Timed::new(extremal, self.clock, self.arcs.clone()))
     }
 
     /// Cost and penalties.
     pub fn costs<E: Extremal>(&self, extremal: &mut E) -> (f64, f64) {
-        costs(&self.equations, &Timed::new(extremal, self.clock, self.arcs.clone()))
+        self.equations.costs(&Timed::new(extremal, self.clock, self.arcs.clone()))
     }
 
     /// Cost and penalties together.
@@ -162,39 +178,4 @@ impl Extremum {
         }
         durations
     }
-}
-
-fn final_time<E: Extremal>(equations: &Collocation, timed: &Timed<'_, E>) -> f64 {
-    let m = equations.m;
-    let spans = equations.mesh.spans.iter().enumerate();
-    spans
-        .map(|(k, span)| match *span {
-            Span::Interval { length, .. } => {
-                length * timed.duration(&equations.current.nodes[k * m..(k + 1) * m])
-            }
-            Span::Switch { .. } => 0.0,
-        })
-        .sum()
-}
-
-/// Integrals of the running cost and of the penalties, by the quadrature of the method.
-fn costs<E: Extremal>(equations: &Collocation, timed: &Timed<'_, E>) -> (f64, f64) {
-    let (m, inner) = (equations.m, equations.method.len() - 2);
-    let weights = equations.method.weights();
-    let (mut cost, mut penalty) = (0.0, 0.0);
-    for (k, span) in equations.mesh.spans.iter().enumerate() {
-        if let Span::Interval { length, .. } = *span {
-            let h = length * timed.duration(&equations.current.nodes[k * m..(k + 1) * m]);
-            for (j, weight) in weights.iter().enumerate() {
-                let rate = match j {
-                    0 => &equations.rates.0[k],
-                    j if j == inner + 1 => &equations.rates.0[k + 1],
-                    j => &equations.rates.1[k * inner + j - 1],
-                };
-                cost += h * weight * rate.cost;
-                penalty += h * weight * rate.penalty;
-            }
-        }
-    }
-    (cost, penalty)
 }

@@ -56,6 +56,13 @@ impl RobotExtremal {
         })
     }
 
+    /// Makes controls that cost nothing cost so much, in parts of what matters, and takes that for the problem itself.
+    pub(super) fn smooth(&mut self, effort: f64) {
+        let asked = self.asked.0.clone();
+        self.asked.0.ease(&asked, self.time_cost(), Ease { effort, ..Ease::NONE });
+        self.actuation = self.asked.0.clone();
+    }
+
     /// Momenta `p = M(q) v`.
     pub(super) fn momentum(&mut self, q: &[f64], v: &[f64]) -> Result<&[f64], EvalError> {
         self.equations.second.first().momentum(q, v)
@@ -167,7 +174,9 @@ impl Extremal for RobotExtremal {
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.bounds[control]
+        // A smooth control nears its bounds and never reaches them.
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        if self.asked.0.is_smooth(control) { free } else { self.actuation.bounds[control] }
     }
 
     fn switching(&self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {

@@ -36,6 +36,10 @@ pub struct Solution {
     /// was found, by an adaptive integrator (rad, m, rad/s, m/s); infinite where that was not possible.
     #[serde(default = "infinite", deserialize_with = "infinite_or_number")]
     pub end_defect: f64,
+    /// Largest mismatch at the borders of at most 20 segments of each arc when (q, p, y_q, y_p) is integrated again over each of
+    /// them from the values found at its start, in parts of the size of the component; infinite where that was not possible.
+    #[serde(default = "infinite", deserialize_with = "infinite_or_number")]
+    pub shooting_defect: f64,
     /// Newton steps on extremals, all meshes and starts together.
     pub newton_iterations: usize,
     /// Nodes of the last mesh.
@@ -131,6 +135,7 @@ impl Solution {
             hamiltonian_drift: motion.hamiltonian_drift,
             costate_start: (first(&y_q), first(&y_p)),
             end_defect,
+            shooting_defect: motion.shooting_defect.unwrap_or(f64::INFINITY),
             newton_iterations: motion.iterations.iter().filter(|step| step.phase != PATH).count(),
             nodes: motion.t.len(),
             conjugate_time: motion.conjugate_time,

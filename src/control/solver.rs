@@ -101,7 +101,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Rates at the nodes, and the miss at the end.
-    fn solution(&self, motion: Motion, extremal: &mut RobotExtremal) -> Solution {
+    pub(super) fn solution(&self, motion: Motion, extremal: &mut RobotExtremal) -> Solution {
         let n = self.problem.robot.len();
         let mut rates = |x: &[f64]| extremal.velocity(x).map_or_else(|_| vec![f64::NAN; n], <[f64]>::to_vec);
         let v = motion.z.iter().map(|z| rates(&z[..2 * n])).collect();
@@ -120,7 +120,7 @@ impl<'a> Solver<'a> {
 }
 
 /// A solution without a motion.
-fn failed(problem: &Problem, status: Status) -> Solution {
+pub(super) fn failed(problem: &Problem, status: Status) -> Solution {
     let n = problem.robot.len();
     Solution {
         status,
@@ -132,6 +132,7 @@ fn failed(problem: &Problem, status: Status) -> Solution {
         hamiltonian_drift: 0.0,
         costate_start: (vec![0.0; n], vec![0.0; n]),
         end_defect: f64::INFINITY,
+        shooting_defect: f64::INFINITY,
         newton_iterations: 0,
         nodes: 0,
         conjugate_time: None,

@@ -7,11 +7,13 @@ pub(super) struct Values {
     pub nodes: Vec<f64>,
     /// (s - 2) m for each span; those of a switch are not used.
     pub inner: Vec<f64>,
+    /// Position on the way of a continuation, from 0 to 1; 0 where there is none.
+    pub position: f64,
 }
 
 impl Values {
     pub fn zeros(nodes: usize, m: usize, points: usize) -> Self {
-        Self { nodes: vec![0.0; nodes * m], inner: vec![0.0; (nodes - 1) * (points - 2) * m] }
+        Self { nodes: vec![0.0; nodes * m], inner: vec![0.0; (nodes - 1) * (points - 2) * m], position: 0.0 }
     }
 
     /// `self = a + factor scale b`, componentwise with the scales of the m components.
@@ -22,13 +24,15 @@ impl Values {
                 *target = a[i] + factor * scale[i % scale.len()] * b[i];
             }
         }
+        self.position = a.position + factor * b.position;
     }
 
-    /// Root mean square of `self + factor other`.
+    /// Root mean square of `self + factor other`, and the position as much as all others together.
     pub fn norm_of_sum(&self, factor: f64, other: &Self) -> f64 {
         let pairs = self.nodes.iter().zip(&other.nodes).chain(self.inner.iter().zip(&other.inner));
         let sum: f64 = pairs.map(|(a, b)| (a + factor * b).powi(2)).sum();
-        (sum / (self.nodes.len() + self.inner.len()) as f64).sqrt()
+        let mean = sum / (self.nodes.len() + self.inner.len()) as f64;
+        (mean + (self.position + factor * other.position).powi(2)).sqrt()
     }
 
     /// Root mean square.

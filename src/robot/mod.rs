@@ -144,4 +144,19 @@ impl Robot {
         }
         Ok(Self { gravity: Vector3::from(gravity), ..self.clone() })
     }
+
+    /// The same robot with another armature matrix, n x n.
+    ///
+    /// # Errors
+    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has none.
+    pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
+        let n = self.len();
+        if armature.shape() != (n, n) {
+            let problem = format!("is {} x {}", armature.nrows(), armature.ncols());
+            return Err(RobotError::BadArmature { problem, n });
+        }
+        checks::armature(&armature)?;
+        checks::robot(&self.joints, &armature, &vec![true; n], &mut Vec::new())?;
+        Ok(Self { armature, ..self.clone() })
+    }
 }

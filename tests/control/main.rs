@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 mod bounded;
+mod branch;
 mod extremals;
 mod free_start;
 mod known;
 mod linear_algebra;
 mod one_state;
 mod problems;
+mod shooting;
 mod source;
 mod user_terms;

@@ -1,5 +1,6 @@
 //! `costate optimize`: an optimal motion of a robot, from a problem file.
 
+mod continuation;
 mod kinematics;
 mod lines;
 mod problem_file;
@@ -10,7 +11,7 @@ mod summary;
 mod tables;
 
 use crate::Outcome;
-use costate::control::{Problem, Solution, Solver};
+use costate::control::{BranchEnd, Problem, Solution, Solver};
 use costate::robot::LoadOptions;
 pub use problem_file::Task;
 use saved::Saved;
@@ -35,6 +36,9 @@ pub struct Arguments {
     /// Write the solution, or the best iterate, as JSON that `[start_from] file` reads
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
+    /// Follow the solutions while a parameter changes: final_time, gravity, armature, bounds, penalty_weight, smoothing
+    #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
+    way: Option<continuation::Way>,
     /// Refuse robots that are not physical (massless links, violated triangle inequality)
     #[arg(long)]
     strict: bool,
@@ -48,15 +52,19 @@ const NOT_CONVERGED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
-    let task = Task::read(&arguments.problem, load)?;
+    let mut task = Task::read(&arguments.problem, load)?;
     task.problem.robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
     let started = Instant::now();
-    let solution = solve(&task)?;
+    let branch = arguments.way.map(|way| continuation::follow(&mut task, way)).transpose()?;
+    let solution = match &branch {
+        Some(branch) => branch.solution.clone(),
+        None => solve(&task)?,
+    };
     let seconds = started.elapsed().as_secs_f64();
     let problem = &task.problem;
     let warnings = problem.limit_warnings(&solution);
     warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let saved = Saved::new(&solution, problem.penalty.is_some());
+    let mut saved = Saved::new(&solution, problem.penalty.is_some());
     if let Some(file) = &arguments.save {
         write(file, &serde_json::to_string(&saved)?)?;
     }
@@ -72,11 +80,20 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     let mut out = std::io::stdout().lock();
     if arguments.json {
+        saved.continuation = branch.as_ref().map(continuation::Points::new);
         writeln!(out, "{}", serde_json::to_string(&saved)?)?;
     } else {
+        if let Some(branch) = &branch {
+            continuation::print(branch, &mut out)?;
+        }
         summary::print(problem, &solution, seconds, &mut out)?;
     }
-    Ok(if solution.status.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(NOT_CONVERGED) })
+    let reached = branch.as_ref().is_none_or(|branch| branch.end == BranchEnd::Reached);
+    Ok(if solution.status.is_converged() && reached {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(NOT_CONVERGED)
+    })
 }
 
 /// Solves the task, with a line on a terminal that says how far it is.

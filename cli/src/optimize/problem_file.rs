@@ -131,6 +131,7 @@ fn options(table: &SolverTable) -> Options {
         starts: table.starts.unwrap_or(defaults.starts),
         seed: table.seed.unwrap_or(defaults.seed),
         jacobian: table.jacobian.unwrap_or(defaults.jacobian),
+        method: table.method.unwrap_or(defaults.method),
         ..defaults
     }
 }
@@ -138,7 +139,7 @@ fn options(table: &SolverTable) -> Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate::control::Jacobian;
+    use costate::control::{Jacobian, Method};
 
     /// Reads this text, followed by the two-link arm of the repository.
     fn read(name: &str, text: &str) -> Task {
@@ -161,7 +162,7 @@ mod tests {
              [actuation]\ngain = [5, -6]\n\
              [bounds]\nu_min = [-inf, -8]\nu_max = [7.5, 8.5]\n\
              [penalty]\nweight = 9\nq_min = [-10, -11]\nq_max = [10, 11]\nv_max = [12, 13]\n\
-             [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\n",
+             [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\nmethod = \"shooting\"\n",
         );
         let (q, v) = (vec![0.0, 0.1], vec![0.2, 0.3]);
         assert_eq!(problem.start, Start { q, v, q_free: vec![1], v_free: vec![0, 1] });
@@ -176,7 +177,7 @@ mod tests {
         let (q_min, q_max, v_max) = (limits(-10.0, -11.0), limits(10.0, 11.0), limits(12.0, 13.0));
         assert_eq!(problem.penalty, Some(Penalty { weight: 9.0, q_min, q_max, v_max }));
         assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (14, 15, 1e-6, 17));
-        assert_eq!(options.jacobian, Jacobian::WithoutHessian);
+        assert_eq!((options.jacobian, options.method), (Jacobian::WithoutHessian, Method::Shooting));
         assert!(start_from.is_none());
     }
 

@@ -1,5 +1,6 @@
 //! A solution as JSON: what `--json` prints and `[start_from] file` reads.
 
+use super::continuation::Points;
 use costate::control::{Solution, Status, Trajectory};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -7,7 +8,7 @@ use std::path::Path;
 
 /// A solution; numbers that are not finite are null.
 #[derive(Serialize)]
-pub struct Saved {
+pub struct Saved<'a> {
     status: &'static str,
     cost: f64,
     /// Only where the problem has penalties.
@@ -18,10 +19,14 @@ pub struct Saved {
     hamiltonian_drift: f64,
     costate_start: Costate,
     end_defect: f64,
+    shooting_defect: f64,
     newton_iterations: usize,
     nodes: usize,
     conjugate_time: Option<f64>,
     trajectory: Nodes,
+    /// Only with `--continue`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub continuation: Option<Points<'a>>,
 }
 
 #[derive(Serialize)]
@@ -48,7 +53,7 @@ struct Loaded {
     trajectory: Nodes,
 }
 
-impl Saved {
+impl Saved<'_> {
     pub fn new(solution: &Solution, with_penalty: bool) -> Self {
         let Trajectory { t, q, v, p, u, y_q, y_p, .. } = solution.trajectory.clone();
         let y = y_q.into_iter().zip(y_p).map(|(y_q, y_p)| [y_q, y_p].concat()).collect();
@@ -62,10 +67,12 @@ impl Saved {
             hamiltonian_drift: solution.hamiltonian_drift,
             costate_start: Costate { y_q, y_p },
             end_defect: solution.end_defect,
+            shooting_defect: solution.shooting_defect,
             newton_iterations: solution.newton_iterations,
             nodes: solution.nodes,
             conjugate_time: solution.conjugate_time,
             trajectory: Nodes { t, q, v, p, u, y },
+            continuation: None,
         }
     }
 

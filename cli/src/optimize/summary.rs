@@ -33,6 +33,7 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         ("H*", short(solution.hamiltonian, 10)),
         ("drift of H*", small(solution.hamiltonian_drift)),
         ("end defect", small(solution.end_defect)),
+        ("shooting defect", small(solution.shooting_defect)),
         ("Newton iterations", solution.newton_iterations.to_string()),
         ("mesh nodes", solution.nodes.to_string()),
         ("conjugate time", conjugate(solution)),

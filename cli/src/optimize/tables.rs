@@ -1,6 +1,6 @@
 //! The tables and keys of a problem file; unknown ones are errors.
 
-use costate::control::Jacobian;
+use costate::control::{Jacobian, Method};
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -98,4 +98,5 @@ pub struct SolverTable {
     pub tolerance: Option<f64>,
     pub nodes: Option<usize>,
     pub jacobian: Option<Jacobian>,
+    pub method: Option<Method>,
 }

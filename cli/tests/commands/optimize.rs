@@ -177,6 +177,28 @@ fn json_has_the_promised_keys_and_the_cost_of_the_swing_up() {
 }
 
 #[test]
+fn a_continuation_is_told_point_by_point() {
+    let text = two_link();
+    let output = optimize("continue", &text, &["--json", "--continue", "final_time=1:1.5"]);
+    let found = json(&output);
+    let way = &found["continuation"];
+    assert_eq!((&way["parameter"], &way["end"]), (&Value::from("final_time"), &Value::from("reached")));
+    let points = way["points"].as_array().unwrap();
+    let cost = |i: usize| points[i]["cost"].as_f64().unwrap();
+    let last = points.len() - 1;
+    assert!(last > 1 && (cost(last) * 1.5_f64.powi(3) - cost(0)).abs() < 1e-8 * cost(0));
+    assert_eq!(found["final_time"], 1.5);
+    assert!(
+        stdout(&optimize("continue", &text, &["--continue", "final_time=1:1.5"])).contains("was reached")
+    );
+    for (way, told) in [("mass=0:1", "final_time"), ("gravity=0", "FROM:TO"), ("bounds=1:2", "[bounds]")] {
+        let output = optimize("continue", &text, &["--continue", way]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_saved_solution_starts_the_next_solve_where_it_ended() {
     let folder = folder("start_from");
     let saved = folder.join("solution.json");
