@@ -22,7 +22,7 @@ impl Extremal for Line {
     fn rate(&mut self, z: &[f64], _: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
         g.copy_from_slice(&[z[1], self.stiffness * z[0]]);
         let cost = self.time_cost + 0.5 * z[1] * z[1] + 0.5 * self.stiffness * z[0] * z[0];
-        Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, penalty: 0.0 })
+        Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, ..Rate::default() })
     }
 
     fn linear(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64], j: &mut [f64]) -> Result<Rate, EvalError> {
