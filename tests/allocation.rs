@@ -5,7 +5,9 @@
 #[cfg(feature = "rayon")]
 use costate::batch::Native;
 use costate::batch::{Batch, FirstOrderArrays, Model, SecondOrderArrays, StepArrays, StepMap};
-use costate::control::{Bounds, Extremal, Law, Penalty, Problem, RobotExtremal, RunningCost, UserTerm};
+use costate::control::{
+    Bounds, Extremal, LagrangianExtremal, Law, Penalty, Problem, RobotExtremal, RunningCost, Side, UserTerm,
+};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Coordinates, Lagrangian};
@@ -264,15 +266,22 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
         problem.bounds = Some(Bounds { u_min: vec![-0.5; n], u_max: vec![f64::INFINITY; n] });
         problem.penalty =
             Some(Penalty { weight: 10.0, q_min: None, q_max: Some(vec![0.1; n]), v_max: Some(vec![0.1; n]) });
-        let mut extremal = RobotExtremal::new(&problem, Default::default()).unwrap();
         let z: Vec<f64> = (0..4 * n).map(|i| 0.7 * (1.3 * i as f64).sin()).collect();
-        let (mut g, mut jacobian) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n]);
-        let count = allocations(|| {
-            extremal.rate(&z, Law::Maximal, &mut g).unwrap();
-            extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
-            extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-            extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-        });
-        assert_eq!(count, 0, "{file}");
+        let (mut g, mut jacobian, mut u) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n], vec![0.0; n]);
+        let mut count = |extremal: &mut dyn Extremal| {
+            allocations(|| {
+                extremal.rate(&z, Law::Maximal, &mut g).unwrap();
+                extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+                extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
+                extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
+                extremal.controls_at(&z, Law::Maximal, &mut u);
+                extremal.switching(0, (Side::Inside, Side::High), &z, &mut g);
+            })
+        };
+        use costate::control::Jacobian::{Differences, Exact, WithoutHessian};
+        for matrix in [Exact, Differences, WithoutHessian] {
+            assert_eq!(count(&mut RobotExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
+            assert_eq!(count(&mut LagrangianExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
+        }
     }
 }

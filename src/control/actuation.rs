@@ -84,6 +84,17 @@ impl Actuation {
         self.smooth[i].is_some()
     }
 
+    /// What can be made easier about this actuation and the way to the end, and about penalties where there are some.
+    pub fn easiest(&self, penalties: bool) -> Ease {
+        let bounded = self.bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite());
+        Ease {
+            goal: 0.1,
+            penalty: if penalties { 0.0 } else { 1.0 },
+            effort: if self.effort.contains(&0.0) { 1.0 } else { 0.0 },
+            bounds: if bounded { f64::INFINITY } else { 1.0 },
+        }
+    }
+
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
     pub fn unbounded(&self, i: usize, y_p: f64) -> f64 {
         let pull = self.gain[i] * y_p;

@@ -146,7 +146,7 @@ impl Extremum {
     }
 
     /// Whether at all inner points the maximum of the Hamiltonian is on the side that the arc says.
-    pub(super) fn agrees_with_arcs<E: Extremal>(&self, extremal: &E) -> bool {
+    pub(super) fn agrees_with_arcs<E: Extremal>(&self, extremal: &mut E) -> bool {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let inner = self.equations.method.len() - 2;
         let mut u = vec![0.0; extremal.controls()];
@@ -170,7 +170,7 @@ impl Extremum {
     }
 
     /// How far a free control is beyond its bounds at most, in parts of their half width; 1 at a bound, less between them.
-    pub(super) fn excess<E: Extremal>(&self, extremal: &E) -> f64 {
+    pub(super) fn excess<E: Extremal>(&self, extremal: &mut E) -> f64 {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let mut u = vec![0.0; extremal.controls()];
         let mut largest = 0.0_f64;

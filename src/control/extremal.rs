@@ -138,8 +138,9 @@ pub trait Extremal {
         component / self.states().max(1)
     }
 
-    /// The controls at z before they are cut to their bounds; infinite where only the sign of a costate decides.
-    fn unbounded_controls(&self, _z: &[f64], _u: &mut [f64]) {}
+    /// The controls at z before they are cut to their bounds; infinite where only the sign of a costate decides, and not a
+    /// number where they cannot be computed.
+    fn unbounded_controls(&mut self, _z: &[f64], _u: &mut [f64]) {}
 
     /// The bounds of a control.
     fn bounds(&self, _control: usize) -> (f64, f64) {
@@ -147,13 +148,13 @@ pub trait Extremal {
     }
 
     /// What vanishes where `control` leaves or reaches a bound, given the sides before and after, and its gradient (2N).
-    fn switching(&self, _control: usize, _sides: (Side, Side), _z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(&mut self, _control: usize, _sides: (Side, Side), _z: &[f64], gradient: &mut [f64]) -> f64 {
         gradient.fill(0.0);
         0.0
     }
 
     /// The controls of the law, as they act.
-    fn controls_at(&self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
         self.unbounded_controls(z, u);
         for (i, u) in u.iter_mut().enumerate() {
             let (low, high) = self.bounds(i);

@@ -147,7 +147,7 @@ where
         self.library.group(component)
     }
 
-    fn unbounded_controls(&self, z: &[f64], u: &mut [f64]) {
+    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
         self.library.unbounded_controls(z, u);
     }
 
@@ -155,11 +155,11 @@ where
         self.library.bounds(control)
     }
 
-    fn switching(&self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
         self.library.switching(control, sides, z, gradient)
     }
 
-    fn controls_at(&self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
         self.library.controls_at(z, law, u);
     }
 

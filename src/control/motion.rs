@@ -167,14 +167,14 @@ impl Extremum {
     }
 
     /// Where the controls of one arc reach or leave their bounds, in the order of time.
-    pub(super) fn crossings<E: Extremal>(&self, extremal: &E) -> Vec<Crossing> {
+    pub(super) fn crossings<E: Extremal>(&self, extremal: &mut E) -> Vec<Crossing> {
         let (z_len, m, count) = (2 * extremal.states(), self.equations.m, extremal.controls());
         let durations = self.durations(z_len);
         let mut found: Vec<Crossing> = Vec::new();
         if count == 0 {
             return found;
         }
-        let sides = |w: &[f64], u: &mut [f64]| -> Vec<Side> {
+        let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<Side> {
             extremal.unbounded_controls(&w[..z_len], u);
             let side = |(i, &u): (usize, &f64)| side_of(u, extremal.bounds(i));
             u.iter().enumerate().map(side).collect()

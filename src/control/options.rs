@@ -27,6 +27,28 @@ pub enum Method {
     Shooting,
 }
 
+/// The coordinates in which a robot's extremals are sought; motions are told in (q, v, p, y_q, y_p) either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coordinates {
+    /// `z = (q, p, y_q, y_p)`: the actuation acts on p alone.
+    #[default]
+    Hamiltonian,
+    /// `z = (q, v, y_q, y_v)`; for comparison.
+    Lagrangian,
+}
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ways {
+    /// Newton's method from the guess, and where it fails all ways by easier problems.
+    #[default]
+    All,
+    /// Newton's method from the guess on finer and finer meshes, and nothing else; for comparison.
+    Direct,
+}
+
 /// How to solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -42,6 +64,10 @@ pub struct Options {
     pub max_iterations: usize,
     /// The matrix of Newton's method.
     pub jacobian: Jacobian,
+    /// The coordinates of z.
+    pub coordinates: Coordinates,
+    /// What is tried.
+    pub ways: Ways,
     /// Points of Lobatto's quadrature in an interval: 3 (fourth order) or 4 (sixth).
     pub points: usize,
     /// Number of guesses tried: the first as said in [`Solver`](super::Solver), the others disturbed at random.
@@ -59,6 +85,8 @@ impl Default for Options {
             max_nodes: 6001,
             max_iterations: 60,
             jacobian: Jacobian::Exact,
+            coordinates: Coordinates::Hamiltonian,
+            ways: Ways::All,
             points: 4,
             starts: 1,
             seed: 0,

@@ -1,6 +1,7 @@
 //! Extremals of a robot: `z = (q, p, y_q, y_p)`.
 
 use super::actuation::{Actuation, price};
+use super::differences::Differences;
 use super::ends::Ends;
 use super::equations::{Equations, Running};
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
@@ -31,9 +32,7 @@ pub struct RobotExtremal {
     ease: Ease,
     /// Whether an easier problem has weaker user terms.
     ease_terms: bool,
-    /// For differences.
-    pub(super) point: Vec<f64>,
-    pub(super) beside: [Vec<f64>; 2],
+    pub(super) differences: Differences,
 }
 
 impl RobotExtremal {
@@ -51,8 +50,7 @@ impl RobotExtremal {
             jacobian,
             ease: Ease::NONE,
             ease_terms: problem.terms_may_be_weaker(),
-            point: vec![0.0; 4 * n],
-            beside: [vec![0.0; 4 * n], vec![0.0; 4 * n]],
+            differences: Differences::new(4 * n),
         })
     }
 
@@ -98,7 +96,7 @@ impl Extremal for RobotExtremal {
         jacobian: &mut [f64],
     ) -> Result<Rate, EvalError> {
         if self.jacobian == Jacobian::Differences {
-            self.differences(z, law, jacobian)?;
+            self.by_differences(z, law, jacobian)?;
             return self.rate(z, law, g);
         }
         let hessian = self.jacobian == Jacobian::Exact;
@@ -139,17 +137,7 @@ impl Extremal for RobotExtremal {
     }
 
     fn easiest(&self) -> Ease {
-        let Actuation { effort, bounds, .. } = &self.asked.0;
-        Ease {
-            goal: 0.1,
-            penalty: if self.asked.1 > 0.0 || self.ease_terms { 0.0 } else { 1.0 },
-            effort: if effort.contains(&0.0) { 1.0 } else { 0.0 },
-            bounds: if bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite()) {
-                f64::INFINITY
-            } else {
-                1.0
-            },
-        }
+        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
     }
 
     /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
@@ -163,12 +151,12 @@ impl Extremal for RobotExtremal {
         component / self.equations.force.len()
     }
 
-    fn unbounded_controls(&self, z: &[f64], u: &mut [f64]) {
+    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
         let n = self.equations.force.len();
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, z[3 * n + i]));
     }
 
-    fn controls_at(&self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
         let n = self.equations.force.len();
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, z[3 * n + i], law).u);
     }
@@ -179,7 +167,7 @@ impl Extremal for RobotExtremal {
         if self.asked.0.is_smooth(control) { free } else { self.actuation.bounds[control] }
     }
 
-    fn switching(&self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
         let at = 3 * self.equations.force.len() + control;
         gradient.fill(0.0);
         let (value, slope) = self.actuation.switching(control, sides, z[at]);

@@ -6,7 +6,7 @@ use super::extremal::{Ease, Extremal};
 use super::final_time::free_time;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::options::Options;
+use super::options::{Options, Ways};
 use super::path::{INTERVALS, Wish};
 use super::problem::Time;
 use super::refine::{Context, Extremum};
@@ -52,7 +52,7 @@ pub(super) const LOOSE: f64 = 1e-4;
 /// #         Ok(())
 /// #     }
 /// #     fn controls(&self) -> usize { 1 }
-/// #     fn unbounded_controls(&self, z: &[f64], u: &mut [f64]) { u[0] = z[1]; }
+/// #     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) { u[0] = z[1]; }
 /// # }
 /// // `Line`: dx/dt = u from 0 to 1, l = u^2/2.
 /// let motion = solve_extremal(&mut Line, Time::Fixed(2.0), &Options::default(), |s, z| z[0] = s);
@@ -105,6 +105,10 @@ pub(super) fn search<E: Extremal>(
     let loose = LOOSE.max(context.options.tolerance);
     let easiest = extremal.easiest();
     context.phase = "fixed time";
+    if context.options.ways == Ways::Direct {
+        let first = at_fixed_time(extremal, time, (1.0, guess), context).solve(extremal, loose, context);
+        return finish(first, extremal, time, context);
+    }
     let mut best = None;
     if easiest.effort == 0.0 {
         context.steps = context.options.max_iterations.min(DIRECT_STEPS);

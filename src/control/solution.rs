@@ -50,7 +50,8 @@ pub struct Solution {
     /// What follows from it.
     #[serde(default = "not_checked")]
     pub certificate: Certificate,
-    /// Estimated error of each component (q, p, y_q, y_p), in parts of its largest value.
+    /// Estimated error of each component (q, p, y_q, y_p), or (q, v, y_q, y_v) where these were the coordinates of the search,
+    /// in parts of its largest value.
     #[serde(default, skip_deserializing)]
     pub errors: Vec<f64>,
     /// The Newton steps, and those on the way to a path.

@@ -2,14 +2,17 @@
 
 use super::error::ProblemError;
 use super::guess::{Disturbance, RobotGuess};
+use super::lagrangian_extremal::LagrangianExtremal;
+use super::legendre::{Mapped, OfRobot};
 use super::motion::Motion;
-use super::options::{Iteration, Options};
+use super::options::{Coordinates, Iteration, Options};
 use super::problem::Problem;
 use super::refine::{Context, Listener};
 use super::robot_extremal::RobotExtremal;
 use super::search::search;
 use super::solution::{Solution, Trajectory};
 use super::status::Status;
+use crate::error::EvalError;
 
 /// Solves a [`Problem`] from one or several guesses and keeps the cheapest motion found.
 ///
@@ -65,10 +68,9 @@ impl<'a> Solver<'a> {
         let mut best: Option<Solution> = None;
         let (mut others, mut steps) = (Vec::new(), 0);
         for number in 0..self.options.starts {
-            let solution = match RobotExtremal::new(self.problem, self.options.jacobian) {
-                Ok(mut extremal) => self.solve_from(number, &mut extremal),
-                Err(error) => failed(self.problem, Status::EvaluationFailed(error.to_string())),
-            };
+            let solution = self
+                .solve_from(number)
+                .unwrap_or_else(|error| failed(self.problem, Status::EvaluationFailed(error.to_string())));
             steps += solution.newton_iterations;
             others.push((solution.total(), solution.status.clone()));
             let better = best.as_ref().is_none_or(|best| {
@@ -85,19 +87,38 @@ impl<'a> Solver<'a> {
         best
     }
 
-    fn solve_from(&mut self, number: usize, extremal: &mut RobotExtremal) -> Solution {
+    fn solve_from(&mut self, number: usize) -> Result<Solution, EvalError> {
+        let mut momenta = RobotExtremal::new(self.problem, self.options.jacobian)?;
+        let motion = match self.options.coordinates {
+            Coordinates::Hamiltonian => self.search(number, &mut momenta.clone(), &momenta),
+            Coordinates::Lagrangian => {
+                let mut extremal = LagrangianExtremal::new(self.problem, self.options.jacobian)?;
+                self.search(number, &mut extremal, &momenta)
+            }
+        };
+        Ok(self.solution(motion, &mut momenta))
+    }
+
+    /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p).
+    fn search<E: OfRobot>(&mut self, number: usize, extremal: &mut E, momenta: &RobotExtremal) -> Motion {
         let mut context = Context::new(&self.options, self.listener.take());
-        let mut guess = RobotGuess {
+        let guess = RobotGuess {
             problem: self.problem,
             disturbance: Disturbance::draw(self.problem, self.options.seed, number),
             saved: self.start.as_ref().filter(|_| number == 0),
-            momenta: extremal.clone(),
+            momenta: momenta.clone(),
             path: None,
         };
+        let mut guess = Mapped::<E>::new(guess, &self.problem.robot);
         let found = search(extremal, self.problem.time, &mut guess, &mut context);
         self.listener = context.listener.take();
-        let motion = found.into_motion(extremal, context.iterations);
-        self.solution(motion, extremal)
+        let mut motion = found.into_motion(extremal, context.iterations);
+        for z in motion.z.iter_mut().chain(&mut motion.end_state) {
+            if E::give(&mut guess.map, z).is_err() {
+                z.fill(f64::NAN);
+            }
+        }
+        motion
     }
 
     /// Rates at the nodes, and the miss at the end.

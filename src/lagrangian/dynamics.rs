@@ -97,6 +97,12 @@ impl<S: Scalar> Lagrangian<S> {
     /// Factors M and fills (v, a); tau keeps what a = 0 would need.
     pub(super) fn accelerate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.factor(q)?;
+        self.accelerate_factored(q, v, u);
+        Ok(())
+    }
+
+    /// As [`accelerate`](Self::accelerate), where M(q) is factored already.
+    pub(super) fn accelerate_factored(&mut self, q: &[S], v: &[S], u: &[S]) {
         self.newton_euler.solve(&self.tree, q, v, &self.zero);
         self.subtract_friction(v);
         let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.len());
@@ -105,6 +111,5 @@ impl<S: Scalar> Lagrangian<S> {
             *a = u - tau;
         }
         self.factor.solve(rate_v);
-        Ok(())
     }
 }

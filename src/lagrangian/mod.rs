@@ -12,6 +12,7 @@
 //! (q, v) to (q, p) and back; [`ForwardDynamics`](crate::derivative::ForwardDynamics) is a(q, v, u) as a function that
 //! can be differentiated automatically.
 
+mod adjoint;
 mod coordinates;
 mod coriolis;
 mod dynamics;

@@ -16,7 +16,7 @@ fn arm_with_friction() -> Robot {
 }
 
 /// Problems, and how far they are eased.
-fn problems() -> Vec<(Problem, Ease)> {
+pub fn problems() -> Vec<(Problem, Ease)> {
     let mut problems = Vec::new();
     let files =
         ["robots/two_link.toml", "robots/cart_pole.toml", "robots/manutec_r3.toml", "robots/puma560.toml"];
@@ -44,7 +44,7 @@ fn problems() -> Vec<(Problem, Ease)> {
     problems
 }
 
-fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
+pub fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
     (0..4 * n).map(|_| 2.0 * random.f64() - 1.0).collect()
 }
 

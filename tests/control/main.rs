@@ -7,6 +7,7 @@ mod branch;
 mod extremals;
 mod free_start;
 mod known;
+mod lagrangian;
 mod linear_algebra;
 mod one_state;
 mod problems;

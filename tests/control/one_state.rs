@@ -46,7 +46,7 @@ impl Extremal for Line {
         self.time_cost
     }
 
-    fn unbounded_controls(&self, z: &[f64], u: &mut [f64]) {
+    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
         u[0] = z[1];
     }
 

@@ -132,6 +132,7 @@ fn options(table: &SolverTable) -> Options {
         seed: table.seed.unwrap_or(defaults.seed),
         jacobian: table.jacobian.unwrap_or(defaults.jacobian),
         method: table.method.unwrap_or(defaults.method),
+        coordinates: table.coordinates.unwrap_or(defaults.coordinates),
         ..defaults
     }
 }
@@ -139,7 +140,7 @@ fn options(table: &SolverTable) -> Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate::control::{Jacobian, Method};
+    use costate::control::{Coordinates, Jacobian, Method};
 
     /// Reads this text, followed by the two-link arm of the repository.
     fn read(name: &str, text: &str) -> Task {
@@ -162,7 +163,8 @@ mod tests {
              [actuation]\ngain = [5, -6]\n\
              [bounds]\nu_min = [-inf, -8]\nu_max = [7.5, 8.5]\n\
              [penalty]\nweight = 9\nq_min = [-10, -11]\nq_max = [10, 11]\nv_max = [12, 13]\n\
-             [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\nmethod = \"shooting\"\n",
+             [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\nmethod = \"shooting\"\n\
+             coordinates = \"lagrangian\"\n",
         );
         let (q, v) = (vec![0.0, 0.1], vec![0.2, 0.3]);
         assert_eq!(problem.start, Start { q, v, q_free: vec![1], v_free: vec![0, 1] });
@@ -178,6 +180,7 @@ mod tests {
         assert_eq!(problem.penalty, Some(Penalty { weight: 9.0, q_min, q_max, v_max }));
         assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (14, 15, 1e-6, 17));
         assert_eq!((options.jacobian, options.method), (Jacobian::WithoutHessian, Method::Shooting));
+        assert_eq!(options.coordinates, Coordinates::Lagrangian);
         assert!(start_from.is_none());
     }
 

@@ -1,6 +1,6 @@
 //! The tables and keys of a problem file; unknown ones are errors.
 
-use costate::control::{Jacobian, Method};
+use costate::control::{Coordinates, Jacobian, Method};
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -99,4 +99,5 @@ pub struct SolverTable {
     pub nodes: Option<usize>,
     pub jacobian: Option<Jacobian>,
     pub method: Option<Method>,
+    pub coordinates: Option<Coordinates>,
 }
