@@ -185,8 +185,8 @@ impl Walker<'_> {
         let extremum = &found.extremum;
         let on_arcs = !extremum.arcs.switches.is_empty();
         let forward = extremum.durations(2 * states).iter().all(|&duration| duration > 0.0);
-        let reaches = !extremum.crossings(&self.extremal).is_empty();
-        if forward && if on_arcs { extremum.agrees_with_arcs(&self.extremal) } else { !reaches } {
+        let reaches = !extremum.crossings(&mut self.extremal).is_empty();
+        if forward && if on_arcs { extremum.agrees_with_arcs(&mut self.extremal) } else { !reaches } {
             let loose = self.tolerance(extremum) > tolerance;
             let Found { extremum, .. } = found;
             let extremum = if loose {
@@ -209,7 +209,7 @@ impl Walker<'_> {
         }
         let one =
             on_one_arc(extremum, &mut self.extremal).solve(&mut self.extremal, tolerance, &mut self.context);
-        let whole = one.status.is_converged() && one.crossings(&self.extremal).is_empty();
+        let whole = one.status.is_converged() && one.crossings(&mut self.extremal).is_empty();
         if whole { Ok(Found { extremum: one, ..found }) } else { Err(Status::SwitchesNotRefined) }
     }
 
