@@ -91,7 +91,7 @@ pub(super) fn without_effort<E: Extremal>(
             break;
         }
         change = (at.total(extremal) - before).abs() / before.abs();
-        if next < 1e-4 && change < NEGLIGIBLE {
+        if change < NEGLIGIBLE && at.equations.mesh.nodes() > MOST_NODES {
             break;
         }
     }
@@ -110,7 +110,11 @@ pub(super) fn without_effort<E: Extremal>(
 const NEGLIGIBLE: f64 = 2e-5;
 
 /// Tolerance of the smoothed problem where it stands for the one asked for.
-const SMOOTHED: f64 = 1e-6;
+const SMOOTHED: f64 = 1e-8;
+
+/// Nodes from which on a smoothed problem is not made sharper without need: where a control that costs nothing stays between
+/// its bounds, meshes grow without end.
+const MOST_NODES: usize = 500;
 
 /// Weights of the effort at which the arcs are tried, in parts of one that makes it matter.
 const SMOOTHINGS: [f64; 13] = [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7];
