@@ -15,6 +15,8 @@ const ROUNDS: usize = 5;
 const LEAST_DAMPING: f64 = 0.01;
 /// Part of the cost by which a solution on arcs may differ from the rough one that they were read off from.
 const FAR: f64 = 0.05;
+/// Part of its size below which a switching function does not decide between two bounds.
+const UNDECIDED: f64 = 1e-6;
 /// Most arcs that are tried.
 const MOST_ARCS: usize = 60;
 
@@ -149,7 +151,8 @@ impl Extremum {
     pub(super) fn agrees_with_arcs<E: Extremal>(&self, extremal: &mut E) -> bool {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let inner = self.equations.method.len() - 2;
-        let mut u = vec![0.0; extremal.controls()];
+        let (mut u, mut gradient) = (vec![0.0; extremal.controls()], vec![0.0; z_len]);
+        let scale = &self.equations.scale;
         self.equations.mesh.spans.iter().enumerate().all(|(k, span)| {
             let Span::Interval { arc, .. } = *span else { return true };
             let Some(sides) = &self.arcs.sides[arc] else { return true };
@@ -159,10 +162,17 @@ impl Extremum {
                 u.iter().zip(sides).enumerate().all(|(control, (&u, &side))| {
                     let (low, high) = extremal.bounds(control);
                     let slack = 2e-7 * half_width((low, high));
-                    match side {
+                    let agrees = match side {
                         Side::Low => u <= low + slack,
                         Side::Inside => (low - slack..=high + slack).contains(&u),
                         Side::High => u >= high - slack,
+                    };
+                    // A control that costs nothing has no size before it is cut: what decides has.
+                    agrees || {
+                        let value = extremal.switching(control, (Side::Low, Side::High), w, &mut gradient);
+                        let size: f64 =
+                            gradient.iter().zip(scale).map(|(entry, scale)| (entry * scale).abs()).sum();
+                        u.is_infinite() && value.abs() <= UNDECIDED * size
                     }
                 })
             })
