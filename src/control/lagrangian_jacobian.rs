@@ -43,7 +43,10 @@ impl LagrangianExtremal {
                 target[i] += self.l_xx[i];
             }
             if self.terms.any() {
-                target.iter_mut().zip(self.terms.hessian.row(i)).for_each(|(target, &entry)| *target += entry);
+                target
+                    .iter_mut()
+                    .zip(self.terms.hessian.row(i))
+                    .for_each(|(target, &entry)| *target += entry);
             }
         }
         for k in 0..n {
