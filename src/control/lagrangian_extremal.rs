@@ -224,7 +224,9 @@ impl Extremal for LagrangianExtremal {
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.bounds[control]
+        // A smooth control nears its bounds and never reaches them.
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        if self.asked.0.is_smooth(control) { free } else { self.actuation.bounds[control] }
     }
 
     /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.

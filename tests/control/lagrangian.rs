@@ -1,14 +1,35 @@
 //! Extremals in (q, v): their equations, and the same motions as in (q, p).
 
-use crate::extremals::{point, problems};
+use crate::extremals::{point, problems as without_terms};
 use costate::control::{
-    Bounds, Coordinates, Cost, Extremal, Jacobian, LagrangianExtremal, Law, Options, Problem, Side, Solution,
-    Solver, Time,
+    Bounds, Coordinates, Cost, Ease, Extremal, Jacobian, LagrangianExtremal, Law, Options, Problem,
+    RunningCost, Side, Solution, Solver, Time, UserTerm,
 };
 use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate::scalar::Scalar;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// An extremal and g at z.
+/// A running cost of positions and rates together.
+struct Coupled;
+
+impl RunningCost for Coupled {
+    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+        let last = q.len() - 1;
+        (q[last].sin_cos().0 * v[0] * v[last] + q[0] * q[0] * v[last]).times(0.7)
+    }
+}
+
+/// Those in (q, p), and again with a user's term.
+fn problems() -> Vec<(Problem, Ease)> {
+    let (mut problems, again) = (without_terms(), without_terms());
+    problems.extend(again.into_iter().map(|(mut problem, ease)| {
+        problem.terms = vec![UserTerm::new(Coupled)];
+        (problem, ease)
+    }));
+    problems
+}
+
+/// H* and g at z.
 fn at(extremal: &mut LagrangianExtremal, z: &[f64]) -> (f64, Vec<f64>) {
     let mut g = vec![0.0; z.len()];
     let rate = extremal.rate(z, Law::Maximal, &mut g).unwrap();
@@ -99,7 +120,10 @@ fn without_second_derivatives_only_their_blocks_change() {
                 }
             }
         }
-        // Nothing but penalties is left of the derivatives of y' by x.
+        // Nothing but penalties and user terms is left of the derivatives of y' by x.
+        if !problem.terms.is_empty() {
+            continue;
+        }
         let penalised = problem.penalty.is_some();
         let left = (2 * n..m).flat_map(|row| (0..2 * n).map(move |column| (row, column)));
         for (row, column) in left.filter(|(row, column)| row - 2 * n != *column || !penalised) {
@@ -179,6 +203,7 @@ fn both_coordinates_find_the_same_free_end() {
     problem.start.v = vec![0.3, -0.2];
     problem.end.q_free = vec![1];
     problem.end.v_free = vec![0];
+    problem.start.v_free = vec![1];
     let [a, b] = agree(&problem);
     let last = |rows: &[Vec<f64>]| rows.last().unwrap().clone();
     for (a, b) in
