@@ -39,6 +39,9 @@ pub struct Arguments {
     /// Follow the solutions while a parameter changes: final_time, gravity, armature, bounds, penalty_weight, smoothing
     #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
     way: Option<continuation::Way>,
+    /// Print the table of Newton steps too
+    #[arg(long)]
+    iterations: bool,
     /// Refuse robots that are not physical (massless links, violated triangle inequality)
     #[arg(long)]
     strict: bool,
@@ -87,6 +90,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
             continuation::print(branch, &mut out)?;
         }
         summary::print(problem, &solution, seconds, &mut out)?;
+        if arguments.iterations {
+            summary::print_iterations(&solution, &mut out)?;
+        }
     }
     let reached = branch.as_ref().is_none_or(|branch| branch.end == BranchEnd::Reached);
     Ok(if solution.status.is_converged() && reached {

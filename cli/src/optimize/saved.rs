@@ -14,6 +14,9 @@ pub struct Saved<'a> {
     /// Only where the problem has penalties.
     #[serde(skip_serializing_if = "Option::is_none")]
     penalty_cost: Option<f64>,
+    /// Only where some is left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    smoothing: Option<f64>,
     final_time: f64,
     hamiltonian: f64,
     hamiltonian_drift: f64,
@@ -62,6 +65,7 @@ impl Saved<'_> {
             status: solution.status.name(),
             cost: solution.cost,
             penalty_cost: with_penalty.then_some(solution.penalty_cost),
+            smoothing: (solution.smoothing > 0.0).then_some(solution.smoothing),
             final_time: solution.final_time,
             hamiltonian: solution.hamiltonian,
             hamiltonian_drift: solution.hamiltonian_drift,

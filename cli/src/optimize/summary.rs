@@ -28,6 +28,9 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     if problem.penalty.is_some() {
         figures.push(("cost of penalties", short(solution.penalty_cost, 6)));
     }
+    if solution.smoothing > 0.0 {
+        figures.push(("smoothing left", small(solution.smoothing)));
+    }
     figures.extend([
         ("final time", format!("{} s", short(solution.final_time, 10))),
         ("H*", short(solution.hamiltonian, 10)),
@@ -79,7 +82,7 @@ pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
     ]
 }
 
-/// The solution, its figures, the other starts and the iterations.
+/// The solution, its figures and the other starts.
 pub fn print(
     problem: &Problem,
     solution: &Solution,
@@ -105,11 +108,12 @@ pub fn print(
         }
         write!(out, "{table}")?;
     }
-    if !solution.iterations.is_empty() {
-        writeln!(out)?;
-        let mut table = Table::new(&ITERATION_HEADER, 1);
-        solution.iterations.iter().for_each(|iteration| table.row(iteration_row(iteration)));
-        write!(out, "{table}")?;
-    }
     Ok(())
+}
+
+/// The Newton steps.
+pub fn print_iterations(solution: &Solution, out: &mut impl Write) -> std::io::Result<()> {
+    let mut table = Table::new(&ITERATION_HEADER, 1);
+    solution.iterations.iter().for_each(|iteration| table.row(iteration_row(iteration)));
+    write!(out, "\n{table}")
 }
