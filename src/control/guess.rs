@@ -109,6 +109,10 @@ impl Guess for RobotGuess<'_> {
         }
     }
 
+    fn saved(&self) -> Option<f64> {
+        self.saved.and_then(|motion| Some(motion.t.last()? - motion.t.first()?))
+    }
+
     fn find_path(&mut self, wish: Wish, context: &mut Context<'_>) -> Option<(f64, f64)> {
         self.path = lowest_path(self.problem, &self.disturbance, wish, |step| context.record(step));
         self.path.as_ref().map(|path| (path.cost(), path.time()))

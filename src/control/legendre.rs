@@ -91,6 +91,10 @@ impl<E: OfRobot> Guess for Mapped<'_, E> {
         let _ = E::take(&mut self.map, z);
     }
 
+    fn saved(&self) -> Option<f64> {
+        self.guess.saved()
+    }
+
     fn find_path(&mut self, wish: Wish, context: &mut Context<'_>) -> Option<(f64, f64)> {
         self.guess.find_path(wish, context)
     }

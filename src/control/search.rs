@@ -2,6 +2,7 @@
 
 use super::arcs::solve_arcs;
 use super::continuation::follow;
+use super::discretised::Solvable;
 use super::extremal::{Ease, Extremal};
 use super::final_time::free_time;
 use super::mesh::Mesh;
@@ -12,7 +13,7 @@ use super::problem::Time;
 use super::refine::{Context, Extremum};
 use super::stages::{by_stages, without_effort};
 use super::status::Status;
-use super::timed::{Arcs, Clock};
+use super::timed::{Arcs, Clock, Timed};
 
 /// Tolerance of solutions that only lead to the next one.
 pub(super) const LOOSE: f64 = 1e-4;
@@ -74,6 +75,11 @@ pub(super) trait Guess {
     /// That of a motion to a part of the way to the end.
     fn simple(&mut self, goal: f64, s: f64, z: &mut [f64]);
 
+    /// Duration of a saved motion, where the simple guess is one.
+    fn saved(&self) -> Option<f64> {
+        None
+    }
+
     /// Looks for a path of low cost; its cost and duration.
     fn find_path(&mut self, _wish: Wish, _context: &mut Context<'_>) -> Option<(f64, f64)> {
         None
@@ -94,7 +100,7 @@ impl<F: FnMut(f64, &mut [f64])> Guess for Plain<F> {
 
 /// As [`solve_extremal`], with the table of iterations in `context`.
 ///
-/// First from the simple guess. Then from a path of low cost, where that failed or costs more. Where both fail, by way of
+/// First from the simple guess; a motion that a saved one led to is kept. Then from a path of low cost, where that failed or costs more. Where both fail, by way of
 /// easier problems: without penalties and bounds, and to an end that is nearer; then each of these is brought back.
 pub(super) fn search<E: Extremal>(
     extremal: &mut E,
@@ -109,12 +115,22 @@ pub(super) fn search<E: Extremal>(
         let first = at_fixed_time(extremal, time, (1.0, guess), context).solve(extremal, loose, context);
         return finish(first, extremal, time, context);
     }
+    let saved = guess.saved();
+    let begin = match (time, saved) {
+        (Time::Free { .. }, Some(guess)) => Time::Free { guess },
+        _ => time,
+    };
     let mut best = None;
     if easiest.effort == 0.0 {
         context.steps = context.options.max_iterations.min(DIRECT_STEPS);
-        let first = at_fixed_time(extremal, time, (1.0, guess), context).solve(extremal, loose, context);
+        let first = at_fixed_time(extremal, begin, (1.0, guess), context).solve(extremal, loose, context);
         context.steps = context.options.max_iterations;
-        best = Some(finish(first, extremal, time, context));
+        best = Some(finish(first, extremal, begin, context));
+    } else if saved.is_some() {
+        best = from_saved(extremal, begin, guess, context);
+    }
+    if let (Some(_), Some(found)) = (saved, best.take_if(|best| best.status.is_converged())) {
+        return found;
     }
     let solved = best.as_ref().filter(|best| best.status.is_converged());
     let cost = solved.map(|best| best.total(extremal));
@@ -157,6 +173,25 @@ const WISHES: [Wish; 4] = [
     Wish { smoothing: 1.0, penalty: 1e-2, halvings: 1 },
     Wish { smoothing: 1.0, penalty: 1e-2, halvings: 2 },
 ];
+
+/// From a saved motion with controls at their bounds to a solution with the arcs that it shows.
+fn from_saved<E: Extremal>(
+    extremal: &mut E,
+    time: Time,
+    guess: &mut dyn Guess,
+    context: &mut Context<'_>,
+) -> Option<Extremum> {
+    let evaluated = |mut rough: Extremum, extremal: &mut E| {
+        let values = rough.equations.current.clone();
+        let mut timed = Timed::new(extremal, rough.clock, rough.arcs.clone());
+        rough.equations.evaluate(&mut timed, &values).ok().map(|()| rough)
+    };
+    let mut rough = evaluated(at_fixed_time(extremal, time, (1.0, guess), context), extremal)?;
+    if let Time::Free { .. } = time {
+        rough = evaluated(rough.with_clock(extremal, Clock::Free), extremal)?;
+    }
+    solve_arcs(&rough, extremal, context.options.tolerance, context)
+}
 
 /// From a path of low cost to a solution.
 fn from_path<E: Extremal>(

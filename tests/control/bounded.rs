@@ -129,3 +129,24 @@ fn published_optima_are_met() {
     let solution = solve(&problem);
     assert!((solution.cost - 20.404).abs() < 5e-4, "{}", solution.cost);
 }
+
+#[test]
+fn a_saved_motion_of_least_time_is_a_start_for_one_near_by() {
+    let robot = Robot::from_file("robots/two_link.toml").unwrap();
+    let problem = least_time(robot.clone(), &[1.0, 0.6], 1.0, 4.0);
+    let first = solve(&problem);
+    let text = serde_json::to_string(&first).unwrap();
+    let saved: Solution = serde_json::from_str(&text).unwrap();
+    for to in [[1.0, 0.6], [1.02, 0.58]] {
+        let problem = least_time(robot.clone(), &to, 1.0, 9.0);
+        let again = Solver::new(&problem, Options::default()).unwrap().from(&saved).solve();
+        let fresh = solve(&problem);
+        assert!(
+            (again.final_time - fresh.final_time).abs() < 1e-8,
+            "{} {}",
+            again.final_time,
+            fresh.final_time
+        );
+        assert!(3 * again.newton_iterations < fresh.newton_iterations, "{:?}", again.iterations);
+    }
+}
