@@ -106,6 +106,10 @@ where
         self.library.linear(z, law, g, jacobian)
     }
 
+    fn ease(&self) -> Ease {
+        self.library.ease()
+    }
+
     fn set_ease(&mut self, ease: Ease) {
         self.itself = Ease { goal: 1.0, ..ease } == Ease::NONE;
         self.library.set_ease(ease);
@@ -170,4 +174,23 @@ where
 
 fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Robot;
+
+    #[test]
+    fn an_eased_problem_says_that_it_is() {
+        let robot = Robot::from_file("robots/pendulum.toml").unwrap();
+        let problem = Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0);
+        let unused = |_: &[f64], _: &mut [f64], _: &mut [f64]| {};
+        let also = |_: &[f64], _: &mut [f64], _: &mut [f64], _: &mut [f64]| {};
+        let mut extremal = GeneratedExtremal::new(&problem, unused, also).unwrap();
+        assert_eq!(extremal.ease(), Ease::NONE);
+        let eased = Ease { goal: 0.5, ..Ease::NONE };
+        extremal.set_ease(eased);
+        assert_eq!(extremal.ease(), eased);
+    }
 }

@@ -148,7 +148,8 @@ fn finished<Q: Solvable<E>, E: Extremal>(
         return false;
     }
     equations.correction(&mut work.correction);
-    if work.correction.norm() > tolerance {
+    let length = work.correction.norm();
+    if length.is_nan() || length > tolerance {
         return false;
     }
     work.trial.set_sum(equations.current(), 1.0, equations.scale(), &work.correction);

@@ -42,7 +42,8 @@ pub enum Coordinates {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ways {
-    /// Newton's method from the guess, and where it fails all ways by easier problems.
+    /// Newton's method from the guess, then from a path of low cost where that fails or costs more, then all ways by easier
+    /// problems where both fail.
     #[default]
     All,
     /// Newton's method from the guess on finer and finer meshes, and nothing else; for comparison.
@@ -108,7 +109,11 @@ impl Options {
             return bad("nodes", self.nodes as f64, "must be 3 or more");
         }
         if self.max_nodes < self.nodes {
-            return bad("max_nodes", self.max_nodes as f64, "must not be less than solver.nodes");
+            return bad(
+                "nodes",
+                self.nodes as f64,
+                "must not be more than max_nodes, 6001 unless set from Rust",
+            );
         }
         if self.max_iterations == 0 {
             return bad("max_iterations", 0.0, "must be 1 or more");
@@ -126,7 +131,8 @@ impl Options {
 /// One Newton step, on the extremal or on the way down to the path that it is looked for from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iteration {
-    /// What was being solved: "fixed time", "free time", "smoothing", "switches"; "path" on the way to the first guess.
+    /// What was being solved: "fixed time", "free time", "from path", "without limits", "nearer end", "penalties", "bounds",
+    /// "smoothing", "switches", "continuation"; "path" on the way down to a path of low cost.
     pub phase: String,
     /// Nodes of the mesh.
     pub nodes: usize,

@@ -142,8 +142,12 @@ pub(super) fn search<E: Extremal>(
         }
         let found = from_path(extremal, (time, duration), (wish, guess), context);
         let close = [Status::Converged, Status::MeshLimit, Status::SwitchesNotRefined];
-        let enough = close.contains(&found.status);
-        if enough && cost.is_none_or(|cost| found.total(extremal) < cost) {
+        // What is not quite solved does not stand for a solution.
+        let enough = match cost {
+            Some(cost) => found.status.is_converged() && found.total(extremal) < cost,
+            None => close.contains(&found.status),
+        };
+        if enough {
             return found;
         }
         best = best.filter(|best| best.status.is_converged()).or(Some(found));

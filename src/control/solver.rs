@@ -17,7 +17,8 @@ use crate::error::EvalError;
 /// Solves a [`Problem`] from one or several guesses and keeps the cheapest motion found.
 ///
 /// The first guess is a saved solution where one was given, else cubics in the joint coordinates that meet both ends,
-/// p = M v, and costates zero; further ones (`starts`) add seeded waves to the cubics.
+/// p = M v, and costates zero; further ones (`starts`) add seeded waves to the cubics. Where a guess leads nowhere, or to a
+/// motion that costs more than a path of low cost near the cubics, the search goes on from that path.
 ///
 /// ```
 /// use costate::control::{Options, Problem, Solver};

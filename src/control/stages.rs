@@ -100,7 +100,9 @@ pub(super) fn without_effort<E: Extremal>(
     context.phase = "smoothing";
     let smoothed = at.solve(extremal, tolerance.max(SMOOTHED), context);
     match smoothed.status {
-        Status::Converged if change > NEGLIGIBLE => smoothed.with_status(Status::SwitchesNotRefined),
+        Status::Converged if change.is_nan() || change > NEGLIGIBLE => {
+            smoothed.with_status(Status::SwitchesNotRefined)
+        }
         _ => smoothed,
     }
 }

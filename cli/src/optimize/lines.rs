@@ -22,9 +22,38 @@ pub fn line_of(text: &str, path: &str) -> Option<usize> {
     line
 }
 
+/// The key, tables before it, at a byte of the text; `None` where the text is no TOML, or there is no key.
+pub fn key_at(text: &str, offset: usize) -> Option<String> {
+    let document = DeTable::parse(text).ok()?;
+    innermost(document.get_ref(), offset)
+}
+
+fn innermost(table: &DeTable<'_>, offset: usize) -> Option<String> {
+    table.iter().find_map(|(key, value)| {
+        let name = key.get_ref();
+        let inner = match value.get_ref() {
+            DeValue::Table(inner) => innermost(inner, offset).map(|inner| format!("{name}.{inner}")),
+            _ => None,
+        };
+        let here = || Spanned::span(key).contains(&offset) || Spanned::span(value).contains(&offset);
+        inner.or_else(|| here().then(|| name.to_string()))
+    })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::line_of;
+    use super::{key_at, line_of};
+
+    #[test]
+    fn the_key_at_a_place_has_its_tables_before_it() {
+        let text = "robot = \"a\"\n[start]\nq = [1, 2]\ntime = { free = true }\n";
+        for (place, key) in
+            [("robot", "robot"), ("\"a\"", "robot"), ("2]", "start.q"), ("true", "start.time.free")]
+        {
+            assert_eq!(key_at(text, text.find(place).unwrap()).as_deref(), Some(key), "{place}");
+        }
+        assert_eq!(key_at("q = [", 4), None);
+    }
 
     #[test]
     fn keys_are_found_in_tables_of_either_form() {

@@ -1,6 +1,6 @@
 //! From a problem file to a problem; what is wrong is said with file, line and key.
 
-use super::lines::{line_at, line_of};
+use super::lines::{key_at, line_at, line_of};
 use super::saved::Saved;
 use super::tables::{EndTable, JointName, ProblemFile, SolverTable, StartFromTable, TimeTable};
 use costate::control::{Bounds, Cost, End, Options, Penalty, Problem, Solution, Start, Time};
@@ -31,8 +31,10 @@ impl Task {
         let at = |line, message: &str| format!("{}{}: {message}", path.display(), place(line));
         let file: ProblemFile = toml::from_str(&text).map_err(|error| {
             let line = error.span().map(|span| line_at(&text, span.start));
+            let key = error.span().and_then(|span| key_at(&text, span.start));
+            let key = key.map_or(String::new(), |key| format!("{key}: "));
             let remedy = if error.message().starts_with("missing field") { "; add it" } else { "" };
-            at(line, &format!("{}{remedy}", error.message().trim_end()))
+            at(line, &format!("{key}{}{remedy}", error.message().trim_end()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let read = || -> Result<_, String> {

@@ -17,7 +17,7 @@ pub enum Parameter {
     /// Weight of an effort of the controls that cost nothing, in parts of one that makes it matter: 1 is smooth, 0 the problem
     /// itself, which cannot be reached.
     Smoothing,
-    /// Factor of the distance between the bounds of each control, about its middle.
+    /// Factor of the distance between the bounds of each control, about its middle; a bound on one side alone stays.
     Bounds,
     /// T (s), where it is fixed.
     FinalTime,
@@ -66,7 +66,8 @@ impl Parameter {
             (Self::Smoothing, _) => {}
             (Self::Bounds, _) if value <= 0.0 => return refuse("it must be positive"),
             (Self::Bounds, Problem { bounds: Some(bounds), .. }) => {
-                for (low, high) in bounds.u_min.iter_mut().zip(&mut bounds.u_max) {
+                let pairs = bounds.u_min.iter_mut().zip(&mut bounds.u_max);
+                for (low, high) in pairs.filter(|(low, high)| low.is_finite() && high.is_finite()) {
                     let (middle, half) = (0.5 * (*low + *high), 0.5 * (*high - *low));
                     (*low, *high) = (middle - value * half, middle + value * half);
                 }
@@ -108,5 +109,20 @@ impl FromStr for Parameter {
         Self::ALL.into_iter().find(|parameter| parameter.name() == name).ok_or_else(|| {
             format!("there is no parameter '{name}': give one of {}", Self::ALL.map(Self::name).join(", "))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::problem::Bounds;
+
+    #[test]
+    fn a_bound_on_one_side_stays_where_it_is() {
+        let robot = Robot::from_file("robots/two_link.toml").unwrap();
+        let mut problem = Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0);
+        problem.bounds = Some(Bounds { u_min: vec![-1.0, f64::NEG_INFINITY], u_max: vec![3.0, 5.0] });
+        let bounds = Parameter::Bounds.apply(&problem, 2.0).unwrap().bounds.unwrap();
+        assert_eq!(bounds, Bounds { u_min: vec![-3.0, f64::NEG_INFINITY], u_max: vec![5.0, 5.0] });
     }
 }

@@ -23,7 +23,10 @@ impl Walker<'_> {
     /// The values of a solution at its nodes, on one arc; not yet solved.
     pub fn extremum(&mut self, solution: &Solution, time: Time) -> Extremum {
         let trajectory = &solution.trajectory;
-        let steps = trajectory.t.windows(2).map(|pair| (pair[1] - pair[0]) / solution.final_time);
+        // By its own times: a file may say anything about the final time.
+        let duration =
+            trajectory.t.last().zip(trajectory.t.first()).map_or(0.0, |(last, first)| last - first);
+        let steps = trajectory.t.windows(2).map(|pair| (pair[1] - pair[0]) / duration);
         let mesh = Mesh::from_lengths([steps.filter(|&length| length > 0.0).collect()]);
         let clock = match time {
             Time::Fixed(time) => Clock::Fixed(time),
@@ -32,7 +35,7 @@ impl Walker<'_> {
         let (points, z) = (self.context.options.points, 4 * self.problem.robot.len());
         Extremum::guess(&mut self.extremal, (clock, Arcs::one()), mesh, points, |_, s, w| {
             saved(trajectory, s, &mut w[..z]);
-            w[z..].fill(solution.final_time);
+            w[z..].fill(duration);
         })
     }
 

@@ -1,7 +1,8 @@
 //! Newton's method that only goes down.
 
 use super::band::Band;
-use super::objective::{Expansion, Objective};
+use super::expansion::Expansion;
+use super::objective::Objective;
 
 /// Most steps.
 const STEPS: usize = 200;

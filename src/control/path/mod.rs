@@ -8,6 +8,7 @@ mod band;
 mod coefficients;
 mod control_cost;
 mod costates;
+mod expansion;
 mod minimise;
 mod objective;
 mod spline;
