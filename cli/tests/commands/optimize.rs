@@ -176,7 +176,8 @@ fn json_has_the_promised_keys_and_the_cost_of_the_swing_up() {
             "{key}"
         );
     }
-    assert_eq!((number(&trajectory["t"][0]), number(&trajectory["t"][nodes - 1])), (0.0, 1.0));
+    let ends = [0, nodes - 1].map(|node| number(&trajectory["t"][node]));
+    assert!(ends[0] == 0.0 && (ends[1] - 1.0).abs() < 1e-12, "{ends:?}");
 }
 
 #[test]
@@ -190,7 +191,7 @@ fn a_continuation_is_told_point_by_point() {
     let cost = |i: usize| points[i]["cost"].as_f64().unwrap();
     let last = points.len() - 1;
     assert!(last > 1 && (cost(last) * 1.5_f64.powi(3) - cost(0)).abs() < 1e-8 * cost(0));
-    assert_eq!(found["final_time"], 1.5);
+    assert!((found["final_time"].as_f64().unwrap() - 1.5).abs() < 1e-12, "{}", found["final_time"]);
     assert!(
         stdout(&optimize("continue", &text, &["--continue", "final_time=1:1.5"])).contains("was reached")
     );
