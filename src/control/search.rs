@@ -129,7 +129,9 @@ pub(super) fn search<E: Extremal>(
     } else if saved.is_some() {
         best = from_saved(extremal, begin, guess, context);
     }
-    if let (Some(_), Some(found)) = (saved, best.take_if(|best| best.status.is_converged())) {
+    if saved.is_some()
+        && let Some(found) = best.take_if(|best| best.status.is_converged())
+    {
         return found;
     }
     let solved = best.as_ref().filter(|best| best.status.is_converged());
