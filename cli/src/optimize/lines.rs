@@ -1,5 +1,6 @@
 //! Where a key stands in a TOML text.
 
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -22,20 +23,22 @@ pub fn line_of(text: &str, path: &str) -> Option<usize> {
     line
 }
 
-/// The key, tables before it, at a byte of the text; `None` where the text is no TOML, or there is no key.
-pub fn key_at(text: &str, offset: usize) -> Option<String> {
+/// The key, tables before it, to which a part of the text belongs; `None` where the text is no TOML, or the part is that of
+/// several keys.
+pub fn key_at(text: &str, part: &Range<usize>) -> Option<String> {
     let document = DeTable::parse(text).ok()?;
-    innermost(document.get_ref(), offset)
+    innermost(document.get_ref(), part)
 }
 
-fn innermost(table: &DeTable<'_>, offset: usize) -> Option<String> {
+fn innermost(table: &DeTable<'_>, part: &Range<usize>) -> Option<String> {
     table.iter().find_map(|(key, value)| {
         let name = key.get_ref();
         let inner = match value.get_ref() {
-            DeValue::Table(inner) => innermost(inner, offset).map(|inner| format!("{name}.{inner}")),
+            DeValue::Table(inner) => innermost(inner, part).map(|inner| format!("{name}.{inner}")),
             _ => None,
         };
-        let here = || Spanned::span(key).contains(&offset) || Spanned::span(value).contains(&offset);
+        let holds = |span: Range<usize>| span.start <= part.start && part.end <= span.end;
+        let here = || holds(Spanned::span(key)) || holds(Spanned::span(value));
         inner.or_else(|| here().then(|| name.to_string()))
     })
 }
@@ -50,9 +53,11 @@ mod tests {
         for (place, key) in
             [("robot", "robot"), ("\"a\"", "robot"), ("2]", "start.q"), ("true", "start.time.free")]
         {
-            assert_eq!(key_at(text, text.find(place).unwrap()).as_deref(), Some(key), "{place}");
+            let start = text.find(place).unwrap();
+            assert_eq!(key_at(text, &(start..start + 1)).as_deref(), Some(key), "{place}");
         }
-        assert_eq!(key_at("q = [", 4), None);
+        assert_eq!(key_at(text, &(0..text.len())), None);
+        assert_eq!(key_at("q = [", &(4..5)), None);
     }
 
     #[test]

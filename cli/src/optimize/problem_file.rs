@@ -31,9 +31,14 @@ impl Task {
         let at = |line, message: &str| format!("{}{}: {message}", path.display(), place(line));
         let file: ProblemFile = toml::from_str(&text).map_err(|error| {
             let line = error.span().map(|span| line_at(&text, span.start));
-            let key = error.span().and_then(|span| key_at(&text, span.start));
+            // What is missing at the top has the place of the first key.
+            let of_table =
+                |start: usize| start > 0 && matches!(text.as_bytes().get(start), Some(b'[' | b'{'));
+            let missing = error.message().starts_with("missing field");
+            let span = error.span().filter(|span| !missing || of_table(span.start));
+            let key = span.and_then(|span| key_at(&text, &span));
             let key = key.map_or(String::new(), |key| format!("{key}: "));
-            let remedy = if error.message().starts_with("missing field") { "; add it" } else { "" };
+            let remedy = if missing { "; add it" } else { "" };
             at(line, &format!("{key}{}{remedy}", error.message().trim_end()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));

@@ -39,7 +39,7 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         ("shooting defect", small(solution.shooting_defect)),
         ("Newton iterations", solution.newton_iterations.to_string()),
         ("mesh nodes", solution.nodes.to_string()),
-        ("conjugate time", conjugate(solution)),
+        ("conjugate time", conjugate(problem, solution)),
     ]);
     if !solution.switches.is_empty() {
         figures.push(("switches", solution.switches.len().to_string()));
@@ -47,9 +47,13 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     figures
 }
 
-fn conjugate(solution: &Solution) -> String {
+/// Jacobi fields compare motions that take the same time.
+fn conjugate(problem: &Problem, solution: &Solution) -> String {
     match (solution.conjugate_time, solution.certificate) {
         (Some(time), _) => format!("{} s: not a minimum", short(time, 8)),
+        (None, Certificate::LocalMinimum) if super::time_is_free(problem) => {
+            "none: a local minimum in this time".into()
+        }
         (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
         _ => "not checked".into(),
     }
