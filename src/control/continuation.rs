@@ -9,6 +9,8 @@ use super::status::Status;
 const LEAST_STEP: f64 = 1.0 / 1024.0;
 /// Most points that are tried.
 const MOST_POINTS: usize = 60;
+/// Most nodes on the way: what needs more takes too long.
+const MOST_NODES: usize = 1001;
 /// Most Newton steps for one point of the way.
 const STEPS: usize = 20;
 /// Smallest damping on the way: what needs a smaller one may lead to another solution.
@@ -31,6 +33,8 @@ pub(super) fn follow<E: Extremal>(
     let tolerance = LOOSE.max(context.options.tolerance);
     let steps = std::mem::replace(&mut context.steps, STEPS);
     let damping = std::mem::replace(&mut context.damping, DAMPING);
+    let fewer = context.options.max_nodes.min(MOST_NODES);
+    let nodes = std::mem::replace(&mut context.options.max_nodes, fewer);
     let (mut position, mut step) = (0.0, 0.125_f64);
     let mut last: Option<(Extremum, f64)> = None;
     for point in 0.. {
@@ -57,7 +61,7 @@ pub(super) fn follow<E: Extremal>(
             }
         }
     }
-    (context.steps, context.damping) = (steps, damping);
+    (context.steps, context.damping, context.options.max_nodes) = (steps, damping, nodes);
     at
 }
 

@@ -4,7 +4,7 @@ use super::almost_block_diagonal::SingularMatrix;
 use super::dormand_prince::Stopped;
 use super::extremal::Extremal;
 use super::mesh::{Mesh, Span};
-use super::timed::Timed;
+use super::timed::{Clock, Timed};
 use super::values::Values;
 use crate::error::EvalError;
 
@@ -47,6 +47,9 @@ pub(super) trait Solvable<E: Extremal>: Discretised {
 
     /// T (s).
     fn final_time(&self, timed: &Timed<'_, E>) -> f64 {
+        if let Clock::Fixed(time) | Clock::Split(time) = timed.clock {
+            return time;
+        }
         let (m, nodes) = (self.scale().len(), &self.current().nodes);
         let spans = self.mesh().spans.iter().enumerate();
         spans

@@ -8,7 +8,8 @@ use std::fmt;
 #[serde(into = "String", from = "String")]
 #[non_exhaustive]
 pub enum Status {
-    /// All conditions hold and the estimated error is below the tolerance.
+    /// All conditions hold and the estimated error is below the tolerance; those of a smoothed problem where
+    /// [`Solution::smoothing`](super::Solution::smoothing) is not 0, whose cost is that of the problem itself to about 2e-5 of it.
     Converged,
     /// No damped Newton step made the correction shorter.
     NewtonFailed,

@@ -81,6 +81,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
             write(&folder.join(name), &text)?;
         }
     }
+    if arguments.json && !solution.status.is_converged() {
+        eprintln!("not a solution but the best iterate: {}", solution.status);
+    }
     let mut out = std::io::stdout().lock();
     if arguments.json {
         saved.continuation = branch.as_ref().map(continuation::Points::new);
