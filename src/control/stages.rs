@@ -87,10 +87,15 @@ pub(super) fn without_effort<E: Extremal>(
         if let Some(found) = found {
             return found;
         }
+        let changed = (at.total(extremal) - before).abs() / before.abs();
         if !at.status.is_converged() {
+            // What got stuck on the way has gone a part of the step: as much as that says of the whole one.
+            if ease.effort < effort {
+                change = changed * (effort / next).ln() / (effort / ease.effort).ln();
+            }
             break;
         }
-        change = (at.total(extremal) - before).abs() / before.abs();
+        change = changed;
         if change < NEGLIGIBLE && at.equations.mesh.nodes() > MOST_NODES {
             break;
         }
