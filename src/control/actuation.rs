@@ -79,9 +79,9 @@ impl Actuation {
         }
     }
 
-    /// Whether it has the smooth cost, with which it never reaches a bound.
-    pub fn is_smooth(&self, i: usize) -> bool {
-        self.smooth[i].is_some()
+    /// The bounds that a control reaches: none where the actuation asked for has the smooth cost, which nears them only.
+    pub fn reached_bounds(&self, asked: &Self, i: usize) -> (f64, f64) {
+        if asked.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
     }
 
     /// What can be made easier about this actuation and the way to the end, and about penalties where there are some.

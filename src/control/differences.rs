@@ -1,6 +1,20 @@
 //! Jacobians by central differences, for comparison.
 
+use super::extremal::{Extremal, Law};
 use crate::error::EvalError;
+
+/// An extremal with buffers for differences of its right-hand side.
+pub(super) trait Differenced: Extremal {
+    fn differences(&mut self) -> &mut Differences;
+
+    /// The Jacobian by central differences of the right-hand side.
+    fn by_differences(&mut self, z: &[f64], law: Law<'_>, jacobian: &mut [f64]) -> Result<(), EvalError> {
+        let mut differences = std::mem::take(self.differences());
+        let outcome = differences.jacobian(z, jacobian, |z, g| self.rate(z, law, g).map(|_| ()));
+        *self.differences() = differences;
+        outcome
+    }
+}
 
 /// Buffers for a function of m numbers with m values.
 #[derive(Clone, Debug, Default)]

@@ -1,14 +1,14 @@
 //! Extremals of a robot in Lagrangian coordinates: `z = (q, v, y_q, y_v)`.
 
 use super::actuation::{Actuation, price};
-use super::differences::Differences;
+use super::differences::{Differenced, Differences};
 use super::equations::Running;
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
 use super::lagrangian_ends::LagrangianEnds;
 use super::options::Jacobian;
 use super::penalty::Penalties;
 use super::problem::Problem;
-use super::robot_extremal::with_hamiltonian;
+use super::robot_extremal::{stretch, with_hamiltonian};
 use super::user_terms::UserTerms;
 use crate::error::EvalError;
 use crate::lagrangian::SecondOrder;
@@ -50,7 +50,7 @@ pub struct LagrangianExtremal {
     /// l_x, and the diagonal of l_xx that penalties have.
     pub(super) l_x: Vec<f64>,
     pub(super) l_xx: Vec<f64>,
-    pub(super) differences: Differences,
+    differences: Differences,
 }
 
 impl LagrangianExtremal {
@@ -131,6 +131,12 @@ impl LagrangianExtremal {
     }
 }
 
+impl Differenced for LagrangianExtremal {
+    fn differences(&mut self) -> &mut Differences {
+        &mut self.differences
+    }
+}
+
 impl Extremal for LagrangianExtremal {
     fn states(&self) -> usize {
         2 * self.force.len()
@@ -204,8 +210,7 @@ impl Extremal for LagrangianExtremal {
 
     /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
     fn stretch(&self, z: &mut [f64], factor: f64) {
-        let parts = z.chunks_exact_mut(self.force.len()).zip([0, -1, -3, -2]);
-        parts.for_each(|(part, power)| part.iter_mut().for_each(|z| *z *= factor.powi(power)));
+        stretch(z, factor);
     }
 
     /// Positions, rates, and the costates of each.
@@ -224,9 +229,7 @@ impl Extremal for LagrangianExtremal {
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        // A smooth control nears its bounds and never reaches them.
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        if self.asked.0.is_smooth(control) { free } else { self.actuation.bounds[control] }
+        self.actuation.reached_bounds(&self.asked.0, control)
     }
 
     /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.

@@ -1,6 +1,5 @@
 //! The Jacobian of the extremals of a robot in Lagrangian coordinates.
 
-use super::extremal::{Extremal, Law};
 use super::lagrangian_extremal::LagrangianExtremal;
 use super::options::Jacobian;
 use crate::error::EvalError;
@@ -61,19 +60,6 @@ impl LagrangianExtremal {
             }
         }
         Ok(())
-    }
-
-    /// The Jacobian by central differences of the right-hand side.
-    pub(super) fn by_differences(
-        &mut self,
-        z: &[f64],
-        law: Law<'_>,
-        jacobian: &mut [f64],
-    ) -> Result<(), EvalError> {
-        let mut differences = std::mem::take(&mut self.differences);
-        let outcome = differences.jacobian(z, jacobian, |z, g| self.rate(z, law, g).map(|_| ()));
-        self.differences = differences;
-        outcome
     }
 }
 

@@ -52,7 +52,6 @@ mod problem;
 mod refine;
 mod residuals;
 mod robot_extremal;
-mod robot_jacobian;
 mod running_cost;
 mod search;
 mod shooting;

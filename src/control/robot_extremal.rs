@@ -1,7 +1,7 @@
 //! Extremals of a robot: `z = (q, p, y_q, y_p)`.
 
 use super::actuation::{Actuation, price};
-use super::differences::Differences;
+use super::differences::{Differenced, Differences};
 use super::ends::Ends;
 use super::equations::{Equations, Running};
 use super::extremal::{Ease, Extremal, Law, Rate, Side};
@@ -32,7 +32,7 @@ pub struct RobotExtremal {
     ease: Ease,
     /// Whether an easier problem has weaker user terms.
     ease_terms: bool,
-    pub(super) differences: Differences,
+    differences: Differences,
 }
 
 impl RobotExtremal {
@@ -70,6 +70,12 @@ impl RobotExtremal {
     pub(super) fn velocity(&mut self, x: &[f64]) -> Result<&[f64], EvalError> {
         let (q, p) = x.split_at(x.len() / 2);
         self.equations.second.first().velocity(q, p)
+    }
+}
+
+impl Differenced for RobotExtremal {
+    fn differences(&mut self) -> &mut Differences {
+        &mut self.differences
     }
 }
 
@@ -142,8 +148,7 @@ impl Extremal for RobotExtremal {
 
     /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
     fn stretch(&self, z: &mut [f64], factor: f64) {
-        let parts = z.chunks_exact_mut(self.equations.force.len()).zip([0, -1, -3, -2]);
-        parts.for_each(|(part, power)| part.iter_mut().for_each(|z| *z *= factor.powi(power)));
+        stretch(z, factor);
     }
 
     /// Positions, momenta, and the costates of each.
@@ -162,9 +167,7 @@ impl Extremal for RobotExtremal {
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        // A smooth control nears its bounds and never reaches them.
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        if self.asked.0.is_smooth(control) { free } else { self.actuation.bounds[control] }
+        self.actuation.reached_bounds(&self.asked.0, control)
     }
 
     fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
@@ -189,4 +192,10 @@ pub(super) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> Rate {
     let states = z.len() / 2;
     let hamiltonian = crate::matrix::dot(&z[states..], &g[..states]) - l.cost - l.penalty - l.smoothing;
     Rate { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
+}
+
+/// Positions, rates or momenta, and the costates of each, of a motion that takes `factor` times as long.
+pub(super) fn stretch(z: &mut [f64], factor: f64) {
+    let parts = z.chunks_exact_mut(z.len() / 4).zip([0, -1, -3, -2]);
+    parts.for_each(|(part, power)| part.iter_mut().for_each(|z| *z *= factor.powi(power)));
 }

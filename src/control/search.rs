@@ -11,7 +11,7 @@ use super::options::{Options, Ways};
 use super::path::{INTERVALS, Wish};
 use super::problem::Time;
 use super::refine::{Context, Extremum};
-use super::stages::{by_stages, without_effort};
+use super::stages::{by_stages, to_the_problem_itself};
 use super::status::Status;
 use super::timed::{Arcs, Clock, Timed};
 
@@ -233,12 +233,7 @@ fn from_path<E: Extremal>(
         });
         ease.penalty = 1.0;
     }
-    if ease.effort > 0.0 {
-        return without_effort(at, extremal, ease, context);
-    }
-    extremal.set_ease(Ease::NONE);
-    context.phase = if let Time::Fixed(_) = time { "fixed time" } else { "free time" };
-    sharpen(at, extremal, context)
+    to_the_problem_itself(at, extremal, (time, ease), context)
 }
 
 /// The equations of one arc at a fixed time, with the guess of what leads to a part of the end.

@@ -54,7 +54,17 @@ pub(super) fn by_stages<E: Extremal>(
         });
         ease.bounds = 1.0;
     }
-    if easiest.effort > 0.0 {
+    to_the_problem_itself(at, extremal, (time, ease), context)
+}
+
+/// From a solution of a problem that is easier by its smoothing alone, if at all, to one of the problem itself.
+pub(super) fn to_the_problem_itself<E: Extremal>(
+    at: Extremum,
+    extremal: &mut E,
+    (time, ease): (Time, Ease),
+    context: &mut Context<'_>,
+) -> Extremum {
+    if ease.effort > 0.0 {
         return without_effort(at, extremal, ease, context);
     }
     extremal.set_ease(Ease::NONE);
@@ -63,7 +73,7 @@ pub(super) fn by_stages<E: Extremal>(
 }
 
 /// The weight of the effort goes to zero by steps; after each the arcs are tried that its solution shows.
-pub(super) fn without_effort<E: Extremal>(
+fn without_effort<E: Extremal>(
     mut at: Extremum,
     extremal: &mut E,
     ease: Ease,

@@ -1,12 +1,8 @@
 //! Bounded controls: least time and least effort.
 
+use crate::sledge;
 use costate::control::{Bounds, Cost, Options, Problem, Solution, Solver, Time};
-use costate::robot::{JointSpec, LinkInertia, Robot};
-
-fn sledge() -> Robot {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
-    Robot::builder("sledge").joint(joint).build().unwrap()
-}
+use costate::robot::Robot;
 
 fn solve(problem: &Problem) -> Solution {
     let solution = Solver::new(problem, Options::default()).unwrap().solve();

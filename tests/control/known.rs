@@ -1,13 +1,9 @@
 //! Robots against values in closed form, published ones, and identities.
 
+use crate::sledge;
 use costate::control::{Certificate, Cost, Jacobian, Options, Problem, Solution, Solver, Time};
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
-
-fn sledge() -> Robot {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
-    Robot::builder("sledge").joint(joint).build().unwrap()
-}
 
 fn pendulum() -> Robot {
     let link = LinkInertia::point(1.0, [0.0, 0.0, -1.0]);

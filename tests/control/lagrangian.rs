@@ -1,6 +1,7 @@
 //! Extremals in (q, v): their equations, and the same motions as in (q, p).
 
 use crate::extremals::{point, problems as without_terms};
+use crate::sledge;
 use costate::control::{
     Bounds, Coordinates, Cost, Ease, Extremal, Jacobian, LagrangianExtremal, Law, Options, Problem,
     RunningCost, Side, Solution, Solver, Time, UserTerm,
@@ -176,11 +177,6 @@ fn agree(problem: &Problem) -> [Solution; 2] {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7 * size), "{a:?} {b:?}");
     }
     [a, b]
-}
-
-fn sledge() -> Robot {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
-    Robot::builder("sledge").joint(joint).build().unwrap()
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
+use costate::robot::{JointSpec, LinkInertia, Robot};
+
 mod bounded;
 mod branch;
 mod extremals;
@@ -14,3 +16,9 @@ mod problems;
 mod shooting;
 mod source;
 mod user_terms;
+
+/// A mass of 1 kg that slides along x.
+fn sledge() -> Robot {
+    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
+    Robot::builder("sledge").joint(joint).build().unwrap()
+}

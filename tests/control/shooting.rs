@@ -1,13 +1,9 @@
 //! Multiple shooting against collocation and against known values.
 
+use crate::sledge;
 use costate::control::{Bounds, Cost, Method, Options, Penalty, Problem, Solution, Solver, Status, Time};
-use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate::robot::Robot;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-fn sledge() -> Robot {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
-    Robot::builder("sledge").joint(joint).build().unwrap()
-}
 
 fn two_link(time: f64) -> Problem {
     let robot = Robot::from_file("robots/two_link.toml").unwrap();

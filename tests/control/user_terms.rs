@@ -1,11 +1,12 @@
 //! Running costs of a user, generic over the scalar.
 
+use crate::sledge;
 use costate::control::{
     Extremal, Jacobian, Law, Options, Problem, RobotExtremal, RunningCost, Solution, Solver, Time, UserTerm,
 };
 use costate::derivative::Function;
 use costate::dynamics::{AutomaticCost, Cost};
-use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate::robot::Robot;
 use costate::scalar::Scalar;
 use std::convert::Infallible;
 
@@ -31,11 +32,6 @@ impl RunningCost for Hill {
         }
         (-(sum * sum)).exp() * speed * speed.plus(3.0)
     }
-}
-
-fn sledge() -> Robot {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
-    Robot::builder("sledge").joint(joint).build().unwrap()
 }
 
 fn solve(problem: &Problem) -> Solution {
