@@ -19,7 +19,7 @@
 //!
 //! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
 //! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`],
-//! [`dynamics`], [`step`], [`batch`], then [`control`]. Formulas are numbered as in G. Bessonnet,
+//! [`dynamics`], [`step`], [`batch`]. Formulas are numbered as in G. Bessonnet,
 //! P. Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005)
 //! 452-471.
 
@@ -28,7 +28,6 @@
 
 pub mod batch;
 pub mod codegen;
-pub mod control;
 pub mod derivative;
 pub mod dynamics;
 mod error;

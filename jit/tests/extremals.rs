@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
-use costate::control::{GeneratedExtremal, Options, Problem, ProgramOf, pontryagin_program, solve_extremal};
 use costate::robot::Robot;
+use costate_control::{GeneratedExtremal, Options, Problem, ProgramOf, pontryagin_program, solve_extremal};
 use costate_jit::{Compiled, JitError};
 use std::f64::consts::FRAC_PI_2;
 

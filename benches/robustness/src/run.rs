@@ -3,11 +3,11 @@
 use crate::counted::Counted;
 use crate::problems::problem;
 use crate::record::{Record, Search};
-use costate::control::{
+use costate::hamiltonian::Hamiltonian;
+use costate_control::{
     Coordinates, Extremal, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem, RobotExtremal, Ways,
     solve_extremal,
 };
-use costate::hamiltonian::Hamiltonian;
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;

@@ -4,7 +4,7 @@ use super::problem_file::Task;
 use super::report::numbers::short;
 use super::summary::spaced;
 use crate::report::Table;
-use costate::control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
+use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
 use serde::Serialize;
 use std::io::Write;
 use std::str::FromStr;
@@ -94,7 +94,7 @@ pub fn print(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::Way;
-    use costate::control::Parameter;
+    use costate_control::Parameter;
 
     #[test]
     fn a_way_is_a_name_and_two_numbers() {

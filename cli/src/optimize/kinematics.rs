@@ -1,7 +1,7 @@
 //! The robot as a stick figure: points in the world and the lines between them.
 
-use costate::control::Trajectory;
 use costate::robot::{JointKind, Robot};
+use costate_control::Trajectory;
 
 /// x, y, z in the world frame (m).
 pub type Point = [f64; 3];

@@ -11,8 +11,8 @@ mod summary;
 mod tables;
 
 use crate::Outcome;
-use costate::control::{BranchEnd, Problem, Solution, Solver};
 use costate::robot::LoadOptions;
+use costate_control::{BranchEnd, Problem, Solution, Solver};
 pub use problem_file::Task;
 use saved::Saved;
 use std::io::Write;
@@ -127,5 +127,5 @@ fn unwritable(path: &Path, error: &std::io::Error) -> String {
 
 /// Whether the motion may take any time.
 fn time_is_free(problem: &Problem) -> bool {
-    matches!(problem.time, costate::control::Time::Free { .. })
+    matches!(problem.time, costate_control::Time::Free { .. })
 }

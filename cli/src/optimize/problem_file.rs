@@ -3,8 +3,8 @@
 use super::lines::{key_at, line_at, line_of};
 use super::saved::Saved;
 use super::tables::{EndTable, JointName, ProblemFile, SolverTable, StartFromTable, TimeTable};
-use costate::control::{Bounds, Cost, End, Options, Penalty, Problem, Solution, Start, Time};
 use costate::robot::{LoadOptions, Robot};
+use costate_control::{Bounds, Cost, End, Options, Penalty, Problem, Solution, Start, Time};
 use std::path::Path;
 
 /// What a problem file asks for.
@@ -147,7 +147,7 @@ fn options(table: &SolverTable) -> Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate::control::{Coordinates, Jacobian, Method};
+    use costate_control::{Coordinates, Jacobian, Method};
 
     /// Reads this text, followed by the two-link arm of the repository.
     fn read(name: &str, text: &str) -> Task {

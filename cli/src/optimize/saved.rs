@@ -1,7 +1,7 @@
 //! A solution as JSON: what `--json` prints and `[start_from] file` reads.
 
 use super::continuation::Points;
-use costate::control::{Solution, Status, Trajectory};
+use costate_control::{Solution, Status, Trajectory};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use super::report::numbers::short;
 use crate::report::{Table, joints};
-use costate::control::{Certificate, Iteration, Problem, Solution};
+use costate_control::{Certificate, Iteration, Problem, Solution};
 use std::io::Write;
 
 /// `minimum of T + 1/2 u'Ru, final time free`, by what the problem has.

@@ -52,15 +52,15 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
     use super::{cart_pole, panda, problems, two_link, ur5};
-    use costate::control::{
-        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
-    };
     use costate::derivative::largest;
     use costate::hamiltonian::{Hamiltonian, SecondOrder};
     use costate::lagrangian::Lagrangian;
     use costate::matrix::Block;
     use costate::num_dual::Dual64;
     use costate::robot::Robot;
+    use costate_control::{
+        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
+    };
     use std::array::from_fn;
     use std::path::{Path, PathBuf};
 

@@ -12,7 +12,7 @@ mod units;
 mod views;
 
 use super::kinematics::{Skeleton, film};
-use costate::control::{Problem, Solution};
+use costate_control::{Problem, Solution};
 use strobe::Stage;
 
 /// What a report is about.

@@ -5,8 +5,8 @@ use super::numbers::short;
 use super::plot::{Curve, Look, Plot};
 use super::svg::cut;
 use super::units::{self, Units};
-use costate::control::{Iteration, Trajectory};
 use costate::robot::{JointKind, Robot};
+use costate_control::{Iteration, Trajectory};
 
 /// A plot and the name of its file.
 pub type Panel = (String, Plot);
