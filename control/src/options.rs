@@ -51,7 +51,8 @@ pub enum Ways {
 }
 
 /// How to solve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Options {
     /// Largest estimated error of a component, in parts of the largest value that it takes along the motion.
     pub tolerance: f64,

@@ -6,10 +6,12 @@ use crate::extremal::legendre::{Mapped, OfRobot};
 use crate::options::{Coordinates, Iteration, Options};
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
-use crate::result::motion::Motion;
-use crate::result::solution::{Solution, Trajectory};
+use crate::result::motion::{ExtremalSolution, Motion};
+use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::trajectory::Trajectory;
+use crate::result::trajectory_error::TrajectoryError;
 use crate::search::guess::{Disturbance, RobotGuess};
-use crate::search::search;
+use crate::search::{PATH, search};
 use crate::solve::{Context, Listener};
 use crate::status::Status;
 use costate::EvalError;
@@ -49,13 +51,14 @@ impl<'a> Solver<'a> {
         Ok(Self { problem, options, start: None, listener: None })
     }
 
-    /// Begins with a saved solution, stretched to the time asked for; one that does not [fit](Problem::check_start) the robot
-    /// is left aside.
-    pub fn from(mut self, start: &Solution) -> Self {
-        if self.problem.check_start(start).is_ok() {
-            self.start = Some(start.trajectory.clone());
-        }
-        self
+    /// Begins with a trajectory, stretched to the time asked for.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] where its lists do not fit the robot.
+    pub fn with_start(mut self, start: &Trajectory) -> Result<Self, TrajectoryError> {
+        start.check(&self.problem.robot)?;
+        self.start = Some(start.clone());
+        Ok(self)
     }
 
     /// Tells each Newton step to `listener`.
@@ -67,41 +70,51 @@ impl<'a> Solver<'a> {
     /// Solves. Never fails: [`Solution::status`] says how it went, and the best iterate is kept.
     pub fn solve(mut self) -> Solution {
         let mut best: Option<Solution> = None;
-        let (mut others, mut steps) = (Vec::new(), 0);
+        let (mut starts, mut steps) = (Vec::new(), 0);
         for number in 0..self.options.starts {
-            let solution = self
-                .solve_from(number)
-                .unwrap_or_else(|error| failed(self.problem, Status::EvaluationFailed(error.to_string())));
+            let solution = self.solve_from(number).unwrap_or_else(|error| {
+                let status = Status::evaluation_failed(error);
+                Solution::missing(&self.problem.robot, status, self.problem.time.value())
+            });
             steps += solution.newton_iterations;
-            others.push((solution.total(), solution.status.clone()));
+            let (total, status) = (solution.motion.total(), solution.motion.status.clone());
+            starts.push(StartResult { total, status });
             let better = best.as_ref().is_none_or(|best| {
-                let rank = |solution: &Solution| !solution.status.is_converged();
-                (rank(&solution), solution.total()) < (rank(best), best.total())
+                let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
+                rank(&solution.motion) < rank(&best.motion)
             });
             if better {
                 best = Some(solution);
             }
         }
-        let mut best = best.unwrap_or_else(|| failed(self.problem, Status::NewtonFailed));
+        let nothing =
+            || Solution::missing(&self.problem.robot, Status::NewtonFailed, self.problem.time.value());
+        let mut best = best.unwrap_or_else(nothing);
         best.newton_iterations = steps;
-        best.others = others;
+        best.starts = starts;
+        best.options = self.options.clone();
         best
     }
 
     fn solve_from(&mut self, number: usize) -> Result<Solution, EvalError> {
         let mut momenta = RobotExtremal::new(self.problem, self.options.jacobian)?;
-        let motion = match self.options.coordinates {
+        let found = match self.options.coordinates {
             Coordinates::Hamiltonian => self.search(number, &mut momenta.clone(), &momenta),
             Coordinates::Lagrangian => {
                 let mut extremal = LagrangianExtremal::new(self.problem, self.options.jacobian)?;
                 self.search(number, &mut extremal, &momenta)
             }
         };
-        Ok(self.solution(motion, &mut momenta))
+        Ok(self.solution(found, &mut momenta))
     }
 
     /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p).
-    fn search<E: OfRobot>(&mut self, number: usize, extremal: &mut E, momenta: &RobotExtremal) -> Motion {
+    fn search<E: OfRobot>(
+        &mut self,
+        number: usize,
+        extremal: &mut E,
+        momenta: &RobotExtremal,
+    ) -> ExtremalSolution {
         let mut context = Context::new(&self.options, self.listener.take());
         let guess = RobotGuess {
             problem: self.problem,
@@ -113,20 +126,17 @@ impl<'a> Solver<'a> {
         let mut guess = Mapped::<E>::new(guess, &self.problem.robot);
         let found = search(extremal, self.problem.time, &mut guess, &mut context);
         self.listener = context.listener.take();
-        let mut motion = found.into_motion(extremal, context.iterations);
-        for z in motion.z.iter_mut().chain(&mut motion.end_state) {
-            if E::give(&mut guess.map, z).is_err() {
-                z.fill(f64::NAN);
-            }
-        }
-        motion
+        let mut solution = found.into_solution(extremal, context.iterations, self.options.tolerance);
+        solution.map(|z| E::give(&mut guess.map, z));
+        solution
     }
 
     /// Rates at the nodes, and the miss at the end.
-    pub(crate) fn solution(&self, motion: Motion, extremal: &mut RobotExtremal) -> Solution {
+    pub(crate) fn solution(&self, found: ExtremalSolution, extremal: &mut RobotExtremal) -> Solution {
+        let ExtremalSolution { motion, nodes, .. } = found;
         let n = self.problem.robot.len();
         let mut rates = |x: &[f64]| extremal.velocity(x).map_or_else(|_| vec![f64::NAN; n], <[f64]>::to_vec);
-        let v = motion.z.iter().map(|z| rates(&z[..2 * n])).collect();
+        let v = nodes.z.iter().map(|z| rates(&z[..2 * n])).collect();
         let end = &self.problem.end;
         let end_defect = motion.end_state.as_ref().map_or(f64::INFINITY, |x| {
             let v = rates(x);
@@ -137,32 +147,14 @@ impl<'a> Solver<'a> {
             };
             (0..n).map(miss).fold(0.0, f64::max)
         });
-        Solution::from_motion(motion, v, end_defect)
-    }
-}
-
-/// A solution without a motion.
-pub(crate) fn failed(problem: &Problem, status: Status) -> Solution {
-    let n = problem.robot.len();
-    Solution {
-        status,
-        cost: f64::INFINITY,
-        penalty_cost: 0.0,
-        smoothing: 0.0,
-        final_time: problem.time.value(),
-        hamiltonian: 0.0,
-        hamiltonian_drift: 0.0,
-        costate_start: (vec![0.0; n], vec![0.0; n]),
-        end_defect: f64::INFINITY,
-        shooting_defect: f64::INFINITY,
-        newton_iterations: 0,
-        nodes: 0,
-        conjugate_time: None,
-        certificate: crate::result::motion::Certificate::NotChecked,
-        errors: Vec::new(),
-        iterations: Vec::new(),
-        trajectory: Trajectory::default(),
-        switches: Vec::new(),
-        others: Vec::new(),
+        Solution {
+            newton_iterations: motion.iterations.iter().filter(|step| step.phase != PATH).count(),
+            end_defect,
+            trajectory: Trajectory::from_nodes(nodes, v),
+            starts: Vec::new(),
+            options: self.options.clone(),
+            robot: RobotNames::of(&self.problem.robot),
+            motion,
+        }
     }
 }

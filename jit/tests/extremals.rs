@@ -37,7 +37,7 @@ fn the_solver_runs_on_machine_code() {
     .unwrap();
     let guess = |s: f64, z: &mut [f64]| z[..2].fill(FRAC_PI_2 * s * s * (3.0 - 2.0 * s));
     let motion = solve_extremal(&mut extremal, problem.time, &Options::default(), guess);
-    assert!(motion.status.is_converged(), "{}", motion.status);
-    assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
+    assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
+    assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     assert!(calls > 100, "{calls}");
 }

@@ -36,7 +36,7 @@ pub fn follow(task: &mut Task, way: Way) -> Result<Branch, String> {
     let continuation = Continuation::new(&task.problem, parameter, from, to, task.options.clone());
     let mut continuation = continuation.map_err(|error| format!("--continue: {error}"))?;
     if let Some(start) = &task.start_from {
-        continuation = continuation.from(start);
+        continuation = continuation.with_start(start).map_err(|error| format!("start_from.file: {error}"))?;
     }
     let branch = continuation.follow();
     let last = branch.points.last().map_or(from, |point| point.parameter);

@@ -13,8 +13,10 @@ use crate::options::{Method, Options};
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
 use crate::result::solution::Solution;
+use crate::result::trajectory::Trajectory;
+use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::{Context, Extremum};
-use crate::solver::{Solver, failed};
+use crate::solver::Solver;
 use crate::status::Status;
 use walk::{Aim, Found, Walker};
 
@@ -43,7 +45,7 @@ pub struct Continuation<'a> {
     parameter: Parameter,
     ends: (f64, f64),
     options: Options,
-    start: Option<Solution>,
+    start: Option<Trajectory>,
 }
 
 /// First step, and the largest.
@@ -78,13 +80,14 @@ impl<'a> Continuation<'a> {
         Ok(Self { problem, parameter, ends: (from, to), options, start: None })
     }
 
-    /// Begins with a saved solution of the problem at `from`, which is solved from there and nowhere else; one that does not [fit](Problem::check_start) the robot is left
-    /// aside.
-    pub fn from(mut self, start: &Solution) -> Self {
-        if self.problem.check_start(start).is_ok() {
-            self.start = Some(start.clone());
-        }
-        self
+    /// Begins with a solution of the problem at `from`, which is solved from there and nowhere else.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] where its lists do not fit the robot.
+    pub fn with_start(mut self, start: &Trajectory) -> Result<Self, TrajectoryError> {
+        start.check(&self.problem.robot)?;
+        self.start = Some(start.clone());
+        Ok(self)
     }
 
     /// Solves at `from` and walks to `to`. Never fails: [`Branch::end`] says how it went.
@@ -94,21 +97,21 @@ impl<'a> Continuation<'a> {
             points: Vec::new(),
             turning_points: Vec::new(),
             end: BranchEnd::NotStarted,
-            solution: failed(self.problem, Status::NewtonFailed),
+            solution: Solution::missing(&self.problem.robot, Status::NewtonFailed, self.problem.time.value()),
         };
         let found = self.walk(&mut branch);
         if let Err(status) = found {
-            branch.solution.status = status;
+            branch.solution.motion.status = status;
         }
         branch
     }
 
     fn walk(&self, branch: &mut Branch) -> Result<(), Status> {
         let problem = self.problem;
-        let refused = |error: ProblemError| Status::EvaluationFailed(error.to_string());
+        let refused = |error: ProblemError| Status::refused(error);
         let first = self.parameter.apply(problem, self.ends.0).map_err(refused)?;
         let extremal = walk::extremal(problem, (self.parameter, self.ends.0), &self.options);
-        let extremal = extremal.map_err(|failure| Status::EvaluationFailed(failure.to_string()))?;
+        let extremal = extremal.map_err(Status::from)?;
         let options = Options { method: Method::Collocation, ..self.options.clone() };
         let context = Context::new(&options, None);
         let (parameter, ends) = (self.parameter, self.ends);
@@ -170,10 +173,10 @@ impl<'a> Continuation<'a> {
         if let Some(start) = &self.start {
             return Ok(walker.extremum(start, first.time));
         }
-        let refused = |error: ProblemError| Status::EvaluationFailed(error.to_string());
+        let refused = |error: ProblemError| Status::refused(error);
         let solution = Solver::new(first, self.options.clone()).map_err(refused)?.solve();
-        let status = solution.status.clone();
-        let rough = status.is_converged().then(|| walker.extremum(&solution, first.time));
+        let status = solution.motion.status.clone();
+        let rough = status.is_solved().then(|| walker.extremum(&solution.trajectory, first.time));
         branch.solution = solution;
         rough.ok_or(status)
     }
@@ -186,21 +189,22 @@ impl<'a> Continuation<'a> {
         at: Found,
         end: BranchEnd,
     ) -> Result<(), Status> {
-        let refused = |error: String| Status::EvaluationFailed(error);
+        let refused = |error: String| Status::refused(error);
         let last = self.parameter.apply(self.problem, walker.value(at.position));
         let last = last.map_err(|error| refused(error.to_string()))?;
         let value = walker.value(at.position);
         let extremal = walk::extremal(self.problem, (self.parameter, value), &walker.context.options);
         let mut extremal = extremal.map_err(|failure| refused(failure.to_string()))?;
         let iterations = std::mem::take(&mut walker.context.iterations);
-        let mut motion = at.extremum.into_motion(&mut extremal, iterations);
-        motion.status = match end {
+        let tolerance = self.options.tolerance;
+        let mut found = at.extremum.into_solution(&mut extremal, iterations, tolerance);
+        found.motion.status = match end {
             BranchEnd::Stuck | BranchEnd::TooManyPoints => Status::ContinuationFailed,
-            _ => motion.status,
+            _ => found.motion.status,
         };
         branch.end = end;
         let solver = Solver::new(&last, self.options.clone()).map_err(|error| refused(error.to_string()))?;
-        branch.solution = solver.solution(motion, &mut extremal);
+        branch.solution = solver.solution(found, &mut extremal);
         Ok(())
     }
 }

@@ -7,7 +7,7 @@ use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock, Timed};
 use crate::extremal::{Ease, Extremal};
 use crate::problem::{Problem, Time};
-use crate::result::solution::Solution;
+use crate::result::trajectory::Trajectory;
 use crate::search::guess::{Disturbance, RobotGuess, saved};
 use crate::search::{LOOSE, at_fixed_time};
 use crate::solve::Extremum;
@@ -21,8 +21,7 @@ const WIDE: f64 = 1000.0;
 
 impl Walker<'_> {
     /// The values of a solution at its nodes, on one arc; not yet solved.
-    pub fn extremum(&mut self, solution: &Solution, time: Time) -> Extremum {
-        let trajectory = &solution.trajectory;
+    pub fn extremum(&mut self, trajectory: &Trajectory, time: Time) -> Extremum {
         // By its own times: a file may say anything about the final time.
         let duration =
             trajectory.t.last().zip(trajectory.t.first()).map_or(0.0, |(last, first)| last - first);
@@ -66,7 +65,7 @@ impl Walker<'_> {
             let mut timed = Timed::new(&mut self.extremal, start.clock, start.arcs.clone());
             let values = start.equations.current.clone();
             let evaluated = start.equations.evaluate(&mut timed, &values);
-            evaluated.map_err(|failure| Status::EvaluationFailed(failure.to_string()))?;
+            evaluated.map_err(Status::from)?;
             let arcs = solve_arcs(&start, &mut self.extremal, tolerance, &mut self.context);
             start = arcs.ok_or(Status::SwitchesNotRefined)?;
         } else {

@@ -89,7 +89,7 @@ impl Walker<'_> {
             };
             let mut bordered = Bordered::new(at.equations, position, set);
             bordered.set_scales(&timed, None);
-            bordered.linearise(&mut timed).map_err(failed)?;
+            bordered.linearise(&mut timed).map_err(Status::from)?;
             let length = match aim {
                 Aim::At(s) => bordered.aim_at(s),
                 Aim::Along(step, direction) => {
@@ -115,7 +115,7 @@ impl Walker<'_> {
                 equations.response(defects, target);
                 border.bend(&equations.scale, target, 0.0);
             });
-            let estimated = estimated.map_err(|error| failed(error.into()))?;
+            let estimated = estimated.map_err(|error| Status::from(Failure::from(error)))?;
             let (clock, arcs, equations) = (timed.clock, timed.arcs.clone(), bordered.inner);
             if estimated.largest() <= tolerance {
                 let estimate = Some(estimated);
@@ -288,11 +288,4 @@ pub(crate) fn extremal(
         extremal.smooth(value);
     }
     Ok(extremal)
-}
-
-fn failed(failure: Failure) -> Status {
-    match failure {
-        Failure::Singular(_) => Status::Singular,
-        failure => Status::EvaluationFailed(failure.to_string()),
-    }
 }

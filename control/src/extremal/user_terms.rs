@@ -115,8 +115,8 @@ mod tests {
             problem.start.v_free = v_free;
             let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
             let solution = Solver::new(&problem, Options::default()).unwrap().solve();
-            assert!(solution.status.is_converged());
-            let cost = solution.cost;
+            assert!(solution.motion.status.is_converged());
+            let cost = solution.motion.cost;
             assert!((path.cost() - cost).abs() < 2e-3 * cost, "{} {cost}", path.cost());
             let (mut z, middle) = ([0.0; 8], solution.trajectory.t.partition_point(|&t| t < 0.6));
             path.sample(solution.trajectory.t[middle] / 1.2, &mut z).unwrap();

@@ -129,10 +129,10 @@ mod tests {
         let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
         let solution = crate::Solver::new(&problem, crate::Options::default()).unwrap().solve();
         assert!(
-            (path.cost() - solution.cost).abs() < 1e-3 * solution.cost,
+            (path.cost() - solution.motion.cost).abs() < 1e-3 * solution.motion.cost,
             "{} {}",
             path.cost(),
-            solution.cost
+            solution.motion.cost
         );
         let trajectory = &solution.trajectory;
         // Means over intervals do not reach the last half of one.

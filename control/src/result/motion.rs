@@ -1,136 +1,239 @@
-//! A solved extremal as numbers over time, and how good it is.
+//! Figures of a solved extremal, and its values at the nodes.
 
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Span;
 use crate::bvp::timed::Timed;
-use crate::extremal::{Ease, Extremal, Side};
-use crate::numerics::dormand_prince::{DormandPrince, Stopped};
+use crate::extremal::{Ease, Extremal};
 use crate::options::Iteration;
+use crate::result::nodes::{Interpolant, Nodes};
 use crate::solve::Extremum;
-use crate::solve::arcs::side_of;
 use crate::status::Status;
 use serde::{Deserialize, Serialize};
 
 /// What is known about the second variation, for ends that are fixed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Certificate {
-    /// No conjugate time: a strict local minimum among all motions between these ends in this time.
+    /// No conjugate time up to T, of any multiplicity: a strict local minimum among all motions between these ends in
+    /// this time.
     LocalMinimum,
-    /// Past a conjugate time: motions nearby cost less.
+    /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
-    /// Not checked: free ends, controls that reach a bound, or not converged.
+    /// Not checked: free ends, controls that reach a bound, a motion that is not converged, or rounding that hides the
+    /// answer.
     NotChecked,
 }
 
-/// An extremal that was found, on the nodes of its mesh.
+/// Figures of a solved extremal.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Motion {
-    /// How it ended.
+    /// How the solve ended.
     pub status: Status,
-    /// T (s).
-    pub final_time: f64,
-    /// Integral of the running cost without penalties.
+    /// Integral of the running cost without penalties; `c_t T + integral of 1/2 sum r_i u_i^2` for a robot.
     pub cost: f64,
     /// Integral of the penalties.
     pub penalty_cost: f64,
-    /// Weight of the smoothing that is left: 0 for the problem itself.
+    /// Weight of the smoothing that is left, relative to one that matters; 0 for the problem itself.
     pub smoothing: f64,
-    /// Mean of H* over the nodes and inner points.
+    /// T (s).
+    pub final_time: f64,
+    /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`.
     pub hamiltonian: f64,
-    /// `max |H* - mean| / max (|y'f| + |l|)`.
+    /// `max |H* - mean| / max (|y'f| + |l|)`: zero for an exact solution.
     pub hamiltonian_drift: f64,
-    /// x at the end of a motion integrated again with the control that was found.
+    /// x at the end when the motion is integrated again from its start with the control that was found; `None` where the
+    /// integration stopped, or for a motion that is not converged.
     pub end_state: Option<Vec<f64>>,
-    /// Largest mismatch when segments of the motion, costates included, are integrated again from their found starts, in
-    /// parts of the size of each component.
-    pub shooting_defect: Option<f64>,
-    /// First conjugate time (s), if there is one before T.
+    /// Largest relative mismatch when segments of the motion, costates included, are integrated again from their starts;
+    /// infinite where the integration stopped, or for a motion that is not converged.
+    pub shooting_defect: f64,
+    /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,
-    /// What follows from it.
+    /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
+    pub conjugate_multiplicity: usize,
+    /// What follows for the motion.
     pub certificate: Certificate,
-    /// Estimated error of each component of z, in parts of its largest value.
+    /// Estimated error of each component of z in the coordinates of the search, relative to its largest value.
     pub errors: Vec<f64>,
-    /// Newton steps on the way.
+    /// Newton steps, those of the path search included.
     pub iterations: Vec<Iteration>,
     /// Times (s) at which a control reaches or leaves a bound.
     pub switches: Vec<f64>,
-    /// Times of the nodes (s).
-    pub t: Vec<f64>,
-    /// z at the nodes.
-    pub z: Vec<Vec<f64>>,
-    /// Controls at the nodes.
-    pub u: Vec<Vec<f64>>,
-    /// H* at the nodes.
-    pub hamiltonians: Vec<f64>,
+}
+
+impl Motion {
+    /// Figures of a motion that does not exist.
+    pub(crate) fn missing(status: Status, final_time: f64) -> Self {
+        Self {
+            status,
+            cost: f64::INFINITY,
+            penalty_cost: 0.0,
+            smoothing: 0.0,
+            final_time,
+            hamiltonian: f64::NAN,
+            hamiltonian_drift: f64::INFINITY,
+            end_state: None,
+            shooting_defect: f64::INFINITY,
+            conjugate_time: None,
+            conjugate_multiplicity: 0,
+            certificate: Certificate::NotChecked,
+            errors: Vec::new(),
+            iterations: Vec::new(),
+            switches: Vec::new(),
+        }
+    }
+
+    /// Cost and penalties together: what was minimised.
+    pub fn total(&self) -> f64 {
+        self.cost + self.penalty_cost
+    }
+
+    /// Largest end defect and shooting defect, relative to the size of each component, with which a motion that was
+    /// solved to this tolerance counts as verified: `max(100 tolerance, 1e-6)`.
+    pub fn verification_bound(tolerance: f64) -> f64 {
+        (100.0 * tolerance).max(1e-6)
+    }
+}
+
+/// A solved extremal: its figures, and its values at the nodes.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExtremalSolution {
+    /// The figures.
+    pub motion: Motion,
+    /// The values at the nodes.
+    pub nodes: Nodes,
+}
+
+/// The status of a converged motion with this defect; undefined defects are not verified.
+pub(crate) fn verified(defect: f64, smoothed: bool, tolerance: f64) -> Status {
+    match (defect <= Motion::verification_bound(tolerance), smoothed) {
+        (true, false) => Status::Converged,
+        (true, true) => Status::ConvergedSmoothed,
+        (false, _) => Status::NotVerified,
+    }
+}
+
+impl ExtremalSolution {
+    /// Changes the coordinates of all values of z and of the end state; what cannot be mapped becomes undefined. The
+    /// polynomial between the nodes belongs to the old coordinates and is dropped when values change.
+    pub(crate) fn map<F: FnMut(&mut [f64]) -> Result<(), costate::EvalError>>(&mut self, mut map: F) {
+        let before = self.nodes.z.clone();
+        for z in self.nodes.z.iter_mut().chain(&mut self.motion.end_state) {
+            if map(z).is_err() {
+                z.fill(f64::NAN);
+            }
+        }
+        if self.nodes.z != before {
+            self.nodes.interpolant = None;
+        }
+    }
 }
 
 impl Extremum {
-    /// The motion, integrated again and checked for conjugate times where it converged.
-    pub(crate) fn into_motion<E: Extremal>(mut self, extremal: &mut E, iterations: Vec<Iteration>) -> Motion {
+    /// The solution, verified by integration and checked for conjugate times where it converged.
+    pub(crate) fn into_solution<E: Extremal>(
+        mut self,
+        extremal: &mut E,
+        iterations: Vec<Iteration>,
+        tolerance: f64,
+    ) -> ExtremalSolution {
         extremal.set_ease(self.ease);
         let values = self.equations.current.clone();
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
-        if let Err(error) = self.equations.evaluate(&mut timed, &values)
+        if let Err(failure) = self.equations.evaluate(&mut timed, &values)
             && self.status.is_converged()
         {
-            self.status = Status::EvaluationFailed(error.to_string());
+            self.status = failure.into();
         }
-        let (z_len, m) = (timed.z_len(), self.equations.m);
         let (final_time, (cost, penalty_cost)) = (self.final_time(extremal), self.costs(extremal));
         let converged = self.status.is_converged();
-        let whole = converged || self.status == Status::SwitchesNotRefined;
-        let end_state = if whole { self.integrated_again(extremal).ok() } else { None };
-        let shooting_defect = if whole { self.shooting_defect(extremal).ok() } else { None };
-        let (conjugate_time, certificate) = if converged && self.ease == Ease::NONE {
+        let verifiable = converged || self.status == Status::SwitchesNotRefined;
+        let end_state = if verifiable { self.integrated_again(extremal).ok() } else { None };
+        let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
+        let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
+        let smoothed = self.ease != Ease::NONE;
+        let (conjugate, certificate) = if converged && !smoothed {
             self.second_variation(extremal)
         } else {
             (None, Certificate::NotChecked)
         };
-        let (hamiltonian, hamiltonian_drift) = self.drift();
-        let durations = self.durations(z_len);
-        let (mut t, mut z, mut u) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut hamiltonians, mut switches) = (Vec::new(), Vec::new());
-        let mut now = 0.0;
-        let mut controls = vec![0.0; extremal.controls()];
-        for i in 0..self.equations.mesh.nodes() {
-            let w = &self.equations.current.nodes[i * m..i * m + z_len];
-            let law = self.arcs.law(self.equations.mesh.arc_of_node(i));
-            extremal.controls_at(w, law, &mut controls);
-            t.push(now);
-            z.push(w.to_vec());
-            u.push(controls.clone());
-            hamiltonians.push(self.equations.rates.0[i].hamiltonian);
-            match self.equations.mesh.spans.get(i) {
-                Some(&Span::Interval { arc, length }) => now += length * durations[arc],
-                Some(Span::Switch { .. }) => switches.push(now),
-                None => {}
-            }
+        if converged {
+            let end = self.end_defect(extremal, end_state.as_deref());
+            let shooting = if smoothed { 0.0 } else { shooting_defect };
+            self.status = verified(end.max(shooting), smoothed, tolerance);
         }
+        let (hamiltonian, hamiltonian_drift) = self.drift();
+        let (nodes, mut switches) = self.nodes(extremal);
         if self.arcs.switches.is_empty() {
             switches = self.crossings(extremal).into_iter().map(|crossing| crossing.time).collect();
         }
-        let errors = self.estimate.map_or_else(Vec::new, |estimate| estimate.components);
-        Motion {
+        let motion = Motion {
             status: self.status,
-            final_time,
             cost,
             penalty_cost,
             smoothing: self.ease.effort,
+            final_time,
             hamiltonian,
             hamiltonian_drift,
             end_state,
             shooting_defect,
-            conjugate_time,
+            conjugate_time: conjugate.map(|conjugate| conjugate.time),
+            conjugate_multiplicity: conjugate.map_or(0, |conjugate| conjugate.multiplicity),
             certificate,
-            errors,
+            errors: self.estimate.map_or_else(Vec::new, |estimate| estimate.components),
             iterations,
             switches,
-            t,
-            z,
-            u,
-            hamiltonians,
+        };
+        ExtremalSolution { motion, nodes }
+    }
+
+    /// Values at the nodes with the collocation polynomial, and the times of the switches between arcs.
+    fn nodes<E: Extremal>(&self, extremal: &mut E) -> (Nodes, Vec<f64>) {
+        let (z_len, m) = (2 * extremal.states(), self.equations.m);
+        let durations = self.durations(z_len);
+        let points = self.equations.method.len();
+        let (mut nodes, mut interpolant) = (Nodes::default(), Interpolant::new(points));
+        let (mut switches, mut now) = (Vec::new(), 0.0);
+        let mut controls = vec![0.0; extremal.controls()];
+        for i in 0..self.equations.mesh.nodes() {
+            let w = &self.equations.current.nodes[i * m..i * m + z_len];
+            let arc = self.equations.mesh.arc_of_node(i);
+            extremal.controls_at(w, self.arcs.law(arc), &mut controls);
+            nodes.t.push(now);
+            nodes.z.push(w.to_vec());
+            nodes.u.push(controls.clone());
+            nodes.hamiltonian.push(self.equations.rates.0[i].hamiltonian);
+            // Slopes are in the scaled time of an arc.
+            let seconds = |slopes: &[f64], arc: usize| -> Vec<f64> {
+                slopes[..z_len].iter().map(|slope| slope / durations[arc]).collect()
+            };
+            interpolant.slopes.push(seconds(&self.equations.slopes.nodes[i * m..], arc));
+            match self.equations.mesh.spans.get(i) {
+                Some(&Span::Interval { arc, length }) => {
+                    let (mut slopes, mut inner_controls) = (Vec::new(), Vec::new());
+                    for k in i * (points - 2)..(i + 1) * (points - 2) {
+                        let w = &self.equations.current.inner[k * m..k * m + z_len];
+                        extremal.controls_at(w, self.arcs.law(arc), &mut controls);
+                        slopes.push(seconds(&self.equations.slopes.inner[k * m..], arc));
+                        inner_controls.push(controls.clone());
+                    }
+                    interpolant.inner.push(slopes);
+                    interpolant.controls.push(inner_controls);
+                    now += length * durations[arc];
+                }
+                Some(Span::Switch { .. }) => {
+                    interpolant.inner.push(Vec::new());
+                    interpolant.controls.push(Vec::new());
+                    switches.push(now);
+                }
+                None => {}
+            }
         }
+        nodes.interpolant = Some(interpolant);
+        (nodes, switches)
     }
 
     /// Mean of H*, and its largest distance from it in parts of the terms that it is made of.
@@ -145,96 +248,4 @@ impl Extremum {
         let far = all.iter().map(|rate| (rate.hamiltonian - mean).abs()).fold(0.0, f64::max);
         (mean, if size > 0.0 { far / size } else { 0.0 })
     }
-
-    /// x(T) by an adaptive integrator from x(0), with the controls that belong to the collocation polynomial of the costates.
-    fn integrated_again<E: Extremal>(&self, extremal: &mut E) -> Result<Vec<f64>, Stopped> {
-        let (states, m) = (extremal.states(), self.equations.m);
-        let durations = self.durations(2 * states);
-        let mut x = self.equations.current.nodes[..states].to_vec();
-        let (mut w, mut u) = (vec![0.0; m], vec![0.0; extremal.controls()]);
-        let mut integrator = DormandPrince::new(states, 1e-12);
-        for (k, span) in self.equations.mesh.spans.iter().enumerate() {
-            if let Span::Interval { arc, length } = *span {
-                let (law, h) = (self.arcs.law(arc), length * durations[arc]);
-                integrator.integrate(&mut x, (0.0, h), |t, x, f| {
-                    self.equations.polynomial(k, t / h, &mut w);
-                    extremal.controls_at(&w[..2 * states], law, &mut u);
-                    extremal.state_rate(x, &u, f)
-                })?;
-            }
-        }
-        Ok(x)
-    }
-
-    /// Where the controls of one arc reach or leave their bounds, in the order of time.
-    pub(crate) fn crossings<E: Extremal>(&self, extremal: &mut E) -> Vec<Crossing> {
-        let (z_len, m, count) = (2 * extremal.states(), self.equations.m, extremal.controls());
-        let durations = self.durations(z_len);
-        let mut found: Vec<Crossing> = Vec::new();
-        if count == 0 {
-            return found;
-        }
-        let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<Side> {
-            extremal.unbounded_controls(&w[..z_len], u);
-            let side = |(i, &u): (usize, &f64)| side_of(u, extremal.bounds(i));
-            u.iter().enumerate().map(side).collect()
-        };
-        let (mut w, mut u) = (self.equations.current.nodes[..m].to_vec(), vec![0.0; count]);
-        let mut before = sides(&w, &mut u);
-        let mut now = 0.0;
-        for (k, span) in self.equations.mesh.spans.iter().enumerate() {
-            let Span::Interval { arc, length } = *span else { continue };
-            let h = length * durations[arc];
-            let mut in_interval = Vec::new();
-            // Several looks at each interval, for arcs that are short.
-            for look in 1..=LOOKS {
-                let (from, to) = ((look - 1) as f64 / LOOKS as f64, look as f64 / LOOKS as f64);
-                self.equations.polynomial(k, to, &mut w);
-                let after = sides(&w, &mut u);
-                for control in 0..count {
-                    let pair = (before[control], after[control]);
-                    if pair.0 != pair.1 {
-                        let c = self.bisect(k, (from, to), &mut w, |w| sides(w, &mut u)[control] == pair.0);
-                        in_interval.push(Crossing { time: now + c * h, control, sides: pair });
-                    }
-                }
-                before = after;
-            }
-            in_interval.sort_by(|a, b| a.time.total_cmp(&b.time));
-            found.extend(in_interval);
-            now += h;
-        }
-        found
-    }
-
-    /// Where in an interval `before` stops to hold.
-    fn bisect(
-        &self,
-        span: usize,
-        (mut from, mut to): (f64, f64),
-        w: &mut [f64],
-        mut before: impl FnMut(&[f64]) -> bool,
-    ) -> f64 {
-        for _ in 0..50 {
-            let middle = 0.5 * (from + to);
-            self.equations.polynomial(span, middle, w);
-            if before(w) {
-                from = middle;
-            } else {
-                to = middle;
-            }
-        }
-        0.5 * (from + to)
-    }
-}
-
-/// How often an interval is looked at for a control that reaches or leaves a bound.
-const LOOKS: usize = 8;
-
-/// A control reaches or leaves a bound.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
-    pub time: f64,
-    pub control: usize,
-    pub sides: (Side, Side),
 }

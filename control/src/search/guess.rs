@@ -3,7 +3,7 @@
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::path::{Path, Wish, lowest_path};
 use crate::problem::Problem;
-use crate::result::solution::Trajectory;
+use crate::result::trajectory::Trajectory;
 use crate::search::Guess;
 use crate::solve::Context;
 

@@ -10,7 +10,7 @@ use crate::extremal::{Ease, Extremal};
 use crate::options::{Options, Ways};
 use crate::path::{INTERVALS, Wish};
 use crate::problem::Time;
-use crate::result::motion::Motion;
+use crate::result::motion::ExtremalSolution;
 use crate::search::stages::{by_stages, to_the_problem_itself};
 use crate::solve::arcs::solve_arcs;
 use crate::solve::free_time::free_time;
@@ -59,7 +59,7 @@ pub(crate) const LOOSE: f64 = 1e-4;
 /// #     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) { u[0] = z[1]; }
 /// # }
 /// // `Line`: dx/dt = u from 0 to 1, l = u^2/2.
-/// let motion = solve_extremal(&mut Line, Time::Fixed(2.0), &Options::default(), |s, z| z[0] = s);
+/// let motion = solve_extremal(&mut Line, Time::Fixed(2.0), &Options::default(), |s, z| z[0] = s).motion;
 /// assert!(motion.status.is_converged() && (motion.cost - 0.25).abs() < 1e-12);
 /// ```
 pub fn solve_extremal<E: Extremal>(
@@ -67,10 +67,10 @@ pub fn solve_extremal<E: Extremal>(
     time: Time,
     options: &Options,
     guess: impl FnMut(f64, &mut [f64]),
-) -> Motion {
+) -> ExtremalSolution {
     let mut context = Context::new(options, None);
     let found = search(extremal, time, &mut Plain(guess), &mut context);
-    found.into_motion(extremal, context.iterations)
+    found.into_solution(extremal, context.iterations, options.tolerance)
 }
 
 /// Where a search begins: z at s = t/T.

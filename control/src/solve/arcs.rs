@@ -4,7 +4,7 @@ use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::timed::{Arcs, Clock};
 use crate::extremal::actuation::half_width;
 use crate::extremal::{Extremal, Side};
-use crate::result::motion::Crossing;
+use crate::result::crossings::Crossing;
 use crate::search::LOOSE;
 use crate::solve::{Context, Extremum};
 use crate::status::Status;

@@ -5,12 +5,12 @@ pub(crate) mod free_time;
 pub(crate) mod homotopy;
 pub(crate) mod multiple_shooting;
 
+use crate::bvp::Solvable;
 use crate::bvp::collocation::Collocation;
 use crate::bvp::collocation::error::{Estimate, estimate, next_mesh};
 use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::newton::{LEAST_DAMPING, Limits, Outcome, newton};
 use crate::bvp::timed::{Arcs, Clock, Timed};
-use crate::bvp::{Failure, Solvable};
 use crate::extremal::{Ease, Extremal};
 use crate::options::{Iteration, Method, Options};
 use crate::status::Status;
@@ -79,8 +79,7 @@ impl<'a> Context<'a> {
             Outcome::Converged => Status::Converged,
             Outcome::Stalled => Status::NewtonFailed,
             Outcome::Limit => Status::IterationLimit,
-            Outcome::Failed(Failure::Singular(_)) => Status::Singular,
-            Outcome::Failed(failure) => Status::EvaluationFailed(failure.to_string()),
+            Outcome::Failed(failure) => failure.into(),
         }
     }
 
@@ -128,7 +127,7 @@ impl Extremum {
             let estimate = match estimate(&mut self.equations, &mut timed, Collocation::response) {
                 Ok(estimate) => estimate,
                 Err(error) => {
-                    self.status = Status::EvaluationFailed(error.to_string());
+                    self.status = Status::evaluation_failed(error);
                     return self;
                 }
             };

@@ -45,7 +45,7 @@ impl Extremum {
             shooting.set_tolerance(sharpness);
             let values = shooting.current.clone();
             if let Err(failure) = shooting.evaluate(&mut timed, &values) {
-                self.status = Status::EvaluationFailed(failure.to_string());
+                self.status = failure.into();
                 break;
             }
             shooting.correction(&mut correction);
@@ -77,7 +77,7 @@ impl Extremum {
                     self.status = Status::MeshLimit;
                 }
             }
-            Err(failure) => self.status = Status::EvaluationFailed(failure.to_string()),
+            Err(failure) => self.status = failure.into(),
         }
         self
     }

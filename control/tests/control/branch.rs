@@ -30,12 +30,12 @@ fn follow(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch
 fn reach(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch {
     let branch = follow(problem, parameter, from, to);
     assert_eq!(branch.end, BranchEnd::Reached, "{:?}", branch.points);
-    assert_eq!(branch.solution.status, Status::Converged);
+    assert_eq!(branch.solution.motion.status, Status::Converged);
     assert!(branch.turning_points.is_empty(), "{:?}", branch.turning_points);
     let (first, last) = (&branch.points[0], branch.points.last().unwrap());
     assert_eq!((first.parameter, last.parameter), (from, to));
-    assert!(branch.solution.hamiltonian_drift < 1e-8 && branch.solution.end_defect < 1e-6);
-    close(branch.solution.cost, last.cost, 1e-12);
+    assert!(branch.solution.motion.hamiltonian_drift < 1e-8 && branch.solution.end_defect < 1e-6);
+    close(branch.solution.motion.cost, last.cost, 1e-12);
     branch
 }
 
@@ -44,7 +44,7 @@ fn solve_from(start: &Solution, problem: &Problem) -> Motion {
     let trajectory = &start.trajectory;
     let mut extremal = RobotExtremal::new(problem, Options::default().jacobian).unwrap();
     solve_extremal(&mut extremal, problem.time, &Options::default(), |s, z| {
-        let t = s * start.final_time;
+        let t = s * start.motion.final_time;
         let i = trajectory.t.partition_point(|&node| node < t).clamp(1, trajectory.t.len() - 1);
         let part = (t - trajectory.t[i - 1]) / (trajectory.t[i] - trajectory.t[i - 1]);
         let parts = [&trajectory.q, &trajectory.p, &trajectory.y_q, &trajectory.y_p];
@@ -52,6 +52,7 @@ fn solve_from(start: &Solution, problem: &Problem) -> Motion {
             *z = part_of[i - 1][0] + part * (part_of[i][0] - part_of[i - 1][0]);
         }
     })
+    .motion
 }
 
 fn close(found: f64, expected: f64, digits: f64) {
@@ -62,8 +63,8 @@ fn close(found: f64, expected: f64, digits: f64) {
 fn gravity_leads_to_the_cost_of_the_problem_itself() {
     let branch = reach(&swing_up(1.0), Parameter::Gravity, 0.0, 1.0);
     close(branch.points[0].cost, 6.0 * PI * PI, 1e-9);
-    close(branch.solution.cost, 74.061_659_220_2, 1e-10);
-    close(branch.solution.costate_start.0[0], -13.035_958_540_5, 1e-8);
+    close(branch.solution.motion.cost, 74.061_659_220_2, 1e-10);
+    close(branch.solution.costate_start().0[0], -13.035_958_540_5, 1e-8);
 }
 
 #[test]
@@ -127,10 +128,10 @@ fn bounds_change_the_least_time() {
     for point in &branch.points {
         close(point.final_time, 2.0 / point.parameter.sqrt(), 1e-8);
     }
-    assert_eq!(branch.solution.switches.len(), 1);
+    assert_eq!(branch.solution.motion.switches.len(), 1);
     let smooth = reach(&problem, Parameter::Smoothing, 1.0, 1e-3);
     assert!(smooth.points.windows(2).all(|pair| pair[1].final_time < pair[0].final_time));
-    assert!(smooth.solution.final_time > 2.0 && smooth.solution.final_time < 2.0 + 1e-4);
+    assert!(smooth.solution.motion.final_time > 2.0 && smooth.solution.motion.final_time < 2.0 + 1e-4);
 }
 
 /// The extremal of the swing-up in 3 s that swings back first.
@@ -139,7 +140,7 @@ fn with_a_swing_back() -> Solution {
         let options = Options { starts: 2, seed, ..Options::default() };
         Solver::new(&swing_up(3.0), options).unwrap().solve()
     });
-    solutions.into_iter().find(|solution| (solution.cost - 18.320_144_5).abs() < 1e-5).unwrap()
+    solutions.into_iter().find(|solution| (solution.motion.cost - 18.320_144_5).abs() < 1e-5).unwrap()
 }
 
 #[test]
@@ -148,7 +149,7 @@ fn the_swing_back_has_a_shortest_time() {
     let (problem, options) = (swing_up(3.0), Options::default());
     let from = |start: &Solution, to: f64| {
         let way = Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
-        way.from(start).follow()
+        way.with_start(&start.trajectory).unwrap().follow()
     };
     let branch = from(&long, 1.0);
     assert_eq!(branch.end, BranchEnd::TurnedBack);
@@ -159,10 +160,10 @@ fn the_swing_back_has_a_shortest_time() {
 
     // Behind it the branch comes back to another extremal of the same problem, found directly too.
     let back = &branch.solution;
-    close(back.cost, 33.421_583_190, 1e-8);
+    close(back.motion.cost, 33.421_583_190, 1e-8);
     let direct = solve_from(back, &problem);
     assert!(direct.status.is_converged());
-    close(direct.cost, back.cost, 1e-9);
+    close(direct.cost, back.motion.cost, 1e-9);
 
     // On this side of it there are two, nearer and nearer; H* parts like the square root of the distance.
     let parted = |time: f64| {
@@ -171,7 +172,7 @@ fn the_swing_back_has_a_shortest_time() {
             assert_eq!(there.end, BranchEnd::Reached);
             let direct = solve_from(&there.solution, &swing_up(time));
             assert!(direct.status.is_converged());
-            close(direct.cost, there.solution.cost, 1e-9);
+            close(direct.cost, there.solution.motion.cost, 1e-9);
             direct
         });
         assert!(one.hamiltonian > other.hamiltonian + 0.1);
@@ -192,7 +193,7 @@ fn shooting_can_solve_where_the_way_begins() {
     let problem = swing_up(1.0);
     let branch = Continuation::new(&problem, Parameter::Gravity, 0.5, 1.0, options).unwrap().follow();
     assert_eq!(branch.end, BranchEnd::Reached);
-    close(branch.solution.cost, 74.061_659_220_2, 1e-10);
+    close(branch.solution.motion.cost, 74.061_659_220_2, 1e-10);
 }
 
 #[test]
@@ -206,11 +207,11 @@ fn a_way_that_cannot_begin_says_so() {
     };
     let branch = follow(1.0, 2.0);
     assert_eq!(branch.end, BranchEnd::NotStarted);
-    assert!(branch.points.is_empty() && !branch.solution.status.is_converged());
+    assert!(branch.points.is_empty() && !branch.solution.motion.status.is_converged());
     // The other way round it stops before the bounds are too narrow: a metre in a second takes 4 N.
     let branch = follow(2.0, 1.0);
     assert!(matches!(branch.end, BranchEnd::Stuck | BranchEnd::TooManyPoints), "{:?}", branch.end);
-    assert_eq!(branch.solution.status, Status::ContinuationFailed);
+    assert_eq!(branch.solution.motion.status, Status::ContinuationFailed);
     let last = branch.points.last().unwrap().parameter;
     assert!(last > 4.0 / 3.0 && last < 1.4, "{last}");
 }

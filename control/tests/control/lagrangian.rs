@@ -161,8 +161,8 @@ fn both(problem: &Problem) -> [Solution; 2] {
     [Coordinates::Hamiltonian, Coordinates::Lagrangian].map(|coordinates| {
         let options = Options { coordinates, tolerance: 1e-11, ..Options::default() };
         let solution = Solver::new(problem, options).unwrap().solve();
-        assert!(solution.status.is_converged(), "{coordinates:?}: {}", solution.status);
-        assert!(solution.hamiltonian_drift < 1e-8 && solution.end_defect < 1e-6);
+        assert!(solution.motion.status.is_converged(), "{coordinates:?}: {}", solution.motion.status);
+        assert!(solution.motion.hamiltonian_drift < 1e-8 && solution.end_defect < 1e-6);
         solution
     })
 }
@@ -171,10 +171,11 @@ fn both(problem: &Problem) -> [Solution; 2] {
 fn agree(problem: &Problem) -> [Solution; 2] {
     let [a, b] = both(problem);
     assert!((a.total() - b.total()).abs() < 1e-9 * a.total().abs(), "{} {}", a.total(), b.total());
-    assert!((a.final_time - b.final_time).abs() < 1e-8 * a.final_time);
-    for (a, b) in [(&a.costate_start.0, &b.costate_start.0), (&a.costate_start.1, &b.costate_start.1)] {
+    assert!((a.motion.final_time - b.motion.final_time).abs() < 1e-8 * a.motion.final_time);
+    for (a, b) in [(&a.costate_start().0, &b.costate_start().0), (&a.costate_start().1, &b.costate_start().1)]
+    {
         let size = a.iter().fold(0.0_f64, |size, y| size.max(y.abs()));
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7 * size), "{a:?} {b:?}");
+        assert!(a.iter().zip(*b).all(|(a, b)| (a - b).abs() < 1e-7 * size), "{a:?} {b:?}");
     }
     [a, b]
 }
@@ -183,13 +184,13 @@ fn agree(problem: &Problem) -> [Solution; 2] {
 fn both_coordinates_lead_an_arm_and_a_pendulum_along_the_same_way() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let [_, found] = agree(&Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0));
-    assert!((found.cost - 145.131_137_54).abs() < 1e-7, "{}", found.cost);
+    assert!((found.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", found.motion.cost);
     let link = LinkInertia::point(1.0, [0.0, 0.0, -1.0]);
     let joint = JointSpec::revolute("pivot").axis([0.0, 1.0, 0.0]).carrying(link);
     let pendulum = Robot::builder("pendulum").joint(joint).build().unwrap();
     let [_, found] = agree(&Problem::rest_to_rest(pendulum, &[0.0], &[PI], 1.0));
-    assert!((found.cost - 74.061_659_220_2).abs() < 1e-9, "{}", found.cost);
-    assert!((found.costate_start.0[0] + 13.035_958_540_5).abs() < 1e-7);
+    assert!((found.motion.cost - 74.061_659_220_2).abs() < 1e-9, "{}", found.motion.cost);
+    assert!((found.costate_start().0[0] + 13.035_958_540_5).abs() < 1e-7);
 }
 
 #[test]
@@ -233,8 +234,13 @@ fn both_coordinates_find_the_same_switches() {
     let arm = Problem { bounds, ..Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0) };
     for problem in [bounded, fastest, arm] {
         let [a, b] = agree(&problem);
-        assert!(a.switches.len() == b.switches.len(), "{:?} {:?}", a.switches, b.switches);
-        assert!(a.switches.iter().zip(&b.switches).all(|(a, b)| (a - b).abs() < 1e-8));
+        assert!(
+            a.motion.switches.len() == b.motion.switches.len(),
+            "{:?} {:?}",
+            a.motion.switches,
+            b.motion.switches
+        );
+        assert!(a.motion.switches.iter().zip(&b.motion.switches).all(|(a, b)| (a - b).abs() < 1e-8));
     }
 }
 
@@ -245,8 +251,12 @@ fn a_motion_saved_in_one_kind_of_coordinates_starts_a_search_in_the_other() {
     let [a, b] = both(&problem);
     for (saved, coordinates) in [(&a, Coordinates::Lagrangian), (&b, Coordinates::Hamiltonian)] {
         let options = Options { coordinates, ..Options::default() };
-        let again = Solver::new(&problem, options).unwrap().from(saved).solve();
-        assert!(again.status.is_converged() && again.newton_iterations <= 6, "{}", again.newton_iterations);
-        assert!((again.cost - a.cost).abs() < 1e-8 * a.cost);
+        let again = Solver::new(&problem, options).unwrap().with_start(&saved.trajectory).unwrap().solve();
+        assert!(
+            again.motion.status.is_converged() && again.newton_iterations <= 6,
+            "{}",
+            again.newton_iterations
+        );
+        assert!((again.motion.cost - a.motion.cost).abs() < 1e-8 * a.motion.cost);
     }
 }

@@ -83,13 +83,15 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
     let text = serde_json::to_string(&first).unwrap();
     let saved: Solution = serde_json::from_str(&text).unwrap();
     assert_eq!(saved.trajectory, first.trajectory);
-    assert_eq!(saved.status, first.status);
+    assert_eq!(saved.motion.status, first.motion.status);
     let mut longer = problem();
     longer.time = Time::Fixed(1.1);
-    let again = Solver::new(&longer, Options::default()).unwrap().from(&saved).solve();
+    let again =
+        Solver::new(&longer, Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
     let fresh = Solver::new(&longer, Options::default()).unwrap().solve();
-    assert!((again.cost - fresh.cost).abs() < 1e-9 * fresh.cost);
-    let same = Solver::new(&problem(), Options::default()).unwrap().from(&saved).solve();
+    assert!((again.motion.cost - fresh.motion.cost).abs() < 1e-9 * fresh.motion.cost);
+    let same =
+        Solver::new(&problem(), Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
     assert!(
         same.newton_iterations < first.newton_iterations,
         "{} {}",
@@ -98,19 +100,23 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
     );
     let pendulum = Robot::from_file("../robots/pendulum.toml").unwrap();
     let other = Problem::rest_to_rest(pendulum, &[0.0], &[1.0], 1.0);
-    assert!(other.check_start(&saved).unwrap_err().to_string().contains("start_from.file"));
+    let solver = Solver::new(&other, Options::default()).unwrap();
+    let error = solver.with_start(&saved.trajectory).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("needs 1"), "{error}");
 }
 
 #[test]
 fn limits_of_the_robot_are_a_warning() {
     let problem = problem();
     let solution = Solver::new(&problem, Options::default()).unwrap().solve();
-    let warnings = problem.limit_warnings(&solution);
+    let warnings = problem.limit_warnings(&solution.trajectory);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("effort of joint 'shoulder'"), "{warnings:?}");
     let mut slow = problem.clone();
     slow.time = Time::Fixed(10.0);
-    assert!(slow.limit_warnings(&Solver::new(&slow, Options::default()).unwrap().solve()).is_empty());
+    assert!(
+        slow.limit_warnings(&Solver::new(&slow, Options::default()).unwrap().solve().trajectory).is_empty()
+    );
 }
 
 #[test]
@@ -124,9 +130,13 @@ fn penalties_push_a_motion_back_and_are_told_apart() {
     slower.penalty =
         Some(Penalty { weight: 1e4, q_min: None, q_max: Some(vec![0.5; 2]), v_max: Some(vec![limit; 2]) });
     let held = Solver::new(&slower, Options::default()).unwrap().solve();
-    assert!(held.status.is_converged(), "{} {:?}", held.status, held.iterations);
-    assert!(fastest(&held) < 1.05 * limit && held.penalty_cost > 0.0 && held.cost > free.cost);
-    assert!(held.hamiltonian_drift < 1e-7, "{}", held.hamiltonian_drift);
+    assert!(held.motion.status.is_converged(), "{} {:?}", held.motion.status, held.motion.iterations);
+    assert!(
+        fastest(&held) < 1.05 * limit
+            && held.motion.penalty_cost > 0.0
+            && held.motion.cost > free.motion.cost
+    );
+    assert!(held.motion.hamiltonian_drift < 1e-7, "{}", held.motion.hamiltonian_drift);
 }
 
 #[test]
@@ -143,7 +153,7 @@ fn an_infinite_limit_is_none() {
         Solver::new(&held, Options::default()).unwrap().solve()
     };
     let (without, far) = (solve(infinite), solve(1e9));
-    assert!(without.status.is_converged() && without.penalty_cost > 0.0);
+    assert!(without.motion.status.is_converged() && without.motion.penalty_cost > 0.0);
     assert!((without.total() - far.total()).abs() < 1e-10 * far.total());
 }
 
@@ -156,8 +166,8 @@ fn starts_are_tried_in_turn_and_the_best_is_kept() {
         .unwrap()
         .on_iteration(|step| steps += usize::from(step.phase != "path"))
         .solve();
-    assert_eq!(solution.others.len(), 3);
+    assert_eq!(solution.starts.len(), 3);
     assert_eq!(solution.newton_iterations, steps);
-    let converged = solution.others.iter().filter(|other| other.1.is_converged());
-    assert_eq!(converged.map(|other| other.0).fold(f64::INFINITY, f64::min), solution.total());
+    let converged = solution.starts.iter().filter(|other| other.status.is_converged());
+    assert_eq!(converged.map(|other| other.total).fold(f64::INFINITY, f64::min), solution.total());
 }

@@ -16,17 +16,22 @@ fn solve(problem: &Problem, method: Method) -> Solution {
     let solution = Solver::new(problem, options).unwrap().solve();
     println!(
         "{method:?}: cost {} {} steps, {} nodes, shooting defect {:.1e}, errors {:.1e}, {:?}",
-        solution.cost,
+        solution.motion.cost,
         solution.newton_iterations,
-        solution.nodes,
-        solution.shooting_defect,
-        solution.errors.iter().fold(0.0_f64, |a, &b| a.max(b)),
+        solution.nodes(),
+        solution.motion.shooting_defect,
+        solution.motion.errors.iter().fold(0.0_f64, |a, &b| a.max(b)),
         started.elapsed()
     );
-    assert!(solution.status.is_converged(), "{method:?}: {}\n{:?}", solution.status, solution.iterations);
-    assert!(solution.hamiltonian_drift < 1e-8, "drift {}", solution.hamiltonian_drift);
+    assert!(
+        solution.motion.status.is_converged(),
+        "{method:?}: {}\n{:?}",
+        solution.motion.status,
+        solution.motion.iterations
+    );
+    assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-6, "end defect {}", solution.end_defect);
-    assert!(solution.shooting_defect < 1e-7, "shooting defect {}", solution.shooting_defect);
+    assert!(solution.motion.shooting_defect < 1e-7, "shooting defect {}", solution.motion.shooting_defect);
     solution
 }
 
@@ -38,14 +43,15 @@ fn close(found: f64, expected: f64, digits: f64) {
 fn both(problem: &Problem) -> Solution {
     let [collocation, shooting] =
         [Method::Collocation, Method::Shooting].map(|method| solve(problem, method));
-    close(shooting.cost, collocation.cost, 1e-9);
-    close(shooting.penalty_cost, collocation.penalty_cost, 1e-9);
-    close(shooting.final_time, collocation.final_time, 1e-9);
-    assert_eq!(shooting.switches.len(), collocation.switches.len());
-    for (found, expected) in shooting.switches.iter().zip(&collocation.switches) {
+    close(shooting.motion.cost, collocation.motion.cost, 1e-9);
+    close(shooting.motion.penalty_cost, collocation.motion.penalty_cost, 1e-9);
+    close(shooting.motion.final_time, collocation.motion.final_time, 1e-9);
+    assert_eq!(shooting.motion.switches.len(), collocation.motion.switches.len());
+    for (found, expected) in shooting.motion.switches.iter().zip(&collocation.motion.switches) {
         close(*found, *expected, 1e-8);
     }
-    let parts = |solution: &Solution| [solution.costate_start.0.clone(), solution.costate_start.1.clone()];
+    let parts =
+        |solution: &Solution| [solution.costate_start().0.to_vec(), solution.costate_start().1.to_vec()];
     for (found, expected) in parts(&shooting).iter().zip(&parts(&collocation)) {
         let largest = expected.iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
         found.iter().zip(expected).for_each(|(y, expected)| {
@@ -58,23 +64,23 @@ fn both(problem: &Problem) -> Solution {
 #[test]
 fn a_metre_in_a_second_costs_six() {
     let solution = both(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0));
-    close(solution.cost, 6.0, 1e-11);
-    close(solution.costate_start.0[0], 12.0, 1e-11);
-    close(solution.costate_start.1[0], 6.0, 1e-11);
+    close(solution.motion.cost, 6.0, 1e-11);
+    close(solution.costate_start().0[0], 12.0, 1e-11);
+    close(solution.costate_start().1[0], 6.0, 1e-11);
 }
 
 #[test]
 fn a_pendulum_swings_up_at_the_known_cost() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let solution = both(&Problem::rest_to_rest(robot, &[0.0], &[PI], 1.0));
-    close(solution.cost, 74.061_659_220_2, 1e-11);
-    close(solution.costate_start.0[0], -13.035_958_540_5, 1e-9);
-    close(solution.costate_start.1[0], 18.071_734_530_7, 1e-9);
+    close(solution.motion.cost, 74.061_659_220_2, 1e-11);
+    close(solution.costate_start().0[0], -13.035_958_540_5, 1e-9);
+    close(solution.costate_start().1[0], 18.071_734_530_7, 1e-9);
 }
 
 #[test]
 fn the_two_link_arm_moves_at_the_known_cost() {
-    close(both(&two_link(1.0)).cost, 145.131_137_54, 1e-9);
+    close(both(&two_link(1.0)).motion.cost, 145.131_137_54, 1e-9);
 }
 
 #[test]
@@ -82,8 +88,8 @@ fn the_two_link_arm_takes_the_known_time() {
     let cost = Cost { time: 1.0, effort: vec![1.0; 2] };
     let problem = Problem { time: Time::Free { guess: 2.0 }, cost, ..two_link(2.0) };
     let solution = both(&problem);
-    close(solution.final_time, (3.0 * 145.131_137_54_f64).powf(0.25), 1e-9);
-    assert!(solution.hamiltonian.abs() < 1e-9);
+    close(solution.motion.final_time, (3.0 * 145.131_137_54_f64).powf(0.25), 1e-9);
+    assert!(solution.motion.hamiltonian.abs() < 1e-9);
 }
 
 #[test]
@@ -109,14 +115,14 @@ fn six_joints_move_alike() {
 fn penalties_are_integrated_too() {
     let penalty = Some(Penalty { weight: 100.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
     let solution = both(&Problem { penalty, ..two_link(1.0) });
-    assert!(solution.penalty_cost > 1.0, "{}", solution.penalty_cost);
+    assert!(solution.motion.penalty_cost > 1.0, "{}", solution.motion.penalty_cost);
 }
 
 #[test]
 fn bounded_controls_switch_at_the_same_times() {
     let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
     let solution = both(&Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) });
-    assert_eq!(solution.switches.len(), 2);
+    assert_eq!(solution.motion.switches.len(), 2);
     let least_time = Problem {
         time: Time::Free { guess: 3.0 },
         cost: Cost { time: 1.0, effort: vec![0.0] },
@@ -124,8 +130,8 @@ fn bounded_controls_switch_at_the_same_times() {
         ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 3.0)
     };
     let solution = both(&least_time);
-    close(solution.final_time, 2.0, 1e-9);
-    close(solution.switches[0], 1.0, 1e-9);
+    close(solution.motion.final_time, 2.0, 1e-9);
+    close(solution.motion.switches[0], 1.0, 1e-9);
 }
 
 #[test]
@@ -134,15 +140,15 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
     let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
     let options = Options { method: Method::Shooting, ..Options::default() };
     let solution = Solver::new(&problem, options).unwrap().solve();
-    assert_ne!(solution.status, Status::Converged);
-    assert!(!solution.trajectory.t.is_empty() && solution.shooting_defect == f64::INFINITY);
+    assert_ne!(solution.motion.status, Status::Converged);
+    assert!(!solution.trajectory.t.is_empty() && solution.motion.shooting_defect == f64::INFINITY);
 }
 
 #[test]
 fn a_looser_tolerance_has_a_larger_shooting_defect() {
     let defect = |tolerance| {
         let options = Options { tolerance, ..Options::default() };
-        Solver::new(&two_link(1.0), options).unwrap().solve().shooting_defect
+        Solver::new(&two_link(1.0), options).unwrap().solve().motion.shooting_defect
     };
     let (loose, tight) = (defect(1e-4), defect(1e-10));
     assert!(loose < 1e-2 && loose > 1e-8 && tight < 1e-8 && tight < 0.01 * loose, "{loose} {tight}");

@@ -144,7 +144,7 @@ fn the_solver_runs_on_generated_equations() {
         z[..2].fill(to * s * s * (3.0 - 2.0 * s));
     };
     let motion = solve_extremal(&mut extremal, Time::Fixed(1.0), &Options::default(), guess);
-    assert!(motion.status.is_converged(), "{}", motion.status);
-    assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
+    assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
+    assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     assert!(calls.get().0 > 100 && calls.get().1 > 100, "{:?}", calls.get());
 }

@@ -36,8 +36,8 @@ impl RunningCost for Hill {
 
 fn solve(problem: &Problem) -> Solution {
     let solution = Solver::new(problem, Options::default()).unwrap().solve();
-    assert!(solution.status.is_converged(), "{}", solution.status);
-    assert!(solution.hamiltonian_drift < 1e-8, "drift {}", solution.hamiltonian_drift);
+    assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
+    assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-7, "end defect {}", solution.end_defect);
     solution
 }
@@ -69,8 +69,8 @@ fn a_linear_quadratic_problem_costs_what_its_closed_form_says() {
         let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[to], time);
         problem.terms = vec![UserTerm::new(Quadratic)];
         let (solution, expected) = (solve(&problem), linear_quadratic_cost(to, time));
-        assert!((solution.cost - expected).abs() < 1e-9, "{} {expected}", solution.cost);
-        assert_eq!(solution.penalty_cost, 0.0);
+        assert!((solution.motion.cost - expected).abs() < 1e-9, "{} {expected}", solution.motion.cost);
+        assert_eq!(solution.motion.penalty_cost, 0.0);
     }
 }
 
@@ -198,19 +198,19 @@ fn an_obstacle_is_passed_farther_off() {
     problem.terms = vec![UserTerm::new(Obstacle)];
     let around = solve(&problem);
     assert!(
-        around.cost > free.cost && price(&around) < 0.8 * price(&free),
+        around.motion.cost > free.motion.cost && price(&around) < 0.8 * price(&free),
         "{} {}",
         price(&around),
         price(&free)
     );
     // The cost counts the term, and y(0) = -dJ/dx(0) with it.
     let mut beside = problem.clone();
-    let cost = |problem: &Problem| solve(problem).cost;
+    let cost = |problem: &Problem| solve(problem).motion.cost;
     beside.start.q[1] += 1e-4;
     let more = cost(&beside);
     beside.start.q[1] -= 2e-4;
     let slope = (more - cost(&beside)) / 2e-4;
-    assert!((slope + around.costate_start.0[1]).abs() < 1e-4 * slope.abs().max(1.0));
+    assert!((slope + around.costate_start().0[1]).abs() < 1e-4 * slope.abs().max(1.0));
 }
 
 /// A price of time.
@@ -232,8 +232,8 @@ fn a_term_can_be_the_price_of_time() {
     assert_eq!(problem.check(), Ok(()));
     let solution = solve(&problem);
     let time = 3.0_f64.sqrt();
-    assert!((solution.final_time - time).abs() < 1e-8, "{}", solution.final_time);
-    assert!((solution.cost - (6.0 / time.powi(3) + 2.0 * time)).abs() < 1e-9);
+    assert!((solution.motion.final_time - time).abs() < 1e-8, "{}", solution.motion.final_time);
+    assert!((solution.motion.cost - (6.0 / time.powi(3) + 2.0 * time)).abs() < 1e-9);
 }
 
 #[test]

@@ -71,6 +71,13 @@ impl Lobatto {
         &self.a[self.a.len() - self.len()..]
     }
 
+    /// The j-th Lagrange polynomial at c.
+    pub fn lagrange(&self, j: usize, c: f64) -> f64 {
+        let s = self.len();
+        let coefficients = self.integrals[j * s..(j + 1) * s].iter().enumerate().rev();
+        coefficients.fold(0.0, |sum, (k, integral)| sum * c + (k + 1) as f64 * integral)
+    }
+
     /// Integral of the j-th Lagrange polynomial from 0 to c: weight of h g_j in `z(c) - z(0)`.
     pub fn weight(&self, j: usize, c: f64) -> f64 {
         let s = self.len();
