@@ -29,6 +29,7 @@
 pub mod batch;
 pub mod codegen;
 pub mod control;
+mod coordinates;
 pub mod derivative;
 pub mod dynamics;
 mod error;
@@ -42,6 +43,7 @@ pub mod spatial;
 pub mod step;
 pub mod tensors;
 
+pub use coordinates::{Coordinates, UnknownCoordinates};
 pub use error::EvalError;
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
 pub use num_dual;

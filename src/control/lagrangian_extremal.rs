@@ -11,7 +11,7 @@ use super::problem::Problem;
 use super::robot_extremal::{stretch, with_hamiltonian};
 use super::user_terms::UserTerms;
 use crate::error::EvalError;
-use crate::lagrangian::SecondOrder;
+use crate::lagrangian::LagrangianSecondOrder;
 
 /// The extremals of a [`Problem`] with x = (q, v), for comparison with [`RobotExtremal`](super::RobotExtremal):
 ///
@@ -28,7 +28,7 @@ use crate::lagrangian::SecondOrder;
 /// all that u changes with q. Built once; evaluations do not allocate.
 #[derive(Clone, Debug)]
 pub struct LagrangianExtremal {
-    pub(super) second: SecondOrder<f64>,
+    pub(super) second: LagrangianSecondOrder<f64>,
     pub(super) actuation: Actuation,
     /// Actuation and weight of the penalties of the problem itself.
     asked: (Actuation, f64),
@@ -60,7 +60,7 @@ impl LagrangianExtremal {
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
         let n = problem.robot.len();
-        let mut second = SecondOrder::new(&problem.robot);
+        let mut second = LagrangianSecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
             second.first().pull(q, &mut vec![0.0; n])?;
         }
@@ -239,10 +239,10 @@ impl Extremal for LagrangianExtremal {
         let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
         gradient.fill(0.0);
         self.force.fill(0.0);
-        let Ok(all) = self.second.contracted_hessian(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..]) else {
+        let Ok(all) = self.second.contract_forward_dynamics(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..]) else {
             return f64::NAN;
         };
-        for (part, row) in [(0, all.uq().row(control)), (3 * n, all.linearisation().a_u().row(control))] {
+        for (part, row) in [(0, all.uq().row(control)), (3 * n, all.forward_dynamics().a_u().row(control))] {
             gradient[part..part + n].iter_mut().zip(row).for_each(|(to, &from)| *to = slope * from);
         }
         value
@@ -253,7 +253,7 @@ impl Extremal for LagrangianExtremal {
         for (i, force) in self.force.iter_mut().enumerate() {
             *force = self.actuation.gain[i] * u[i];
         }
-        f.copy_from_slice(self.second.first().state_equation(&x[..n], &x[n..], &self.force)?);
+        f.copy_from_slice(self.second.first().evaluate(&x[..n], &x[n..], &self.force)?);
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use super::refine::Context;
 use super::robot_extremal::RobotExtremal;
 use super::search::Guess;
 use crate::error::EvalError;
-use crate::lagrangian::Coordinates;
+use crate::lagrangian::LegendreTransform;
 use crate::robot::Robot;
 use std::marker::PhantomData;
 
@@ -29,13 +29,13 @@ pub(super) trait OfRobot: Extremal {
 
 /// `p = M v`, `y_v = M y_p`, `y_q(q, v) = y_q(q, p) + P'y_p` with P = d(M v)/dq.
 pub(super) struct Legendre {
-    map: Coordinates<f64>,
+    map: LegendreTransform<f64>,
     none: Vec<f64>,
 }
 
 impl Legendre {
     pub fn new(robot: &Robot) -> Self {
-        Self { map: Coordinates::new(robot), none: vec![0.0; robot.len()] }
+        Self { map: LegendreTransform::new(robot), none: vec![0.0; robot.len()] }
     }
 }
 

@@ -8,7 +8,7 @@ use super::extremal::{Ease, Extremal, Law, Rate, Side};
 use super::options::Jacobian;
 use super::problem::Problem;
 use crate::error::EvalError;
-use crate::hamiltonian::SecondOrder;
+use crate::hamiltonian::HamiltonianSecondOrder;
 
 /// The extremals of a [`Problem`]:
 ///
@@ -43,7 +43,7 @@ impl RobotExtremal {
     pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         Ok(Self {
-            equations: Equations::new(problem, SecondOrder::new(&problem.robot)),
+            equations: Equations::new(problem, HamiltonianSecondOrder::new(&problem.robot)),
             actuation: Actuation::new(problem),
             asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
             ends: Ends::new(problem)?,
@@ -182,7 +182,7 @@ impl Extremal for RobotExtremal {
         let n = self.equations.force.len();
         let Equations { second, force, gain, .. } = &mut self.equations;
         force.iter_mut().zip(gain).zip(u).for_each(|((force, gain), u)| *force = *gain * u);
-        f.copy_from_slice(second.first().phase_velocity(&x[..n], &x[n..], force)?);
+        f.copy_from_slice(second.first().evaluate(&x[..n], &x[n..], force)?);
         Ok(())
     }
 }

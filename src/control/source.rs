@@ -5,7 +5,7 @@ use super::equations::Equations;
 use super::error::SourceError;
 use super::problem::{Bounds, Penalty, Problem};
 use crate::codegen::{CodegenError, Expr, Program, name_from};
-use crate::hamiltonian::SecondOrder;
+use crate::hamiltonian::HamiltonianSecondOrder;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -66,7 +66,7 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
     let actuation = Actuation::new(problem);
     let program = Program::try_record(&name, &[("q", n), ("p", n), ("y", 2 * n)], |arguments| {
         let z = arguments.concat();
-        let mut equations = Equations::<Expr>::new(problem, SecondOrder::from_tree(Tree::from(robot)));
+        let mut equations = Equations::<Expr>::new(problem, HamiltonianSecondOrder::from_tree(Tree::from(robot)));
         let control = |i, y_p| actuation.maximal(i, y_p);
         let mut rate = vec![Expr::zero(); 4 * n];
         let mut matrix = Vec::new();

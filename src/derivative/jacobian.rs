@@ -84,7 +84,7 @@ impl<F: Function, const C: usize, T: InnerNumber> Jacobian<F, C, T> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[T]) -> Result<FirstDerivatives<'_, T>, DerivativeError<F::Error>> {
+    pub fn linearise(&mut self, x: &[T]) -> Result<FirstDerivatives<'_, T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
         for start in (0..n).step_by(C) {

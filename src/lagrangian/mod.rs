@@ -8,12 +8,12 @@
 //!
 //! M is the mass matrix with armature, C the Coriolis matrix, `g = V_q` the force of weight and springs. D is negative
 //! where v is positive: friction brakes. Inverse dynamics asks for u, forward dynamics for a. [`Lagrangian`] computes
-//! both with their Jacobians for any scalar, [`SecondOrder`] adds contracted Hessians, [`Coordinates`] leads from
+//! both with their Jacobians for any scalar, [`LagrangianSecondOrder`] adds contracted Hessians, [`LegendreTransform`] leads from
 //! (q, v) to (q, p) and back; [`ForwardDynamics`](crate::derivative::ForwardDynamics) is a(q, v, u) as a function that
 //! can be differentiated automatically.
 
 mod adjoint;
-mod coordinates;
+mod legendre_transform;
 mod coriolis;
 mod dynamics;
 mod forward;
@@ -21,10 +21,10 @@ mod inverse;
 mod newton_euler;
 mod second_order;
 
-pub use coordinates::Coordinates;
-pub use forward::{ForwardDynamicsJacobian, StateJacobian};
-pub use inverse::InverseDynamicsJacobian;
-pub use second_order::{ContractedHessian, SecondOrder, whole_hessian};
+pub use legendre_transform::LegendreTransform;
+pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
+pub use inverse::InverseDynamicsLinearisation;
+pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessian};
 
 use crate::error::EvalError;
 use crate::hamiltonian::check;
@@ -115,8 +115,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
+    pub fn dof(&self) -> usize {
         self.tree.len()
     }
 

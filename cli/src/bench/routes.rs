@@ -1,8 +1,8 @@
 //! What is timed.
 
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
@@ -132,7 +132,7 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
     let State { x, u, y, d, .. } = state;
     let (q, p) = x.split_at(n);
     let quantity = SECOND;
-    let mut rule = SecondOrder::<f64>::new(robot);
+    let mut rule = HamiltonianSecondOrder::<f64>::new(robot);
     add(list, [quantity, "2n+1 rule"], move |to| {
         give(to, rule.contracted_hessian(black_box(q), p, u, y)?.matrix());
         Ok(())
@@ -170,7 +170,7 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
         give_transposed(to, columns, 2 * n);
         Ok(())
     });
-    let mut rule = SecondOrder::<f64>::new(robot);
+    let mut rule = HamiltonianSecondOrder::<f64>::new(robot);
     add(list, ["y'F_xx d", "product with a vector"], move |to| {
         give_slice(to, rule.hessian_product(black_box(q), p, y, d)?);
         Ok(())
@@ -200,7 +200,7 @@ fn in_velocities<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'
         give(to, lagrangian.forward_dynamics_jacobian(black_box(q), v, u)?.matrix());
         Ok(())
     });
-    let mut second = lagrangian::SecondOrder::<f64>::new(robot);
+    let mut second = LagrangianSecondOrder::<f64>::new(robot);
     add(list, ["a, a_z, y'a_zz", "one dual pass"], move |to| {
         give(to, second.contracted_hessian(black_box(q), v, u, costate)?.xx());
         Ok(())

@@ -7,14 +7,14 @@ use super::{Evaluator, Route};
 #[cfg(feature = "jit")]
 use costate::codegen;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{self, ContractedHessian, DualPass, Linearisation, SecondOrder};
+use costate::hamiltonian::{self, HamiltonianContraction, DualPass, HamiltonianLinearisation, HamiltonianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
 
 /// The workspaces of one route.
 enum Workspace {
-    Analytic(Box<SecondOrder<f64>>),
+    Analytic(Box<HamiltonianSecondOrder<f64>>),
     Tensors(Box<DualPass<f64, Christoffel>>),
     Dual(Box<Jacobian<PhaseVelocity>>, Box<NestedHessian<PhaseVelocity>>),
     Hyperdual(Box<Hessian<PhaseVelocity>>),
@@ -23,12 +23,12 @@ enum Workspace {
 }
 
 impl Answer {
-    fn linear(&mut self, linear: Linearisation<'_, f64>) {
+    fn linear(&mut self, linear: HamiltonianLinearisation<'_, f64>) {
         self.matrix("M", linear.mass_matrix().view());
         self.derivatives(linear.f(), linear.matrix());
     }
 
-    fn contracted(&mut self, second: ContractedHessian<'_, f64>) {
+    fn contracted(&mut self, second: HamiltonianContraction<'_, f64>) {
         self.matrix("y_f_xx", second.matrix());
         self.linear(second.linearisation());
     }
@@ -49,7 +49,7 @@ impl Hamiltonian {
     pub fn new(robot: &Robot, route: Route) -> Self {
         let function = || PhaseVelocity::new(robot);
         let workspace = match route {
-            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Analytic => Workspace::Analytic(Box::new(HamiltonianSecondOrder::new(robot))),
             Route::Tensors => {
                 Workspace::Tensors(Box::new(DualPass::with_route(Tree::from(robot), Christoffel)))
             }

@@ -6,7 +6,7 @@ use super::machine::Machine;
 use super::{Evaluator, Route};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
-use costate::lagrangian::{self, SecondOrder};
+use costate::lagrangian::{self, LagrangianSecondOrder};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Robot;
 #[cfg(feature = "jit")]
@@ -14,7 +14,7 @@ use costate::{codegen, lagrangian::whole_hessian};
 
 /// The workspaces of one route.
 enum Workspace {
-    Analytic(Box<SecondOrder<f64>>),
+    Analytic(Box<LagrangianSecondOrder<f64>>),
     Dual(Box<Jacobian<ForwardDynamics>>, Box<NestedHessian<ForwardDynamics>>),
     Hyperdual(Box<Hessian<ForwardDynamics>>),
     #[cfg(feature = "jit")]
@@ -31,7 +31,7 @@ impl Lagrangian {
     pub fn new(robot: &Robot, route: Route) -> Result<Self, String> {
         let function = || ForwardDynamics::new(robot);
         let workspace = match route {
-            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Analytic => Workspace::Analytic(Box::new(LagrangianSecondOrder::new(robot))),
             Route::Dual => {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
@@ -78,7 +78,7 @@ impl Evaluator for Lagrangian {
             }
             (Workspace::Analytic(second), Some(y)) => {
                 let second = second.contracted_hessian(q, &v, u, y)?;
-                let linear = second.linearisation();
+                let linear = second.forward_dynamics();
                 derivatives(linear.acceleration(), linear.matrix(), Some(second.to_matrix().view()));
             }
             (Workspace::Dual(jacobian, nested), y) => {

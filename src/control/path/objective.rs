@@ -8,7 +8,7 @@ use crate::control::penalty::Penalties;
 use crate::control::problem::{Problem, Time};
 use crate::control::user_terms::UserTerms;
 use crate::error::EvalError;
-use crate::lagrangian::SecondOrder;
+use crate::lagrangian::LagrangianSecondOrder;
 
 /// Points of Gauss's quadrature on [0, 1] and their weights.
 pub(super) const GAUSS: [(f64, f64); 3] =
@@ -29,7 +29,7 @@ pub(super) struct Objective {
     pub gain: Vec<f64>,
     pub penalties: Penalties,
     pub terms: UserTerms<f64>,
-    pub dynamics: SecondOrder<f64>,
+    pub dynamics: LagrangianSecondOrder<f64>,
     pub time_cost: f64,
     pub time_is_free: bool,
     /// Values and derivatives of the basis at each point, with the weight.
@@ -64,7 +64,7 @@ impl Objective {
             gain: actuation.gain,
             penalties: Penalties::new(n, problem.penalty.as_ref()),
             terms: UserTerms::new(n, &problem.terms),
-            dynamics: SecondOrder::new(&problem.robot),
+            dynamics: LagrangianSecondOrder::new(&problem.robot),
             time_cost: problem.cost.time,
             time_is_free: matches!(problem.time, Time::Free { .. }),
             z: [vec![0.0; 3 * n], vec![0.0; 3 * n], vec![0.0; 3 * n]],
