@@ -79,7 +79,8 @@ fn models(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
     on_one_thread::<F64x8>("f64x8", robot, group);
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut batch = pool.install(|| Batch::<F64x4, _>::parallel(|| Model(HamiltonianSecondOrder::new(robot))));
+        let mut batch =
+            pool.install(|| Batch::<F64x4, _>::parallel(|| Model(HamiltonianSecondOrder::new(robot))));
         let mut nodes = Nodes::new(robot, MANY);
         for (_, quantity) in QUANTITIES {
             group.bench_function(format!("f64x4 {threads} threads {quantity}"), |b| {

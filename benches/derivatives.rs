@@ -101,7 +101,9 @@ fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
         b.iter(|| dual_pass.contract(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
     });
     let mut full = FullHessian::<f64>::new(robot);
-    group.bench_function("f_xx packed", |b| b.iter(|| full.hessian_tensor(black_box(&q), &p).unwrap().packed()[0]));
+    group.bench_function("f_xx packed", |b| {
+        b.iter(|| full.hessian_tensor(black_box(&q), &p).unwrap().packed()[0])
+    });
     group.bench_function("y_f_xx central differences", |b| {
         b.iter(|| {
             let mut y_f_x = |x: &[f64], sign: f64, column: &mut [f64]| {

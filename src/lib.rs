@@ -12,7 +12,7 @@
 //! let robot = Robot::from_file("robots/two_link.toml")?;
 //! let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
 //! let (q, p, u) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0]);
-//! let linear = hamiltonian.jacobian(&q, &p, &u)?;
+//! let linear = hamiltonian.linearise(&q, &p, &u)?;
 //! println!("dx/dt = {:?}\nF_x = {}", linear.f(), linear.matrix().as_nalgebra());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

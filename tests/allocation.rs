@@ -10,7 +10,7 @@ use costate::control::{
 };
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
-use costate::lagrangian::{LegendreTransform, Lagrangian, LagrangianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;

@@ -6,7 +6,7 @@ use costate::EvalError;
 use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes, largest};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::KernelOne;
-use costate::lagrangian::{LegendreTransform, Lagrangian, LagrangianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
 use nalgebra::Matrix3;
@@ -69,10 +69,7 @@ fn not_a_number_and_infinity_are_named_with_their_joint() {
     y[9] = f64::NAN;
     let error = second.contract(&[0.1; 7], &[0.1; 7], &[0.1; 7], &y).unwrap_err();
     assert!(error.to_string().contains("y[9] (joint 'panda_joint3')"), "{error}");
-    assert!(
-        second.contract(&[0.1; 7], &[0.1; 7], &[0.1; 7], &[0.1; 14]).is_ok(),
-        "usable afterwards"
-    );
+    assert!(second.contract(&[0.1; 7], &[0.1; 7], &[0.1; 7], &[0.1; 14]).is_ok(), "usable afterwards");
 }
 
 #[test]
@@ -142,8 +139,7 @@ fn coaxial_joints_with_nothing_between_them_are_singular() {
         .joint(JointSpec::revolute("second").on("first").carrying(body))
         .build()
         .unwrap();
-    let error =
-        Hamiltonian::<f64>::new(&robot).evaluate(&[0.0, 0.4], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
+    let error = Hamiltonian::<f64>::new(&robot).evaluate(&[0.0, 0.4], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
     assert_eq!(error, EvalError::SingularMassMatrix { joint: "first".into() });
 }
 

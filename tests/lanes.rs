@@ -228,9 +228,18 @@ fn steps_are_made_in_every_lane() {
         }
     }
     let ur5 = robot("ur5.urdf");
-    check(RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)), RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)));
-    check(StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)), StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)));
-    check(ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)), ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)));
+    check(
+        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
+        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+    check(
+        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
+        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+    check(
+        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
+        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
+    );
 }
 
 /// One lane of a call that is not finite, or singular, is an error of the call: no lane is passed over.

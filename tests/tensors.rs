@@ -152,12 +152,7 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     close("F_x, dual", linear.matrix(), by_dual.jacobian.view(), energy)?;
     let natural = largest(y) * along;
     let mut own = Hessian::new(TensorPhaseVelocity { tree: first.tree().clone(), u: u.clone() });
-    close(
-        "y'F_xx, hyperdual through tensors",
-        ours.matrix(),
-        own.contract(&x, y).unwrap().view(),
-        natural,
-    )?;
+    close("y'F_xx, hyperdual through tensors", ours.matrix(), own.contract(&x, y).unwrap().view(), natural)?;
     let bound = 1e-12 * (condition(&robot, q) / 100.0).max(1.0);
     within(bound, "y'F_xx, analytic", ours.matrix(), theirs.matrix(), natural)?;
     within(bound, "y'F_xx, hyperdual", ours.matrix(), by_hyperdual.view(), natural)

@@ -3,12 +3,12 @@
 //!
 //! `cargo run --release -p costate-cli --example energy`
 
-use costate::dynamics::{Contraction, Dynamics, Linearisation, Structure};
-use costate::robot::Robot;
-use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StoermerVerlet, VelocityForm};
 use costate::EvalError;
+use costate::dynamics::{Contraction, Dynamics, Linearisation, Structure};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
+use costate::robot::Robot;
+use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StoermerVerlet, VelocityForm};
 use plotters::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
@@ -60,7 +60,7 @@ impl<D: Dynamics<f64>> Dynamics<f64> for Counted<D> {
 
     fn evaluate(&mut self, x: &[f64], u: &[f64]) -> Result<&[f64], D::Error> {
         self.values += 1;
-        self.model.value(x, u)
+        self.model.evaluate(x, u)
     }
 
     fn linearise(&mut self, x: &[f64], u: &[f64]) -> Result<Linearisation<'_, f64>, D::Error> {
@@ -104,7 +104,7 @@ fn run<S: Step<f64>>(
     let (mut envelope, mut bin) = (Vec::new(), None);
     let (mut largest, mut end, mut most_iterations) = ([0.0_f64; 3], 0.0, 0);
     for i in 1..=STEPS {
-        let next = step.advance(&x, &[0.0; 2], H)?;
+        let next = step.evaluate(&x, &[0.0; 2], H)?;
         x.copy_from_slice(next);
         most_iterations = most_iterations.max(iterations(&step));
         let error = (energy(&x)? - start) / start;

@@ -2,12 +2,12 @@
 
 use super::problem::Problem;
 use super::reach::{Coordinates, Reach};
+use costate::EvalError;
 use costate::dynamics::{AutomaticCost, QuadraticCost};
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::Robot;
 use costate::step::{RungeKutta4, Step};
-use costate::EvalError;
-use costate::hamiltonian::HamiltonianSecondOrder;
 use nalgebra::DVector;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};

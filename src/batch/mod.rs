@@ -98,7 +98,7 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
     /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     /// let robot = Robot::from_file("robots/ur5.urdf")?;
     /// let mut batch = Batch::<Native, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot)));
-    /// # assert!(batch.value(&[0.1; 36], &[0.0; 18], &mut [0.0; 36])?.is_empty());
+    /// # assert!(batch.evaluate(&[0.1; 36], &[0.0; 18], &mut [0.0; 36])?.is_empty());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[cfg(feature = "rayon")]

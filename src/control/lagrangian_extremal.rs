@@ -239,7 +239,8 @@ impl Extremal for LagrangianExtremal {
         let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
         gradient.fill(0.0);
         self.force.fill(0.0);
-        let Ok(all) = self.second.contract_forward_dynamics(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..]) else {
+        let Ok(all) = self.second.contract_forward_dynamics(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..])
+        else {
             return f64::NAN;
         };
         for (part, row) in [(0, all.uq().row(control)), (3 * n, all.forward_dynamics().a_u().row(control))] {

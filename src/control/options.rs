@@ -1,7 +1,7 @@
 //! How a problem is solved, and what is told meanwhile.
 
-pub use crate::Coordinates;
 use super::error::ProblemError;
+pub use crate::Coordinates;
 use serde::{Deserialize, Serialize};
 
 /// The matrix of Newton's method.

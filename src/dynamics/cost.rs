@@ -25,13 +25,13 @@ pub trait Cost<S: Scalar> {
     /// l, l_x and l_u.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn gradient(&mut self, x: &[S], u: &[S]) -> Result<CostGradient<'_, S>, Self::Error>;
 
     /// l, its gradient and its Hessian.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, Self::Error>;
 }
 

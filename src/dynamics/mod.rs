@@ -54,19 +54,19 @@ pub trait Dynamics<S: Scalar> {
     /// f, f_x and f_u.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, Self::Error>;
 
     /// f, f_x, f_u and the second derivatives of y'f.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, Self::Error>;
 
     /// y'f_x and y'f_u, as long as x and u: what a costate equation and the gradient of a shooting method need.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn adjoint(
         &mut self,
         x: &[S],
@@ -82,7 +82,7 @@ pub trait Dynamics<S: Scalar> {
     /// The second derivatives of y'f times (d_x, d_u): in the components of x and of u.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn hessian_product(
         &mut self,
         x: &[S],

@@ -2,7 +2,9 @@
 
 use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::error::{EvalError, check_length};
-use crate::hamiltonian::{HamiltonianContraction, DualPass, Hamiltonian, HamiltonianLinearisation, HamiltonianSecondOrder, check};
+use crate::hamiltonian::{
+    DualPass, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder, check,
+};
 use crate::kernels::Route;
 use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::Tree;

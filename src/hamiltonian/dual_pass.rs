@@ -1,7 +1,7 @@
 //! The contracted Hessian of the phase velocities by one dual pass through the analytic Jacobian.
 
 use super::conservative::Conservative;
-use super::{HamiltonianContraction, Hamiltonian, check};
+use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
 use crate::matrix::Matrix;

@@ -1,6 +1,6 @@
 //! All second derivatives of the phase velocities.
 
-use super::{HessianTensor, HamiltonianSecondOrder};
+use super::{HamiltonianSecondOrder, HessianTensor};
 use crate::error::EvalError;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 /// Workspace for the whole tensor d2F_k/dx_i dx_j of one robot; no call allocates.
 ///
 /// The third derivative of H along each joint, by the same rule as [`HamiltonianSecondOrder`]: n times kernel two and its congruence.
-/// What is contracted with one costate only comes much cheaper from [`HamiltonianSecondOrder::contracted_hessian`].
+/// What is contracted with one costate only comes much cheaper from [`HamiltonianSecondOrder::contract`].
 ///
 /// ```
 /// use costate::hamiltonian::FullHessian;
@@ -16,7 +16,7 @@ use crate::scalar::Scalar;
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/ur5.urdf")?;
 /// let mut full = FullHessian::<f64>::new(&robot);
-/// let tensor = full.evaluate(&[0.1; 6], &[0.2; 6])?;
+/// let tensor = full.hessian_tensor(&[0.1; 6], &[0.2; 6])?;
 /// assert_eq!(tensor.packed().len(), 308); // of 12 x 12 x 12
 /// assert_eq!(tensor.entry(3, 0, 7), tensor.entry(3, 7, 0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

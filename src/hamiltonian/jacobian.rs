@@ -71,7 +71,12 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn linearise(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
+    pub fn linearise(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+    ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);

@@ -50,7 +50,11 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn linearise_momentum(&mut self, q: &[S], v: &[S]) -> Result<MomentumLinearisation<'_, S>, EvalError> {
+    pub fn linearise_momentum(
+        &mut self,
+        q: &[S],
+        v: &[S],
+    ) -> Result<MomentumLinearisation<'_, S>, EvalError> {
         self.momentum(q, v)?;
         self.flow.kernel.second_order(&self.tree);
         let kernel = &self.flow.kernel;
@@ -61,7 +65,11 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn linearise_velocity(&mut self, q: &[S], p: &[S]) -> Result<VelocityLinearisation<'_, S>, EvalError> {
+    pub fn linearise_velocity(
+        &mut self,
+        q: &[S],
+        p: &[S],
+    ) -> Result<VelocityLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);

@@ -1,7 +1,7 @@
 //! The contracted Hessian of the phase velocities by the 2n+1 rule.
 
 use super::congruence::Congruence;
-use super::{HamiltonianContraction, Hamiltonian, check};
+use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{KernelTwo, friction};
 use crate::matrix::{Matrix, add_scaled, dot};
@@ -28,7 +28,7 @@ use crate::scalar::Scalar;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
 /// let (q, p, u, y) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0], [1.0, -2.0, 0.5, 0.3]);
-/// let all = second.contracted_hessian(&q, &p, &u, &y)?;
+/// let all = second.contract(&q, &p, &u, &y)?;
 /// println!("{}{}", all.linearisation().matrix().as_nalgebra(), all.matrix().as_nalgebra());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -27,7 +27,7 @@ use crate::scalar::Scalar;
 /// let mut state = coordinates.at(&q, &v, &u)?;
 /// let p = state.momentum().to_vec();
 /// let f_x = state.hamiltonian().f_x.view().to_nalgebra();
-/// let direct = Hamiltonian::<f64>::new(&robot).jacobian(&q, &p, &u)?.matrix().to_nalgebra();
+/// let direct = Hamiltonian::<f64>::new(&robot).linearise(&q, &p, &u)?.matrix().to_nalgebra();
 /// assert!((f_x - direct).amax() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

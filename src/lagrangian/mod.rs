@@ -13,17 +13,17 @@
 //! can be differentiated automatically.
 
 mod adjoint;
-mod legendre_transform;
 mod coriolis;
 mod dynamics;
 mod forward;
 mod inverse;
+mod legendre_transform;
 mod newton_euler;
 mod second_order;
 
-pub use legendre_transform::LegendreTransform;
 pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
 pub use inverse::InverseDynamicsLinearisation;
+pub use legendre_transform::LegendreTransform;
 pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessian};
 
 use crate::error::EvalError;
@@ -50,7 +50,7 @@ use newton_euler::NewtonEuler;
 /// let mut lagrangian = Lagrangian::<f64>::new(&robot);
 /// let (q, v, a) = ([0.3, -0.8], [1.0, 0.5], [0.2, -4.0]);
 /// let tau = lagrangian.inverse_dynamics(&q, &v, &a)?.to_vec();
-/// let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &tau)?;
+/// let linear = lagrangian.linearise_forward_dynamics(&q, &v, &tau)?;
 /// assert!((linear.acceleration()[1] + 4.0).abs() < 1e-12);
 /// println!("da/dq = {}", linear.a_q().as_nalgebra());
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -63,13 +63,13 @@ pub trait Step<S: Scalar> {
     /// Phi, Phi_x, Phi_u and Phi_h.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// As [`evaluate`](Self::evaluate).
     fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error>;
 
     /// Phi, its Jacobians, and the second derivatives of y'Phi in (x, u).
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// As [`evaluate`](Self::evaluate).
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error>;
 }
 

@@ -5,10 +5,10 @@ use super::{RungeKutta, Step, StepError, Tableau};
 use crate::derivative::Function;
 use crate::dynamics::Dynamics;
 use crate::error::EvalError;
-use crate::robot::{Robot, Tree};
-use crate::scalar::Scalar;
 use crate::hamiltonian::HamiltonianSecondOrder;
 use crate::lagrangian::LagrangianSecondOrder;
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
 use std::marker::PhantomData;
 
 /// A model for every scalar.
@@ -103,7 +103,7 @@ impl Scheme<LagrangianRobot> for SemiImplicit {
 /// let function = OneStep::<_, Verlet>::new(HamiltonianRobot::from(&robot));
 /// let z = [0.3, -0.8, 1.0, 0.5, 0.2, 0.0, 0.01];
 /// let mut automatic: Jacobian<_> = Jacobian::new(function);
-/// let through_the_iteration = automatic.evaluate(&z)?.jacobian[(0, 2)];
+/// let through_the_iteration = automatic.linearise(&z)?.jacobian[(0, 2)];
 /// let mut step = StoermerVerlet::new(costate::hamiltonian::HamiltonianSecondOrder::<f64>::new(&robot));
 /// let phi_x = step.linearise(&z[..4], &z[4..6], 0.01)?.phi_x;
 /// assert!((phi_x[(0, 2)] - through_the_iteration).abs() < 1e-15);

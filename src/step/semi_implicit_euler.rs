@@ -34,7 +34,7 @@ impl<S: Scalar, D: VelocityForm<S>> VelocityForm<S> for &mut D {}
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let mut step = SemiImplicitEuler::new(LagrangianSecondOrder::<f64>::new(&robot));
-/// let next = step.advance(&[0.3, -0.8, 1.0, 0.5], &[0.0, 0.0], 0.01)?;
+/// let next = step.evaluate(&[0.3, -0.8, 1.0, 0.5], &[0.0, 0.0], 0.01)?;
 /// assert_eq!(next[0], 0.3 + 0.01 * next[2]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

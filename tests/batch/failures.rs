@@ -63,10 +63,7 @@ fn arrays_that_do_not_fit_are_refused_and_left_alone() {
     let wrong = |what, length, found| BatchError::WrongLength { what, nodes: 3, length, found };
     assert_eq!(batch.evaluate(&x, &u[..5], &mut f).unwrap_err(), wrong("u", 2, 5));
     assert_eq!(batch.evaluate(&x, &u, &mut f[..11]).unwrap_err(), wrong("f", 4, 11));
-    assert_eq!(
-        batch.run(ModelQuantity::Value, 3, [&x[..11], &u], [&mut f]).unwrap_err(),
-        wrong("x", 4, 11)
-    );
+    assert_eq!(batch.run(ModelQuantity::Value, 3, [&x[..11], &u], [&mut f]).unwrap_err(), wrong("x", 4, 11));
     let error = batch.run(ModelQuantity::Value, 3, [&x], [&mut f]).unwrap_err();
     assert_eq!(error, BatchError::WrongNumber { what: "inputs", expected: 2, found: 1 });
     assert_eq!(

@@ -11,7 +11,11 @@ use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StepError};
 fn steps_are_steps<S: Packed<Lane = f64>>(allowed: f64) {
     let robot = robot("ur5.urdf");
     let model = || HamiltonianSecondOrder::<S>::new(&robot);
-    check(StepMap(RungeKutta4::new(model())), RungeKutta4::new(HamiltonianSecondOrder::<f64>::new(&robot)), allowed);
+    check(
+        StepMap(RungeKutta4::new(model())),
+        RungeKutta4::new(HamiltonianSecondOrder::<f64>::new(&robot)),
+        allowed,
+    );
     check(
         StepMap(ImplicitMidpoint::new(model())),
         ImplicitMidpoint::new(HamiltonianSecondOrder::<f64>::new(&robot)),

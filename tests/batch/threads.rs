@@ -16,7 +16,8 @@ fn results_do_not_depend_on_the_number_of_threads() {
                 arrays.x[6 * k + 1] = FRAC_PI_2;
             }
             let mut expected = arrays.clone();
-            let failures = expected.evaluate(&mut Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot))));
+            let failures =
+                expected.evaluate(&mut Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot))));
             assert_eq!(failures.len(), nodes.div_ceil(50));
             for threads in [1, 2, 3, 8] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -51,7 +52,8 @@ fn results_do_not_depend_on_the_number_of_threads() {
 fn a_batch_may_be_called_from_another_pool() {
     let robot = robot("two_link.toml");
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let mut batch = pool(2).install(|| Batch::<f64, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot))));
+    let mut batch =
+        pool(2).install(|| Batch::<f64, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot))));
     let mut arrays = Arrays::new(4, 2, 500);
     assert!(pool(5).install(|| arrays.evaluate(&mut batch)).is_empty());
     agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, 0.0);

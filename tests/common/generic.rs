@@ -96,7 +96,8 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
     let mut lagrangian = Lagrangian::<f64>::new(robot);
     let mut second = LagrangianSecondOrder::<f64>::new(robot);
     let all = second.contract_forward_dynamics(q, v, u, y).unwrap();
-    let (qdd, qdd_z) = (all.forward_dynamics().acceleration().to_vec(), flat(all.forward_dynamics().matrix()));
+    let (qdd, qdd_z) =
+        (all.forward_dynamics().acceleration().to_vec(), flat(all.forward_dynamics().matrix()));
     let (xx, uq) = (flat(all.xx()), flat(all.uq()));
     let energy = lagrangian.energy(q, v).unwrap();
     let m = lagrangian.mass_matrix(q).unwrap().as_slice().to_vec();

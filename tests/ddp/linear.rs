@@ -55,7 +55,12 @@ impl Step<f64> for Linear {
     }
 
     fn linearise(&mut self, _: &[f64], _: &[f64], _: f64) -> Result<StepLinearisation<'_, f64>, Refused> {
-        Ok(StepLinearisation { next: &self.next, phi_x: self.a.view(), phi_u: self.b.view(), phi_h: &self.next })
+        Ok(StepLinearisation {
+            next: &self.next,
+            phi_x: self.a.view(),
+            phi_u: self.b.view(),
+            phi_h: &self.next,
+        })
     }
 
     fn contract(

@@ -3,7 +3,7 @@
 use super::random_robot::{cases, difference, tolerance};
 use super::{config, dense, flat, force, off};
 use costate::hamiltonian::Hamiltonian;
-use costate::lagrangian::{LegendreTransform, Lagrangian};
+use costate::lagrangian::{Lagrangian, LegendreTransform};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 

@@ -50,7 +50,7 @@ fn candidate<S: Packed<Lane = f64>>(
         let x = black_box(x.as_slice());
         let first = FirstOrderArrays { f: &mut f, f_x: &mut f_x, ..Default::default() };
         let failures = match quantity {
-            F => batch.value(x, &u, &mut f)?,
+            F => batch.evaluate(x, &u, &mut f)?,
             FIRST => batch.linearise(x, &u, first)?,
             _ => {
                 batch.contract([x, &u, &y], first, SecondOrderArrays { xx: &mut xx, ..Default::default() })?

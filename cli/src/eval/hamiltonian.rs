@@ -7,7 +7,9 @@ use super::{Evaluator, Route};
 #[cfg(feature = "jit")]
 use costate::codegen;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{self, HamiltonianContraction, DualPass, HamiltonianLinearisation, HamiltonianSecondOrder};
+use costate::hamiltonian::{
+    self, DualPass, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
+};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
@@ -81,28 +83,28 @@ impl Evaluator for Hamiltonian {
         let y = state.y.as_deref();
         match &mut self.workspace {
             Workspace::Analytic(second) => match y {
-                None => answer.linear(second.first().jacobian(q, &p, u)?),
-                Some(y) => answer.contracted(second.contracted_hessian(q, &p, u, y)?),
+                None => answer.linear(second.first().linearise(q, &p, u)?),
+                Some(y) => answer.contracted(second.contract(q, &p, u, y)?),
             },
             Workspace::Tensors(second) => match y {
-                None => answer.linear(second.first().jacobian(q, &p, u)?),
-                Some(y) => answer.contracted(second.contracted_hessian(q, &p, u, y)?),
+                None => answer.linear(second.first().linearise(q, &p, u)?),
+                Some(y) => answer.contracted(second.contract(q, &p, u, y)?),
             },
             Workspace::Dual(jacobian, nested) => {
                 jacobian.function_mut().u.copy_from_slice(u);
                 nested.function_mut().u.copy_from_slice(u);
-                let first = jacobian.evaluate(&x)?;
+                let first = jacobian.linearise(&x)?;
                 answer.derivatives(first.value, first.jacobian.view());
                 if let Some(y) = y {
-                    answer.matrix("y_f_xx", nested.contracted(&x, y)?.view());
+                    answer.matrix("y_f_xx", nested.contract(&x, y)?.view());
                 }
             }
             Workspace::Hyperdual(hessian) => {
                 hessian.function_mut().u.copy_from_slice(u);
-                hessian.contracted(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
+                hessian.contract(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
                 answer.derivatives(hessian.last().value(), hessian.last().jacobian().view());
                 if y.is_some() {
-                    answer.matrix("y_f_xx", hessian.last_contracted().view());
+                    answer.matrix("y_f_xx", hessian.last_contraction().view());
                 }
             }
             #[cfg(feature = "jit")]

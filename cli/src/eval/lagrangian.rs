@@ -73,22 +73,22 @@ impl Evaluator for Lagrangian {
         };
         match (&mut self.workspace, state.y.as_ref().map(|y| &y[q.len()..])) {
             (Workspace::Analytic(_), None) => {
-                let linear = self.lagrangian.forward_dynamics_jacobian(q, &v, u)?;
+                let linear = self.lagrangian.linearise_forward_dynamics(q, &v, u)?;
                 derivatives(linear.acceleration(), linear.matrix(), None);
             }
             (Workspace::Analytic(second), Some(y)) => {
-                let second = second.contracted_hessian(q, &v, u, y)?;
+                let second = second.contract_forward_dynamics(q, &v, u, y)?;
                 let linear = second.forward_dynamics();
                 derivatives(linear.acceleration(), linear.matrix(), Some(second.to_matrix().view()));
             }
             (Workspace::Dual(jacobian, nested), y) => {
-                let first = jacobian.evaluate(&z)?;
-                let second = y.map(|y| nested.contracted(&z, y)).transpose()?;
+                let first = jacobian.linearise(&z)?;
+                let second = y.map(|y| nested.contract(&z, y)).transpose()?;
                 derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
             }
             (Workspace::Hyperdual(hessian), y) => {
-                hessian.contracted(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
-                let (last, second) = (hessian.last(), hessian.last_contracted().view());
+                hessian.contract(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
+                let (last, second) = (hessian.last(), hessian.last_contraction().view());
                 derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
             }
             #[cfg(feature = "jit")]
