@@ -12,7 +12,7 @@
 //! let robot = Robot::from_file("robots/two_link.toml")?;
 //! let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
 //! let (q, p, u) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0]);
-//! let linear = hamiltonian.jacobian(&q, &p, &u)?;
+//! let linear = hamiltonian.linearise(&q, &p, &u)?;
 //! println!("dx/dt = {:?}\nF_x = {}", linear.f(), linear.matrix().as_nalgebra());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -28,6 +28,7 @@
 
 pub mod batch;
 pub mod codegen;
+mod coordinates;
 pub mod derivative;
 pub mod dynamics;
 mod error;
@@ -41,6 +42,7 @@ pub mod spatial;
 pub mod step;
 pub mod tensors;
 
+pub use coordinates::{Coordinates, UnknownCoordinates};
 pub use error::EvalError;
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
 pub use num_dual;

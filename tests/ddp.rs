@@ -133,10 +133,10 @@ fn cost<P: Step<f64>, L: Cost<f64>, T: Cost<f64>>(
 ) -> f64 {
     let (mut x, mut sum) = (x.to_vec(), 0.0);
     for u in u {
-        sum += p.h * p.running.value(&x, u.as_slice()).unwrap();
-        x = p.step.advance(&x, u.as_slice(), p.h).unwrap().to_vec();
+        sum += p.h * p.running.evaluate(&x, u.as_slice()).unwrap();
+        x = p.step.evaluate(&x, u.as_slice(), p.h).unwrap().to_vec();
     }
-    sum + p.terminal.value(&x, &[]).unwrap()
+    sum + p.terminal.evaluate(&x, &[]).unwrap()
 }
 
 /// Its gradient by an adjoint sweep along a trajectory.

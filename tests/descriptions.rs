@@ -140,7 +140,7 @@ proptest! {
         let bound = 10.0 * tolerance(&table, &q[..n]);
         let [first, second] = [table, urdf].map(|robot| {
             let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-            let linear = hamiltonian.jacobian(&q[..n], &p, &vec![0.0; n]).unwrap();
+            let linear = hamiltonian.linearise(&q[..n], &p, &vec![0.0; n]).unwrap();
             [linear.mass_matrix().as_slice().to_vec(), linear.f().to_vec(), linear.matrix().iter_rows().flatten().copied().collect()]
         });
         for (found, expected) in second.iter().zip(&first) {
@@ -161,7 +161,7 @@ proptest! {
         let p = plain.p(&robot);
         let numbers = |robot: &Robot| {
             let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-            let linear = hamiltonian.jacobian(&plain.q, &p, &plain.u).unwrap();
+            let linear = hamiltonian.linearise(&plain.q, &p, &plain.u).unwrap();
             (linear.mass_matrix().as_slice().to_vec(), linear.f().to_vec(), linear.matrix().to_nalgebra())
         };
         let ((m, f, f_x), (m_whole, f_whole, f_x_whole)) = (numbers(&pieces), numbers(&robot));

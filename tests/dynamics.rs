@@ -8,8 +8,8 @@ mod random_robot;
 use costate::EvalError;
 use costate::derivative::{DerivativeError, Function, largest};
 use costate::dynamics::{Automatic, AutomaticCost, Contraction, Cost, Dynamics, QuadraticCost};
-use costate::hamiltonian::{self, Hamiltonian};
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::{self, Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;
@@ -47,7 +47,7 @@ impl Function for Momenta {
     }
     fn evaluate<S: Scalar>(&self, model: &mut Hamiltonian<S>, z: &[S], f: &mut [S]) -> Result<(), EvalError> {
         let n = self.0.len();
-        f.copy_from_slice(model.phase_velocity(&z[..n], &z[n..2 * n], &z[2 * n..])?);
+        f.copy_from_slice(model.evaluate(&z[..n], &z[n..2 * n], &z[2 * n..])?);
         Ok(())
     }
 }
@@ -70,7 +70,7 @@ impl Function for Velocities {
     }
     fn evaluate<S: Scalar>(&self, model: &mut Lagrangian<S>, z: &[S], f: &mut [S]) -> Result<(), EvalError> {
         let n = self.0.len();
-        f.copy_from_slice(model.state_equation(&z[..n], &z[n..2 * n], &z[2 * n..])?);
+        f.copy_from_slice(model.evaluate(&z[..n], &z[n..2 * n], &z[2 * n..])?);
         Ok(())
     }
 }
@@ -96,7 +96,7 @@ fn models_agree(
     let tolerance = 1e-12 * (condition(&case.robot(), &case.q) / 1000.0).max(1.0);
     let structure = model.structure();
     prop_assert_eq!((model.states(), model.controls()), (judge.states(), judge.controls()));
-    let value = model.value(x, u).unwrap().to_vec();
+    let value = model.evaluate(x, u).unwrap().to_vec();
     let expected = judge.contract(x, u, y).unwrap();
     let natural = largest(&flat(expected.first.f_x));
     let small = 1e-3 * natural * largest(y);
@@ -144,12 +144,12 @@ proptest! {
     fn robots_are_the_automatic_models_of_their_equations(case in cases(6)) {
         let robot = case.robot();
         let tree = || Tree::from(&robot);
-        let mut model = hamiltonian::SecondOrder::from_tree(tree());
+        let mut model = HamiltonianSecondOrder::from_tree(tree());
         let mut judge = Automatic::new(Momenta(tree()));
         models_agree(&mut model, &mut judge, (&case, &case.x(&robot)))?;
         let mut model = hamiltonian::DualPass::from_tree(tree());
         models_agree(&mut &mut model, &mut judge, (&case, &case.x(&robot)))?;
-        let mut model = lagrangian::SecondOrder::from_tree(tree());
+        let mut model = LagrangianSecondOrder::from_tree(tree());
         let z = [case.q.as_slice(), &case.v].concat();
         models_agree(&mut model, &mut Automatic::new(Velocities(tree())), (&case, &z))?;
     }
@@ -189,8 +189,8 @@ fn a_quadratic_cost_is_the_automatic_one_of_its_formula() {
     let mut judge: AutomaticCost<_> = AutomaticCost::running(Off, 2);
     assert_eq!((cost.states(), cost.controls()), (judge.states(), judge.controls()));
     let (x, u) = ([0.3, -2.0], [1.5]);
-    let value = judge.value(&x, &u).unwrap();
-    assert!((cost.value(&x, &u).unwrap() - value).abs() < 1e-15);
+    let value = judge.evaluate(&x, &u).unwrap();
+    assert!((cost.evaluate(&x, &u).unwrap() - value).abs() < 1e-15);
     let agree = |a: &[f64], b: &[f64]| assert!(off(a, b, 1.0) < 1e-15, "{a:?} {b:?}");
     let (found, expected) = (cost.gradient(&x, &u).unwrap(), judge.gradient(&x, &u).unwrap());
     agree(&[found.value], &[expected.value]);
@@ -210,7 +210,7 @@ fn wrong_lengths_are_errors() {
     fn model_refuses<D: Dynamics<f64>>(mut model: D) {
         let (x, u) = (vec![0.1; model.states()], vec![0.2; model.controls()]);
         assert!(model.contract(&x, &u, &x).is_ok());
-        assert!(model.value(&x[1..], &u).is_err() && model.value(&x, &x).is_err());
+        assert!(model.evaluate(&x[1..], &u).is_err() && model.evaluate(&x, &x).is_err());
         assert!(model.linearise(&x[1..], &u).is_err() && model.linearise(&x, &x).is_err());
         assert!(model.contract(&x[1..], &u, &x).is_err() && model.contract(&x, &x, &x).is_err());
         let error = model.contract(&x, &u, &u).map(|_| ()).unwrap_err();
@@ -227,25 +227,25 @@ fn wrong_lengths_are_errors() {
         let mut bad = x.clone();
         for k in [0, x.len() - 1] {
             bad[k] = f64::NAN;
-            assert!(model.value(&bad, &u).is_err() && model.contract(&x, &u, &bad).is_err());
+            assert!(model.evaluate(&bad, &u).is_err() && model.contract(&x, &u, &bad).is_err());
             assert!(model.adjoint(&x, &u, &bad, &mut in_x, &mut in_u).is_err());
             assert!(model.hessian_product(&x, &u, &x, [&bad, &u], [&mut in_x, &mut in_u]).is_err());
             bad[k] = 0.0;
         }
         assert!(model.hessian_product(&x, &u, &x, [&x, &u], [&mut in_x, &mut in_u]).is_ok());
-        assert!(model.value(&x, &u).is_ok());
+        assert!(model.evaluate(&x, &u).is_ok());
     }
     fn cost_refuses<C: Cost<f64>>(mut cost: C) {
         let (x, u) = (vec![0.1; cost.states()], vec![0.2; cost.controls()]);
         assert!(cost.hessian(&x, &u).is_ok());
-        assert!(cost.value(&x[1..], &u).is_err() && cost.value(&x, &[0.0; 7]).is_err());
+        assert!(cost.evaluate(&x[1..], &u).is_err() && cost.evaluate(&x, &[0.0; 7]).is_err());
         assert!(cost.gradient(&x[1..], &u).is_err() && cost.gradient(&x, &[0.0; 7]).is_err());
         assert!(cost.hessian(&x[1..], &u).is_err() && cost.hessian(&x, &[0.0; 7]).is_err());
     }
     let robot = Robot::from_file(format!("{}/robots/two_link.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    model_refuses(hamiltonian::SecondOrder::new(&robot));
+    model_refuses(HamiltonianSecondOrder::new(&robot));
     model_refuses(hamiltonian::DualPass::new(&robot));
-    model_refuses(lagrangian::SecondOrder::new(&robot));
+    model_refuses(LagrangianSecondOrder::new(&robot));
     model_refuses(Automatic::<_, f64>::new(Momenta(Tree::from(&robot))));
     cost_refuses(QuadraticCost::<f64>::running(&WEIGHTS.0, &WEIGHTS.1));
     cost_refuses(QuadraticCost::<f64>::terminal(&WEIGHTS.0));

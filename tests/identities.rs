@@ -6,7 +6,7 @@
 mod random_robot;
 
 use costate::derivative::largest;
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -20,8 +20,8 @@ fn j(n: usize) -> DMatrix<f64> {
 }
 
 fn jacobian(hamiltonian: &mut Hamiltonian<f64>, x: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-    let n = hamiltonian.len();
-    let linear = hamiltonian.jacobian(&x[..n], &x[n..], &vec![0.0; n]).unwrap();
+    let n = hamiltonian.dof();
+    let linear = hamiltonian.linearise(&x[..n], &x[n..], &vec![0.0; n]).unwrap();
     (DVector::from_column_slice(linear.f()), linear.matrix().to_nalgebra())
 }
 
@@ -69,7 +69,7 @@ fn flow_derivative(robot: &Robot, x: &[f64], d: &[f64], h: f64) -> Vec<f64> {
     let n = robot.len();
     let mut hamiltonian = Hamiltonian::<Dual64>::new(robot);
     let rest = vec![Dual64::zero(); n];
-    let mut rate = |x: &Vec<Dual64>| hamiltonian.phase_velocity(&x[..n], &x[n..], &rest).unwrap().to_vec();
+    let mut rate = |x: &Vec<Dual64>| hamiltonian.evaluate(&x[..n], &x[n..], &rest).unwrap().to_vec();
     let start: Vec<_> = x.iter().zip(d).map(|(&x, &d)| Dual64::new(x, d)).collect();
     let end = (0..STEPS).fold(start, |state, _| {
         runge_kutta(&state, h, &mut rate, &|x, h, f| x.iter().zip(f).map(|(&x, &f)| x + f.times(h)).collect())
@@ -129,9 +129,9 @@ proptest! {
         let p = case.p(&robot);
         let other: Vec<f64> = case.y.iter().rev().map(|y| 1.0 - y).collect();
         let sum: Vec<f64> = case.y.iter().zip(&other).map(|(a, b)| a + scale * b).collect();
-        let mut second = SecondOrder::<f64>::new(&robot);
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
         let mut of = |y: &[f64]| {
-            second.contracted_hessian(&case.q, &p, &case.u, y).unwrap().matrix().to_nalgebra()
+            second.contract(&case.q, &p, &case.u, y).unwrap().matrix().to_nalgebra()
         };
         let (h_one, h_other, h_sum) = (of(&case.y), of(&other), of(&sum));
         prop_assert_eq!(&h_sum, &h_sum.transpose());

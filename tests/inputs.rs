@@ -4,9 +4,9 @@
 
 use costate::EvalError;
 use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes, largest};
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::KernelOne;
-use costate::lagrangian::{self, Coordinates, Lagrangian};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
 use nalgebra::Matrix3;
@@ -21,16 +21,16 @@ fn wrong_lengths_are_named() {
     let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
     let (right, wrong) = ([0.0; 7], [0.0; 6]);
     let error = |what| EvalError::WrongLength { what, expected: 7, found: 6 };
-    assert_eq!(hamiltonian.phase_velocity(&wrong, &right, &right).unwrap_err(), error("q"));
-    assert_eq!(hamiltonian.phase_velocity(&right, &wrong, &right).unwrap_err(), error("p"));
-    assert_eq!(hamiltonian.jacobian(&right, &right, &wrong).unwrap_err(), error("u"));
+    assert_eq!(hamiltonian.evaluate(&wrong, &right, &right).unwrap_err(), error("q"));
+    assert_eq!(hamiltonian.evaluate(&right, &wrong, &right).unwrap_err(), error("p"));
+    assert_eq!(hamiltonian.linearise(&right, &right, &wrong).unwrap_err(), error("u"));
     assert_eq!(hamiltonian.momentum(&right, &wrong).unwrap_err(), error("v"));
-    let mut second = SecondOrder::<f64>::new(&robot);
-    let refused = second.contracted_hessian(&right, &right, &right, &right).unwrap_err();
+    let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+    let refused = second.contract(&right, &right, &right, &right).unwrap_err();
     assert_eq!(refused, EvalError::WrongLength { what: "y", expected: 14, found: 7 });
     assert!(refused.to_string().contains("y has 7 entries, not 14"));
     let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot));
-    assert!(matches!(dual.evaluate(&right), Err(DerivativeError::WrongLength { what: "x", .. })));
+    assert!(matches!(dual.linearise(&right), Err(DerivativeError::WrongLength { what: "x", .. })));
     let mut routes = Routes::new(&robot);
     assert!(matches!(
         routes.compare(&right, &right, &[0.0; 14]),
@@ -47,7 +47,7 @@ fn wrong_lengths_are_named() {
     assert!(robot.with_gravity([0.0, f64::NAN, 0.0]).is_err());
     dual.function_mut().u.pop();
     assert!(matches!(
-        dual.evaluate(&[0.0; 14]),
+        dual.linearise(&[0.0; 14]),
         Err(DerivativeError::Function(EvalError::WrongLength { .. }))
     ));
 }
@@ -55,47 +55,44 @@ fn wrong_lengths_are_named() {
 #[test]
 fn not_a_number_and_infinity_are_named_with_their_joint() {
     let robot = panda();
-    let mut second = SecondOrder::<f64>::new(&robot);
+    let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for (argument, name) in ["q", "p", "u", "y"].into_iter().enumerate() {
             let mut arguments = [vec![0.1; 7], vec![0.1; 7], vec![0.1; 7], vec![0.1; 14]];
             arguments[argument][3] = bad;
             let [q, p, u, y] = &arguments;
-            let error = second.contracted_hessian(q, p, u, y).unwrap_err();
+            let error = second.contract(q, p, u, y).unwrap_err();
             assert_eq!(error, EvalError::NonFinite { what: name, index: 3, joint: "panda_joint4".into() });
         }
     }
     let mut y = [0.1; 14];
     y[9] = f64::NAN;
-    let error = second.contracted_hessian(&[0.1; 7], &[0.1; 7], &[0.1; 7], &y).unwrap_err();
+    let error = second.contract(&[0.1; 7], &[0.1; 7], &[0.1; 7], &y).unwrap_err();
     assert!(error.to_string().contains("y[9] (joint 'panda_joint3')"), "{error}");
-    assert!(
-        second.contracted_hessian(&[0.1; 7], &[0.1; 7], &[0.1; 7], &[0.1; 14]).is_ok(),
-        "usable afterwards"
-    );
+    assert!(second.contract(&[0.1; 7], &[0.1; 7], &[0.1; 7], &[0.1; 14]).is_ok(), "usable afterwards");
 }
 
 #[test]
 fn lagrangian_arguments_are_named_too() {
     let robot = panda();
     let (mut lagrangian, mut second) =
-        (Lagrangian::<f64>::new(&robot), lagrangian::SecondOrder::<f64>::new(&robot));
+        (Lagrangian::<f64>::new(&robot), LagrangianSecondOrder::<f64>::new(&robot));
     let (right, wrong) = ([0.1; 7], [0.1; 6]);
     let error = |what| EvalError::WrongLength { what, expected: 7, found: 6 };
     assert_eq!(lagrangian.inverse_dynamics(&right, &right, &wrong).unwrap_err(), error("a"));
-    assert_eq!(lagrangian.inverse_dynamics_jacobian(&right, &wrong, &right).unwrap_err(), error("v"));
+    assert_eq!(lagrangian.linearise_inverse_dynamics(&right, &wrong, &right).unwrap_err(), error("v"));
     assert_eq!(lagrangian.forward_dynamics(&wrong, &right, &right).unwrap_err(), error("q"));
-    assert_eq!(lagrangian.state_jacobian(&right, &right, &wrong).unwrap_err(), error("u"));
+    assert_eq!(lagrangian.linearise(&right, &right, &wrong).unwrap_err(), error("u"));
     assert_eq!(lagrangian.coriolis_matrix(&right, &wrong).unwrap_err(), error("v"));
     assert_eq!(lagrangian.gravity(&wrong).unwrap_err(), error("q"));
-    assert_eq!(second.contracted_hessian(&right, &right, &right, &wrong).unwrap_err(), error("y"));
-    assert_eq!(second.inverse_dynamics_hessian(&right, &right, &right, &wrong).unwrap_err(), error("w"));
+    assert_eq!(second.contract_forward_dynamics(&right, &right, &right, &wrong).unwrap_err(), error("y"));
+    assert_eq!(second.contract_inverse_dynamics(&right, &right, &right, &wrong).unwrap_err(), error("w"));
     let bad = [0.1, 0.1, f64::NAN, 0.1, 0.1, 0.1, 0.1];
     let not_finite = |what| EvalError::NonFinite { what, index: 2, joint: "panda_joint3".into() };
     assert_eq!(lagrangian.energy(&right, &bad).unwrap_err(), not_finite("v"));
-    assert_eq!(lagrangian.forward_dynamics_jacobian(&right, &right, &bad).unwrap_err(), not_finite("u"));
-    assert_eq!(second.contracted_hessian(&right, &right, &right, &bad).unwrap_err(), not_finite("y"));
-    let mut coordinates = Coordinates::<f64>::new(&robot);
+    assert_eq!(lagrangian.linearise_forward_dynamics(&right, &right, &bad).unwrap_err(), not_finite("u"));
+    assert_eq!(second.contract_forward_dynamics(&right, &right, &right, &bad).unwrap_err(), not_finite("y"));
+    let mut coordinates = LegendreTransform::<f64>::new(&robot);
     assert_eq!(coordinates.at_momentum(&right, &bad, &right).unwrap_err(), not_finite("p"));
     let mut map = coordinates.at(&right, &right, &right).unwrap();
     let narrow = Matrix::<f64>::zeros(14, 13);
@@ -121,16 +118,16 @@ fn a_singular_mass_matrix_is_an_error_that_names_the_joint() {
         .unwrap();
     assert!(robot.warnings().iter().any(|warning| warning.to_string().contains("'spin'")));
     let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-    let error = hamiltonian.phase_velocity(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
+    let error = hamiltonian.evaluate(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
     assert_eq!(error, EvalError::SingularMassMatrix { joint: "spin".into() });
-    assert!(hamiltonian.jacobian(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).is_err());
+    assert!(hamiltonian.linearise(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).is_err());
     assert!(hamiltonian.momentum(&[0.1, 0.2], &[1.0, 1.0]).is_ok(), "p = M v needs no inverse");
-    let mut second = SecondOrder::<f64>::new(&robot);
-    assert!(second.contracted_hessian(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2], &[1.0; 4]).is_err());
+    let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+    assert!(second.contract(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2], &[1.0; 4]).is_err());
     let mut lagrangian = Lagrangian::<f64>::new(&robot);
     let refused = lagrangian.forward_dynamics(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
     assert_eq!(refused, error);
-    assert!(lagrangian.inverse_dynamics_jacobian(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).is_ok());
+    assert!(lagrangian.linearise_inverse_dynamics(&[0.1, 0.2], &[1.0, 1.0], &[0.0; 2]).is_ok());
 }
 
 /// Two coaxial joints with a massless link between them: each alone moves mass, together they are redundant.
@@ -142,8 +139,7 @@ fn coaxial_joints_with_nothing_between_them_are_singular() {
         .joint(JointSpec::revolute("second").on("first").carrying(body))
         .build()
         .unwrap();
-    let error =
-        Hamiltonian::<f64>::new(&robot).phase_velocity(&[0.0, 0.4], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
+    let error = Hamiltonian::<f64>::new(&robot).evaluate(&[0.0, 0.4], &[1.0, 1.0], &[0.0; 2]).unwrap_err();
     assert_eq!(error, EvalError::SingularMassMatrix { joint: "first".into() });
 }
 
@@ -156,8 +152,8 @@ fn large_angles_lose_only_the_digits_they_lack() {
     let q: Vec<f64> = (0..7).map(|i| 0.2 * i as f64 - 0.5).collect();
     let far: Vec<f64> = q.iter().map(|q| q + turns).collect();
     let p = [0.3; 7];
-    let near = hamiltonian.jacobian(&q, &p, &p).unwrap().matrix().to_nalgebra();
-    let found = hamiltonian.jacobian(&far, &p, &p).unwrap().matrix().to_nalgebra();
+    let near = hamiltonian.linearise(&q, &p, &p).unwrap().matrix().to_nalgebra();
+    let found = hamiltonian.linearise(&far, &p, &p).unwrap().matrix().to_nalgebra();
     assert!(largest(&(&found - &near)) <= 1e-7 * largest(&near));
 }
 
@@ -234,7 +230,7 @@ fn a_hundred_joints() {
     let error = largest(&errors);
     assert!(error < 1e-8, "{error:.2e}");
     let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot));
-    let by_dual = dual.evaluate(&[q.clone(), p.clone()].concat()).unwrap().jacobian.view().to_nalgebra();
-    let by_hand = hamiltonian.jacobian(&q, &p, &vec![0.0; 100]).unwrap().matrix().to_nalgebra();
+    let by_dual = dual.linearise(&[q.clone(), p.clone()].concat()).unwrap().jacobian.view().to_nalgebra();
+    let by_hand = hamiltonian.linearise(&q, &p, &vec![0.0; 100]).unwrap().matrix().to_nalgebra();
     assert!(largest(&(&by_hand - &by_dual)) <= 1e-9 * largest(&by_dual));
 }

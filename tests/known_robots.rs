@@ -79,16 +79,16 @@ fn puma_560_gives_the_published_answers() {
     ] {
         near(m[(i - 1, j - 1)], published, &format!("M{i}{j}"));
     }
-    let at_rest = hamiltonian.phase_velocity(&q, &[0.0; 6], &[0.0; 6]).unwrap();
+    let at_rest = hamiltonian.evaluate(&q, &[0.0; 6], &[0.0; 6]).unwrap();
     for (i, published) in [0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0].into_iter().enumerate() {
         near(-at_rest[6 + i], published, &format!("gravity load {}", i + 1));
     }
     // C v = dp/dt - M a - g-load at a = 0: (dM/dt) v - L_q + dV/dq, with (dM/dt) v = P v.
     let v = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
     let p = hamiltonian.momentum(&q, &v).unwrap().to_vec();
-    let l_q = hamiltonian.phase_velocity(&q, &p, &[0.0; 6]).unwrap()[6..].to_vec();
-    let at_rest = hamiltonian.phase_velocity(&q, &[0.0; 6], &[0.0; 6]).unwrap()[6..].to_vec();
-    let coupling = hamiltonian.momentum_jacobian(&q, &v).unwrap().dp_dq;
+    let l_q = hamiltonian.evaluate(&q, &p, &[0.0; 6]).unwrap()[6..].to_vec();
+    let at_rest = hamiltonian.evaluate(&q, &[0.0; 6], &[0.0; 6]).unwrap()[6..].to_vec();
+    let coupling = hamiltonian.linearise_momentum(&q, &v).unwrap().dp_dq;
     for (i, published) in [-4.6344, 8.7257, -1.9268, 0.0023, 0.0191, 0.0004].into_iter().enumerate() {
         let pv: f64 = coupling.row(i).iter().zip(&v).map(|(p, v)| p * v).sum();
         near(pv - l_q[i] + at_rest[i], published, &format!("C v {}", i + 1));
@@ -101,7 +101,7 @@ fn pendulum_and_two_link_arm_in_closed_form() {
     let pendulum = Robot::from_file(robots().join("pendulum.toml")).unwrap();
     let mut hamiltonian = Hamiltonian::<f64>::new(&pendulum);
     for q in [0.0, 0.7, PI] {
-        let linear = hamiltonian.jacobian(&[q], &[0.4], &[0.1]).unwrap();
+        let linear = hamiltonian.linearise(&[q], &[0.4], &[0.1]).unwrap();
         let expected = [0.4, -9.81 * q.sin() + 0.1];
         assert!(linear.f().iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-14));
         assert!(

@@ -7,8 +7,8 @@
 mod random_robot;
 
 use costate::EvalError;
-use costate::hamiltonian::{DualPass, Hamiltonian, SecondOrder};
-use costate::lagrangian;
+use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{self, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::{Lanes, Scalar, Tangent, Vector};
@@ -28,23 +28,23 @@ struct State([Vec<f64>; 5]);
 fn quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantities<S> {
     let n = robot.len();
     let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
-    let mut second = SecondOrder::<S>::new(robot);
-    let mut lagrangian = lagrangian::SecondOrder::<S>::new(robot);
-    let mut all = vec![("F", second.first().phase_velocity(q, p, u).unwrap().to_vec())];
-    all.push(("F_x", flat(second.first().jacobian(q, p, u).unwrap().matrix())));
+    let mut second = HamiltonianSecondOrder::<S>::new(robot);
+    let mut lagrangian = LagrangianSecondOrder::<S>::new(robot);
+    let mut all = vec![("F", second.first().evaluate(q, p, u).unwrap().to_vec())];
+    all.push(("F_x", flat(second.first().linearise(q, p, u).unwrap().matrix())));
     all.push(("y'F_x", second.first().adjoint(q, p, u, y).unwrap().y_f_x.to_vec()));
-    all.push(("y'F_xx", flat(second.contracted_hessian(q, p, u, y).unwrap().matrix())));
+    all.push(("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix())));
     all.push(("y'F_xx y", second.hessian_product(q, p, y, y).unwrap().to_vec()));
     let mut dual_pass = DualPass::<S>::new(robot);
-    all.push(("y'F_xx by a dual pass", flat(dual_pass.contracted_hessian(q, p, u, y).unwrap().matrix())));
+    all.push(("y'F_xx by a dual pass", flat(dual_pass.contract(q, p, u, y).unwrap().matrix())));
     all.push(("p", second.first().momentum(q, v).unwrap().to_vec()));
     all.push(("M^-1", second.first().inverse_mass_matrix(q).unwrap().as_slice().to_vec()));
     all.push(("a", lagrangian.first().forward_dynamics(q, v, u).unwrap().to_vec()));
     all.push(("tau", lagrangian.first().inverse_dynamics(q, v, u).unwrap().to_vec()));
-    all.push(("a_z", flat(lagrangian.first().forward_dynamics_jacobian(q, v, u).unwrap().matrix())));
+    all.push(("a_z", flat(lagrangian.first().linearise_forward_dynamics(q, v, u).unwrap().matrix())));
     all.push((
         "y'a_zz",
-        lagrangian.contracted_hessian(q, v, u, &y[n..]).unwrap().to_matrix().as_slice().to_vec(),
+        lagrangian.contract_forward_dynamics(q, v, u, &y[n..]).unwrap().to_matrix().as_slice().to_vec(),
     ));
     all
 }
@@ -52,11 +52,11 @@ fn quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantitie
 /// The first three quantities only, as number types nest.
 fn fewer_quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantities<S> {
     let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
-    let mut second = SecondOrder::<S>::new(robot);
+    let mut second = HamiltonianSecondOrder::<S>::new(robot);
     let mut lagrangian = lagrangian::Lagrangian::<S>::new(robot);
     vec![
-        ("F", second.first().phase_velocity(q, p, u).unwrap().to_vec()),
-        ("y'F_xx", flat(second.contracted_hessian(q, p, u, y).unwrap().matrix())),
+        ("F", second.first().evaluate(q, p, u).unwrap().to_vec()),
+        ("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix())),
         ("a", lagrangian.forward_dynamics(q, v, u).unwrap().to_vec()),
     ]
 }
@@ -228,9 +228,18 @@ fn steps_are_made_in_every_lane() {
         }
     }
     let ur5 = robot("ur5.urdf");
-    check(RungeKutta4::new(SecondOrder::new(&ur5)), RungeKutta4::new(SecondOrder::new(&ur5)));
-    check(StoermerVerlet::new(SecondOrder::new(&ur5)), StoermerVerlet::new(SecondOrder::new(&ur5)));
-    check(ImplicitMidpoint::new(SecondOrder::new(&ur5)), ImplicitMidpoint::new(SecondOrder::new(&ur5)));
+    check(
+        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
+        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+    check(
+        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
+        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+    check(
+        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
+        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
+    );
 }
 
 /// One lane of a call that is not finite, or singular, is an error of the call: no lane is passed over.
@@ -239,12 +248,12 @@ fn one_bad_lane_is_an_error_of_the_call() {
     let ur5 = robot("ur5.urdf");
     let mut hamiltonian = Hamiltonian::<Lanes<wide::f64x8>>::new(&ur5);
     let good = vec![Lanes::from(0.3); 6];
-    assert!(hamiltonian.phase_velocity(&good, &good, &good).is_ok());
+    assert!(hamiltonian.evaluate(&good, &good, &good).is_ok());
     for k in 0..8 {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut bad = good.clone();
             bad[2].as_mut_slice()[k] = value;
-            let error = hamiltonian.phase_velocity(&good, &bad, &good).unwrap_err();
+            let error = hamiltonian.evaluate(&good, &bad, &good).unwrap_err();
             assert!(matches!(error, EvalError::NonFinite { what: "p", index: 2, .. }), "{error}");
         }
     }
@@ -257,9 +266,9 @@ fn one_bad_lane_is_an_error_of_the_call() {
     for k in 0..4 {
         let mut q = vec![Lanes::from(0.3); 3];
         let p = vec![Lanes::from(0.1); 3];
-        assert!(hamiltonian.phase_velocity(&q, &p, &p).is_ok());
+        assert!(hamiltonian.evaluate(&q, &p, &p).is_ok());
         q[1].as_mut_slice()[k] = FRAC_PI_2;
-        let error = hamiltonian.phase_velocity(&q, &p, &p).unwrap_err();
+        let error = hamiltonian.evaluate(&q, &p, &p).unwrap_err();
         assert!(matches!(error, EvalError::SingularMassMatrix { .. }), "{error}");
     }
 }

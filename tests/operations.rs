@@ -8,7 +8,7 @@ mod robots;
 use costate::derivative::{
     CHUNK, Hessian, InnerNumber, Jacobian, NestedHessian, OperationTable, PhaseVelocity,
 };
-use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::{Contracted, Route};
 use costate::matrix::Block;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
@@ -44,36 +44,36 @@ fn by_hand<S: Scalar, R: Route>(robot: &Robot, route: R, x: &[S], u: &[S], y: &[
     let mut first = Hamiltonian::<S, R>::with_route(tree.clone(), route.clone());
     let mut second = DualPass::<S, R>::with_route(tree, route);
     let mut results = vec![("M", first.mass_matrix(q).unwrap().as_slice().to_vec())];
-    results.push(("F", first.phase_velocity(q, p, u).unwrap().to_vec()));
-    results.push(("F_x", flat(first.jacobian(q, p, u).unwrap().matrix())));
-    results.push(("y'F_xx", flat(second.contracted_hessian(q, p, u, y).unwrap().matrix())));
+    results.push(("F", first.evaluate(q, p, u).unwrap().to_vec()));
+    results.push(("F_x", flat(first.linearise(q, p, u).unwrap().matrix())));
+    results.push(("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix())));
     results
 }
 
 fn by_rule<S: Scalar>(robot: &Robot, x: &[S], u: &[S], y: &[S]) -> Results<S> {
     let (q, p) = x.split_at(robot.len());
-    let mut second = SecondOrder::<S>::new(robot);
+    let mut second = HamiltonianSecondOrder::<S>::new(robot);
     let mut full = FullHessian::<S>::new(robot);
-    let mut results = vec![("y'F_xx", flat(second.contracted_hessian(q, p, u, y).unwrap().matrix()))];
+    let mut results = vec![("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix()))];
     results.push(("y'F_x", second.first().adjoint(q, p, u, y).unwrap().y_f_x.to_vec()));
     results.push(("y'F_xx y", second.hessian_product(q, p, y, y).unwrap().to_vec()));
-    results.push(("F_xx", full.evaluate(q, p).unwrap().packed().to_vec()));
+    results.push(("F_xx", full.hessian_tensor(q, p).unwrap().packed().to_vec()));
     results
 }
 
 fn by_dual_numbers<T: InnerNumber>(robot: &Robot, x: &[T], y: &[T]) -> Results<T> {
     let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]);
     let mut jacobian = Jacobian::<_, CHUNK, T>::over(function());
-    let first = jacobian.evaluate(x).unwrap();
+    let first = jacobian.linearise(x).unwrap();
     let mut results = vec![("F", first.value.to_vec()), ("F_x", first.jacobian.as_slice().to_vec())];
     let mut nested = NestedHessian::<_, CHUNK, T>::over(function());
-    results.push(("y'F_xx", nested.contracted(x, y).unwrap().as_slice().to_vec()));
+    results.push(("y'F_xx", nested.contract(x, y).unwrap().as_slice().to_vec()));
     results
 }
 
 fn by_hyper_dual_numbers<T: InnerNumber>(robot: &Robot, x: &[T], y: &[T]) -> Results<T> {
     let mut hessian = Hessian::<_, T>::over(PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]));
-    let contracted = hessian.contracted(x, y).unwrap().as_slice().to_vec();
+    let contracted = hessian.contract(x, y).unwrap().as_slice().to_vec();
     let last = hessian.last();
     vec![("F", last.value().to_vec()), ("F_x", last.jacobian().as_slice().to_vec()), ("y'F_xx", contracted)]
 }
@@ -144,7 +144,7 @@ fn the_jacobian_takes_few_multiplications() {
         let n = robot.len();
         let numbers = |from: f64| (0..n).map(|i| Count::variable(from + 0.3 * i as f64)).collect::<Vec<_>>();
         let mut hamiltonian = Hamiltonian::<Count>::new(&robot);
-        let (_, o) = count(|| hamiltonian.jacobian(&numbers(0.1), &numbers(0.4), &numbers(0.2)).map(drop));
+        let (_, o) = count(|| hamiltonian.linearise(&numbers(0.1), &numbers(0.4), &numbers(0.2)).map(drop));
         assert!(o.mul <= most, "{}: {o:?}", robot.name());
     }
 }
@@ -230,6 +230,6 @@ fn a_pendulum_takes_what_it_must() {
     assert!((f.sincos, f.mul) == (1, 2) && f.add <= 4, "weight and actuation: {f:?}");
     let mut hamiltonian = Hamiltonian::<Count>::new(&robot);
     let [q, p, u] = [0.4, 0.5, 0.6].map(|value| [Count::variable(value)]);
-    let (_, again) = count(|| hamiltonian.phase_velocity(&q, &p, &u).map(drop));
+    let (_, again) = count(|| hamiltonian.evaluate(&q, &p, &u).map(drop));
     assert_eq!(f, again);
 }

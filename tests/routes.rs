@@ -6,7 +6,7 @@
 mod random_robot;
 
 use costate::derivative::{Directional, Hessian, Jacobian, PhaseVelocity, Routes, relative_difference};
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::matrix::{Block, Matrix};
 use proptest::prelude::*;
 use random_robot::{Case, cases, difference, tolerance};
@@ -46,10 +46,10 @@ proptest! {
         let robot = case.robot();
         let (x, n) = (case.x(&robot), case.n());
         let tolerance = tolerance(&robot, &case.q);
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let analytic = second.contracted_hessian(&case.q, &x[n..], &case.u, &case.y).unwrap();
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        let analytic = second.contract(&case.q, &x[n..], &case.u, &case.y).unwrap();
         let mut hessian = Hessian::new(PhaseVelocity::new(&robot).under(&case.u));
-        let tensor = hessian.evaluate(&x).unwrap();
+        let tensor = hessian.hessian_tensor(&x).unwrap();
         let mut contracted = Vec::new();
         for i in 0..2 * n {
             for j in 0..2 * n {
@@ -61,7 +61,7 @@ proptest! {
         let found = relative_difference(analytic.matrix(), contracted.view(), natural);
         prop_assert!(found <= tolerance, "tensor: {found:.2e}");
         let mut directional = Directional::new(PhaseVelocity::new(&robot).under(&case.u));
-        let along = directional.evaluate(&x, &case.y).unwrap();
+        let along = directional.jacobian_product(&x, &case.y).unwrap();
         let f_x = analytic.linearisation();
         let product: Vec<f64> =
             f_x.matrix().iter_rows().map(|row| row.iter().zip(&case.y).map(|(a, b)| a * b).sum()).collect();
@@ -75,12 +75,12 @@ proptest! {
         let robot = case.robot();
         let p = case.p(&robot);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-        let f = hamiltonian.phase_velocity(&case.q, &p, &case.u).unwrap().to_vec();
-        let linear = hamiltonian.jacobian(&case.q, &p, &case.u).unwrap();
+        let f = hamiltonian.evaluate(&case.q, &p, &case.u).unwrap().to_vec();
+        let linear = hamiltonian.linearise(&case.q, &p, &case.u).unwrap();
         prop_assert_eq!(linear.f(), &f[..]);
         let (f_x, minv) = (flat(linear.matrix()), flat(linear.qp()));
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let all = second.contracted_hessian(&case.q, &p, &case.u, &case.y).unwrap();
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        let all = second.contract(&case.q, &p, &case.u, &case.y).unwrap();
         prop_assert!(difference(all.linearisation().f(), &f) <= 1e-14);
         prop_assert!(difference(&flat(all.linearisation().matrix()), &f_x) <= 1e-14);
         prop_assert_eq!(hamiltonian.inverse_mass_matrix(&case.q).unwrap().as_slice(), &minv[..]);
@@ -92,9 +92,9 @@ proptest! {
         let robot = case.robot();
         let x = case.x(&robot);
         let function = || PhaseVelocity::new(&robot).under(&case.u);
-        let one = Jacobian::<_, 1>::chunked(function()).evaluate(&x).unwrap().jacobian.clone();
-        let three = Jacobian::<_, 3>::chunked(function()).evaluate(&x).unwrap().jacobian.clone();
-        let many = Jacobian::<_, 16>::chunked(function()).evaluate(&x).unwrap().jacobian.clone();
+        let one = Jacobian::<_, 1>::chunked(function()).linearise(&x).unwrap().jacobian.clone();
+        let three = Jacobian::<_, 3>::chunked(function()).linearise(&x).unwrap().jacobian.clone();
+        let many = Jacobian::<_, 16>::chunked(function()).linearise(&x).unwrap().jacobian.clone();
         prop_assert!(difference(one.as_slice(), three.as_slice()) <= 1e-15);
         prop_assert!(difference(one.as_slice(), many.as_slice()) <= 1e-15);
     }

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-use costate::hamiltonian::{FullHessian, Hamiltonian, SecondOrder};
+use costate::hamiltonian::{FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::Lagrangian;
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
@@ -50,9 +50,9 @@ fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S
     let (q, p, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
     let y = lift(&(0..2 * n).map(|i| 1.0 - 0.2 * i as f64).collect::<Vec<_>>());
     let mut hamiltonian = Hamiltonian::<S>::new(robot);
-    let mut second = SecondOrder::<S>::new(robot);
-    let mut all = vec![("F", hamiltonian.phase_velocity(&q, &p, &u).unwrap().to_vec())];
-    let linear = hamiltonian.jacobian(&q, &p, &u).unwrap();
+    let mut second = HamiltonianSecondOrder::<S>::new(robot);
+    let mut all = vec![("F", hamiltonian.evaluate(&q, &p, &u).unwrap().to_vec())];
+    let linear = hamiltonian.linearise(&q, &p, &u).unwrap();
     all.push(("F_x", flat(linear.matrix())));
     all.push(("M", linear.mass_matrix().as_slice().to_vec()));
     let energy = hamiltonian.energy(&q, &p).unwrap();
@@ -60,13 +60,13 @@ fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S
     all.push(("p", hamiltonian.momentum(&q, &p).unwrap().to_vec()));
     all.push(("v", hamiltonian.velocity(&q, &p).unwrap().to_vec()));
     all.push(("M^-1", hamiltonian.inverse_mass_matrix(&q).unwrap().as_slice().to_vec()));
-    let contracted = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+    let contracted = second.contract(&q, &p, &u, &y).unwrap();
     all.push(("F_x of the second order", flat(contracted.linearisation().matrix())));
     all.push(("y'F_xx", flat(contracted.matrix())));
     all.push(("y'F_x", second.first().adjoint(&q, &p, &u, &y).unwrap().y_f_x.to_vec()));
     all.push(("y'F_xx y", second.hessian_product(&q, &p, &y, &y).unwrap().to_vec()));
     let mut full = FullHessian::<S>::new(robot);
-    all.push(("F_xx", full.evaluate(&q, &p).unwrap().packed().to_vec()));
+    all.push(("F_xx", full.hessian_tensor(&q, &p).unwrap().packed().to_vec()));
     all
 }
 
@@ -78,10 +78,10 @@ fn other_pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str,
     let (q, v, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
     let mut tensors = Hamiltonian::<S, _>::with_route(Tree::from(robot), Christoffel);
     let mut lagrangian = Lagrangian::<S>::new(robot);
-    let mut all = vec![("F_x by tensors", flat(tensors.jacobian(&q, &v, &u).unwrap().matrix()))];
+    let mut all = vec![("F_x by tensors", flat(tensors.linearise(&q, &v, &u).unwrap().matrix()))];
     all.push(("tau", lagrangian.inverse_dynamics(&q, &v, &u).unwrap().to_vec()));
     all.push(("C", lagrangian.coriolis_matrix(&q, &v).unwrap().as_slice().to_vec()));
-    let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+    let linear = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
     all.push(("a", linear.acceleration().to_vec()));
     all.push(("a_z", flat(linear.matrix())));
     all
@@ -206,8 +206,8 @@ fn second_derivatives_can_be_differentiated() {
         p[0] += direction;
         let y: Vec<S> = (0..2 * n).map(|i| lift(&(1.0 - 0.2 * i as f64))).collect();
         let u = vec![S::from_f64(0.0); n];
-        let mut second = SecondOrder::<S>::new(robot);
-        let hessian = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+        let mut second = HamiltonianSecondOrder::<S>::new(robot);
+        let hessian = second.contract(&q, &p, &u, &y).unwrap();
         (0..2 * n).fold(u[0], |sum, i| sum + hessian.matrix()[(i, i)])
     }
     for robot in robots() {

@@ -8,7 +8,8 @@ mod random_robot;
 use costate::EvalError;
 use costate::derivative::{Hessian, NestedHessian, PhaseVelocity, largest, relative_difference};
 use costate::dynamics::Dynamics;
-use costate::hamiltonian::{DualPass, FullHessian, SecondOrder};
+use costate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
+use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::{Block, Matrix};
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
@@ -24,8 +25,8 @@ fn vector(values: &[f64]) -> DVector<f64> {
 }
 
 /// What rounding in y'F_xx is in proportion to where it vanishes.
-fn natural(case: &Case, second: &mut SecondOrder<f64>, x: &[f64]) -> f64 {
-    let linear = second.first().jacobian(&case.q, &x[case.n()..], &case.u).unwrap();
+fn natural(case: &Case, second: &mut HamiltonianSecondOrder<f64>, x: &[f64]) -> f64 {
+    let linear = second.first().linearise(&case.q, &x[case.n()..], &case.u).unwrap();
     largest(&case.y) * largest(linear.matrix().to_nalgebra().as_slice()).max(1.0)
 }
 
@@ -36,20 +37,20 @@ fn six_routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let (x, y) = (case.x(&robot), &case.y);
     let (q, p) = x.split_at(n);
     let function = || PhaseVelocity::new(&robot).under(&case.u);
-    let mut rule = SecondOrder::<f64>::new(&robot);
+    let mut rule = HamiltonianSecondOrder::<f64>::new(&robot);
     let natural = 1e-3 * natural(case, &mut rule, &x);
     let mut dual_pass = DualPass::<f64>::new(&robot);
     let mut tensors = DualPass::<f64, _>::with_route(Tree::from(&robot), Christoffel);
     let (mut nested, mut hyperdual) = (NestedHessian::new(function()), Hessian::new(function()));
     let mut packed = Matrix::zeros(2 * n, 2 * n);
-    FullHessian::<f64>::new(&robot).evaluate(q, p).unwrap().contract(y, &mut packed).unwrap();
+    FullHessian::<f64>::new(&robot).hessian_tensor(q, p).unwrap().contract(y, &mut packed).unwrap();
     let routes: [(&str, Block<'_, f64>); 6] = [
-        ("2n+1 rule", rule.contracted_hessian(q, p, &case.u, y).unwrap().matrix()),
-        ("dual pass", dual_pass.contracted_hessian(q, p, &case.u, y).unwrap().matrix()),
-        ("dual in dual", nested.contracted(&x, y).unwrap().view()),
-        ("hyper-dual", hyperdual.contracted(&x, y).unwrap().view()),
+        ("2n+1 rule", rule.contract(q, p, &case.u, y).unwrap().matrix()),
+        ("dual pass", dual_pass.contract(q, p, &case.u, y).unwrap().matrix()),
+        ("dual in dual", nested.contract(&x, y).unwrap().view()),
+        ("hyper-dual", hyperdual.contract(&x, y).unwrap().view()),
         ("packed tensor", packed.view()),
-        ("tensors", tensors.contracted_hessian(q, p, &case.u, y).unwrap().matrix()),
+        ("tensors", tensors.contract(q, p, &case.u, y).unwrap().matrix()),
     ];
     let condition = condition(&robot, q);
     for (a, (name_a, ours)) in routes.iter().enumerate() {
@@ -84,8 +85,8 @@ proptest! {
         let p = &x[case.n()..];
         let other: Vec<f64> = case.y.iter().rev().map(|y| 0.7 - y).collect();
         let both: Vec<f64> = case.y.iter().zip(&other).map(|(a, b)| 2.0 * a - 3.0 * b).collect();
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let mut of = |y: &[f64]| second.contracted_hessian(&case.q, p, &case.u, y).unwrap().matrix().to_nalgebra();
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        let mut of = |y: &[f64]| second.contract(&case.q, p, &case.u, y).unwrap().matrix().to_nalgebra();
         let (h_one, h_other, h_both) = (of(&case.y), of(&other), of(&both));
         prop_assert_eq!(&h_one, &h_one.transpose());
         let size = h_one.amax().max(h_other.amax()).max(natural(&case, &mut second, &x));
@@ -100,8 +101,8 @@ proptest! {
         let (x, y) = (case.x(&robot), &case.y);
         let p = &x[n..];
         let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let all = second.contracted_hessian(&case.q, p, &case.u, y).unwrap();
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        let all = second.contract(&case.q, p, &case.u, y).unwrap();
         let linear = all.linearisation();
         let by_f_x = linear.matrix().to_nalgebra().transpose() * vector(y);
         let by_y_f_xx = all.matrix().to_nalgebra() * vector(&d);
@@ -128,10 +129,10 @@ proptest! {
         let (robot, n) = (case.robot(), case.n());
         let x = case.x(&robot);
         let mut full = FullHessian::<f64>::new(&robot);
-        let tensor = full.evaluate(&case.q, &x[n..]).unwrap();
+        let tensor = full.hessian_tensor(&case.q, &x[n..]).unwrap();
         prop_assert_eq!(tensor.packed().len(), (2 * n) * (2 * n + 1) * (2 * n + 2) / 6 - n * (n + 1) * (n + 2) / 6);
         let mut hyperdual = Hessian::new(PhaseVelocity::new(&robot).under(&case.u));
-        let expected = hyperdual.evaluate(&x).unwrap();
+        let expected = hyperdual.hessian_tensor(&x).unwrap();
         let size = largest(expected.jacobian().as_slice()).max(1.0);
         let size_of = 2 * n;
         let triples = || (0..size_of.pow(3)).map(move |t| (t / size_of / size_of, t / size_of % size_of, t % size_of));
@@ -163,18 +164,18 @@ proptest! {
     fn what_is_zero_by_structure_is_not_stored(case in cases(4)) {
         let (robot, n) = (case.robot(), case.n());
         let x = case.x(&robot);
-        let mut second = SecondOrder::<f64>::new(&robot);
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
         let structure = second.structure();
         prop_assert!(structure.constant_f_u && structure.affine_in_u && structure.f_u_depends_on == 0);
-        let all = second.contract(&x, &case.u, &case.y).unwrap();
+        let all = Dynamics::contract(&mut second, &x, &case.u, &case.y).unwrap();
         prop_assert!(all.ux.is_none() && all.uu.is_none());
         let expected = DMatrix::from_fn(2 * n, n, |i, j| f64::from(u8::from(i == n + j)));
         prop_assert_eq!(all.first.f_u.to_nalgebra(), expected);
-        let mut lagrangian = costate::lagrangian::SecondOrder::<f64>::new(&robot);
+        let mut lagrangian = LagrangianSecondOrder::<f64>::new(&robot);
         let structure = lagrangian.structure();
         prop_assert!(!structure.constant_f_u && structure.affine_in_u && structure.f_u_depends_on == n);
         let x = [case.q.as_slice(), &case.v].concat();
-        let all = lagrangian.contract(&x, &case.u, &case.y).unwrap();
+        let all = Dynamics::contract(&mut lagrangian, &x, &case.u, &case.y).unwrap();
         prop_assert!(all.uu.is_none());
         prop_assert_eq!(all.ux.map(|ux| (ux.rows(), ux.columns())), Some((n, n)));
     }
@@ -183,10 +184,10 @@ proptest! {
 #[test]
 fn wrong_lengths_and_numbers_are_named() {
     let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/two_link.toml")).unwrap();
-    let mut second = SecondOrder::<f64>::new(&robot);
+    let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
     let (two, four, bad) = ([0.1; 2], [0.2; 4], [0.1, f64::NAN, 0.3, 0.4]);
     let wrong = |what, expected, found| EvalError::WrongLength { what, expected, found };
-    assert_eq!(second.contracted_hessian(&two, &two, &two, &two).unwrap_err(), wrong("y", 4, 2));
+    assert_eq!(second.contract(&two, &two, &two, &two).unwrap_err(), wrong("y", 4, 2));
     assert_eq!(second.hessian_product(&two, &two, &four, &two).unwrap_err(), wrong("d", 4, 2));
     assert_eq!(second.hessian_product(&two, &four, &four, &four).unwrap_err(), wrong("p", 2, 4));
     assert_eq!(second.first().adjoint(&two, &two, &two, &two).map(drop).unwrap_err(), wrong("y", 4, 2));
@@ -199,12 +200,12 @@ fn wrong_lengths_and_numbers_are_named() {
         Err(EvalError::NonFinite { what: "d", .. })
     ));
     let mut full = FullHessian::<f64>::new(&robot);
-    assert_eq!(full.evaluate(&four, &two).map(drop).unwrap_err(), wrong("q", 2, 4));
-    let tensor = full.evaluate(&two, &two).unwrap();
+    assert_eq!(full.hessian_tensor(&four, &two).map(drop).unwrap_err(), wrong("q", 2, 4));
+    let tensor = full.hessian_tensor(&two, &two).unwrap();
     assert_eq!(tensor.contract(&two, &mut Matrix::zeros(4, 4)).unwrap_err(), wrong("y", 4, 2));
     assert_eq!(
         tensor.contract(&four, &mut Matrix::zeros(4, 3)).unwrap_err(),
         wrong("a row of contracted", 4, 3)
     );
-    assert_eq!(second.value(&two, &two).map(drop).unwrap_err(), wrong("x", 4, 2));
+    assert_eq!(second.evaluate(&two, &two).map(drop).unwrap_err(), wrong("x", 4, 2));
 }

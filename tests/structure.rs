@@ -91,7 +91,7 @@ proptest! {
         let robot = case.robot().without_friction();
         let p = case.p(&robot);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-        let linear = hamiltonian.jacobian(&case.q, &p, &case.u).unwrap();
+        let linear = hamiltonian.linearise(&case.q, &p, &case.u).unwrap();
         let [qq, qp, pq, pp] = [linear.qq(), linear.qp(), linear.pq(), linear.pp()].map(|b| b.to_nalgebra());
         prop_assert_eq!(&pq, &pq.transpose());
         prop_assert_eq!(&qp, &qp.transpose());
@@ -99,7 +99,7 @@ proptest! {
         prop_assert!((qq.trace() + pp.trace()).abs() <= 1e-14 * largest(&qq));
         let by_dual = PhaseVelocity::new(&robot).under(&case.u);
         let mut dual: Jacobian<_> = Jacobian::new(by_dual);
-        let f_x = dual.evaluate(&[case.q.clone(), p.clone()].concat()).unwrap().jacobian.view().to_nalgebra();
+        let f_x = dual.linearise(&[case.q.clone(), p.clone()].concat()).unwrap().jacobian.view().to_nalgebra();
         let n = case.n();
         let (pq, qq) = (f_x.view((n, 0), (n, n)), f_x.view((0, 0), (n, n)));
         let bound = tolerance(&robot, &case.q);
@@ -113,10 +113,10 @@ proptest! {
         let robot = case.robot();
         let p = case.p(&robot);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-        let f = hamiltonian.phase_velocity(&case.q, &p, &case.u).unwrap().to_vec();
+        let f = hamiltonian.evaluate(&case.q, &p, &case.u).unwrap().to_vec();
         let conservative = robot.without_friction();
         let rest = vec![0.0; case.n()];
-        let smooth = Hamiltonian::<f64>::new(&conservative).phase_velocity(&case.q, &p, &rest).unwrap().to_vec();
+        let smooth = Hamiltonian::<f64>::new(&conservative).evaluate(&case.q, &p, &rest).unwrap().to_vec();
         let n = case.n();
         let mut dual = Hamiltonian::<num_dual::Dual64>::new(&robot);
         let seed = |x: &[f64], d: &[f64]| -> Vec<_> {
@@ -139,9 +139,9 @@ proptest! {
         let mut solved = p.clone();
         hamiltonian.solve_mass_matrix(&case.q, &mut solved).unwrap();
         prop_assert_eq!(&solved, &v);
-        let to_p = hamiltonian.momentum_jacobian(&case.q, &case.v).unwrap();
+        let to_p = hamiltonian.linearise_momentum(&case.q, &case.v).unwrap();
         let (in_q, in_v) = (to_p.dp_dq.view().to_nalgebra(), to_p.dp_dv.view().to_nalgebra());
-        let to_v = hamiltonian.velocity_jacobian(&case.q, &p).unwrap();
+        let to_v = hamiltonian.linearise_velocity(&case.q, &p).unwrap();
         let (v_q, v_p) = (to_v.dv_dq.to_nalgebra(), to_v.dv_dp.to_nalgebra());
         let identity = DMatrix::identity(case.n(), case.n());
         prop_assert!(largest(&(&v_p * &in_v - identity)) <= bound * largest(&in_v) * largest(&v_p));
@@ -168,7 +168,7 @@ proptest! {
         let p = Hamiltonian::<f64>::new(&original).momentum(&case.q, &case.v).unwrap().to_vec();
         let f = |robot: &Robot| {
             let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-            hamiltonian.phase_velocity(&case.q, &p, &case.u).unwrap().to_vec()
+            hamiltonian.evaluate(&case.q, &p, &case.u).unwrap().to_vec()
         };
         prop_assert!(difference(&f(&turned), &f(&original)) <= tolerance(&original, &case.q));
     }
@@ -187,7 +187,7 @@ proptest! {
         prop_assume!((0.0..1e9).contains(&condition(&robot, &case.q)));
         let p = case.p(&robot);
         let n = case.n();
-        let f = Hamiltonian::<f64>::new(&robot).phase_velocity(&case.q, &p, &vec![0.0; n]).unwrap().to_vec();
+        let f = Hamiltonian::<f64>::new(&robot).evaluate(&case.q, &p, &vec![0.0; n]).unwrap().to_vec();
         let energy: f64 = f.iter().zip(&p).map(|(v, p)| (v * p).abs()).sum();
         let weight = 9.81 * robot.joints().iter().map(|joint| joint.inertia.mass).sum::<f64>();
         prop_assert!(f[n].abs() <= 1e-13 * (energy + weight), "{}", f[n]);
@@ -249,7 +249,7 @@ proptest! {
         let numbers = |robot: &Robot| {
             let mut hamiltonian = Hamiltonian::<f64>::new(robot);
             let p: Vec<f64> = (0..n).map(|i| 0.3 + 0.2 * i as f64).collect();
-            hamiltonian.jacobian(&q[..n], &p, &vec![0.0; n]).map(|l| [l.f().to_vec(), l.matrix().to_nalgebra().as_slice().to_vec()].concat())
+            hamiltonian.linearise(&q[..n], &p, &vec![0.0; n]).map(|l| [l.f().to_vec(), l.matrix().to_nalgebra().as_slice().to_vec()].concat())
         };
         let expected = numbers(&placed);
         prop_assume!(expected.is_ok());

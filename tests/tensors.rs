@@ -15,7 +15,7 @@ mod storage;
 use bench::{revolute, serial};
 use costate::EvalError;
 use costate::derivative::{Function, Hessian, Jacobian, PhaseVelocity, largest, relative_difference};
-use costate::hamiltonian::{DualPass, Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::{KernelOne, LagrangianHessian};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Tree;
@@ -107,7 +107,7 @@ impl Function for TensorPhaseVelocity {
     ) -> Result<(), EvalError> {
         let (q, p) = x.split_at(self.tree.len());
         let u: Vec<S> = self.u.iter().map(|&u| S::from_f64(u)).collect();
-        f.copy_from_slice(tensors.phase_velocity(q, p, &u)?);
+        f.copy_from_slice(tensors.evaluate(q, p, &u)?);
         Ok(())
     }
 }
@@ -123,15 +123,15 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let tree = Tree::from(&robot);
     let mut tensors = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
     let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
-    let mut analytic = SecondOrder::<f64>::from_tree(tree);
+    let mut analytic = HamiltonianSecondOrder::<f64>::from_tree(tree);
     let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot).under(u));
     let mut hyperdual = Hessian::new(PhaseVelocity::new(&robot).under(u));
     let x = case.x(&robot);
-    let ours = tensors.contracted_hessian(q, &p, u, y).unwrap();
-    let theirs = analytic.contracted_hessian(q, &p, u, y).unwrap();
-    let linear = first.jacobian(q, &p, u).unwrap();
-    let by_dual = dual.evaluate(&x).unwrap();
-    let by_hyperdual = hyperdual.contracted(&x, y).unwrap();
+    let ours = tensors.contract(q, &p, u, y).unwrap();
+    let theirs = analytic.contract(q, &p, u, y).unwrap();
+    let linear = first.linearise(q, &p, u).unwrap();
+    let by_dual = dual.linearise(&x).unwrap();
+    let by_hyperdual = hyperdual.contract(&x, y).unwrap();
     let f = ours.linearisation().f();
     let energy = p.iter().zip(f).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&f[n..]);
     let f_x = theirs.linearisation().matrix();
@@ -152,12 +152,7 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     close("F_x, dual", linear.matrix(), by_dual.jacobian.view(), energy)?;
     let natural = largest(y) * along;
     let mut own = Hessian::new(TensorPhaseVelocity { tree: first.tree().clone(), u: u.clone() });
-    close(
-        "y'F_xx, hyperdual through tensors",
-        ours.matrix(),
-        own.contracted(&x, y).unwrap().view(),
-        natural,
-    )?;
+    close("y'F_xx, hyperdual through tensors", ours.matrix(), own.contract(&x, y).unwrap().view(), natural)?;
     let bound = 1e-12 * (condition(&robot, q) / 100.0).max(1.0);
     within(bound, "y'F_xx, analytic", ours.matrix(), theirs.matrix(), natural)?;
     within(bound, "y'F_xx, hyperdual", ours.matrix(), by_hyperdual.view(), natural)

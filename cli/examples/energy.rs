@@ -3,10 +3,12 @@
 //!
 //! `cargo run --release -p costate-cli --example energy`
 
-use costate::dynamics::{Contraction, Dynamics, FirstOrder, Structure};
+use costate::EvalError;
+use costate::dynamics::{Contraction, Dynamics, Linearisation, Structure};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::Robot;
 use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StoermerVerlet, VelocityForm};
-use costate::{EvalError, hamiltonian, lagrangian};
 use plotters::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
@@ -56,12 +58,12 @@ impl<D: Dynamics<f64>> Dynamics<f64> for Counted<D> {
         self.model.structure()
     }
 
-    fn value(&mut self, x: &[f64], u: &[f64]) -> Result<&[f64], D::Error> {
+    fn evaluate(&mut self, x: &[f64], u: &[f64]) -> Result<&[f64], D::Error> {
         self.values += 1;
-        self.model.value(x, u)
+        self.model.evaluate(x, u)
     }
 
-    fn linearise(&mut self, x: &[f64], u: &[f64]) -> Result<FirstOrder<'_, f64>, D::Error> {
+    fn linearise(&mut self, x: &[f64], u: &[f64]) -> Result<Linearisation<'_, f64>, D::Error> {
         self.linearisations += 1;
         self.model.linearise(x, u)
     }
@@ -102,7 +104,7 @@ fn run<S: Step<f64>>(
     let (mut envelope, mut bin) = (Vec::new(), None);
     let (mut largest, mut end, mut most_iterations) = ([0.0_f64; 3], 0.0, 0);
     for i in 1..=STEPS {
-        let next = step.advance(&x, &[0.0; 2], H)?;
+        let next = step.evaluate(&x, &[0.0; 2], H)?;
         x.copy_from_slice(next);
         most_iterations = most_iterations.max(iterations(&step));
         let error = (energy(&x)? - start) / start;
@@ -124,10 +126,10 @@ fn run<S: Step<f64>>(
 }
 
 fn all(robot: &Robot) -> Result<[Run; 4], Box<dyn Error>> {
-    let momenta = || Counted::new(hamiltonian::SecondOrder::<f64>::new(robot));
-    let velocities = Counted::new(lagrangian::SecondOrder::<f64>::new(robot));
-    let mut hamiltonian = hamiltonian::Hamiltonian::<f64>::new(robot);
-    let mut lagrangian = lagrangian::Lagrangian::<f64>::new(robot);
+    let momenta = || Counted::new(HamiltonianSecondOrder::<f64>::new(robot));
+    let velocities = Counted::new(LagrangianSecondOrder::<f64>::new(robot));
+    let mut hamiltonian = Hamiltonian::<f64>::new(robot);
+    let mut lagrangian = Lagrangian::<f64>::new(robot);
     let x = [&Q, hamiltonian.momentum(&Q, &V)?].concat();
     let mut h = |x: &[f64]| hamiltonian.hamiltonian(&x[..2], &x[2..]);
     let e = |x: &[f64]| lagrangian.energy(&x[..2], &x[2..]).map(|energy| energy.kinetic + energy.potential);

@@ -1,6 +1,7 @@
 //! How a problem is solved, and what is told meanwhile.
 
 use crate::problem::error::ProblemError;
+pub use costate::Coordinates;
 use serde::{Deserialize, Serialize};
 
 /// The matrix of Newton's method.
@@ -25,17 +26,6 @@ pub enum Method {
     Collocation,
     /// Integration from node to node by an adaptive integrator, together with the variational equations.
     Shooting,
-}
-
-/// The coordinates in which a robot's extremals are sought; motions are told in (q, v, p, y_q, y_p) either way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Coordinates {
-    /// `z = (q, p, y_q, y_p)`: the actuation acts on p alone.
-    #[default]
-    Hamiltonian,
-    /// `z = (q, v, y_q, y_v)`; for comparison.
-    Lagrangian,
 }
 
 /// What is tried.

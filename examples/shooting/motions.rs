@@ -2,8 +2,8 @@
 
 use crate::problem::{Bounds, Problem};
 use costate::dynamics::{Dynamics, QuadraticCost};
-use costate::hamiltonian::SecondOrder as Canonical;
-use costate::lagrangian::SecondOrder as Rates;
+use costate::hamiltonian::HamiltonianSecondOrder as Canonical;
+use costate::lagrangian::LagrangianSecondOrder as Rates;
 use costate::robot::{Robot, RobotError};
 use costate::step::RungeKutta4;
 

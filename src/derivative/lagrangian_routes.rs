@@ -4,12 +4,12 @@ use super::function::DerivativeError;
 use super::report::{Figure, largest, relative_difference};
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use crate::error::EvalError;
-use crate::lagrangian::SecondOrder;
+use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::Robot;
 
 /// a(q, v, u) by every route.
 pub(super) struct LagrangianRoutes {
-    analytic: SecondOrder<f64>,
+    analytic: LagrangianSecondOrder<f64>,
     dual: Jacobian<ForwardDynamics>,
     nested: NestedHessian<ForwardDynamics>,
     hyperdual: Hessian<ForwardDynamics>,
@@ -20,7 +20,7 @@ impl LagrangianRoutes {
     pub fn new(robot: &Robot) -> Self {
         let function = || ForwardDynamics::new(robot);
         Self {
-            analytic: SecondOrder::new(robot),
+            analytic: LagrangianSecondOrder::new(robot),
             dual: Jacobian::new(function()),
             nested: NestedHessian::new(function()),
             hyperdual: Hessian::new(function()),
@@ -34,17 +34,17 @@ impl LagrangianRoutes {
         figures: &mut Vec<Figure>,
     ) -> Result<(), DerivativeError<EvalError>> {
         let z = [q, v, u].concat();
-        self.hyperdual.contracted(&z, y)?;
-        let (expected, contracted) = (self.hyperdual.last().jacobian(), self.hyperdual.last_contracted());
-        let second = self.analytic.contracted_hessian(q, v, u, y)?;
+        self.hyperdual.contract(&z, y)?;
+        let (expected, contracted) = (self.hyperdual.last().jacobian(), self.hyperdual.last_contraction());
+        let second = self.analytic.contract_forward_dynamics(q, v, u, y)?;
         let natural = 1e-3 * largest(y) * largest(expected.as_slice());
-        let dual = self.dual.evaluate(&z)?;
-        let nested = self.nested.contracted(&z, y)?;
+        let dual = self.dual.linearise(&z)?;
+        let nested = self.nested.contract(&z, y)?;
         let off_first = |found| relative_difference(found, expected.view(), 0.0);
         let off_second = |found| relative_difference(found, contracted.view(), natural);
         // By hand, y'a_zz rounds M in another way than (hyper-)dual numbers do, and M^-1 enters three times.
         for (quantity, route, value, sensitivity) in [
-            ("a_z, z = (q, v, u)", "analytic", off_first(second.linearisation().matrix()), 1.0),
+            ("a_z, z = (q, v, u)", "analytic", off_first(second.forward_dynamics().matrix()), 1.0),
             ("a_z, z = (q, v, u)", "dual", off_first(dual.jacobian.view()), 1.0),
             ("y'a_zz", "analytic", off_second(second.to_matrix().view()), 10.0),
             ("y'a_zz", "dual", off_second(nested.view()), 1.0),

@@ -3,7 +3,7 @@
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
-use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
+use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::kernels::{Contracted, Route};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Constants, Count, Operations, count_with};
@@ -143,9 +143,9 @@ fn by_dual_pass<R: Route>(
     let mut second = DualPass::with_route(tree.clone(), route);
     Ok([
         counted(constants, || first.mass_matrix(q).map(drop))?,
-        counted(constants, || first.phase_velocity(q, p, u).map(drop))?,
-        counted(constants, || first.jacobian(q, p, u).map(drop))?,
-        counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+        counted(constants, || first.evaluate(q, p, u).map(drop))?,
+        counted(constants, || first.linearise(q, p, u).map(drop))?,
+        counted(constants, || second.contract(q, p, u, y).map(drop))?,
     ])
 }
 
@@ -156,13 +156,13 @@ fn by_rule(
     State { x, u, y }: &State,
 ) -> Result<[Operations; 4], EvalError> {
     let (q, p) = x.split_at(tree.len());
-    let mut second = SecondOrder::from_tree(tree.clone());
+    let mut second = HamiltonianSecondOrder::from_tree(tree.clone());
     let mut full = FullHessian::from_tree(tree.clone());
     Ok([
-        counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+        counted(constants, || second.contract(q, p, u, y).map(drop))?,
         counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?,
         counted(constants, || second.hessian_product(q, p, y, x).map(drop))?,
-        counted(constants, || full.evaluate(q, p).map(drop))?,
+        counted(constants, || full.hessian_tensor(q, p).map(drop))?,
     ])
 }
 
@@ -176,10 +176,10 @@ fn automatic(
     let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
     let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
     let mut hessian = Hessian::<_, Count>::over(function());
-    let first = counted(constants, || jacobian.evaluate(x).map(drop))?;
-    let second = counted(constants, || nested.contracted(x, y).map(drop))?;
-    let whole = counted(constants, || hessian.evaluate(x).map(drop))?;
-    let contracted = counted(constants, || hessian.contracted(x, y).map(drop))?;
+    let first = counted(constants, || jacobian.linearise(x).map(drop))?;
+    let second = counted(constants, || nested.contract(x, y).map(drop))?;
+    let whole = counted(constants, || hessian.hessian_tensor(x).map(drop))?;
+    let contracted = counted(constants, || hessian.contract(x, y).map(drop))?;
     Ok([[first, first + second], [whole, contracted]])
 }
 

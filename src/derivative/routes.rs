@@ -7,7 +7,7 @@ use super::report::{
 };
 use super::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
-use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
+use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::matrix::{Block, Matrix, dot};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -57,7 +57,7 @@ impl Function for TotalEnergy {
 ///
 /// Besides: y'F_x and y'F_xx d without a matrix beside products with the matrix, dF/dt in (q, v), symmetries, and energy.
 pub struct Routes {
-    analytic: SecondOrder<f64>,
+    analytic: HamiltonianSecondOrder<f64>,
     dual_pass: DualPass<f64>,
     full: FullHessian<f64>,
     tensors: DualPass<f64, Christoffel>,
@@ -91,7 +91,7 @@ impl Routes {
         let n = robot.len();
         let function = || PhaseVelocity::new(robot);
         Self {
-            analytic: SecondOrder::from_tree(tree.clone()),
+            analytic: HamiltonianSecondOrder::from_tree(tree.clone()),
             dual_pass: DualPass::from_tree(tree.clone()),
             full: FullHessian::from_tree(tree.clone()),
             tensors: DualPass::with_route(tree, Christoffel),
@@ -121,7 +121,7 @@ impl Routes {
         u: &[f64],
         y: &[f64],
     ) -> Result<StateReport, DerivativeError<EvalError>> {
-        let n = self.conservative.len();
+        let n = self.conservative.dof();
         check_length("x", x, 2 * n)?;
         check_length("u", u, n)?;
         check_length("y", y, 2 * n)?;
@@ -130,7 +130,7 @@ impl Routes {
             function.u.copy_from_slice(u);
         }
         self.figures.clear();
-        self.hyperdual.contracted(x, y)?;
+        self.hyperdual.contract(x, y)?;
         let (condition, conservative) = self.compare_conservative(x)?;
         self.compare_first(x, u, y)?;
         self.compare_second(x, u, y)?;
@@ -143,15 +143,15 @@ impl Routes {
 
     /// Natural sizes; the condition of M; symmetry of J F_x and drift of energy without friction and actuation.
     fn compare_conservative(&mut self, x: &[f64]) -> Result<Conserved, DerivativeError<EvalError>> {
-        let n = self.conservative.len();
+        let n = self.conservative.dof();
         let (q, p) = x.split_at(n);
-        let conservative = self.conservative.jacobian(q, p, &vec![0.0; n])?;
+        let conservative = self.conservative.linearise(q, p, &vec![0.0; n])?;
         let rate = conservative.f().to_vec();
         let f_x = conservative.matrix().to_nalgebra();
         let condition = condition(conservative.mass_matrix().view().to_nalgebra());
         let energy = p.iter().zip(&rate).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&rate[n..]);
         self.natural = Natural { energy, along: worse(energy, 1e-3 * largest(&f_x)) };
-        let gradient = self.energy.evaluate(x)?.gradient();
+        let gradient = self.energy.linearise(x)?.gradient();
         let drift = drift(gradient, &rate, largest(&rate[..n]) * self.natural.along);
         let asymmetry = asymmetry(&times_j(&f_x), energy);
         Ok((condition, [("asymmetry of J F_x, D = 0", asymmetry), ("energy drift dH/dt, u = D = 0", drift)]))
@@ -163,9 +163,9 @@ impl Routes {
         let expected = self.hyperdual.last().jacobian();
         let energy = self.natural.energy;
         let off = |f_x: Block<'_, f64>| relative_difference(f_x, expected.view(), energy);
-        let by_hand = off(self.analytic.first().jacobian(q, p, u)?.matrix());
-        let tensors = off(self.tensors.first().jacobian(q, p, u)?.matrix());
-        let dual = off(self.dual.evaluate(x)?.jacobian.view());
+        let by_hand = off(self.analytic.first().linearise(q, p, u)?.matrix());
+        let tensors = off(self.tensors.first().linearise(q, p, u)?.matrix());
+        let dual = off(self.dual.linearise(x)?.jacobian.view());
         let product: Vec<f64> =
             (0..x.len()).map(|j| y.iter().enumerate().map(|(k, y)| y * expected[(k, j)]).sum()).collect();
         let found = self.analytic.first().adjoint(q, p, u, y)?.y_f_x;
@@ -181,15 +181,15 @@ impl Routes {
     /// y'F_xx by every route, and its product with y.
     fn compare_second(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
         let (q, p) = x.split_at(u.len());
-        let expected = self.hyperdual.last_contracted();
+        let expected = self.hyperdual.last_contraction();
         let natural = largest(y) * self.natural.along;
         let off = |y_f_xx: Block<'_, f64>| relative_difference(y_f_xx, expected.view(), natural);
-        let analytic = off(self.analytic.contracted_hessian(q, p, u, y)?.matrix());
-        let dual_pass = off(self.dual_pass.contracted_hessian(q, p, u, y)?.matrix());
-        let tensors = off(self.tensors.contracted_hessian(q, p, u, y)?.matrix());
-        self.full.evaluate(q, p)?.contract(y, &mut self.contracted)?;
+        let analytic = off(self.analytic.contract(q, p, u, y)?.matrix());
+        let dual_pass = off(self.dual_pass.contract(q, p, u, y)?.matrix());
+        let tensors = off(self.tensors.contract(q, p, u, y)?.matrix());
+        self.full.hessian_tensor(q, p)?.contract(y, &mut self.contracted)?;
         let packed = off(self.contracted.view());
-        let by_dual = self.nested.contracted(x, y)?;
+        let by_dual = self.nested.contract(x, y)?;
         let nested = off(by_dual.view());
         let asymmetry = asymmetry(&by_dual.view().to_nalgebra(), natural);
         let product: Vec<f64> = (0..x.len()).map(|i| dot(expected.row(i), y)).collect();

@@ -64,7 +64,7 @@ mod tests {
         lagrangian.solve_mass_matrix(&q, &mut w).unwrap();
         let (mut f, mut product) = (vec![0.0; 12], vec![0.0; 12]);
         lagrangian.adjoint_factored([&q, &v, &u, &w], &mut f, &mut product).unwrap();
-        let whole = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+        let whole = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
         assert_eq!(&f[..6], &v[..]);
         assert_eq!(&f[6..], whole.acceleration());
         for (j, product) in product.iter().enumerate() {

@@ -50,7 +50,7 @@ impl StepRoutes {
         y: &[f64],
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<EvalError>> {
-        let n = self.momenta.len();
+        let n = self.momenta.dof();
         check([2 * n, n], [x, u], h, Some(y))?;
         let (q, p) = x.split_at(n);
         let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
@@ -98,7 +98,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
             }
             let (start, rest) = self.z.split_at(states);
             let (control, duration) = rest.split_at(u.len());
-            let next = self.judge.advance(start, control, duration[0])?;
+            let next = self.judge.evaluate(start, control, duration[0])?;
             next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.eps2);
             if j + 1 < inputs {
                 product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.eps1eps2 * y).sum();

@@ -23,7 +23,7 @@ fn functions_are_evaluated<S: Packed<Lane = f64>>() {
     let function = on_slices!(S, straight_line, (x: 4, u: 2) -> (f: 4));
     let mut batch = Batch::<S, _>::new(NodeFunction::new(&[("x", 4), ("u", 2)], &[("f", 4)], function));
     let mut f = vec![0.0; nodes * 4];
-    assert!(batch.evaluate((), nodes, [&x, &u], [&mut f]).unwrap().is_empty());
+    assert!(batch.run((), nodes, [&x, &u], [&mut f]).unwrap().is_empty());
     for k in 0..nodes {
         let mut expected = [0.0; 4];
         straight_line(
@@ -38,7 +38,7 @@ fn functions_are_evaluated<S: Packed<Lane = f64>>() {
     x[4 * 6 + 2] = 1e308;
     x[4 * 6 + 1] = 1e-3;
     let mut again = f.clone();
-    let failures = batch.evaluate((), nodes, [&x, &u], [&mut again]).unwrap();
+    let failures = batch.run((), nodes, [&x, &u], [&mut again]).unwrap();
     assert_eq!(failures.len(), 2);
     assert_eq!(failures[0], Failure { node: 5, error: NodeError::Input { what: "x", index: 0 } });
     assert_eq!(failures[1], Failure { node: 6, error: NodeError::Output { what: "f", index: 0 } });
@@ -63,7 +63,7 @@ fn a_function_of_other_lengths_than_its_layout_fails_at_every_node() {
     let function = on_slices!(f64, straight_line, (x: 4, u: 2) -> (f: 4));
     let mut batch = Batch::<f64, _>::new(NodeFunction::new(&[("x", 4), ("u", 2)], &[("f", 3)], function));
     let mut f = vec![0.0; 6];
-    let failures = batch.evaluate((), 2, [&[0.1; 8], &[0.2; 4]], [&mut f]).unwrap();
+    let failures = batch.run((), 2, [&[0.1; 8], &[0.2; 4]], [&mut f]).unwrap();
     assert_eq!(failures.len(), 2);
     assert!(f.iter().all(|f| f.is_nan()));
 }

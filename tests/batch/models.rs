@@ -5,8 +5,8 @@ use crate::random_robot::{Case, cases, difference, tolerance};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::derivative::Function;
 use costate::dynamics::Automatic;
-use costate::hamiltonian::SecondOrder;
-use costate::lagrangian;
+use costate::hamiltonian::HamiltonianSecondOrder;
+use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 use costate::scalar::{Scalar, Tangent};
 use proptest::prelude::*;
@@ -16,14 +16,14 @@ fn every_number_of_nodes<S: Packed<Lane = f64>>(allowed: f64) {
     for name in ["two_link.toml", "cart_pole.toml", "panda.urdf"] {
         let robot = robot(name);
         let n = robot.len();
-        let mut of_phase = Batch::<S, _>::new(Model(SecondOrder::new(&robot)));
-        let mut of_velocity = Batch::<S, _>::new(Model(lagrangian::SecondOrder::new(&robot)));
+        let mut of_phase = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
+        let mut of_velocity = Batch::<S, _>::new(Model(LagrangianSecondOrder::new(&robot)));
         for nodes in 0..=17 {
             let mut arrays = Arrays::new(2 * n, n, nodes);
             assert!(arrays.evaluate(&mut of_phase).is_empty());
-            agree(&mut SecondOrder::new(&robot), &arrays, allowed);
+            agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, allowed);
             assert!(arrays.evaluate(&mut of_velocity).is_empty());
-            agree(&mut lagrangian::SecondOrder::new(&robot), &arrays, allowed);
+            agree(&mut LagrangianSecondOrder::new(&robot), &arrays, allowed);
         }
     }
 }
@@ -57,9 +57,9 @@ fn random_nodes<S: Packed<Lane = f64>>(case: &Case) {
     let robot = case.robot();
     let allowed = tolerance(&robot, &case.q);
     let mut arrays = nodes_of(case, &robot, S::LANES + 3);
-    let mut batch = Batch::<S, _>::new(Model(SecondOrder::new(&robot)));
+    let mut batch = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
     assert!(arrays.evaluate(&mut batch).is_empty());
-    agree(&mut SecondOrder::new(&robot), &arrays, allowed);
+    agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, allowed);
 }
 
 proptest! {
@@ -79,7 +79,7 @@ proptest! {
 fn an_output_that_is_empty_is_not_asked_for() {
     let robot = robot("two_link.toml");
     let mut arrays = Arrays::new(4, 2, 7);
-    let mut batch = Batch::<f64, _>::new(Model(SecondOrder::new(&robot)));
+    let mut batch = Batch::<f64, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
     arrays.evaluate(&mut batch);
     let mut f_x = vec![0.0; 7 * 16];
     let into = FirstOrderArrays { f_x: &mut f_x, ..Default::default() };
@@ -96,12 +96,12 @@ fn tangents_are_carried<S: Packed<Lane = f64>>() {
     let robot = robot("ur5.urdf");
     let nodes = 10;
     let mut arrays = Arrays::new(12, 6, nodes);
-    arrays.evaluate(&mut Batch::<S, _>::new(Model(SecondOrder::new(&robot))));
-    let mut batch = Batch::<Tangent<S>, _>::new(Model(SecondOrder::new(&robot)));
+    arrays.evaluate(&mut Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot))));
+    let mut batch = Batch::<Tangent<S>, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
     let x: Vec<_> = arrays.x.iter().zip(&arrays.y).map(|(&x, &d)| Tangent::new(x, d)).collect();
     let u: Vec<_> = arrays.u.iter().map(|&u| Tangent::new(u, 0.0)).collect();
     let mut f = vec![Tangent::new(0.0, 0.0); nodes * 12];
-    assert!(batch.value(&x, &u, &mut f).unwrap().is_empty());
+    assert!(batch.evaluate(&x, &u, &mut f).unwrap().is_empty());
     for k in 0..nodes {
         let (d, f_x) = (node(&arrays.y, k, nodes), node(&arrays.results[1], k, nodes));
         let product = f_x.chunks(12).map(|row| row.iter().zip(d).map(|(a, b)| a * b).sum::<f64>());

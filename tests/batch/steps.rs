@@ -3,18 +3,22 @@
 use crate::arrays::{Arrays, node, robot};
 use crate::random_robot::difference;
 use costate::batch::{Batch, Failure, NodeError, Packed, SecondOrderArrays, StepArrays, StepMap};
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::matrix::Block;
 use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StepError};
 
 /// Steps at every node, each with its own duration, against single steps.
 fn steps_are_steps<S: Packed<Lane = f64>>(allowed: f64) {
     let robot = robot("ur5.urdf");
-    let model = || SecondOrder::<S>::new(&robot);
-    check(StepMap(RungeKutta4::new(model())), RungeKutta4::new(SecondOrder::<f64>::new(&robot)), allowed);
+    let model = || HamiltonianSecondOrder::<S>::new(&robot);
+    check(
+        StepMap(RungeKutta4::new(model())),
+        RungeKutta4::new(HamiltonianSecondOrder::<f64>::new(&robot)),
+        allowed,
+    );
     check(
         StepMap(ImplicitMidpoint::new(model())),
-        ImplicitMidpoint::new(SecondOrder::<f64>::new(&robot)),
+        ImplicitMidpoint::new(HamiltonianSecondOrder::<f64>::new(&robot)),
         allowed,
     );
 
@@ -35,7 +39,7 @@ fn steps_are_steps<S: Packed<Lane = f64>>(allowed: f64) {
         let first = StepArrays { next: &mut next, phi_x: &mut phi_x, phi_u: &mut phi_u, phi_h: &mut phi_h };
         let second = SecondOrderArrays { xx: &mut xx, ux: &mut ux, uu: &mut uu };
         let mut batch = Batch::<S, _>::new(map);
-        assert!(batch.contract_steps([&x, &u, &h, &y], first, second).unwrap().is_empty());
+        assert!(batch.contract([&x, &u, &h, &y], first, second).unwrap().is_empty());
         let flat = |block: Block<'_, f64>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
         for (k, &h) in h.iter().enumerate() {
             let at = |array: &Vec<f64>| node(array, k, nodes).to_vec();
@@ -54,10 +58,10 @@ fn steps_are_steps<S: Packed<Lane = f64>>(allowed: f64) {
             }
         }
         let (mut alone, mut jacobian) = (zeros(12), zeros(144));
-        assert!(batch.advance([&x, &u, &h], &mut alone).unwrap().is_empty());
+        assert!(batch.evaluate([&x, &u, &h], &mut alone).unwrap().is_empty());
         assert!(difference(&alone, &next) <= allowed);
         let into = StepArrays { phi_x: &mut jacobian, ..Default::default() };
-        assert!(batch.linearise_steps([&x, &u, &h], into).unwrap().is_empty());
+        assert!(batch.linearise([&x, &u, &h], into).unwrap().is_empty());
         assert!(difference(&jacobian, &phi_x) <= allowed);
     }
 }
@@ -76,12 +80,12 @@ fn a_step_fails_alone<S: Packed<Lane = f64>>() {
     let robot = robot("two_link.toml");
     let Arrays { x, u, .. } = Arrays::new(4, 2, 9);
     let mut h = vec![0.01; 9];
-    let mut batch = Batch::<S, _>::new(StepMap(ImplicitMidpoint::new(SecondOrder::new(&robot))));
+    let mut batch = Batch::<S, _>::new(StepMap(ImplicitMidpoint::new(HamiltonianSecondOrder::new(&robot))));
     let mut expected = vec![0.0; 36];
-    assert!(batch.advance([&x, &u, &h], &mut expected).unwrap().is_empty());
+    assert!(batch.evaluate([&x, &u, &h], &mut expected).unwrap().is_empty());
     (h[2], h[7]) = (f64::NAN, 1e3);
     let mut next = vec![0.0; 36];
-    let failures = batch.advance([&x, &u, &h], &mut next).unwrap();
+    let failures = batch.evaluate([&x, &u, &h], &mut next).unwrap();
     assert!(matches!(
         &failures[0],
         Failure { node: 2, error: NodeError::Evaluation(StepError::NonFiniteDuration) }

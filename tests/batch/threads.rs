@@ -2,7 +2,7 @@
 
 use crate::arrays::{Arrays, agree, gimbal, robot};
 use costate::batch::{Batch, Model, Packed};
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use std::f64::consts::FRAC_PI_2;
 
 /// The number of threads changes not a bit, nor do bad nodes depend on it.
@@ -16,12 +16,13 @@ fn results_do_not_depend_on_the_number_of_threads() {
                 arrays.x[6 * k + 1] = FRAC_PI_2;
             }
             let mut expected = arrays.clone();
-            let failures = expected.evaluate(&mut Batch::<S, _>::new(Model(SecondOrder::new(&robot))));
+            let failures =
+                expected.evaluate(&mut Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot))));
             assert_eq!(failures.len(), nodes.div_ceil(50));
             for threads in [1, 2, 3, 8] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
-                    let mut batch = Batch::<S, _>::parallel(|| Model(SecondOrder::new(&robot)));
+                    let mut batch = Batch::<S, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot)));
                     assert_eq!(batch.threads(), threads);
                     for _ in 0..3 {
                         let mut found = arrays.clone();
@@ -51,10 +52,11 @@ fn results_do_not_depend_on_the_number_of_threads() {
 fn a_batch_may_be_called_from_another_pool() {
     let robot = robot("two_link.toml");
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let mut batch = pool(2).install(|| Batch::<f64, _>::parallel(|| Model(SecondOrder::new(&robot))));
+    let mut batch =
+        pool(2).install(|| Batch::<f64, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot))));
     let mut arrays = Arrays::new(4, 2, 500);
     assert!(pool(5).install(|| arrays.evaluate(&mut batch)).is_empty());
-    agree(&mut SecondOrder::new(&robot), &arrays, 0.0);
+    agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, 0.0);
     assert!(arrays.evaluate(&mut batch).is_empty());
-    agree(&mut SecondOrder::new(&robot), &arrays, 0.0);
+    agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, 0.0);
 }

@@ -4,8 +4,8 @@
 
 use costate::codegen::{Coordinates, Program, Quantity};
 use costate::derivative::largest;
-use costate::hamiltonian::SecondOrder;
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::HamiltonianSecondOrder;
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 
@@ -68,12 +68,12 @@ fn in_q_p(
     y: &[f64],
     d: &[f64],
 ) -> Vec<Expected> {
-    let mut second = SecondOrder::<f64>::new(robot);
+    let mut second = HamiltonianSecondOrder::<f64>::new(robot);
     let product = second.hessian_product(q, p, y, d).unwrap().to_vec();
     let y_f_x = second.first().adjoint(q, p, u, y).unwrap().y_f_x.to_vec();
     let energy = second.first().energy(q, p).unwrap();
     let m = second.first().mass_matrix(q).unwrap().as_slice().to_vec();
-    let all = second.contracted_hessian(q, p, u, y).unwrap();
+    let all = second.contract(q, p, u, y).unwrap();
     let (f, f_x) = (all.linearisation().f().to_vec(), flat(all.linearisation().matrix()));
     let y_f_xx = flat(all.matrix());
     let size = largest(&f_x).max(1.0);
@@ -94,13 +94,14 @@ fn in_q_p(
 
 fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y: &[f64]) -> Vec<Expected> {
     let mut lagrangian = Lagrangian::<f64>::new(robot);
-    let mut second = lagrangian::SecondOrder::<f64>::new(robot);
-    let all = second.contracted_hessian(q, v, u, y).unwrap();
-    let (qdd, qdd_z) = (all.linearisation().acceleration().to_vec(), flat(all.linearisation().matrix()));
+    let mut second = LagrangianSecondOrder::<f64>::new(robot);
+    let all = second.contract_forward_dynamics(q, v, u, y).unwrap();
+    let (qdd, qdd_z) =
+        (all.forward_dynamics().acceleration().to_vec(), flat(all.forward_dynamics().matrix()));
     let (xx, uq) = (flat(all.xx()), flat(all.uq()));
     let energy = lagrangian.energy(q, v).unwrap();
     let m = lagrangian.mass_matrix(q).unwrap().as_slice().to_vec();
-    let tau = lagrangian.inverse_dynamics_jacobian(q, v, u).unwrap();
+    let tau = lagrangian.linearise_inverse_dynamics(q, v, u).unwrap();
     let tau_size = largest(tau.tau_q.as_slice()).max(largest(tau.tau_v.as_slice())).max(1.0);
     let tau = tau.tau.to_vec();
     let size = largest(&qdd_z).max(largest(&qdd)).max(1.0);

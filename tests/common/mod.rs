@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, largest};
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use serde_json::Value;
@@ -59,7 +59,7 @@ pub fn check_file(robot_path: &Path, references: &[Reference]) {
 /// Every route to every quantity in (q, v).
 fn check_lagrangian(robot: &Robot, references: &[Reference]) {
     let mut lagrangian = Lagrangian::<f64>::new(robot);
-    let mut second = lagrangian::SecondOrder::<f64>::new(robot);
+    let mut second = LagrangianSecondOrder::<f64>::new(robot);
     let mut dual: Jacobian<_> = Jacobian::new(ForwardDynamics::new(robot));
     let mut nested = NestedHessian::new(ForwardDynamics::new(robot));
     let mut hyperdual = Hessian::new(ForwardDynamics::new(robot));
@@ -72,18 +72,18 @@ fn check_lagrangian(robot: &Robot, references: &[Reference]) {
         let a = lagrangian.forward_dynamics(&q, &v, &u).unwrap().to_vec();
         reference.agrees("qdd", &a, &context);
         reference.agrees("u", lagrangian.inverse_dynamics(&q, &v, &a).unwrap(), &context);
-        let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+        let linear = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
         reference.agrees("M", linear.mass_matrix().as_slice(), &context);
         reference.agrees("qdd_z", &flat(linear.matrix()), &context);
-        let contracted = second.contracted_hessian(&q, &v, &u, y_v).unwrap();
-        reference.agrees("M", contracted.linearisation().mass_matrix().as_slice(), &context);
-        reference.agrees("qdd", contracted.linearisation().acceleration(), &context);
-        reference.agrees("qdd_z", &flat(contracted.linearisation().matrix()), &context);
+        let contracted = second.contract_forward_dynamics(&q, &v, &u, y_v).unwrap();
+        reference.agrees("M", contracted.forward_dynamics().mass_matrix().as_slice(), &context);
+        reference.agrees("qdd", contracted.forward_dynamics().acceleration(), &context);
+        reference.agrees("qdd_z", &flat(contracted.forward_dynamics().matrix()), &context);
         reference.agrees("yv_qdd_zz", contracted.to_matrix().as_slice(), &context);
         let z = [q.as_slice(), &v, &u].concat();
-        reference.agrees("qdd_z", dual.evaluate(&z).unwrap().jacobian.as_slice(), &context);
-        reference.agrees("yv_qdd_zz", nested.contracted(&z, y_v).unwrap().as_slice(), &context);
-        reference.agrees("yv_qdd_zz", hyperdual.contracted(&z, y_v).unwrap().as_slice(), &context);
+        reference.agrees("qdd_z", dual.linearise(&z).unwrap().jacobian.as_slice(), &context);
+        reference.agrees("yv_qdd_zz", nested.contract(&z, y_v).unwrap().as_slice(), &context);
+        reference.agrees("yv_qdd_zz", hyperdual.contract(&z, y_v).unwrap().as_slice(), &context);
         reference.agrees("qdd_z", hyperdual.last().jacobian().as_slice(), &context);
     }
 }
@@ -91,7 +91,7 @@ fn check_lagrangian(robot: &Robot, references: &[Reference]) {
 /// Every route to every quantity in (q, p).
 fn check_hamiltonian(robot: &Robot, references: &[Reference]) {
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-    let mut second = SecondOrder::<f64>::new(robot);
+    let mut second = HamiltonianSecondOrder::<f64>::new(robot);
     for (number, reference) in references.iter().enumerate() {
         let context = format!("{} state {}", robot.name(), number + 1);
         let [q, v, p, u, y] = ["q", "v", "p", "u", "y"].map(|key| reference.numbers(key));
@@ -99,22 +99,22 @@ fn check_hamiltonian(robot: &Robot, references: &[Reference]) {
         reference.agrees("v", hamiltonian.velocity(&q, &p).unwrap(), &context);
         let energy = hamiltonian.energy(&q, &p).unwrap();
         reference.agrees("energy", &[energy.kinetic, energy.potential], &context);
-        reference.agrees("f", hamiltonian.phase_velocity(&q, &p, &u).unwrap(), &context);
-        let linear = hamiltonian.jacobian(&q, &p, &u).unwrap();
+        reference.agrees("f", hamiltonian.evaluate(&q, &p, &u).unwrap(), &context);
+        let linear = hamiltonian.linearise(&q, &p, &u).unwrap();
         reference.agrees("f_x", &flat(linear.matrix()), &context);
         reference.agrees("M", linear.mass_matrix().as_slice(), &context);
-        let contracted = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+        let contracted = second.contract(&q, &p, &u, &y).unwrap();
         reference.agrees("f", contracted.linearisation().f(), &context);
         reference.agrees("f_x", &flat(contracted.linearisation().matrix()), &context);
         reference.agrees("y_f_xx", &flat(contracted.matrix()), &context);
         let x = [q, p].concat();
         let function = || PhaseVelocity::new(robot).under(&u);
         let mut dual: Jacobian<_> = Jacobian::new(function());
-        reference.agrees("f_x", dual.evaluate(&x).unwrap().jacobian.as_slice(), &context);
+        reference.agrees("f_x", dual.linearise(&x).unwrap().jacobian.as_slice(), &context);
         let mut nested = NestedHessian::new(function());
-        reference.agrees("y_f_xx", nested.contracted(&x, &y).unwrap().as_slice(), &context);
+        reference.agrees("y_f_xx", nested.contract(&x, &y).unwrap().as_slice(), &context);
         let mut hyperdual = Hessian::new(function());
-        reference.agrees("y_f_xx", hyperdual.contracted(&x, &y).unwrap().as_slice(), &context);
+        reference.agrees("y_f_xx", hyperdual.contract(&x, &y).unwrap().as_slice(), &context);
         reference.agrees("f_x", hyperdual.last().jacobian().as_slice(), &context);
         reference.agrees("f", hyperdual.last().value(), &context);
     }

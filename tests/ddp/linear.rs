@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use costate::dynamics::QuadraticCost;
 use costate::matrix::Matrix;
-use costate::step::{Step, StepContraction, StepFirstOrder};
+use costate::step::{Step, StepContraction, StepLinearisation};
 use nalgebra::{DMatrix, DVector, dvector};
 use std::ops::Range;
 
@@ -43,7 +43,7 @@ impl Step<f64> for Linear {
         2
     }
 
-    fn advance(&mut self, x: &[f64], u: &[f64], _: f64) -> Result<&[f64], Refused> {
+    fn evaluate(&mut self, x: &[f64], u: &[f64], _: f64) -> Result<&[f64], Refused> {
         self.calls += 1;
         if self.refuses.contains(&(self.calls - 1)) {
             return Err(Refused);
@@ -54,8 +54,13 @@ impl Step<f64> for Linear {
         Ok(&self.next)
     }
 
-    fn linearise(&mut self, _: &[f64], _: &[f64], _: f64) -> Result<StepFirstOrder<'_, f64>, Refused> {
-        Ok(StepFirstOrder { next: &self.next, phi_x: self.a.view(), phi_u: self.b.view(), phi_h: &self.next })
+    fn linearise(&mut self, _: &[f64], _: &[f64], _: f64) -> Result<StepLinearisation<'_, f64>, Refused> {
+        Ok(StepLinearisation {
+            next: &self.next,
+            phi_x: self.a.view(),
+            phi_u: self.b.view(),
+            phi_h: &self.next,
+        })
     }
 
     fn contract(
@@ -65,7 +70,7 @@ impl Step<f64> for Linear {
         _: f64,
         _: &[f64],
     ) -> Result<StepContraction<'_, f64>, Refused> {
-        let first = StepFirstOrder {
+        let first = StepLinearisation {
             next: &self.next,
             phi_x: self.a.view(),
             phi_u: self.b.view(),

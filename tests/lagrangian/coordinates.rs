@@ -3,7 +3,7 @@
 use super::random_robot::{cases, difference, tolerance};
 use super::{config, dense, flat, force, off};
 use costate::hamiltonian::Hamiltonian;
-use costate::lagrangian::{Coordinates, Lagrangian};
+use costate::lagrangian::{Lagrangian, LegendreTransform};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
@@ -14,12 +14,12 @@ proptest! {
     fn state_equation_is_velocity_and_acceleration(case in cases(8)) {
         let (robot, n) = (case.robot(), case.n());
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
-        let f = lagrangian.state_equation(&case.q, &case.v, &case.u).unwrap().to_vec();
+        let f = lagrangian.evaluate(&case.q, &case.v, &case.u).unwrap().to_vec();
         prop_assert_eq!(&f[..n], &case.v[..]);
-        let forward = lagrangian.forward_dynamics_jacobian(&case.q, &case.v, &case.u).unwrap();
+        let forward = lagrangian.linearise_forward_dynamics(&case.q, &case.v, &case.u).unwrap();
         prop_assert_eq!(&f[n..], forward.acceleration());
         let a_z = dense(forward.matrix());
-        let state = lagrangian.state_jacobian(&case.q, &case.v, &case.u).unwrap();
+        let state = lagrangian.linearise(&case.q, &case.v, &case.u).unwrap();
         prop_assert_eq!(state.f, &f[..]);
         let (f_x, f_u) = (dense(state.f_x.view()), dense(state.f_u.view()));
         prop_assert_eq!(f_x.view((0, n), (n, n)).clone_owned(), DMatrix::identity(n, n));
@@ -32,11 +32,11 @@ proptest! {
     #[test]
     fn hamiltonian_and_lagrangian_jacobians_are_one_under_the_legendre_map(case in cases(10)) {
         let robot = case.robot();
-        let mut coordinates = Coordinates::<f64>::new(&robot);
+        let mut coordinates = LegendreTransform::<f64>::new(&robot);
         let mut map = coordinates.at(&case.q, &case.v, &case.u).unwrap();
         let p = map.momentum().to_vec();
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-        let phase = hamiltonian.jacobian(&case.q, &p, &case.u).unwrap();
+        let phase = hamiltonian.linearise(&case.q, &p, &case.u).unwrap();
         let bound = 10.0 * tolerance(&robot, &case.q);
         let changed = map.hamiltonian();
         prop_assert!(difference(changed.f, phase.f()) <= bound);
@@ -55,7 +55,7 @@ proptest! {
     #[test]
     fn costates_change_with_the_transposed_legendre_map(case in cases(10)) {
         let (robot, n) = (case.robot(), case.n());
-        let mut coordinates = Coordinates::<f64>::new(&robot);
+        let mut coordinates = LegendreTransform::<f64>::new(&robot);
         let mut map = coordinates.at(&case.q, &case.v, &case.u).unwrap();
         let mut y = case.y.clone();
         map.costate_to_lagrangian(&mut y).unwrap();

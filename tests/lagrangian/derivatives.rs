@@ -4,7 +4,7 @@ use super::random_robot::{all_cases, cases, difference, tolerance};
 use super::{acceleration, config, dense, flat, force, off, torques};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, largest};
 use costate::hamiltonian::Hamiltonian;
-use costate::lagrangian::{Lagrangian, SecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use nalgebra::DMatrix;
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ proptest! {
     fn jacobian_of_inverse_dynamics_is_that_of_dual_numbers(case in all_cases(8)) {
         let (robot, a, n) = (case.robot(), acceleration(&case), case.n());
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
-        let linear = lagrangian.inverse_dynamics_jacobian(&case.q, &case.v, a).unwrap();
+        let linear = lagrangian.linearise_inverse_dynamics(&case.q, &case.v, a).unwrap();
         let z = [case.q.as_slice(), &case.v, a].concat();
         let natural = force(&robot, &case);
         for (block, found) in [linear.tau_q, linear.tau_v, linear.tau_a].into_iter().enumerate() {
@@ -36,10 +36,10 @@ proptest! {
     fn jacobian_of_forward_dynamics_is_that_of_dual_numbers(case in cases(10)) {
         let robot = case.robot();
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
-        let linear = lagrangian.forward_dynamics_jacobian(&case.q, &case.v, &case.u).unwrap();
+        let linear = lagrangian.linearise_forward_dynamics(&case.q, &case.v, &case.u).unwrap();
         let z = [case.q.as_slice(), &case.v, &case.u].concat();
         let mut dual: Jacobian<_> = Jacobian::new(ForwardDynamics::new(&robot));
-        let expected = dual.evaluate(&z).unwrap();
+        let expected = dual.linearise(&z).unwrap();
         let bound = tolerance(&robot, &case.q);
         prop_assert!(difference(linear.acceleration(), expected.value) <= bound);
         prop_assert!(difference(&flat(linear.matrix()), expected.jacobian.as_slice()) <= bound);
@@ -50,18 +50,18 @@ proptest! {
     fn contracted_hessian_of_forward_dynamics_is_that_of_hyper_dual_numbers(case in cases(6)) {
         let (robot, n) = (case.robot(), case.n());
         let (z, y) = ([case.q.as_slice(), &case.v, &case.u].concat(), &case.y[n..]);
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let found = second.contracted_hessian(&case.q, &case.v, &case.u, y).unwrap();
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+        let found = second.contract_forward_dynamics(&case.q, &case.v, &case.u, y).unwrap();
         let mut hyperdual = Hessian::new(ForwardDynamics::new(&robot));
-        let expected = hyperdual.contracted(&z, y).unwrap().as_slice().to_vec();
+        let expected = hyperdual.contract(&z, y).unwrap().as_slice().to_vec();
         let mut nested = NestedHessian::new(ForwardDynamics::new(&robot));
         let bound = tolerance(&robot, &case.q);
-        let natural = 1e-3 * largest(y) * largest(&flat(found.linearisation().matrix()));
+        let natural = 1e-3 * largest(y) * largest(&flat(found.forward_dynamics().matrix()));
         prop_assert!(off(found.to_matrix().as_slice(), &expected, natural) <= bound);
-        prop_assert!(off(found.to_matrix().as_slice(), nested.contracted(&z, y).unwrap().as_slice(), natural) <= bound);
+        prop_assert!(off(found.to_matrix().as_slice(), nested.contract(&z, y).unwrap().as_slice(), natural) <= bound);
         let linear = hyperdual.last();
-        prop_assert!(difference(found.linearisation().acceleration(), linear.value()) <= bound);
-        prop_assert!(difference(&flat(found.linearisation().matrix()), linear.jacobian().as_slice()) <= bound);
+        prop_assert!(difference(found.forward_dynamics().acceleration(), linear.value()) <= bound);
+        prop_assert!(difference(&flat(found.forward_dynamics().matrix()), linear.jacobian().as_slice()) <= bound);
     }
 
     #[test]
@@ -69,8 +69,8 @@ proptest! {
         use num_dual::HyperDual64;
         let (robot, a, n) = (case.robot(), acceleration(&case), case.n());
         let (z, w) = ([case.q.as_slice(), &case.v, a].concat(), &case.u);
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let found = dense(second.inverse_dynamics_hessian(&case.q, &case.v, a, w).unwrap().view());
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+        let found = dense(second.contract_inverse_dynamics(&case.q, &case.v, a, w).unwrap().view());
         let expected = DMatrix::from_fn(3 * n, 3 * n, |i, j| {
             let mut dual: Vec<_> = z.iter().map(|&z| HyperDual64::from_re(z)).collect();
             dual[i].eps1 = 1.0;
@@ -88,8 +88,8 @@ proptest! {
         let (robot, n) = (case.robot(), case.n());
         let (one, other) = case.y.split_at(n);
         let both: Vec<f64> = one.iter().zip(other).map(|(a, b)| 2.0 * a - 3.0 * b).collect();
-        let mut second = SecondOrder::<f64>::new(&robot);
-        let mut of = |y: &[f64]| dense(second.contracted_hessian(&case.q, &case.v, &case.u, y).unwrap().to_matrix().view());
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+        let mut of = |y: &[f64]| dense(second.contract_forward_dynamics(&case.q, &case.v, &case.u, y).unwrap().to_matrix().view());
         let (h_one, h_other, h_both) = (of(one), of(other), of(&both));
         let size = largest(&h_one).max(largest(&h_other));
         prop_assert!(largest(&(2.0 * h_one - 3.0 * h_other - &h_both)) <= 10.0 * tolerance(&robot, &case.q) * size);
@@ -97,8 +97,8 @@ proptest! {
         let in_u = h_both.view((2 * n, n), (n, 2 * n));
         prop_assert!(in_u.iter().all(|&entry| entry == 0.0), "y'a_uv = y'a_uu = 0");
         let inverse = dense(Hamiltonian::<f64>::new(&robot).inverse_mass_matrix(&case.q).unwrap().view());
-        let h = second.contracted_hessian(&case.q, &case.v, &case.u, one).unwrap();
-        prop_assert_eq!(dense(h.linearisation().a_u()), inverse);
+        let h = second.contract_forward_dynamics(&case.q, &case.v, &case.u, one).unwrap();
+        prop_assert_eq!(dense(h.forward_dynamics().a_u()), inverse);
         let whole = dense(h.to_matrix().view());
         prop_assert_eq!(dense(h.xx()), whole.view((0, 0), (2 * n, 2 * n)).clone_owned());
         prop_assert_eq!(dense(h.uq()), whole.view((2 * n, 0), (n, n)).clone_owned());

@@ -42,7 +42,7 @@ fn acceleration(case: &Case) -> &[f64] {
 /// The size of the forces on this robot: those of an acceleration, of velocities, weight and springs.
 fn force(robot: &Robot, case: &Case) -> f64 {
     let mut lagrangian = Lagrangian::<f64>::new(robot);
-    let linear = lagrangian.inverse_dynamics_jacobian(&case.q, &case.v, acceleration(case)).unwrap();
+    let linear = lagrangian.linearise_inverse_dynamics(&case.q, &case.v, acceleration(case)).unwrap();
     let sizes = [linear.tau, linear.tau_q.as_slice(), linear.tau_v.as_slice(), linear.tau_a.as_slice()];
     sizes.into_iter().map(largest).fold(0.0, f64::max)
 }

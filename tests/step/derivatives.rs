@@ -24,7 +24,7 @@ pub fn differences<F: ModelFamily + Clone, M: Scheme<F>>(
 ) -> Result<[f64; 7], StepError<F::Error>> {
     let (states, inputs) = (x.len(), x.len() + u.len());
     let mut judge = Hessian::new(OneStep::<F, M>::new(family.clone()));
-    let whole = match judge.contracted(&[x, u, &[h]].concat(), y) {
+    let whole = match judge.contract(&[x, u, &[h]].concat(), y) {
         Ok(whole) => whole.clone(),
         Err(DerivativeError::Function(error)) => return Err(error),
         Err(error) => panic!("{error}"),

@@ -3,8 +3,8 @@
 use super::{FREE, SWING, flat, robot};
 use costate::EvalError;
 use costate::derivative::largest;
-use costate::hamiltonian::SecondOrder;
-use costate::lagrangian;
+use costate::hamiltonian::HamiltonianSecondOrder;
+use costate::lagrangian::LagrangianSecondOrder;
 use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StepError, StoermerVerlet};
 
 type AnyStep = Box<dyn Step<f64, Error = StepError<EvalError>>>;
@@ -12,10 +12,10 @@ type AnyStep = Box<dyn Step<f64, Error = StepError<EvalError>>>;
 /// Every scheme, by name.
 fn all() -> Vec<(&'static str, AnyStep)> {
     let arm = robot("two_link.toml");
-    let model = || SecondOrder::new(&arm);
+    let model = || HamiltonianSecondOrder::new(&arm);
     vec![
         ("RK4", Box::new(RungeKutta4::new(model()))),
-        ("Euler", Box::new(SemiImplicitEuler::new(lagrangian::SecondOrder::new(&arm)))),
+        ("Euler", Box::new(SemiImplicitEuler::new(LagrangianSecondOrder::new(&arm)))),
         ("Verlet", Box::new(StoermerVerlet::new(model()))),
         ("midpoint", Box::new(ImplicitMidpoint::new(model()))),
     ]
@@ -24,11 +24,11 @@ fn all() -> Vec<(&'static str, AnyStep)> {
 #[test]
 fn an_equation_without_solution_is_reported_and_the_workspace_stays_usable() {
     let arm = robot("two_link.toml");
-    let mut verlet = StoermerVerlet::new(SecondOrder::<f64>::new(&arm));
-    let mut midpoint = ImplicitMidpoint::new(SecondOrder::<f64>::new(&arm));
+    let mut verlet = StoermerVerlet::new(HamiltonianSecondOrder::<f64>::new(&arm));
+    let mut midpoint = ImplicitMidpoint::new(HamiltonianSecondOrder::<f64>::new(&arm));
     let fast = [0.3, -0.8, 100.0, -80.0];
     for step in [&mut verlet as &mut dyn Step<f64, Error = _>, &mut midpoint] {
-        let good = step.advance(&SWING, &FREE, 0.01).unwrap().to_vec();
+        let good = step.evaluate(&SWING, &FREE, 0.01).unwrap().to_vec();
         let mut refused = 0;
         for exponent in 0..300 {
             let h = 10_f64.powi(exponent);
@@ -44,9 +44,9 @@ fn an_equation_without_solution_is_reported_and_the_workspace_stays_usable() {
             }
         }
         assert!(refused > 250, "{refused}");
-        let error = step.advance(&fast, &FREE, 1e20).unwrap_err();
+        let error = step.evaluate(&fast, &FREE, 1e20).unwrap_err();
         assert!(error.to_string().contains("take a shorter step"), "{error}");
-        assert_eq!(step.advance(&SWING, &FREE, 0.01).unwrap(), good);
+        assert_eq!(step.evaluate(&SWING, &FREE, 0.01).unwrap(), good);
     }
 }
 
@@ -56,7 +56,7 @@ fn the_model_refuses_states_that_are_not_numbers() {
         for bad in [f64::NAN, f64::INFINITY] {
             let mut x = SWING;
             x[1] = bad;
-            let error = step.advance(&x, &FREE, 0.01).unwrap_err();
+            let error = step.evaluate(&x, &FREE, 0.01).unwrap_err();
             assert!(
                 matches!(&error, StepError::Dynamics(EvalError::NonFinite { index: 1, .. })),
                 "{name}: {error}"
@@ -85,7 +85,7 @@ fn the_model_refuses_states_that_are_not_numbers() {
 fn wrong_lengths_are_refused_by_name() {
     for (name, mut step) in all() {
         let wrong = |what, expected, found| StepError::WrongLength { what, expected, found };
-        assert_eq!(step.advance(&SWING[..3], &FREE, 0.01).unwrap_err(), wrong("x", 4, 3), "{name}");
+        assert_eq!(step.evaluate(&SWING[..3], &FREE, 0.01).unwrap_err(), wrong("x", 4, 3), "{name}");
         assert_eq!(step.linearise(&SWING, &SWING, 0.01).unwrap_err(), wrong("u", 2, 4), "{name}");
         assert_eq!(step.contract(&SWING, &FREE, 0.01, &FREE).unwrap_err(), wrong("y", 4, 2), "{name}");
     }

@@ -2,7 +2,7 @@
 
 use super::{SWING, off, robot};
 use costate::derivative::{Function, largest};
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::scalar::{Count, Scalar, Tangent};
 use costate::step::{
     Classical, HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, Midpoint, ModelFamily, OneStep, Scheme,
@@ -61,7 +61,7 @@ fn along_a_line<S: Scalar, M: Scheme<HamiltonianRobot>>(t: S) -> Vec<S> {
     let mut step = M::step::<S>(HamiltonianRobot::from(&robot("two_link.toml")).model());
     let x: Vec<S> = [0.7, -0.3, 0.4, 0.9].iter().zip(SWING).map(|(&d, x)| t.times(d).plus(x)).collect();
     let u = [t.times(0.3).plus(0.2), S::from_f64(-0.1)];
-    step.advance(&x, &u, t.times(0.1).plus(0.1)).unwrap().to_vec()
+    step.evaluate(&x, &u, t.times(0.1).plus(0.1)).unwrap().to_vec()
 }
 
 /// Derivatives of third order through Newton's method are those through the formulas of the second order.
@@ -100,8 +100,8 @@ fn contractions_nest() {
         let mut x = SWING.map(S::from_f64);
         x[2] += shift;
         let (u, y, h) = ([S::from_f64(0.2); 2], SWING.map(S::from_f64), S::from_f64(0.1));
-        let mut verlet = StoermerVerlet::new(SecondOrder::<S>::new(&arm));
-        let mut midpoint = ImplicitMidpoint::new(SecondOrder::<S>::new(&arm));
+        let mut verlet = StoermerVerlet::new(HamiltonianSecondOrder::<S>::new(&arm));
+        let mut midpoint = ImplicitMidpoint::new(HamiltonianSecondOrder::<S>::new(&arm));
         let verlet = verlet.contract(&x, &u, h, &y).unwrap();
         let midpoint = midpoint.contract(&x, &u, h, &y).unwrap();
         [Some(verlet.xx), verlet.ux, Some(midpoint.xx), midpoint.ux]

@@ -3,9 +3,9 @@
 use super::derivatives::differences;
 use super::{filled, flat, off, robot};
 use costate::derivative::{Function, largest};
-use costate::dynamics::{Automatic, Contraction, Dynamics, FirstOrder, Structure};
-use costate::hamiltonian::{self, Hamiltonian};
-use costate::lagrangian;
+use costate::dynamics::{Automatic, Contraction, Dynamics, Linearisation, Structure};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::Matrix;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
@@ -19,7 +19,7 @@ use std::convert::Infallible;
 fn after_a_second<S: Step<f64>>(mut step: S, x: &[f64], u: &[f64], parts: usize) -> Vec<f64> {
     let mut x = x.to_vec();
     for _ in 0..parts {
-        x = step.advance(&x, u, 1.0 / parts as f64).unwrap().to_vec();
+        x = step.evaluate(&x, u, 1.0 / parts as f64).unwrap().to_vec();
     }
     x
 }
@@ -56,8 +56,8 @@ fn orders_of_convergence_are_those_of_the_schemes() {
         let (q, v, u) = ([0.3, -0.8], [1.0, 0.5], [0.4, -0.2]);
         let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
         let (x, z) = ([&q[..], &p].concat(), [q, v].concat());
-        let momenta = || hamiltonian::SecondOrder::<f64>::new(&robot);
-        let velocities = || lagrangian::SecondOrder::<f64>::new(&robot);
+        let momenta = || HamiltonianSecondOrder::<f64>::new(&robot);
+        let velocities = || LagrangianSecondOrder::<f64>::new(&robot);
         let exact_x = after_a_second(RungeKutta4::new(momenta()), &x, &u, 4000);
         let exact_z = after_a_second(RungeKutta4::new(velocities()), &z, &u, 4000);
         let found = [
@@ -147,7 +147,7 @@ fn a_hand_written_step_is_that_of_the_scheme() {
     assert!(largest(&filled(found.uu, 1, 1)) > 1e-3);
     let linear = by_hand.linearise(&x, &u, h).unwrap();
     agree(&flat(linear.phi_u), &flat(scheme.linearise(&x, &u, h).unwrap().phi_u));
-    agree(by_hand.advance(&x, &u, h).unwrap(), scheme.advance(&x, &u, h).unwrap());
+    agree(by_hand.evaluate(&x, &u, h).unwrap(), scheme.evaluate(&x, &u, h).unwrap());
 }
 
 /// The same pendulum with its derivatives by hand, for every scalar.
@@ -173,18 +173,18 @@ impl<S: Scalar> Dynamics<S> for ByHand<S> {
         Structure { constant_f_u: false, affine_in_u: false, f_u_depends_on: 1 }
     }
 
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], Infallible> {
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], Infallible> {
         self.f.copy_from_slice(&pendulum([x[0], x[1]], u[0]));
         Ok(&self.f)
     }
 
-    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, Infallible> {
-        self.value(x, u)?;
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, Infallible> {
+        self.evaluate(x, u)?;
         let (sin, cos) = x[0].sin_cos();
         (self.f_x[(0, 1)], self.f_x[(1, 0)]) = (S::one(), -(u[0] * u[0] * sin) - cos.times(9.81));
         self.f_x[(1, 1)] = x[1].times(-0.4);
         self.f_u[(1, 0)] = (u[0] * cos).times(2.0).plus(0.3);
-        Ok(FirstOrder { f: &self.f, f_x: self.f_x.view(), f_u: self.f_u.view() })
+        Ok(Linearisation { f: &self.f, f_x: self.f_x.view(), f_u: self.f_u.view() })
     }
 
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, Infallible> {
@@ -194,7 +194,7 @@ impl<S: Scalar> Dynamics<S> for ByHand<S> {
         (xx[(0, 0)], xx[(1, 1)]) = (y[1] * (sin.times(9.81) - u[0] * u[0] * cos), y[1].times(-0.4));
         ux[(0, 0)] = (y[1] * u[0] * sin).times(-2.0);
         uu[(0, 0)] = (y[1] * cos).times(2.0);
-        let first = FirstOrder { f: &self.f, f_x: self.f_x.view(), f_u: self.f_u.view() };
+        let first = Linearisation { f: &self.f, f_x: self.f_x.view(), f_u: self.f_u.view() };
         Ok(Contraction { first, xx: xx.view(), ux: Some(ux.view()), uu: Some(uu.view()) })
     }
 }

@@ -4,8 +4,8 @@ use super::random_robot::{Case, cases, condition};
 use super::{FREE, SWING, flat, made, off, robot};
 use costate::derivative::largest;
 use costate::dynamics::Dynamics;
-use costate::hamiltonian::{self, Hamiltonian};
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate::step::{
     HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, Midpoint, ModelFamily, RungeKutta4, Scheme,
@@ -45,8 +45,8 @@ fn is_symmetric<F: ModelFamily, M: Scheme<F>>(
     x: &[f64],
 ) -> Result<(), TestCaseError> {
     let mut step = M::step::<f64>(family.model());
-    let there = made(step.advance(x, &case.u, 0.005))?.to_vec();
-    let back = made(step.advance(&there, &case.u, -0.005))?;
+    let there = made(step.evaluate(x, &case.u, 0.005))?.to_vec();
+    let back = made(step.evaluate(&there, &case.u, -0.005))?;
     let found = off(back, x, largest(&there));
     let tolerance = 1e-12 * (condition(&case.robot(), &case.q) / 1000.0).max(1.0);
     prop_assert!(found <= tolerance, "{found:.2e} > {tolerance:.2e}");
@@ -78,11 +78,11 @@ proptest! {
     fn verlet_is_reversible(case in cases(6).prop_map(without_friction)) {
         let robot = case.robot();
         let (x, n) = (case.x(&robot), case.n());
-        let mut step = StoermerVerlet::new(hamiltonian::SecondOrder::<f64>::new(&robot));
-        let mut turned = made(step.advance(&x, &case.u, 0.01))?.to_vec();
+        let mut step = StoermerVerlet::new(HamiltonianSecondOrder::<f64>::new(&robot));
+        let mut turned = made(step.evaluate(&x, &case.u, 0.01))?.to_vec();
         let size = largest(&turned);
         turned[n..].iter_mut().for_each(|p| *p = -*p);
-        let mut back = made(step.advance(&turned, &case.u, 0.01))?.to_vec();
+        let mut back = made(step.evaluate(&turned, &case.u, 0.01))?.to_vec();
         back[n..].iter_mut().for_each(|p| *p = -*p);
         let tolerance = 1e-12 * (condition(&robot, &case.q) / 1000.0).max(1.0);
         prop_assert!(off(&back, &x, size) <= tolerance, "{:.2e}", off(&back, &x, size));
@@ -93,8 +93,8 @@ proptest! {
     fn no_time_changes_nothing(case in cases(6)) {
         let robot = case.robot();
         let (x, u, y) = (case.x(&robot), &case.u, &case.y);
-        let f = Hamiltonian::<f64>::new(&robot).phase_velocity(&case.q, &x[case.n()..], u).unwrap().to_vec();
-        let model = || hamiltonian::SecondOrder::<f64>::new(&robot);
+        let f = Hamiltonian::<f64>::new(&robot).evaluate(&case.q, &x[case.n()..], u).unwrap().to_vec();
+        let model = || HamiltonianSecondOrder::<f64>::new(&robot);
         let (mut a, mut b, mut c) = (RungeKutta4::new(model()), StoermerVerlet::new(model()), ImplicitMidpoint::new(model()));
         let all = [a.contract(&x, u, 0.0, y).unwrap(), b.contract(&x, u, 0.0, y).unwrap(), c.contract(&x, u, 0.0, y).unwrap()];
         for step in all {
@@ -110,16 +110,16 @@ proptest! {
 #[test]
 fn explicit_schemes_are_not_symplectic() {
     let arm = robot("two_link.toml");
-    let mut rk4 = RungeKutta4::new(hamiltonian::SecondOrder::<f64>::new(&arm));
+    let mut rk4 = RungeKutta4::new(HamiltonianSecondOrder::<f64>::new(&arm));
     let found = defect(&rk4.linearise(&SWING, &FREE, 0.5).unwrap().phi_x.to_nalgebra());
     assert!(found > 1e-6, "RK4: {found:.1e}");
     let mut hamiltonian = Hamiltonian::<f64>::new(&arm);
     let v = hamiltonian.velocity(&SWING[..2], &SWING[2..]).unwrap().to_vec();
     let z = [&SWING[..2], &v].concat();
-    let mut euler = SemiImplicitEuler::new(lagrangian::SecondOrder::<f64>::new(&arm));
+    let mut euler = SemiImplicitEuler::new(LagrangianSecondOrder::<f64>::new(&arm));
     let first = euler.linearise(&z, &FREE, 0.5).unwrap();
     let mut legendre = |z: &[f64]| {
-        let map = hamiltonian.momentum_jacobian(&z[..2], &z[2..]).unwrap();
+        let map = hamiltonian.linearise_momentum(&z[..2], &z[2..]).unwrap();
         let mut t = DMatrix::identity(4, 4);
         t.view_mut((2, 0), (2, 2)).copy_from(&map.dp_dq.view().as_nalgebra());
         t.view_mut((2, 2), (2, 2)).copy_from(&map.dp_dv.view().as_nalgebra());
@@ -139,12 +139,12 @@ fn a_held_robot_stays() {
         for q in [vec![0.0; n], vec![0.4; n]] {
             let hold = Lagrangian::<f64>::new(&robot).gravity(&q).unwrap().to_vec();
             let x = [q, vec![0.0; n]].concat();
-            let mut verlet = StoermerVerlet::new(hamiltonian::SecondOrder::<f64>::new(&robot));
-            let next = verlet.advance(&x, &hold, 0.01).unwrap();
+            let mut verlet = StoermerVerlet::new(HamiltonianSecondOrder::<f64>::new(&robot));
+            let next = verlet.evaluate(&x, &hold, 0.01).unwrap();
             assert!(off(next, &x, 1.0) < 1e-13, "{name}: {next:?}");
             assert!((2..=4).contains(&verlet.iterations()), "{name}");
-            let mut midpoint = ImplicitMidpoint::new(lagrangian::SecondOrder::<f64>::new(&robot));
-            let next = midpoint.advance(&x, &hold, 0.01).unwrap();
+            let mut midpoint = ImplicitMidpoint::new(LagrangianSecondOrder::<f64>::new(&robot));
+            let next = midpoint.evaluate(&x, &hold, 0.01).unwrap();
             assert!(off(next, &x, 1.0) < 1e-13, "{name}: {next:?}");
             assert!((1..=2).contains(&midpoint.iterations()), "{name}");
             assert_eq!(midpoint.model_mut().states(), 2 * n);
@@ -156,7 +156,7 @@ fn a_held_robot_stays() {
 #[test]
 fn what_is_zero_by_structure_is_not_stored() {
     let arm = robot("two_link.toml");
-    let mut step = SemiImplicitEuler::new(lagrangian::SecondOrder::<f64>::new(&arm));
+    let mut step = SemiImplicitEuler::new(LagrangianSecondOrder::<f64>::new(&arm));
     let second = step.contract(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.1], 0.01, &[0.4, -0.2, 0.7, 0.1]).unwrap();
     assert!(second.uu.is_none());
     assert_eq!(second.ux.map(|ux| (ux.rows(), ux.columns())), Some((2, 2)));
@@ -174,10 +174,10 @@ fn steps_do_not_depend_on_the_unit_of_mass() {
         Robot::builder("arm").joint(upper).joint(lower).build().unwrap()
     };
     let next = |scale: f64| {
-        let model = hamiltonian::SecondOrder::<f64>::new(&arm(scale));
+        let model = HamiltonianSecondOrder::<f64>::new(&arm(scale));
         let (x, h) = ([0.3, -0.8, scale, 0.5 * scale], 0.02);
-        let verlet = StoermerVerlet::new(model.clone()).advance(&x, &[0.0; 2], h).unwrap().to_vec();
-        let midpoint = ImplicitMidpoint::new(model).advance(&x, &[0.0; 2], h).unwrap().to_vec();
+        let verlet = StoermerVerlet::new(model.clone()).evaluate(&x, &[0.0; 2], h).unwrap().to_vec();
+        let midpoint = ImplicitMidpoint::new(model).evaluate(&x, &[0.0; 2], h).unwrap().to_vec();
         [verlet, midpoint].map(|mut next| {
             next[2..].iter_mut().for_each(|p| *p /= scale);
             next

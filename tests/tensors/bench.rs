@@ -27,7 +27,7 @@ impl Bench {
         let (robot, n, q) = (case.robot(), case.n(), &case.q);
         let tree = Tree::from(&robot);
         let mut ours = MassMatrixDerivatives::new(&tree);
-        ours.evaluate(&tree, q).unwrap();
+        ours.update(&tree, q).unwrap();
         let (mut first, mut second) = (vec![0.0; n * n * n], vec![0.0; n * n * n * n]);
         let mut hyperdual = Hamiltonian::<HyperDual64>::new(&robot);
         for k in 0..n {

@@ -21,7 +21,7 @@ proptest! {
         let (tree, n) = (Tree::from(&case.robot()), case.n());
         let mut ours = MassMatrixDerivatives::<f64>::new(&tree);
         prop_assert_eq!(computed(ours.stored_mass_second()), 0);
-        ours.evaluate(&tree, &case.q).unwrap();
+        ours.update(&tree, &case.q).unwrap();
         let n1 = (n - 1) * n * (n + 1) / 3;
         let n2 = (n - 1) * n * (n + 1) * (3 * n + 2) / 24;
         for (stored, count) in [
@@ -94,7 +94,7 @@ proptest! {
 fn numbers(tree: &Tree) -> [usize; 2] {
     let mut ours = MassMatrixDerivatives::<f64>::new(tree);
     let q: Vec<f64> = (0..tree.len()).map(|i| 0.3 + i as f64).collect();
-    ours.evaluate(tree, &q).unwrap();
+    ours.update(tree, &q).unwrap();
     [computed(ours.stored_mass_first()), computed(ours.stored_mass_second())]
 }
 

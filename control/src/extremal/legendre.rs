@@ -8,7 +8,7 @@ use crate::search::Guess;
 use crate::search::guess::RobotGuess;
 use crate::solve::Context;
 use costate::EvalError;
-use costate::lagrangian::Coordinates;
+use costate::lagrangian::LegendreTransform;
 use costate::robot::Robot;
 use std::marker::PhantomData;
 
@@ -29,13 +29,13 @@ pub(crate) trait OfRobot: Extremal {
 
 /// `p = M v`, `y_v = M y_p`, `y_q(q, v) = y_q(q, p) + P'y_p` with P = d(M v)/dq.
 pub(crate) struct Legendre {
-    map: Coordinates<f64>,
+    map: LegendreTransform<f64>,
     none: Vec<f64>,
 }
 
 impl Legendre {
     pub fn new(robot: &Robot) -> Self {
-        Self { map: Coordinates::new(robot), none: vec![0.0; robot.len()] }
+        Self { map: LegendreTransform::new(robot), none: vec![0.0; robot.len()] }
     }
 }
 

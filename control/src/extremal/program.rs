@@ -5,7 +5,7 @@ use crate::extremal::hamiltonian::equations::Equations;
 use crate::problem::error::SourceError;
 use crate::problem::{Bounds, Penalty, Problem};
 use costate::codegen::{CodegenError, Expr, Program, name_from};
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::robot::Tree;
 use costate::scalar::Scalar;
 
@@ -66,7 +66,8 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
     let actuation = Actuation::new(problem);
     let program = Program::try_record(&name, &[("q", n), ("p", n), ("y", 2 * n)], |arguments| {
         let z = arguments.concat();
-        let mut equations = Equations::<Expr>::new(problem, SecondOrder::from_tree(Tree::from(robot)));
+        let mut equations =
+            Equations::<Expr>::new(problem, HamiltonianSecondOrder::from_tree(Tree::from(robot)));
         let control = |i, y_p| actuation.maximal(i, y_p);
         let mut rate = vec![Expr::zero(); 4 * n];
         let mut matrix = Vec::new();

@@ -69,7 +69,7 @@ impl Path {
         x[..n].copy_from_slice(q);
         y_p.copy_from_slice(&self.pull);
         x[n..].copy_from_slice(self.hamiltonian.momentum(q, v)?);
-        let f_x = self.hamiltonian.jacobian(q, &x[n..], &self.force)?.matrix();
+        let f_x = self.hamiltonian.linearise(q, &x[n..], &self.force)?.matrix();
         for (k, change) in self.pull_rate.iter_mut().enumerate() {
             *change += (0..n).map(|i| f_x[(n + i, n + k)] * y_p[i]).sum::<f64>();
         }

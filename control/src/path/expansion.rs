@@ -37,7 +37,7 @@ impl Objective {
         self.first.fill(0.0);
         self.second.fill(0.0);
         let mut value = 0.0;
-        let jacobian = self.dynamics.first().inverse_dynamics_jacobian(q, v, a)?;
+        let jacobian = self.dynamics.first().linearise_inverse_dynamics(q, v, a)?;
         for i in 0..n {
             let gain = self.gain[i];
             let cost = self.controls[i].at(jacobian.tau[i] / gain);
@@ -78,7 +78,7 @@ impl Objective {
             }
         }
         if exact {
-            let hessian = self.dynamics.inverse_dynamics_hessian(q, v, a, &self.pull)?;
+            let hessian = self.dynamics.contract_inverse_dynamics(q, v, a, &self.pull)?;
             for r in 0..width {
                 for c in 0..=r {
                     self.second[r * width + c] += hessian[(r, c)];

@@ -8,7 +8,7 @@ use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
 use crate::problem::{Problem, Time};
 use costate::EvalError;
-use costate::lagrangian::SecondOrder;
+use costate::lagrangian::LagrangianSecondOrder;
 
 /// Points of Gauss's quadrature on [0, 1] and their weights.
 pub(crate) const GAUSS: [(f64, f64); 3] =
@@ -29,7 +29,7 @@ pub(crate) struct Objective {
     pub gain: Vec<f64>,
     pub penalties: Penalties,
     pub terms: UserTerms<f64>,
-    pub dynamics: SecondOrder<f64>,
+    pub dynamics: LagrangianSecondOrder<f64>,
     pub time_cost: f64,
     pub time_is_free: bool,
     /// Values and derivatives of the basis at each point, with the weight.
@@ -64,7 +64,7 @@ impl Objective {
             gain: actuation.gain,
             penalties: Penalties::new(n, problem.penalty.as_ref()),
             terms: UserTerms::new(n, &problem.terms),
-            dynamics: SecondOrder::new(&problem.robot),
+            dynamics: LagrangianSecondOrder::new(&problem.robot),
             time_cost: problem.cost.time,
             time_is_free: matches!(problem.time, Time::Free { .. }),
             z: [vec![0.0; 3 * n], vec![0.0; 3 * n], vec![0.0; 3 * n]],

@@ -138,7 +138,7 @@ fn costates_change_by_the_gradient_of_the_running_cost() {
         let gradient = judge.gradient(&[q, &v].concat(), &[]).unwrap();
         assert!((rate.cost - other.cost - gradient.value).abs() < 1e-12 * gradient.value);
         let (l_q, l_v) = gradient.x.split_at(n);
-        let map = hamiltonian.velocity_jacobian(q, p).unwrap();
+        let map = hamiltonian.linearise_velocity(q, p).unwrap();
         let size = with.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
         for i in 0..n {
             let along =

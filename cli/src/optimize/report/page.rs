@@ -7,7 +7,7 @@ use super::svg::{STYLE, escaped};
 use super::{FRAMES, Motion, views};
 use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::summary;
-use costate_control::{StartResult, Status};
+use costate_control::StartResult;
 
 const PAGE_STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");

@@ -134,7 +134,7 @@ impl Given {
             p[i] = Tangent::new(z[n + i], seed(n + i));
         }
         rates.copy_from_slice(dual.velocity(q, p)?);
-        let map = dual.momentum_jacobian(q, rates)?;
+        let map = dual.linearise_momentum(q, rates)?;
         for j in 0..n {
             let mut set = |row: usize, value: Tangent<f64>| {
                 residual[row] = value.re;

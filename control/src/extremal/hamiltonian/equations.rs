@@ -6,14 +6,14 @@ use crate::extremal::user_terms::UserTerms;
 use crate::problem::Problem;
 use crate::problem::running_cost::ExtremalScalar;
 use costate::EvalError;
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::scalar::Scalar;
 
 /// `z' = (F + (0, B u), -F_x'y + l_x)` and its Jacobian for controls that are given with their slopes: what
 /// [`RobotExtremal`](crate::RobotExtremal) solves with and what generated code is recorded from.
 #[derive(Clone, Debug)]
 pub(crate) struct Equations<S: Scalar> {
-    pub second: SecondOrder<S>,
+    pub second: HamiltonianSecondOrder<S>,
     pub penalties: Penalties,
     pub terms: UserTerms<S>,
     /// b_i.
@@ -46,7 +46,7 @@ pub(crate) struct Running<S> {
 
 impl<S: ExtremalScalar> Equations<S> {
     /// Those of a problem that was checked, for a model that was turned already.
-    pub fn new(problem: &Problem, second: SecondOrder<S>) -> Self {
+    pub fn new(problem: &Problem, second: HamiltonianSecondOrder<S>) -> Self {
         let n = problem.robot.len();
         let zeros = vec![S::zero(); n];
         Self {
@@ -147,10 +147,10 @@ impl<S: ExtremalScalar> Equations<S> {
         let m = 4 * n;
         let (q, p) = z[..2 * n].split_at(n);
         let (linear, hessian) = if hessian {
-            let all = self.second.contracted_hessian(q, p, &self.force, &self.shifted)?;
+            let all = self.second.contract(q, p, &self.force, &self.shifted)?;
             (all.linearisation(), Some(all.matrix()))
         } else {
-            (self.second.first().jacobian(q, p, &self.force)?, None)
+            (self.second.first().linearise(q, p, &self.force)?, None)
         };
         let f_x = linear.matrix();
         g[..2 * n].copy_from_slice(linear.f());

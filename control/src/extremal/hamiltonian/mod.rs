@@ -11,7 +11,7 @@ use crate::extremal::{Ease, Extremal, Law, Rate, Side};
 use crate::options::Jacobian;
 use crate::problem::Problem;
 use costate::EvalError;
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 
 /// The extremals of a [`Problem`]:
 ///
@@ -46,7 +46,7 @@ impl RobotExtremal {
     pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         Ok(Self {
-            equations: Equations::new(problem, SecondOrder::new(&problem.robot)),
+            equations: Equations::new(problem, HamiltonianSecondOrder::new(&problem.robot)),
             actuation: Actuation::new(problem),
             asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
             ends: Ends::new(problem)?,
@@ -185,7 +185,7 @@ impl Extremal for RobotExtremal {
         let n = self.equations.force.len();
         let Equations { second, force, gain, .. } = &mut self.equations;
         force.iter_mut().zip(gain).zip(u).for_each(|((force, gain), u)| *force = *gain * u);
-        f.copy_from_slice(second.first().phase_velocity(&x[..n], &x[n..], force)?);
+        f.copy_from_slice(second.first().evaluate(&x[..n], &x[n..], force)?);
         Ok(())
     }
 }

@@ -12,10 +12,10 @@ impl LagrangianExtremal {
         let m = 4 * n;
         let (q, v, y_q, y_v) = (&z[..n], &z[n..2 * n], &z[2 * n..3 * n], &z[3 * n..]);
         let (linear, hessian) = if self.jacobian == Jacobian::WithoutHessian {
-            (self.second.first().forward_dynamics_jacobian(q, v, &self.force)?, None)
+            (self.second.first().linearise_forward_dynamics(q, v, &self.force)?, None)
         } else {
-            let all = self.second.contracted_hessian(q, v, &self.force, y_v)?;
-            (all.linearisation(), Some((all.xx(), all.uq())))
+            let all = self.second.contract_forward_dynamics(q, v, &self.force, y_v)?;
+            (all.forward_dynamics(), Some((all.xx(), all.uq())))
         };
         g[..n].copy_from_slice(v);
         g[n..2 * n].copy_from_slice(linear.acceleration());

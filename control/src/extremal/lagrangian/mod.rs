@@ -14,7 +14,7 @@ use crate::extremal::{Ease, Extremal, Law, Rate, Side};
 use crate::options::Jacobian;
 use crate::problem::Problem;
 use costate::EvalError;
-use costate::lagrangian::SecondOrder;
+use costate::lagrangian::LagrangianSecondOrder;
 
 /// The extremals of a [`Problem`] with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
 ///
@@ -31,7 +31,7 @@ use costate::lagrangian::SecondOrder;
 /// all that u changes with q. Built once; evaluations do not allocate.
 #[derive(Clone, Debug)]
 pub struct LagrangianExtremal {
-    pub(crate) second: SecondOrder<f64>,
+    pub(crate) second: LagrangianSecondOrder<f64>,
     pub(crate) actuation: Actuation,
     /// Actuation and weight of the penalties of the problem itself.
     asked: (Actuation, f64),
@@ -63,7 +63,7 @@ impl LagrangianExtremal {
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
         let n = problem.robot.len();
-        let mut second = SecondOrder::new(&problem.robot);
+        let mut second = LagrangianSecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
             second.first().solve_mass_matrix(q, &mut vec![0.0; n])?;
         }
@@ -242,10 +242,11 @@ impl Extremal for LagrangianExtremal {
         let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
         gradient.fill(0.0);
         self.force.fill(0.0);
-        let Ok(all) = self.second.contracted_hessian(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..]) else {
+        let Ok(all) = self.second.contract_forward_dynamics(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..])
+        else {
             return f64::NAN;
         };
-        for (part, row) in [(0, all.uq().row(control)), (3 * n, all.linearisation().a_u().row(control))] {
+        for (part, row) in [(0, all.uq().row(control)), (3 * n, all.forward_dynamics().a_u().row(control))] {
             gradient[part..part + n].iter_mut().zip(row).for_each(|(to, &from)| *to = slope * from);
         }
         value
@@ -256,7 +257,7 @@ impl Extremal for LagrangianExtremal {
         for (i, force) in self.force.iter_mut().enumerate() {
             *force = self.actuation.gain[i] * u[i];
         }
-        f.copy_from_slice(self.second.first().state_equation(&x[..n], &x[n..], &self.force)?);
+        f.copy_from_slice(self.second.first().evaluate(&x[..n], &x[n..], &self.force)?);
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! From (q, v) to (q, p) and back: states, rates, Jacobians and costates under the Legendre map.
 
-use super::{Lagrangian, StateJacobian};
+use super::{Lagrangian, StateLinearisation};
 use crate::error::{EvalError, check_length};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
@@ -18,21 +18,21 @@ use crate::scalar::Scalar;
 /// for dz/dt = G(z), z = (q, v), and dx/dt = F(x), x = (q, p). Friction and actuation are part of F and G.
 ///
 /// ```
-/// use costate::{hamiltonian::Hamiltonian, lagrangian::Coordinates, robot::Robot};
+/// use costate::{hamiltonian::Hamiltonian, lagrangian::LegendreTransform, robot::Robot};
 ///
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let (q, v, u) = ([0.3, -0.8], [1.0, 0.5], [0.2, 0.0]);
-/// let mut coordinates = Coordinates::<f64>::new(&robot);
+/// let mut coordinates = LegendreTransform::<f64>::new(&robot);
 /// let mut state = coordinates.at(&q, &v, &u)?;
 /// let p = state.momentum().to_vec();
 /// let f_x = state.hamiltonian().f_x.view().to_nalgebra();
-/// let direct = Hamiltonian::<f64>::new(&robot).jacobian(&q, &p, &u)?.matrix().to_nalgebra();
+/// let direct = Hamiltonian::<f64>::new(&robot).linearise(&q, &p, &u)?.matrix().to_nalgebra();
 /// assert!((f_x - direct).amax() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Coordinates<S: Scalar> {
+pub struct LegendreTransform<S: Scalar> {
     lagrangian: Lagrangian<S>,
     v: Vec<S>,
     f: Vec<S>,
@@ -44,9 +44,9 @@ pub struct Coordinates<S: Scalar> {
 
 /// The Legendre map at one state; borrowed from the workspace.
 #[derive(Debug)]
-pub struct LegendreMap<'a, S: Scalar>(&'a mut Coordinates<S>);
+pub struct LegendreMap<'a, S: Scalar>(&'a mut LegendreTransform<S>);
 
-impl<S: Scalar> Coordinates<S> {
+impl<S: Scalar> LegendreTransform<S> {
     /// Builds the workspace: all that is ever allocated.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
@@ -73,7 +73,7 @@ impl<S: Scalar> Coordinates<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn at(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<LegendreMap<'_, S>, EvalError> {
-        self.lagrangian.state_jacobian(q, v, u)?;
+        self.lagrangian.linearise(q, v, u)?;
         Ok(LegendreMap(self))
     }
 
@@ -86,14 +86,14 @@ impl<S: Scalar> Coordinates<S> {
         self.lagrangian.factor(q)?;
         self.v.copy_from_slice(p);
         self.lagrangian.factor.solve(&mut self.v);
-        self.lagrangian.state_jacobian(q, &self.v, u)?;
+        self.lagrangian.linearise(q, &self.v, u)?;
         Ok(LegendreMap(self))
     }
 }
 
 impl<S: Scalar> LegendreMap<'_, S> {
     fn n(&self) -> usize {
-        self.0.lagrangian.len()
+        self.0.lagrangian.dof()
     }
 
     /// v, n (rad/s, m/s).
@@ -107,15 +107,15 @@ impl<S: Scalar> LegendreMap<'_, S> {
     }
 
     /// The state equation in (q, v): G, G_z and G_u.
-    pub fn lagrangian(&self) -> StateJacobian<'_, S> {
+    pub fn lagrangian(&self) -> StateLinearisation<'_, S> {
         let Lagrangian { rate, f_x, f_u, .. } = &self.0.lagrangian;
-        StateJacobian { f: rate, f_x, f_u }
+        StateLinearisation { f: rate, f_x, f_u }
     }
 
     /// The state equation in (q, p), made from that in (q, v): F = (v, P v + M a), F_x and `F_u = (0 ; 1)`.
-    pub fn hamiltonian(&mut self) -> StateJacobian<'_, S> {
-        let Coordinates { lagrangian, f, given, .. } = &mut *self.0;
-        let (v, a) = lagrangian.rate.split_at(lagrangian.len());
+    pub fn hamiltonian(&mut self) -> StateLinearisation<'_, S> {
+        let LegendreTransform { lagrangian, f, given, .. } = &mut *self.0;
+        let (v, a) = lagrangian.rate.split_at(lagrangian.dof());
         let (f_q, f_p) = f.split_at_mut(v.len());
         f_q.copy_from_slice(v);
         for (i, rate) in f_p.iter_mut().enumerate() {
@@ -125,7 +125,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
         }
         given.copy_from(&lagrangian.f_x);
         self.change_to_hamiltonian();
-        StateJacobian { f: &self.0.f, f_x: &self.0.changed, f_u: &self.0.f_u }
+        StateLinearisation { f: &self.0.f, f_x: &self.0.changed, f_u: &self.0.f_u }
     }
 
     /// `F_x = (T G_z + dT/dt) T^-1`, 2n x 2n, of a Jacobian G_z in (q, v) of any G with this rate dz/dt.
@@ -153,7 +153,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
     /// # Errors
     /// [`EvalError::WrongLength`].
     pub fn costate_to_lagrangian(&mut self, y: &mut [S]) -> Result<(), EvalError> {
-        let (n, Coordinates { lagrangian, f, .. }) = (self.n(), &mut *self.0);
+        let (n, LegendreTransform { lagrangian, f, .. }) = (self.n(), &mut *self.0);
         check_length("y", y, 2 * n)?;
         let (p, m) = (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix());
         let (y_q, y_p) = y.split_at_mut(n);
@@ -195,8 +195,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
 
     /// `X = T G_z + dT/dt`, then `F_x = X T^-1`, with `[X1 X2] T^-1 = [X1 - X2 M^-1 P, X2 M^-1]`.
     fn change_to_hamiltonian(&mut self) {
-        let Coordinates { lagrangian, given, half, changed, .. } = &mut *self.0;
-        let n = lagrangian.len();
+        let LegendreTransform { lagrangian, given, half, changed, .. } = &mut *self.0;
+        let n = lagrangian.dof();
         let (p, m, inverse) =
             (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix(), &lagrangian.inverse);
         for i in 0..n {
@@ -217,8 +217,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
 
     /// `X = F_x T - dT/dt`, then `G_z = T^-1 X`, with `T^-1 [X1 ; X2] = [X1 ; M^-1 (X2 - P X1)]`.
     fn change_to_lagrangian(&mut self) {
-        let Coordinates { lagrangian, given, half, changed, .. } = &mut *self.0;
-        let n = lagrangian.len();
+        let LegendreTransform { lagrangian, given, half, changed, .. } = &mut *self.0;
+        let n = lagrangian.dof();
         let (p, m, inverse) =
             (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix(), &lagrangian.inverse);
         half.fill_zero();
@@ -240,7 +240,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
 
 /// Fills the lower half of a matrix with that of dT/dt, `[Pdot Mdot]`.
 fn set_rate<S: Scalar>(lagrangian: &Lagrangian<S>, target: &mut Matrix<S>) {
-    let n = lagrangian.len();
+    let n = lagrangian.dof();
     for i in 0..n {
         let (left, right) = target.row_mut(n + i).split_at_mut(n);
         left.copy_from_slice(lagrangian.along.l_vq().row(i));
