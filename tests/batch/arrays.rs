@@ -1,10 +1,10 @@
 //! Node-major arrays of a model, from a batch and from single evaluations.
 
-use crate::random_robot::difference;
 use costate::batch::{Batch, Failure, FirstOrderArrays, Model, ModelQuantity, Packed, SecondOrderArrays};
 use costate::dynamics::Dynamics;
 use costate::matrix::Block;
 use costate::robot::{Robot, file};
+use costate_test_support::random_robot::difference;
 
 /// Node-major arrays of a model: what is read and what was written.
 #[derive(Clone, Debug, Default)]

@@ -1,10 +1,10 @@
 //! Functions of slices, as generators and compilers make them.
 
 use crate::arrays::{Arrays, node};
-use crate::random_robot::difference;
 use costate::batch::{Batch, Failure, NodeError, NodeFunction, Packed};
 use costate::on_slices;
 use costate::scalar::Scalar;
+use costate_test_support::random_robot::difference;
 
 /// F of a pendulum with a slider on it, as straight-line code: what a generator writes.
 fn straight_line<S: Scalar>(x: &[S; 4], u: &[S; 2], f: &mut [S; 4]) {

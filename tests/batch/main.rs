@@ -6,8 +6,6 @@ mod arrays;
 mod failures;
 mod functions;
 mod models;
-#[path = "../common/random_robot.rs"]
-mod random_robot;
 mod steps;
 #[cfg(feature = "rayon")]
 mod threads;

@@ -1,7 +1,6 @@
 //! Models: nodes as if alone, in any number, on any tree, with numbers that carry derivatives.
 
 use crate::arrays::{Arrays, agree, node, robot};
-use crate::random_robot::{Case, cases, difference, tolerance};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::derivative::Function;
 use costate::dynamics::Automatic;
@@ -9,6 +8,8 @@ use costate::hamiltonian::SecondOrder;
 use costate::lagrangian;
 use costate::robot::Robot;
 use costate::scalar::{Scalar, Tangent};
+use costate_test_support::config;
+use costate_test_support::random_robot::{Case, cases, difference, tolerance};
 use proptest::prelude::*;
 
 /// Any number of nodes, in both coordinates.
@@ -63,7 +64,7 @@ fn random_nodes<S: Packed<Lane = f64>>(case: &Case) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(config(48))]
 
     #[test]
     fn nodes_of_any_tree_are_evaluated_as_if_alone(case in cases(6)) {

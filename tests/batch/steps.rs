@@ -1,11 +1,11 @@
 //! Steps from many nodes.
 
 use crate::arrays::{Arrays, node, robot};
-use crate::random_robot::difference;
 use costate::batch::{Batch, Failure, NodeError, Packed, SecondOrderArrays, StepArrays, StepMap};
 use costate::hamiltonian::SecondOrder;
 use costate::matrix::Block;
 use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StepError};
+use costate_test_support::random_robot::difference;
 
 /// Steps at every node, each with its own duration, against single steps.
 fn steps_are_steps<S: Packed<Lane = f64>>(allowed: f64) {
