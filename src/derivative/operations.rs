@@ -1,5 +1,8 @@
 //! How many operations each quantity takes by each route.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
@@ -93,10 +96,12 @@ impl OperationTable {
     ///
     /// # Errors
     /// None that a valid robot gives rise to: numbers that count are not checked.
+    #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
         Self::at(robot, constants, &State::new(robot.len(), |i| (1.0 + i as f64).sqrt()))
     }
 
+    #[inline]
     fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
         let tree = Tree::from(robot);
         let tensors = by_dual_pass(&tree, Christoffel, constants, state)?;
@@ -150,6 +155,7 @@ fn by_dual_pass<R: Route>(
 }
 
 /// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor.
+#[inline]
 fn by_rule(
     tree: &Tree,
     constants: Constants,
@@ -167,6 +173,7 @@ fn by_rule(
 }
 
 /// F_x and y'F_xx by dual numbers, then by hyper-dual numbers.
+#[inline]
 fn automatic(
     robot: &Robot,
     constants: Constants,

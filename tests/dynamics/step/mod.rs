@@ -2,7 +2,6 @@
 
 mod derivatives;
 mod failures;
-mod scalars;
 mod schemes;
 mod structure;
 

@@ -9,6 +9,7 @@
 pub mod generic;
 pub mod random_robot;
 pub mod reference;
+pub mod robots;
 
 use proptest::test_runner::{Config, FileFailurePersistence};
 

@@ -1,6 +1,6 @@
 //! Time of machine code against the generic code, and what it costs to make it.
 //!
-//! `cargo run --release -p costate-jit --example speed` prints the table, with `-- --write` it also puts it into
+//! `cargo run --release -p costate-examples --example speed` prints the table, with `-- --write` it also puts it into
 //! docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under "this processor".
 #![allow(
     clippy::unwrap_used,
@@ -9,13 +9,11 @@
     reason = "an example may stop on what a library may not"
 )]
 
-#[path = "../../benches/frames/robots.rs"]
-mod robots;
-
 use costate::codegen::{Coordinates, Options, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
 use costate_jit::{Compiled, Evaluator, JitError, Status};
+use costate_test_support::robots;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;

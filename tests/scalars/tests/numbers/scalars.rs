@@ -31,7 +31,7 @@ fn robots() -> Vec<Robot> {
         ),
     ];
     let rough = costate::robot::file::parse(&text.concat(), Default::default()).unwrap();
-    let panda = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/panda.urdf")).unwrap();
+    let panda = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf")).unwrap();
     vec![rough, panda]
 }
 
@@ -179,7 +179,7 @@ fn every_kind_of_number_in_lagrangian_coordinates_and_by_tensors() {
     other_real_part_is_the_result_in_f64::<f32>("f32", |&x| f64::from(x), 2000.0);
 }
 
-/// One lane is the result in `f64`; that of different states in different lanes is in `tests/lanes.rs`.
+/// One lane is the result in `f64`; different states in different lanes: `lanes.rs`.
 #[cfg(feature = "wide")]
 #[test]
 fn lanes_are_the_result_in_f64() {

@@ -1,6 +1,6 @@
 //! A linear step with quadratic costs, and its solution by dense algebra.
 
-use super::problem::Problem;
+use crate::problem::Problem;
 use costate::dynamics::QuadraticCost;
 use costate::matrix::Matrix;
 use costate::step::{Step, StepContraction, StepFirstOrder};

@@ -1,5 +1,4 @@
 //! The robots to measure: files, and random ones with axes and inertias in general directions.
-#![allow(dead_code, reason = "the table of operations uses its own part")]
 
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use fastrand::Rng;
@@ -28,7 +27,7 @@ pub fn random(name: &str, n: usize, reach: usize) -> Robot {
 
 /// A robot of the folder `robots/`.
 pub fn file(name: &str) -> Robot {
-    Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+    Robot::from_file(format!("{}/../../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// All of them, with the name for the table.

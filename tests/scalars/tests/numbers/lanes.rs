@@ -193,7 +193,7 @@ proptest! {
 }
 
 fn robot(name: &str) -> Robot {
-    Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+    Robot::from_file(format!("{}/../../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// Explicit and implicit steps: the iterations of the implicit ones end when all lanes have converged.

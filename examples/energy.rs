@@ -1,7 +1,7 @@
 //! Energy of a robot that swings freely, over 100 000 steps of every scheme: writes `docs/energy.svg` and the table in
 //! `docs/energy.md`.
 //!
-//! `cargo run --release -p costate-cli --example energy`
+//! `cargo run --release -p costate-examples --example energy`
 
 use costate::dynamics::{Contraction, Dynamics, FirstOrder, Structure};
 use costate::robot::Robot;

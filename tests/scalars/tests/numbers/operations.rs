@@ -9,11 +9,12 @@ use costate::matrix::Block;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
 use costate::scalar::{Constants, Count, Operations, Scalar, count, count_with};
 use costate::tensors::Christoffel;
+use costate_test_support::robots;
 use std::f64::consts::FRAC_PI_2;
 
 fn robots() -> [Robot; 3] {
     ["robots/puma560.toml", "robots/panda.urdf", "tests/fixtures/friction_tree.toml"]
-        .map(|path| Robot::from_file(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap())
+        .map(|path| Robot::from_file(format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"))).unwrap())
 }
 
 /// x = (q, p) and y: q = 0 and p = 0, or general.
@@ -133,8 +134,8 @@ fn counts_do_not_depend_on_the_state() {
 /// What generated code for F, F_x and M^-1 may take; the prototype took 1145, 1647 and 8001 multiplications.
 #[test]
 fn the_jacobian_takes_few_multiplications() {
-    let puma = crate::robots::file("puma560.toml");
-    let general = |n| crate::robots::random("general", n, 1);
+    let puma = robots::file("puma560.toml");
+    let general = |n| robots::random("general", n, 1);
     for (robot, most) in [(puma, 1000), (general(6), 1500), (general(12), 7500)] {
         let n = robot.len();
         let numbers = |from: f64| (0..n).map(|i| Count::variable(from + 0.3 * i as f64)).collect::<Vec<_>>();
@@ -147,11 +148,7 @@ fn the_jacobian_takes_few_multiplications() {
 /// What second derivatives add: less by the 2n+1 rule than by one dual pass, products less than the matrix.
 #[test]
 fn second_derivatives_take_few_multiplications() {
-    for robot in [
-        crate::robots::file("puma560.toml"),
-        crate::robots::file("biped.toml"),
-        crate::robots::random("general", 6, 1),
-    ] {
+    for robot in [robots::file("puma560.toml"), robots::file("biped.toml"), robots::random("general", 6, 1)] {
         for constants in [Constants::Folded, Constants::Kept] {
             let table = OperationTable::new(&robot, constants).unwrap();
             let of = |quantity, route| table.get(quantity, route).unwrap().mul as f64;
@@ -213,7 +210,7 @@ fn parallel_and_orthogonal_axes_take_less() {
 /// One joint: what stays of the algebra when everything constant is folded.
 #[test]
 fn a_pendulum_takes_what_it_must() {
-    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/pendulum.toml")).unwrap();
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/pendulum.toml")).unwrap();
     let table = OperationTable::new(&robot, Constants::Folded).unwrap();
     for row in table.rows() {
         let o = row.operations;

@@ -1,34 +1,14 @@
-//! The solver of `examples/ddp`: against dense algebra, an adjoint sweep of its own, and finite differences.
+//! Against dense algebra, an adjoint sweep of its own, and finite differences.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
-
-#[path = "../examples/ddp/box_qp.rs"]
-mod box_qp;
-#[allow(dead_code, reason = "timing is for the example")]
-#[path = "../examples/ddp/compare.rs"]
-mod compare;
-#[path = "ddp/linear.rs"]
 mod linear;
-#[path = "../examples/ddp/problem.rs"]
-mod problem;
-#[allow(dead_code, reason = "not every task of the example is solved here")]
-#[path = "../examples/ddp/problems.rs"]
-mod problems;
-#[allow(dead_code, reason = "not every task of the example is solved here")]
-#[path = "../examples/ddp/reach.rs"]
-mod reach;
-#[path = "../examples/ddp/solver.rs"]
-mod solver;
-#[path = "../examples/ddp/sweep.rs"]
-mod sweep;
-#[path = "../examples/ddp/trajectory.rs"]
-mod trajectory;
 
 use costate::dynamics::Cost;
 use costate::step::Step;
 use linear::{STAGES, START, dense, linear};
 use nalgebra::{DVector, dmatrix, dvector};
-use problem::{Curvature, Failure, Options, Problem, Solution, Status};
+
+use super::problem::{Curvature, Failure, Options, Problem, Solution, Status};
+use super::{box_qp, compare, problems};
 
 const BOTH: [Curvature; 2] = [Curvature::Exact, Curvature::GaussNewton];
 

@@ -97,7 +97,7 @@ pub fn agree<D: Dynamics<f64>>(model: &mut D, arrays: &Arrays, allowed: f64) {
 }
 
 pub fn robot(name: &str) -> Robot {
-    Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+    Robot::from_file(format!("{}/../../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// Three turning axes in one point; no inverse of M where the second is at a right angle.

@@ -1,6 +1,5 @@
 //! Every scalar goes through every scheme.
 
-use super::{SWING, off, robot};
 use costate::derivative::{Function, largest};
 use costate::hamiltonian::SecondOrder;
 use costate::scalar::{Count, Scalar, Tangent};
@@ -8,10 +7,15 @@ use costate::step::{
     Classical, HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, Midpoint, ModelFamily, OneStep, Scheme,
     SemiImplicit, Step, StoermerVerlet, Verlet,
 };
+use costate_test_support::random_robot::difference;
+use costate_test_support::robots;
 use num_dual::{
     Dual, Dual2, Dual2_64, Dual2SVec64, Dual3_64, Dual32, Dual64, DualSVec64, HyperDual, HyperDual64,
     HyperDualSVec64, HyperHyperDual64,
 };
+
+/// (q, p) of the two-link arm on a free swing.
+const SWING: [f64; 4] = [0.3, -0.8, 1.0, 0.5];
 
 fn next<S: Scalar, F: ModelFamily, M: Scheme<F>>(family: F) -> Vec<S> {
     let function = OneStep::<F, M>::new(family);
@@ -23,10 +27,10 @@ fn next<S: Scalar, F: ModelFamily, M: Scheme<F>>(family: F) -> Vec<S> {
 
 /// The real part is the result in `f64`, within `units` of the last place.
 fn real_part_is_the_result_in_f64<S: Scalar>(re: impl Fn(&S) -> f64, units: f64) {
-    let arm = robot("two_link.toml");
+    let arm = robots::file("two_link.toml");
     let check = |found: Vec<S>, expected: Vec<f64>| {
         let found: Vec<f64> = found.iter().map(&re).collect();
-        assert!(off(&found, &expected, 0.0) <= units * S::EPSILON, "{found:?} {expected:?}");
+        assert!(difference(&found, &expected) <= units * S::EPSILON, "{found:?} {expected:?}");
     };
     let (momenta, velocities) = (|| HamiltonianRobot::from(&arm), || LagrangianRobot::from(&arm));
     check(next::<_, _, Classical>(momenta()), next::<_, _, Classical>(momenta()));
@@ -58,7 +62,7 @@ fn every_number_goes_through_every_scheme() {
 
 /// x along a line, to be differentiated in its parameter t at 0.
 fn along_a_line<S: Scalar, M: Scheme<HamiltonianRobot>>(t: S) -> Vec<S> {
-    let mut step = M::step::<S>(HamiltonianRobot::from(&robot("two_link.toml")).model());
+    let mut step = M::step::<S>(HamiltonianRobot::from(&robots::file("two_link.toml")).model());
     let x: Vec<S> = [0.7, -0.3, 0.4, 0.9].iter().zip(SWING).map(|(&d, x)| t.times(d).plus(x)).collect();
     let u = [t.times(0.3).plus(0.2), S::from_f64(-0.1)];
     step.advance(&x, &u, t.times(0.1).plus(0.1)).unwrap().to_vec()
@@ -85,7 +89,7 @@ fn derivatives_of_third_order_converge_too() {
             hyper.iter().map(|x| x.eps1eps2eps3).collect(),
             tangents.iter().map(|x| x.eps.eps1eps2).collect(),
         ];
-        assert!(found.iter().all(|found| off(found, &expected, 0.0) < 1e-12), "{found:?} {expected:?}");
+        assert!(found.iter().all(|found| difference(found, &expected) < 1e-12), "{found:?} {expected:?}");
     }
     agree::<Classical>();
     agree::<Verlet>();
@@ -96,7 +100,7 @@ fn derivatives_of_third_order_converge_too() {
 #[test]
 fn contractions_nest() {
     fn hessian<S: Scalar>(shift: S) -> Vec<S> {
-        let arm = robot("two_link.toml");
+        let arm = robots::file("two_link.toml");
         let mut x = SWING.map(S::from_f64);
         x[2] += shift;
         let (u, y, h) = ([S::from_f64(0.2); 2], SWING.map(S::from_f64), S::from_f64(0.1));
@@ -113,5 +117,5 @@ fn contractions_nest() {
     let dual: Vec<f64> = hessian(Dual64::new(0.0, 1.0)).iter().map(|x| x.eps).collect();
     let (ahead, behind) = (hessian(1e-5), hessian(-1e-5));
     let central: Vec<f64> = ahead.iter().zip(behind).map(|(a, b)| (a - b) / 2e-5).collect();
-    assert!(off(&dual, &central, 0.0) < 1e-7, "{:.1e}", off(&dual, &central, 0.0));
+    assert!(difference(&dual, &central) < 1e-7, "{:.1e}", difference(&dual, &central));
 }
