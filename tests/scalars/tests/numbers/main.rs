@@ -4,6 +4,7 @@
 
 #[cfg(feature = "wide")]
 mod lanes;
+mod operation_table;
 mod operations;
 mod scalars;
 mod steps;
