@@ -2,10 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-#[path = "common/allocations.rs"]
-mod counted;
-
-use counted::allocations;
+use costate_test_support::allocations::{Counting, allocations};
 
 #[cfg(feature = "rayon")]
 use costate::batch::Native;
@@ -20,6 +17,9 @@ use costate::step::{
     StoermerVerlet, Verlet,
 };
 use costate::tensors::{Christoffel, MassMatrixDerivatives};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 fn robot(name: &str) -> Robot {
     Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()

@@ -3,10 +3,11 @@
 use crate::report::{Table, joints};
 use crate::{Outcome, RobotArguments};
 use costate::EvalError;
-use costate::derivative::{DerivativeError, Routes, StateReport, worse};
+use costate::derivative::{DerivativeError, StateReport, worse};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Joint, JointKind, Robot};
-use costate::step::{StepError, StepRoutes};
+use costate::step::StepError;
+use costate_comparison::{Routes, StepRoutes};
 use fastrand::Rng;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;

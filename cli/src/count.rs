@@ -5,6 +5,7 @@ use crate::{Outcome, RobotArguments};
 use costate::derivative::{OperationRow, OperationTable};
 use costate::robot::Robot;
 use costate::scalar::Constants;
+use costate_comparison::operation_table;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::process::ExitCode;
@@ -24,7 +25,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
     let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
-    let table = OperationTable::new(&robot, constants)?;
+    let table = operation_table(&robot, constants)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", as_json(&robot, constants, &table))?;

@@ -2,15 +2,15 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-#[path = "../../tests/common/allocations.rs"]
-mod counted;
-
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
     Bounds, Extremal, LagrangianExtremal, Law, Penalty, Problem, RobotExtremal, RunningCost, Side, UserTerm,
 };
-use counted::allocations;
+use costate_test_support::allocations::{Counting, allocations};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 fn robot(name: &str) -> Robot {
     Robot::from_file(format!("{}/../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()

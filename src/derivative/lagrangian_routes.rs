@@ -1,5 +1,8 @@
 //! Derivatives of forward dynamics by hand beside automatic ones.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::function::DerivativeError;
 use super::report::{Figure, largest, relative_difference};
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
@@ -17,6 +20,7 @@ pub(super) struct LagrangianRoutes {
 
 impl LagrangianRoutes {
     /// Builds every workspace.
+    #[inline]
     pub fn new(robot: &Robot) -> Self {
         let function = || ForwardDynamics::new(robot);
         Self {
@@ -28,6 +32,7 @@ impl LagrangianRoutes {
     }
 
     /// a_z and y'a_zz, z = (q, v, u), beside hyper-dual numbers; appended to `figures`.
+    #[inline]
     pub fn compare(
         &mut self,
         [q, v, u, y]: [&[f64]; 4],

@@ -1,5 +1,8 @@
 //! Steps of a robot by every scheme beside hyper-dual numbers through them.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::error::check;
 use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
@@ -26,6 +29,7 @@ pub struct StepRoutes {
 
 impl StepRoutes {
     /// Builds every workspace.
+    #[inline]
     pub fn new(robot: &Robot) -> Self {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
@@ -42,6 +46,7 @@ impl StepRoutes {
     ///
     /// # Errors
     /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
+    #[inline]
     pub fn compare(
         &mut self,
         x: &[f64],
