@@ -5,15 +5,14 @@
 //! multiply before that (mass times length, for one) has a label too. Any other number that is neither a small literal
 //! nor made of the directions of joints is an error, so none is passed over.
 
-use super::error::CodegenError;
-use super::expr::Expr;
-use super::recording::replace_labels;
+use crate::codegen::error::CodegenError;
+use crate::codegen::record::{Expr, replace_labels};
 use crate::robot::parameters::{Directions, Group, groups};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use nalgebra::Matrix3;
 
-/// The parameters of a robot in the order of the argument `parameters` of a program with [`Options::parameters`].
+/// The parameters of a robot in the order of the argument `parameters` of a program with [`ProgramOptions::parameters`].
 ///
 /// For each joint 13 numbers: mass (kg), first moment (kg m) and inertia (kg m^2: xx, yy, zz, xy, xz, yz) of its link about
 /// the origin of the joint frame, in the axes of that frame, translation of its placement (m). After them, where the joint
@@ -23,7 +22,7 @@ use nalgebra::Matrix3;
 /// A program recorded from one robot is right for the parameters of any other one with the same joints, directions
 /// and kinds of parameters: the same [`parameter_names`].
 ///
-/// [`Options::parameters`]: super::Options::parameters
+/// [`ProgramOptions::parameters`]: super::ProgramOptions::parameters
 pub fn parameter_values(robot: &Robot) -> Vec<f64> {
     groups(robot).into_iter().flat_map(|group| group.entries).map(|(_, value)| value).collect()
 }

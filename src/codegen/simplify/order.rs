@@ -1,7 +1,7 @@
 //! In which order the nodes are computed.
 
-use super::lower::Graph;
-use super::node::Node;
+use super::graph::Graph;
+use crate::codegen::record::Node;
 use std::collections::BinaryHeap;
 
 /// Leaves first, then the steps, so that few values wait at any time.

@@ -2,10 +2,10 @@
 
 /// Position of a node among the nodes of its program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Id(pub(super) u32);
+pub struct Id(pub(in crate::codegen) u32);
 
 impl Id {
-    /// As an index into [`Program::nodes`](super::Program::nodes).
+    /// As an index into [`Program::nodes`](crate::codegen::Program::nodes).
     #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
@@ -71,7 +71,7 @@ impl Node {
     }
 
     /// The same step on other nodes.
-    pub(super) fn map(self, of: impl Fn(Id) -> Id) -> Self {
+    pub(in crate::codegen) fn map(self, of: impl Fn(Id) -> Id) -> Self {
         match self {
             Self::Constant(_) | Self::Input(_) => self,
             Self::Neg(a) => Self::Neg(of(a)),
@@ -98,7 +98,7 @@ impl Node {
     }
 
     /// Distinct for distinct nodes, equal for equal ones (constants by their bits).
-    pub(super) fn key(&self) -> [u64; 2] {
+    pub(in crate::codegen) fn key(&self) -> [u64; 2] {
         let tag: u64 = match self {
             Self::Constant(value) => return [0, value.to_bits()],
             Self::Input(k) => return [1, u64::from(*k)],

@@ -3,8 +3,8 @@
 //! A sum of p products and t other terms is `p + max(t - 1, 0)` steps: a first term costs nothing, every other term one
 //! addition, every product one step. Where there is no other term one product begins, alone.
 
-use super::lower::Graph;
-use super::node::{Id, Node};
+use super::graph::Graph;
+use crate::codegen::record::{Id, Node};
 
 /// One term of a sum.
 #[derive(Clone, Copy, Debug)]

@@ -3,15 +3,15 @@
 //! A reference to a node carries a sign, so that a change of sign is free while recording and `a - b` and `b - a` are one
 //! node: products hand the signs of their factors on, sums take them in.
 
-use super::error::CodegenError;
 use super::node::{Id, Node};
 use super::value::{Signed, Truth, Value};
+use crate::codegen::error::CodegenError;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// A hasher for keys of two words: multiply and fold.
 #[derive(Default)]
-pub(super) struct KeyHasher(u64);
+struct KeyHasher(u64);
 
 impl Hasher for KeyHasher {
     fn finish(&self) -> u64 {
@@ -27,11 +27,11 @@ impl Hasher for KeyHasher {
     fn write_usize(&mut self, _: usize) {}
 }
 
-pub(super) type Places = HashMap<[u64; 2], Id, BuildHasherDefault<KeyHasher>>;
+type Places = HashMap<[u64; 2], Id, BuildHasherDefault<KeyHasher>>;
 
 /// All nodes of a recording, operands before what is made of them.
 #[derive(Default)]
-pub(super) struct Arena {
+pub(in crate::codegen) struct Arena {
     pub nodes: Vec<Node>,
     places: Places,
     /// The first thing that went wrong.
