@@ -5,16 +5,22 @@ use super::Vector;
 #[path = "../../codegen/emit/runtime/sin_cos.rs"]
 mod runtime;
 
-use runtime::{Angle, LARGEST_ANGLE, sin_cos_in_range};
+use runtime::{Angle, sin_cos_in_range};
+
+/// Largest angle (rad) for which the reduction by multiples of pi/2 is exact.
+const LARGEST: f64 = 1e6;
 
 /// Sine and cosine to two units in the last place, for any angle (rad).
 #[inline]
 pub(super) fn sin_cos<V: Vector>(x: V) -> (V, V) {
-    let limit = <V as Vector>::splat(LARGEST_ANGLE);
+    let limit = <V as Vector>::splat(LARGEST);
     if !V::all(V::less(x, limit) & V::less(-x, limit)) {
         return one_by_one(x);
     }
-    sin_cos_in_range(x)
+    // The sign apart, so that the sine of -0 is -0.
+    let negative = x & <V as Vector>::splat(-0.0);
+    let (sin, cos) = sin_cos_in_range(x ^ negative);
+    (sin ^ negative, cos)
 }
 
 /// Lane by lane, by the standard library.
@@ -36,14 +42,6 @@ impl<V: Vector> Angle for V {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Vector::mul_add(self, factor, term)
     }
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        self & other
-    }
-    #[inline(always)]
-    fn xor(self, other: Self) -> Self {
-        self ^ other
-    }
     /// The bit beside the exponent of 1 is a number above 1.
     #[inline(always)]
     fn has_bit(self, bit: u64) -> Self {
@@ -53,5 +51,9 @@ impl<V: Vector> Angle for V {
     #[inline(always)]
     fn select(mask: Self, if_true: Self, if_false: Self) -> Self {
         <V as Vector>::select(mask, if_true, if_false)
+    }
+    #[inline(always)]
+    fn negate(self, mask: Self, other: Self) -> Self {
+        self ^ ((mask ^ other) & <V as Vector>::splat(-0.0))
     }
 }

@@ -47,7 +47,10 @@ impl Number for f64 {
     fn sqrt(self) -> Self { f64::sqrt(self) }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        if self.abs() < LARGEST_ANGLE { sin_cos_in_range(self) } else { f64::sin_cos(self) }
+        #[cold]
+        #[inline(never)]
+        fn of_library(x: f64) -> (f64, f64) { x.sin_cos() }
+        if self.abs() < 1e5 { sin_cos_in_range(self) } else { of_library(self) }
     }
     #[inline(always)]
     fn exp(self) -> Self { f64::exp(self) }
@@ -67,15 +70,15 @@ impl Angle for f64 {
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self { Number::mul_add(self, factor, term) }
     #[inline(always)]
-    fn and(self, other: Self) -> Self { f64::from_bits(self.to_bits() & other.to_bits()) }
-    #[inline(always)]
-    fn xor(self, other: Self) -> Self { f64::from_bits(self.to_bits() ^ other.to_bits()) }
-    #[inline(always)]
-    fn has_bit(self, bit: u64) -> Self { f64::from_bits(u64::from(self.to_bits() & bit != 0).wrapping_neg()) }
+    fn has_bit(self, bit: u64) -> Self { f64::from_bits((self.to_bits() / bit & 1).wrapping_neg()) }
     #[inline(always)]
     fn select(mask: Self, if_true: Self, if_false: Self) -> Self {
         let (mask, a, b) = (mask.to_bits(), if_true.to_bits(), if_false.to_bits());
         f64::from_bits(b ^ ((a ^ b) & mask))
+    }
+    #[inline(always)]
+    fn negate(self, mask: Self, other: Self) -> Self {
+        f64::from_bits(self.to_bits() ^ ((mask.to_bits() ^ other.to_bits()) & (1 << 63)))
     }
 }
 
