@@ -9,7 +9,7 @@
     reason = "an example may stop on what a library may not"
 )]
 
-use costate::codegen::{COptions, Coordinates, Options, Program, Quantity, RustOptions, robot_program};
+use costate::codegen::{COptions, Coordinates, Program, ProgramOptions, Quantity, RustOptions, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use nalgebra::Matrix3;
 use std::fmt::Write;
@@ -72,17 +72,17 @@ fn for_f64(program: &Program, source: &str) -> String {
 
 fn row(robot: &Robot, quantity: Quantity, folder: &Path) -> String {
     let start = Instant::now();
-    let program = robot_program(robot, quantity, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let program = robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let recording = start.elapsed().as_secs_f64() * 1e3;
     let limit = usize::MAX;
-    let rust = program.to_rust(&RustOptions { limit, ..RustOptions::default() }).unwrap();
+    let rust = program.to_rust(&RustOptions::default().with_limit(limit)).unwrap();
     let (source, object) = (folder.join("code.rs"), folder.join("code.o"));
     std::fs::write(&source, for_f64(&program, &rust)).unwrap();
     let mut rustc = Command::new("rustc");
     rustc.args(["--edition=2024", "--emit=obj", "-Copt-level=3", "-Ctarget-cpu=native", "-o"]);
     let [rust_time, rust_size] = timed(rustc.arg(&object).arg(&source), &object);
     let source = folder.join("code.c");
-    std::fs::write(&source, program.to_c(&COptions { limit }).unwrap()).unwrap();
+    std::fs::write(&source, program.to_c(&COptions::default().with_limit(limit)).unwrap()).unwrap();
     let mut cc = Command::new("cc");
     cc.args(["-std=c99", "-O3", "-march=native", "-c", "-o"]);
     let [c_time, c_size] = timed(cc.arg(&object).arg(&source), &object);

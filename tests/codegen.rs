@@ -8,7 +8,7 @@ mod generic;
 mod random_robot;
 
 use costate::codegen::{
-    CodegenError, Coordinates, Options, Program, Quantity, parameter_names, parameter_values, robot_program,
+    CodegenError, Coordinates, Program, ProgramOptions, Quantity, parameter_names, parameter_values, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
@@ -23,7 +23,7 @@ fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
     for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
         for quantity in Quantity::ALL {
             for only in [false, true] {
-                match robot_program(robot, quantity, coordinates, &Options { only, ..Options::default() }) {
+                match robot_program(robot, quantity, coordinates, &ProgramOptions::default().with_only(only)) {
                     Ok(program) => programs.push((program, quantity, coordinates)),
                     Err(CodegenError::Quantity { .. }) => {}
                     Err(error) => panic!("{}: {error}", robot.name()),
@@ -120,7 +120,7 @@ proptest! {
         let p = Hamiltonian::<f64>::new(&other).momentum(&case.q, &case.v).unwrap().to_vec();
         for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
             for quantity in Quantity::ALL {
-                let options = Options { parameters: true, ..Options::default() };
+                let options = ProgramOptions::default().with_parameters(true);
                 let program = match robot_program(&recorded, quantity, coordinates, &options) {
                     Err(CodegenError::Quantity { .. }) => continue,
                     program => program.map_err(|error| TestCaseError::fail(error.to_string()))?,

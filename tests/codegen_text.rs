@@ -8,7 +8,7 @@ mod generic;
 mod random_robot;
 
 use costate::codegen::{
-    COptions, CodegenError, Coordinates, Expr, Options, Program, Quantity, RustOptions, robot_program,
+    COptions, CodegenError, Coordinates, Expr, Program, ProgramOptions, Quantity, RustOptions, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
@@ -24,7 +24,7 @@ fn robot(file: &str) -> Robot {
 }
 
 fn program(file: &str, quantity: Quantity, coordinates: Coordinates) -> Program {
-    robot_program(&robot(file), quantity, coordinates, &Options::default()).unwrap()
+    robot_program(&robot(file), quantity, coordinates, &ProgramOptions::default()).unwrap()
 }
 
 /// Without the version, which changes with every release.
@@ -41,7 +41,7 @@ fn rust_source_of_two_links_looks_like_this() {
 #[test]
 fn rust_source_for_an_existing_trait_looks_like_this() {
     let program = program("robots/pendulum.toml", Quantity::YFX, Coordinates::Hamiltonian);
-    let options = RustOptions { number: Some("costate::scalar::Scalar".into()), ..RustOptions::default() };
+    let options = RustOptions::default().with_number(Some("costate::scalar::Scalar".into()));
     insta::assert_snapshot!("pendulum_y_f_x_rust", stable(&program.to_rust(&options).unwrap()));
 }
 
@@ -64,13 +64,13 @@ fn the_same_robot_gives_the_same_text() {
 #[test]
 fn too_long_a_text_is_refused_with_its_size_and_the_way_out() {
     let program = program("robots/ur5.urdf", Quantity::FX, Coordinates::Hamiltonian);
-    let (operations, limit) = (program.steps(), program.steps() - 1);
+    let (steps, limit) = (program.steps(), program.steps() - 1);
     let name = program.name().to_string();
-    let error = program.to_c(&COptions { limit }).unwrap_err();
-    assert_eq!(error, CodegenError::TooLarge { name, operations, limit });
-    assert!(error.to_string().contains(&format!("--limit {operations}")));
-    assert_eq!(program.to_rust(&RustOptions { limit, ..RustOptions::default() }).unwrap_err(), error);
-    assert!(program.to_c(&COptions { limit: operations }).is_ok());
+    let error = program.to_c(&COptions::default().with_limit(limit)).unwrap_err();
+    assert_eq!(error, CodegenError::TooLarge { name, steps, limit });
+    assert!(error.to_string().contains(&format!("--limit {steps}")));
+    assert_eq!(program.to_rust(&RustOptions::default().with_limit(limit)).unwrap_err(), error);
+    assert!(program.to_c(&COptions::default().with_limit(steps)).is_ok());
 }
 
 /// A C compiler of this system, or why there is none.
@@ -127,7 +127,7 @@ fn compiled_c_agrees_with_the_generic_code() {
         ("robots/two_link.toml", Quantity::YFXX, Coordinates::Hamiltonian),
         ("robots/ur5.urdf", Quantity::FX, Coordinates::Hamiltonian),
         ("robots/manutec_r3.toml", Quantity::FX, Coordinates::Lagrangian),
-        ("robots/cart_pole.toml", Quantity::YFXXD, Coordinates::Hamiltonian),
+        ("robots/cart_pole.toml", Quantity::HessianProduct, Coordinates::Hamiltonian),
         ("tests/fixtures/friction_tree.toml", Quantity::YFXX, Coordinates::Lagrangian),
     ];
     for (file, quantity, coordinates) in cases {
@@ -184,7 +184,7 @@ fn no_name_leaves_the_head() {
     let line = text.lines().find(|line| line.starts_with("name = ")).unwrap();
     let text = text.replacen(line, &format!("name = {}", serde_json::to_string(nasty).unwrap()), 1);
     let robot: Robot = costate::robot::file::parse(&text, LoadOptions::default()).unwrap();
-    let program = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let program = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let rust = program.to_rust(&RustOptions::default()).unwrap();
     let code = rust.lines().filter(|line| !line.trim_start().starts_with("//"));
     assert!(
@@ -209,7 +209,7 @@ fn c_has_a_name_for_every_kind_of_nan() {
         let refused = Program::record(name, &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]);
         assert!(matches!(refused, Err(CodegenError::Name { .. })), "{name}");
     }
-    let options = RustOptions { number: Some("f64> {} fn g<U".into()), ..RustOptions::default() };
+    let options = RustOptions::default().with_number(Some("f64> {} fn g<U".into()));
     let ok = Program::record("edge", &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]).unwrap();
     assert!(matches!(ok.to_rust(&options), Err(CodegenError::Name { .. })));
 }

@@ -12,7 +12,7 @@
 #[path = "../../benches/frames/robots.rs"]
 mod robots;
 
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
 use costate_jit::{Compiled, Evaluator, JitError, Status};
@@ -77,7 +77,7 @@ fn making<T>(make: impl Fn() -> T) -> f64 {
 
 /// One line of the table; none for a program that cannot be compiled whatever the limit.
 fn line(name: &str, robot: &Robot, quantity: Quantity) -> Option<String> {
-    let record = || robot_program(robot, quantity, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let record = || robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let program = record();
     let compiled = match Compiled::<f64>::with_limit(&program, usize::MAX) {
         Err(error @ JitError::TooWide { .. }) => {

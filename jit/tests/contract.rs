@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::EvalError;
-use costate::codegen::{Coordinates, Options, Program, Quantity, robot_program};
+use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate_jit::{Compiled, Evaluator, JitError, Status};
 use nalgebra::Matrix3;
@@ -44,7 +44,7 @@ fn robot(name: &str) -> Robot {
 }
 
 fn program(robot: &Robot, quantity: Quantity) -> Program {
-    robot_program(robot, quantity, Coordinates::Hamiltonian, &Options::default()).unwrap()
+    robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap()
 }
 
 /// Machine code, unless the processor is another one.

@@ -7,7 +7,7 @@ mod generic;
 #[path = "../../tests/common/random_robot.rs"]
 mod random_robot;
 
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
 use costate_jit::{Compiled, DEFAULT_LIMIT, Evaluator, JitError, Status};
@@ -24,7 +24,7 @@ fn compiles() -> bool {
         &Robot::from_file(folder().join("robots/pendulum.toml")).unwrap(),
         Quantity::F,
         Coordinates::Hamiltonian,
-        &Options::default(),
+        &ProgramOptions::default(),
     );
     match Compiled::new(&program.unwrap()) {
         Ok(_) => true,
@@ -56,7 +56,7 @@ fn quantities() -> impl Iterator<Item = (Quantity, Coordinates)> {
 /// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.
 fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
     for (quantity, coordinates) in quantities() {
-        let Ok(program) = robot_program(robot, quantity, coordinates, &Options::default()) else { continue };
+        let Ok(program) = robot_program(robot, quantity, coordinates, &ProgramOptions::default()) else { continue };
         let compiled = Compiled::new(&program).map_err(|error| error.to_string())?;
         let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
         let mut evaluator = Evaluator::new(robot, quantity, coordinates).unwrap();

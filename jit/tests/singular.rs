@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::EvalError;
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, file};
 use costate_jit::{Compiled, Evaluator};
 use fastrand::Rng;
@@ -89,7 +89,7 @@ fn random_positions(n: usize) -> Vec<Vec<f64>> {
 fn what_machine_code_would_take_for_regular_is_refused() {
     let robot = gimbal();
     let singular = vec![0.3, std::f64::consts::FRAC_PI_2, -0.7];
-    let program = robot_program(&robot, Quantity::FX, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let program = robot_program(&robot, Quantity::FX, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     if let Ok(compiled) = Compiled::new(&program) {
         let mut outputs = vec![f64::NAN; compiled.outputs()];
         compiled.call(&[singular.as_slice(), &[0.1; 6]].concat(), &mut outputs).unwrap();

@@ -4,17 +4,17 @@ use crate::child::{costate, root, stderr, stdout};
 
 #[test]
 fn codegen_writes_what_the_library_does() {
-    use costate::codegen::{COptions, Coordinates, Options, Quantity, RustOptions, robot_program};
+    use costate::codegen::{COptions, Coordinates, ProgramOptions, Quantity, RustOptions, robot_program};
     let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
     let (hamiltonian, lagrangian) = (Coordinates::Hamiltonian, Coordinates::Lagrangian);
     let program =
-        robot_program(&robot, Quantity::YFXX, hamiltonian, &Options { only: true, ..Options::default() })
+        robot_program(&robot, Quantity::YFXX, hamiltonian, &ProgramOptions::default().with_only(true))
             .unwrap();
     let arguments = ["codegen", "robots/two_link.toml", "--quantity", "y_f_xx", "--only"];
     let output = costate(&arguments, b"");
     assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
     assert_eq!(stdout(&output), program.to_rust(&RustOptions::default()).unwrap());
-    let program = robot_program(&robot, Quantity::F, lagrangian, &Options::default()).unwrap();
+    let program = robot_program(&robot, Quantity::F, lagrangian, &ProgramOptions::default()).unwrap();
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("two_link.c");
     let path = file.to_str().unwrap();
     let arguments = ["codegen", "robots/two_link.toml", "--quantity", "f", "--coordinates", "lagrangian"];

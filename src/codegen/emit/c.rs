@@ -7,6 +7,7 @@ use crate::codegen::record::{Id, Node};
 
 /// How C source is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct COptions {
     /// Most steps, [`Program::steps`].
     pub limit: usize,
@@ -15,6 +16,14 @@ pub struct COptions {
 impl Default for COptions {
     fn default() -> Self {
         Self { limit: DEFAULT_LIMIT }
+    }
+}
+
+impl COptions {
+    /// The same with this [`limit`](Self::limit).
+    #[must_use]
+    pub fn with_limit(self, limit: usize) -> Self {
+        Self { limit }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::codegen::record::{Id, Node};
 
 /// How Rust source is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RustOptions {
     /// Path of the trait of numbers, such as `costate::scalar::Scalar`; `None` for one that the text defines itself, and
     /// implements for `f64`. Its methods are among those of [`Scalar`](crate::scalar::Scalar).
@@ -18,6 +19,20 @@ pub struct RustOptions {
 impl Default for RustOptions {
     fn default() -> Self {
         Self { number: None, limit: DEFAULT_LIMIT }
+    }
+}
+
+impl RustOptions {
+    /// The same with this path of the [trait of numbers](Self::number).
+    #[must_use]
+    pub fn with_number(self, number: Option<String>) -> Self {
+        Self { number, ..self }
+    }
+
+    /// The same with this [`limit`](Self::limit).
+    #[must_use]
+    pub fn with_limit(self, limit: usize) -> Self {
+        Self { limit, ..self }
     }
 }
 
