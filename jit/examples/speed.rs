@@ -77,7 +77,8 @@ fn making<T>(make: impl Fn() -> T) -> f64 {
 
 /// One line of the table; none for a program that cannot be compiled whatever the limit.
 fn line(name: &str, robot: &Robot, quantity: Quantity) -> Option<String> {
-    let record = || robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
+    let record =
+        || robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let program = record();
     let compiled = match Compiled::<f64>::with_limit(&program, usize::MAX) {
         Err(error @ JitError::TooWide { .. }) => {

@@ -113,15 +113,14 @@ impl Program {
         let inputs = arguments.iter().map(|(_, entries)| entries).sum();
         let operations = limit.saturating_mul(OPERATIONS_PER_STEP).min(MOST_NODES);
         let limited = RecordingLimit { name, steps: limit, operations };
-        let (outcome, (nodes, entries)) = record(inputs, limited, |expressions| {
-            match function(&split(expressions, arguments)) {
+        let (outcome, (nodes, entries)) =
+            record(inputs, limited, |expressions| match function(&split(expressions, arguments)) {
                 Ok(results) => {
                     let entries = results.iter().flat_map(|(.., entries)| entries.iter().copied()).collect();
                     (Ok(results), entries)
                 }
                 Err(error) => (Err(error), Vec::new()),
-            }
-        })?;
+            })?;
         let results = outcome?;
         let Graph { nodes, results: ids } = simplify(&nodes, &entries);
         let program = Self {

@@ -29,13 +29,13 @@ fn codegen_says_why_it_writes_nothing() {
         ("f_x", ["--limit", "100"], "the limit is 100"),
         ("y_f_x", ["--coordinates", "lagrangian"], "there are: f, f_x, y_f_xx"),
         ("momentum", ["--lang", "c"], "mass_matrix"),
-        ("f", ["--problem", "examples/problems/ur5_reach.toml"], "--problem goes with --quantity pontryagin"),
+        ("f", ["--problem", "examples/problems/ur5_reach.toml"], "--problem can only be used with --quantity pontryagin"),
         (
             "pontryagin",
             ["--problem", "examples/problems/two_link.toml"],
             "robot 'two_link' is not the robot 'ur5",
         ),
-        ("pontryagin", ["--coordinates", "lagrangian"], "--coordinates lagrangian does not go with"),
+        ("pontryagin", ["--coordinates", "lagrangian"], "--coordinates lagrangian cannot be used with"),
         ("pontryagin_rate", ["--limit", "10"], "the limit is 10"),
         ("f", ["-o", "nowhere/at/all.rs"], "nowhere/at/all.rs"),
     ] {

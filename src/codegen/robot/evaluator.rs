@@ -64,7 +64,9 @@ impl<S: Scalar> RobotQuantity<S> {
         let (results, _) = quantity.results(coordinates, n);
         let second = matches!(quantity, Quantity::YFXX | Quantity::HessianProduct);
         let workspace = match (coordinates, second) {
-            (Coordinates::Hamiltonian, false) => Workspace::Hamiltonian(Box::new(Hamiltonian::from_tree(tree))),
+            (Coordinates::Hamiltonian, false) => {
+                Workspace::Hamiltonian(Box::new(Hamiltonian::from_tree(tree)))
+            }
             (Coordinates::Hamiltonian, true) => {
                 Workspace::HamiltonianSecond(Box::new(SecondOrder::from_tree(tree)))
             }

@@ -42,8 +42,7 @@ pub(super) fn program_with(
     let n = robot.len();
     let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
     check_size(robot, quantity, coordinates, options.limit)?;
-    let is_argument =
-        |variable: Variable| !options.only || quantity.depends_on(variable, coordinates);
+    let is_argument = |variable: Variable| !options.only || quantity.depends_on(variable, coordinates);
     let shapes = variables.iter().filter(|variable| is_argument(**variable));
     let shapes = shapes.map(|variable| variable.shape(coordinates, n));
     let mut sizes: Vec<(&str, usize)> = shapes.map(|shape| (shape.name, shape.entries())).collect();

@@ -1,7 +1,5 @@
 //! Machine code of random programs, bit by bit, against the same steps done one by one.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
-
 use costate::codegen::{Expr, Id, Node, Program};
 use costate::scalar::Scalar;
 use costate_jit::{Compiled, JitError, Number};

@@ -1,19 +1,12 @@
 //! Machine code of every quantity against the generic code.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
-
-#[path = "../../tests/common/generic.rs"]
-mod generic;
-#[path = "../../tests/common/random_robot.rs"]
-mod random_robot;
-
+use super::generic::{State, expected, judge};
+use super::random_robot::{Case, cases, tolerance};
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
 use costate_jit::{Compiled, DEFAULT_LIMIT, Evaluator, JitError, Status};
-use generic::{State, expected, judge};
 use proptest::prelude::*;
-use random_robot::{Case, cases, tolerance};
 use std::path::Path;
 
 const ALL_COORDINATES: [Coordinates; 2] = [Coordinates::Hamiltonian, Coordinates::Lagrangian];
@@ -56,7 +49,9 @@ fn quantities() -> impl Iterator<Item = (Quantity, Coordinates)> {
 /// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.
 fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
     for (quantity, coordinates) in quantities() {
-        let Ok(program) = robot_program(robot, quantity, coordinates, &ProgramOptions::default()) else { continue };
+        let Ok(program) = robot_program(robot, quantity, coordinates, &ProgramOptions::default()) else {
+            continue;
+        };
         let compiled = Compiled::new(&program).map_err(|error| error.to_string())?;
         let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
         let mut evaluator = Evaluator::new(robot, quantity, coordinates).unwrap();

@@ -1,7 +1,5 @@
 //! Optimal motions with machine code in place of the library's equations.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
-
 use costate::control::{GeneratedExtremal, Options, Problem, ProgramOf, pontryagin_program, solve_extremal};
 use costate::robot::Robot;
 use costate_jit::{Compiled, JitError};
