@@ -8,7 +8,8 @@ mod generic;
 mod random_robot;
 
 use costate::codegen::{
-    CodegenError, Coordinates, Program, ProgramOptions, Quantity, parameter_names, parameter_values, robot_program,
+    CodegenError, Coordinates, Program, ProgramOptions, Quantity, parameter_names, parameter_values,
+    robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
@@ -23,7 +24,8 @@ fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
     for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
         for quantity in Quantity::ALL {
             for only in [false, true] {
-                match robot_program(robot, quantity, coordinates, &ProgramOptions::default().with_only(only)) {
+                match robot_program(robot, quantity, coordinates, &ProgramOptions::default().with_only(only))
+                {
                     Ok(program) => programs.push((program, quantity, coordinates)),
                     Err(CodegenError::Quantity { .. }) => {}
                     Err(error) => panic!("{}: {error}", robot.name()),

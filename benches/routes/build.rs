@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for robot in files.into_iter().chain(chains) {
         let robot = robot?;
         for quantity in [Quantity::F, Quantity::FX, Quantity::YFXX] {
-            let program = robot_program(&robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default())?;
+            let program =
+                robot_program(&robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default())?;
             if program.steps() > limit {
                 break;
             }

@@ -19,7 +19,8 @@ pub struct Arguments {
     robot: RobotArguments,
     #[arg(long, value_parser = quantity, value_name = "QUANTITY", help = quantities())]
     quantity: Computed,
-    /// For pontryagin: a problem file of the same robot with effort weights, gains, bounds and penalties [default: 1/2 |u|^2]
+    /// For pontryagin: a problem file of the same robot with effort weights, gains, bounds and penalties
+    /// [default: 1/2 |u|^2]
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
     /// Coordinates of the state
@@ -34,7 +35,8 @@ pub struct Arguments {
     /// Masses, lengths and other constants as an argument, listed at the head of the source
     #[arg(long)]
     parameters: bool,
-    /// Rust: path of an existing trait of numbers, such as costate::scalar::Scalar, instead of one in the source
+    /// Rust: path of an existing trait of numbers, such as costate::scalar::Scalar, instead of one in the
+    /// source
     #[arg(long, value_name = "PATH")]
     number: Option<String>,
     /// Most steps of the program; recording stops early where there would be more
@@ -141,7 +143,8 @@ fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Pro
             problem
         }
     };
-    // Extremals contain these quantities: a robot that is too large is refused here, before all of them are recorded.
+    // Extremals contain these quantities: a robot that is too large is refused here, before all of them are
+    // recorded.
     let contained = match of {
         ProgramOf::Rate => Quantity::YFX,
         ProgramOf::Jacobian => Quantity::YFXX,

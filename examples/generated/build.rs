@@ -21,7 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let path = robots.join(file);
         println!("cargo::rerun-if-changed={}", path.display());
-        let program = robot_program(&Robot::from_file(path)?, quantity, coordinates, &ProgramOptions::default())?;
+        let program =
+            robot_program(&Robot::from_file(path)?, quantity, coordinates, &ProgramOptions::default())?;
         let source = program.to_rust(&RustOptions::default().with_number(number))?;
         std::fs::write(Path::new(&out).join(format!("{}.rs", program.name())), source)?;
     }

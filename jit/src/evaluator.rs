@@ -10,8 +10,8 @@ use std::fmt;
 
 /// One quantity of one robot: recorded, compiled, and checked like the generic code.
 ///
-/// Arguments and results are those of [`robot_program`](costate::codegen::robot_program), each slice all of them one after the
-/// other, matrices row by row.
+/// Arguments and results are those of [`robot_program`](costate::codegen::robot_program), each slice all of
+/// them one after the other, matrices row by row.
 ///
 /// ```
 /// use costate::codegen::{Coordinates, Quantity};
@@ -77,9 +77,11 @@ impl Evaluator {
         Self::with_limit(robot, quantity, coordinates, DEFAULT_LIMIT)
     }
 
-    /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 selects the generic code.
+    /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 selects the generic
+    /// code.
     ///
-    /// A program that is much too long is not recorded to its end: memory is bounded by the limit for every robot.
+    /// A program that is much too long is not recorded to its end: memory is bounded by the limit for every
+    /// robot.
     ///
     /// # Errors
     /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
@@ -123,9 +125,10 @@ impl Evaluator {
 
     /// Evaluates the quantity; nothing is allocated.
     ///
-    /// Machine code also computes the guard of [`guarded_program`](costate::codegen::guarded_program). Where the guard does
-    /// not exclude a singular mass matrix, and where an argument or a result is not finite, the generic code computes the
-    /// quantity again: result and error are then its own. Outputs may be written before an error is found.
+    /// Machine code also computes the guard of [`guarded_program`](costate::codegen::guarded_program). Where
+    /// the guard does not exclude a singular mass matrix, and where an argument or a result is not finite,
+    /// the generic code computes the quantity again: result and error are then its own. Outputs may be
+    /// written before an error is found.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`].

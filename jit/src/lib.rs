@@ -1,13 +1,14 @@
 //! Just-in-time compilation of recorded programs: generated code for robots that are loaded at run time.
 //!
-//! [`Compiled`] turns a [`Program`](costate::codegen::Program) into machine code in memory, without a compiler.
-//! [`Evaluator`] does so for a quantity of a robot. Where that is not possible it uses the generic code, and its
-//! [`Status`] has the reason.
+//! [`Compiled`] turns a [`Program`](costate::codegen::Program) into machine code in memory, without a
+//! compiler. [`Evaluator`] does so for a quantity of a robot. Where that is not possible it uses the generic
+//! code, and its [`Status`] has the reason.
 //!
-//! The modules in the order of their work: `plan` and `order` divide the steps into stages between function calls and sort
-//! them; `translate`, `emit`, `registers` and `place` choose a register or memory for each value while `assembler` writes
-//! the instructions; `code` is the executable memory, `functions` computes sines and cosines. Machine code is straight: it
-//! has no branches, calls nothing, and accesses four slices whose lengths are known when it is written.
+//! The modules in the order of their work: `plan` and `order` divide the steps into stages between function
+//! calls and sort them; `translate`, `emit`, `registers` and `place` choose a register or memory for each
+//! value while `assembler` writes the instructions; `code` is the executable memory, `functions` computes
+//! sines and cosines. Machine code is straight: it has no branches, calls nothing, and accesses four slices
+//! whose lengths are known when it is written.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]

@@ -56,8 +56,8 @@ pub enum CodegenError {
         robot: String,
         /// Number of its joints.
         joints: usize,
-        /// Entries of its mass matrix, each pair of symmetric ones once, without those that are zero for every robot with
-        /// this tree.
+        /// Entries of its mass matrix, each pair of symmetric ones once, without those that are zero for
+        /// every robot with this tree.
         entries: usize,
         /// Most steps of the program.
         limit: usize,

@@ -7,14 +7,15 @@ use crate::error::check_length;
 use crate::scalar::Scalar;
 
 impl Program {
-    /// Evaluates the program step by step: all arguments one after the other, all results likewise, each row by row.
+    /// Evaluates the program step by step: all arguments one after the other, all results likewise, each row
+    /// by row.
     ///
-    /// Much slower than generated code; the tests compare generated code with it. `work` is resized to the number of
-    /// nodes; nothing else is allocated.
+    /// Much slower than generated code; the tests compare generated code with it. `work` is resized to the
+    /// number of nodes; nothing else is allocated.
     ///
     /// # Errors
-    /// [`CodegenError::Eval`] with [`EvalError::WrongLength`](crate::EvalError::WrongLength) where `inputs` or `outputs`
-    /// does not have the length of all arguments or all results.
+    /// [`CodegenError::Eval`] with [`EvalError::WrongLength`](crate::EvalError::WrongLength) where `inputs`
+    /// or `outputs` does not have the length of all arguments or all results.
     pub fn evaluate<S: Scalar>(
         &self,
         inputs: &[S],

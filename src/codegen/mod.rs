@@ -1,10 +1,11 @@
 //! Straight-line code: a computation recorded once, simplified, and written as Rust or C.
 //!
-//! [`Expr`] is a scalar that records. A [`Program`] is a recorded function of numbers or, by [`robot_program`], a quantity
-//! of a robot. [`Program::to_rust`] and [`Program::to_c`] write it as source text.
+//! [`Expr`] is a scalar that records. A [`Program`] is a recorded function of numbers or, by
+//! [`robot_program`], a quantity of a robot. [`Program::to_rust`] and [`Program::to_c`] write it as source
+//! text.
 //!
-//! The flow, by folder: `record` turns a function into nodes, `simplify` turns nodes into the steps of a [`Program`],
-//! `emit` writes them as text; `robot` records the quantities of a robot.
+//! The flow, by folder: `record` turns a function into nodes, `simplify` turns nodes into the steps of a
+//! [`Program`], `emit` writes them as text; `robot` records the quantities of a robot.
 //!
 //! ```
 //! use costate::codegen::{Coordinates, ProgramOptions, Quantity, RustOptions, robot_program};

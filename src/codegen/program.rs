@@ -9,8 +9,8 @@ use std::collections::HashSet;
 
 /// Most operations that are recorded for each step that a program may have.
 ///
-/// A recording holds operations that the program does not need: up to about twice as many as its steps, more only for
-/// energies.
+/// A recording holds operations that the program does not need: up to about twice as many as its steps, more
+/// only for energies.
 pub const OPERATIONS_PER_STEP: usize = 4;
 
 /// Most nodes of any recording; [`Id`] counts them in 32 bits.
@@ -75,7 +75,8 @@ impl Program {
     ///
     /// # Errors
     /// [`CodegenError::Foreign`] and [`CodegenError::Branch`] for a function that cannot be recorded,
-    /// [`CodegenError::Shape`] and [`CodegenError::Name`] for results with a wrong number of entries or an unusable name.
+    /// [`CodegenError::Shape`] and [`CodegenError::Name`] for results with a wrong number of entries or an
+    /// unusable name.
     pub fn record(
         name: &str,
         arguments: &[(&str, usize)],
@@ -98,11 +99,12 @@ impl Program {
 
     /// As [`try_record`](Self::try_record), for a program of at most `limit` steps.
     ///
-    /// The recording stops after [`OPERATIONS_PER_STEP`] operations for each step of the limit, so its memory is bounded.
-    /// The function then runs to its end without recording.
+    /// The recording stops after [`OPERATIONS_PER_STEP`] operations for each step of the limit, so its memory
+    /// is bounded. The function then runs to its end without recording.
     ///
     /// # Errors
-    /// Those of [`try_record`](Self::try_record); [`CodegenError::LongRecording`] where the recording was stopped,
+    /// Those of [`try_record`](Self::try_record); [`CodegenError::LongRecording`] where the recording was
+    /// stopped,
     /// [`CodegenError::TooLarge`] where the program is longer than the limit.
     pub fn try_record_within(
         name: &str,
@@ -204,7 +206,8 @@ impl Program {
         self.nodes.iter().filter(|node| !node.is_leaf()).count()
     }
 
-    /// Operations of one evaluation, each product once; a product joined with a sum counts as a product and a sum.
+    /// Operations of one evaluation, each product once; a product joined with a sum counts as a product and a
+    /// sum.
     pub fn operations(&self) -> Operations {
         let mut o = Operations::default();
         let mut joined = HashSet::new();

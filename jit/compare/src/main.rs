@@ -1,6 +1,7 @@
 //! The same programs by costate-jit, cranelift, symjit and the C compiler: time to compile, time of a call.
 //!
-//! In this folder, `cargo run --release` prints the table; with `-- --write` it also puts it into docs/jit.md.
+//! In this folder, `cargo run --release` prints the table; with `-- --write` it also puts it into
+//! docs/jit.md.
 
 mod c;
 mod cranelift;

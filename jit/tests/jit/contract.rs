@@ -1,4 +1,5 @@
-//! What callers may rely on: errors, threads, Debug and Send, bounded memory, no allocation, reproducible code.
+//! What callers may rely on: errors, threads, Debug and Send, bounded memory, no allocation, reproducible
+//! code.
 
 use costate::EvalError;
 use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};

@@ -1,5 +1,5 @@
-//! Machine code: of random programs, of the quantities of robots, at singular poses, in the solver, and what callers may
-//! rely on.
+//! Machine code: of random programs, of the quantities of robots, at singular poses, in the solver, and what
+//! callers may rely on.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 

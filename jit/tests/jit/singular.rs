@@ -1,4 +1,5 @@
-//! A mass matrix that is singular up to rounding is the same error as by the generic code, for every quantity.
+//! A mass matrix that is singular up to rounding is the same error as by the generic code, for every
+//! quantity.
 
 use costate::EvalError;
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
@@ -51,7 +52,8 @@ fn both(robot: &Robot) -> Vec<(Quantity, Coordinates, [Evaluator; 2])> {
     all.filter_map(make).collect()
 }
 
-/// Compares both for each of the positions; how many of those quantities that invert M were refused, and of how many.
+/// Compares both for each of the positions; how many of those quantities that invert M were refused, and of
+/// how many.
 fn refused(robot: &Robot, positions: &[Vec<f64>]) -> (usize, usize) {
     let (mut refused, mut count, mut rng) = (0, 0, Rng::with_seed(2));
     for (quantity, coordinates, [mut machine, mut generic]) in both(robot) {

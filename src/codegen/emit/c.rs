@@ -28,12 +28,13 @@ impl COptions {
 }
 
 impl Program {
-    /// The program as C99 source: one function on `double`, which needs `math.h` and nothing else.
+    /// The program as C99 source: one function on `double`, which needs the headers of the standard library
+    /// only.
     ///
     /// Arguments and results must not overlap. The same program gives the same text.
     ///
     /// # Errors
-    /// [`CodegenError::TooLarge`].
+    /// [`CodegenError::TooLarge`] for a program above the limit.
     pub fn to_c(&self, options: &COptions) -> Result<String, CodegenError> {
         self.check_limit(options.limit)?;
         let lines: Vec<String> =
@@ -69,7 +70,8 @@ impl Program {
         Ok(out + "}\n")
     }
 
-    /// The statement that computes a step; `None` for what is there already.
+    /// The statement that computes a step; `None` for constants, inputs, and cosines computed with their
+    /// sine.
     fn statement(&self, names: &Names, k: usize, node: Node) -> Option<String> {
         if let Node::Sin(a) | Node::Cos(a) = node
             && let [Some(sin), Some(cos)] = names.angle(a)
@@ -90,7 +92,7 @@ impl Program {
         format!("void {}(\n{})\n{{\n", self.name(), parameters.join(",\n"))
     }
 
-    /// A value that can stand anywhere in an expression.
+    /// A value as an operand of an expression.
     fn operand(&self, names: &Names, id: Id) -> String {
         match self.nodes()[id.index()] {
             Node::Constant(value) => constant(value),
@@ -99,7 +101,7 @@ impl Program {
         }
     }
 
-    /// The right side of the statement that computes a step; `None` for what is there already.
+    /// The right side of the statement that computes a step; `None` for constants and inputs.
     fn expression(&self, names: &Names, node: Node) -> Option<String> {
         let of = |id: Id| self.operand(names, id);
         let is_two = |id: Id| self.nodes()[id.index()] == Node::Constant(2.0);
@@ -125,7 +127,7 @@ impl Program {
     }
 }
 
-/// A line that does not end the comment it stands in.
+/// The line without sequences that begin or end a comment.
 fn safe(line: &str) -> String {
     line.replace("*/", "* /").replace("/*", "/ *")
 }

@@ -1,7 +1,7 @@
 //! Source text of a program, in Rust and C.
 //!
-//! `text` has what both languages share; `runtime` holds the parts of the text that are the same for every program, as
-//! files that the tests compile too.
+//! `text` has what both languages share; `runtime` holds the parts of the text that are the same for every
+//! program, as files that the tests compile too.
 
 mod c;
 mod rust;

@@ -9,8 +9,9 @@ use crate::codegen::record::{Id, Node};
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RustOptions {
-    /// Path of the trait of numbers, such as `costate::scalar::Scalar`; `None` for one that the text defines itself, and
-    /// implements for `f64`. Its methods are among those of [`Scalar`](crate::scalar::Scalar).
+    /// Path of the trait of numbers, such as `costate::scalar::Scalar`; `None` for a trait that the text
+    /// itself defines and implements for `f64`. Its methods are a subset of those of
+    /// [`Scalar`](crate::scalar::Scalar).
     pub number: Option<String>,
     /// Most steps, [`Program::steps`].
     pub limit: usize,
@@ -37,13 +38,14 @@ impl RustOptions {
 }
 
 impl Program {
-    /// The program as Rust source: one function that is generic over the number, and the trait it asks for.
+    /// The program as Rust source: one function that is generic over the number, and the trait that it needs.
     ///
-    /// Arguments are references to arrays, so no index is checked; the same program gives the same text. It stands as a
-    /// module of its own or in an `include!`.
+    /// Arguments are references to arrays, so no index is checked at run time. The same program gives the
+    /// same text. Use it as a module or in an `include!`.
     ///
     /// # Errors
-    /// [`CodegenError::TooLarge`]; [`CodegenError::Name`] where the trait of numbers is no path.
+    /// [`CodegenError::TooLarge`] for a program above the limit; [`CodegenError::Name`] where the trait of
+    /// numbers is not a path.
     pub fn to_rust(&self, options: &RustOptions) -> Result<String, CodegenError> {
         self.check_limit(options.limit)?;
         if let Some(path) = options.number.as_deref().filter(|path| !is_path(path)) {
@@ -80,7 +82,7 @@ impl Program {
             self.results().iter().map(|r| format!("    {}: &mut [T; {}],\n", r.name, r.entries.len()));
         let parameters: String = arguments.chain(results).collect();
         format!(
-            "/// See the head of this text.\n#[rustfmt::skip]\n\
+            "/// See the comment at the head of this source.\n#[rustfmt::skip]\n\
              #[allow(unused_variables, unused_parens, clippy::all, clippy::pedantic)]\n\
              pub fn {}<T: {number}>(\n{parameters}) {{\n",
             self.name()
@@ -95,7 +97,8 @@ impl Program {
         }
     }
 
-    /// The statement that computes a step; `None` for what is there already.
+    /// The statement that computes a step; `None` for constants, inputs, and cosines computed with their
+    /// sine.
     fn line(&self, names: &Names, k: usize, node: Node) -> Option<String> {
         let known = |id: Id| match self.nodes()[id.index()] {
             Node::Constant(value) => Some(value),
@@ -160,7 +163,7 @@ fn constant(value: f64) -> String {
     }
 }
 
-/// Whether it is names with `::` between them.
+/// Whether it consists of names with `::` between them.
 fn is_path(path: &str) -> bool {
     let is_name = |name: &str| {
         name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')

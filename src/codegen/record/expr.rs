@@ -6,17 +6,19 @@ use std::ops::Neg;
 
 /// A recorded number: a constant, or plus or minus a node of the recording that runs on this thread.
 ///
-/// Whatever is known while recording is folded: operations between constants, products with 0, 1 and -1, sums with 0,
-/// `x - x`, double negations, constant multiples of constant multiples. Equal operations are recorded once, whatever the
-/// order and the signs of their operands. As in all generated code, `0 x` is then 0 even where x is not a number.
+/// Whatever is known while recording is folded: operations between constants, products with 0, 1 and -1, sums
+/// with 0, `x - x`, double negations, constant multiples of constant multiples. Equal operations are recorded
+/// once, whatever the order and the signs of their operands. As in all generated code, `0 x` is then 0 even
+/// where x is not a number.
 ///
 /// Sums are treated as sums of real numbers: `(x + c) + d` becomes `x + (c + d)`, `a + (b - a)` becomes b and
-/// `a x + (b - a) x` becomes `b x`. Formulas that rely on rounding (compensated sums, reductions by a large constant) lose
-/// their meaning; compute such values outside and pass them as inputs.
+/// `a x + (b - a) x` becomes `b x`. Formulas that rely on rounding (compensated sums, reductions by a large
+/// constant) lose their meaning; compute such values outside and pass them as inputs.
 ///
 /// An expression belongs to its recording. Used outside of it, it becomes one that no recording accepts:
 /// [`Program::record`](crate::codegen::Program::record) fails with
-/// [`CodegenError::Foreign`](crate::codegen::CodegenError::Foreign) where such an expression is part of a result.
+/// [`CodegenError::Foreign`](crate::codegen::CodegenError::Foreign) where such an expression is part of a
+/// result.
 #[derive(Clone, Copy, Debug)]
 pub struct Expr(pub(super) Content<Signed, f64>);
 

@@ -3,7 +3,8 @@
 use super::expr::Expr;
 use std::collections::{HashMap, HashSet};
 
-/// Constants that are labels of expressions, and constants that are plain numbers, by their bits without sign.
+/// Constants that are labels of expressions, and constants that are plain numbers, by their bits without
+/// sign.
 pub(super) struct Labels {
     table: HashMap<u64, Expr>,
     numbers: HashSet<u64>,
@@ -20,7 +21,8 @@ impl Labels {
         distinct.then_some(Self { table, numbers })
     }
 
-    /// The expression that a constant is a label of, or the constant itself; `None` for a number that is neither.
+    /// The expression that a constant is a label of, or the constant itself; `None` for a number that is
+    /// neither.
     pub fn expr(&self, constant: f64) -> Option<Expr> {
         let magnitude = constant.abs();
         if let Some(&expr) = self.table.get(&magnitude.to_bits()) {

@@ -1,7 +1,8 @@
 //! Recording: a scalar whose operations become nodes.
 //!
-//! [`Expr`] is the scalar, `scalar` its operations; `recording` is the recording that runs on a thread, `arena` its
-//! nodes, each distinct one once; `labels` are constants of a robot that are replaced by parameters.
+//! [`Expr`] is the scalar, `scalar` its operations; `recording` is the recording that runs on a thread,
+//! `arena` its nodes, each distinct one once; `labels` are constants of a robot that are replaced by
+//! parameters.
 
 mod arena;
 mod expr;

@@ -51,7 +51,8 @@ type Recorded = (Vec<Node>, Vec<Signed>);
 /// Records what `work` does with inputs 0, 1, 2, ...; it returns what is kept and the results.
 ///
 /// # Errors
-/// The first error of the recording: [`CodegenError::Foreign`], [`CodegenError::Branch`], [`CodegenError::Constant`],
+/// The first error of the recording: [`CodegenError::Foreign`], [`CodegenError::Branch`],
+/// [`CodegenError::Constant`],
 /// [`CodegenError::LongRecording`].
 pub(in crate::codegen) fn record<R>(
     inputs: usize,
@@ -74,8 +75,8 @@ pub(in crate::codegen) fn record<R>(
     }
 }
 
-/// From now on, while this recording runs, constants in the table are replaced by the expressions beside them. All other
-/// constants must be among the numbers, or small literals.
+/// From now on, while this recording runs, constants in the table are replaced by the expressions beside
+/// them. All other constants must be among the numbers, or small literals.
 ///
 /// # Errors
 /// [`CodegenError::Constant`] where two labels or numbers are equal.
@@ -140,7 +141,8 @@ impl Recording {
         self.arena.fail(error);
     }
 
-    /// The value of an expression; `None`, and an error, if it belongs to another recording or this one is too long.
+    /// The value of an expression; `None`, and an error, if it belongs to another recording or this one is
+    /// too long.
     pub fn value(&mut self, expr: Expr) -> Option<Value> {
         if let Some((most, error)) = &self.limit
             && self.arena.nodes.len() > *most

@@ -1,7 +1,7 @@
 //! The operations of a recorded number.
 //!
-//! An operation on a foreign expression is foreign at once: a recording that was stopped at its limit runs to the end of
-//! the recorded function, and should do so without work.
+//! An operation on a foreign expression is foreign at once: a recording that was stopped at its limit runs to
+//! the end of the recorded function, and should do so without work.
 
 use super::arena::Arena;
 use super::expr::{Content, Expr, ExprMask};

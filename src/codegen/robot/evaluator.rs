@@ -100,12 +100,12 @@ impl<S: Scalar> RobotQuantity<S> {
         self.outputs
     }
 
-    /// Evaluates the quantity: all arguments one after the other, all results likewise, each row by row. Allocates
-    /// nothing.
+    /// Evaluates the quantity: all arguments one after the other, all results likewise, each row by row.
+    /// Allocates nothing.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`]. Outputs may be written
-    /// before an error is found.
+    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`]. Outputs may
+    /// be written before an error is found.
     pub fn evaluate(&mut self, inputs: &[S], outputs: &mut [S]) -> Result<(), EvalError> {
         check_length("inputs", inputs, self.inputs)?;
         check_length("outputs", outputs, self.outputs)?;

@@ -15,19 +15,20 @@ use crate::scalar::Scalar;
 /// M is regular where the `guard` of a [`guarded_program`] is below this, 2^84.
 pub const REGULAR: f64 = (1_u128 << 84) as f64;
 
-/// Records a quantity of a robot for a just-in-time compiler: [`robot_program`](super::robot_program) with a guard, at most
-/// `limit` steps long.
+/// Records a quantity of a robot for a just-in-time compiler: [`robot_program`](super::robot_program) with a
+/// guard, at most `limit` steps long.
 ///
-/// Where M is inverted ([`Quantity::inverts`]) the last result is `guard`, one number: `sum_k (s_k (M^-1)_kk)^2`, where
-/// `eps s_k` is the rounding error of `M_kk`. With the pivots D_k of `M = L' D L`, each with a rounding error up to
-/// `eps m_i`, `sum_i m_i / D_i = sum_k s_k (M^-1)_kk`: below [`REGULAR`] no `m_i / D_i` exceeds 2^45, and the generic code
-/// accepts M as regular too (up to 64 joints). Otherwise, and where the guard is not a number, M may be singular, and the
-/// generic code must decide. The guard adds three steps a joint to a quantity that contains M^-1, and up to a third to F
-/// and energies.
+/// Where M is inverted ([`Quantity::inverts`]) the last result is `guard`, one number: `sum_k (s_k
+/// (M^-1)_kk)^2`, where `eps s_k` is the rounding error of `M_kk`. With the pivots D_k of `M = L' D L`, each
+/// with a rounding error up to `eps m_i`, `sum_i m_i / D_i = sum_k s_k (M^-1)_kk`: below [`REGULAR`] no `m_i
+/// / D_i` exceeds 2^45, and the generic code accepts M as regular too (up to 64 joints). Otherwise, and where
+/// the guard is not a number, M may be singular, and the generic code must decide. The guard adds three steps
+/// a joint to a quantity that contains M^-1, and up to a third to F and energies.
 ///
 /// # Errors
-/// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates; [`CodegenError::LargeRobot`],
-/// [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the program has more steps than the limit.
+/// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;
+/// [`CodegenError::LargeRobot`], [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the
+/// program has more steps than the limit.
 pub fn guarded_program(
     robot: &Robot,
     quantity: Quantity,

@@ -1,8 +1,9 @@
 //! Programs of the quantities of a robot.
 //!
-//! `quantity` lists what there is with its arguments and results; `evaluator` computes it for any scalar; `program`
-//! records that, with the constants of the robot as numbers or, by `parameters`, as arguments; `guarded` adds the check
-//! of the mass matrix; `size` refuses robots that are too large before anything is recorded.
+//! `quantity` lists what there is with its arguments and results; `evaluator` computes it for any scalar;
+//! `program` records that, with the constants of the robot as numbers or, by `parameters`, as arguments;
+//! `guarded` adds the check of the mass matrix; `size` refuses robots that are too large before anything is
+//! recorded.
 
 mod evaluator;
 mod guarded;

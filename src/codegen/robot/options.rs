@@ -13,13 +13,13 @@
 pub struct ProgramOptions {
     /// Leave out all results but the quantity itself.
     pub only: bool,
-    /// Masses, lengths and other constants are one more argument, `parameters`, instead of numbers in the program: see
-    /// [`parameter_values`](super::parameter_values). Directions of joints remain numbers. The program has about twice as
-    /// many operations.
+    /// Masses, lengths and other constants are one more argument, `parameters`, instead of numbers in the
+    /// program: see [`parameter_values`](super::parameter_values). Directions of joints remain numbers. The
+    /// program has about twice as many operations.
     pub parameters: bool,
     /// Most steps of the program. The recording stops after
-    /// [`OPERATIONS_PER_STEP`](crate::codegen::OPERATIONS_PER_STEP) operations for each of them, so time and memory are
-    /// bounded. Unlimited by default.
+    /// [`OPERATIONS_PER_STEP`](crate::codegen::OPERATIONS_PER_STEP) operations for each of them, so time and
+    /// memory are bounded. Unlimited by default.
     pub limit: usize,
 }
 

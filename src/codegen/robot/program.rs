@@ -13,15 +13,16 @@ use crate::codegen::record::Expr;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
-/// Records a quantity of a robot by the route with the fewest operations: see [`Quantity`] for arguments and results.
+/// Records a quantity of a robot by the route with the fewest operations: see [`Quantity`] for arguments and
+/// results.
 ///
-/// The name is that of robot, coordinates and quantity. Nothing is checked when the program runs: a singular mass matrix
-/// gives results that are not finite.
+/// The name is that of robot, coordinates and quantity. Nothing is checked when the program runs: a singular
+/// mass matrix gives results that are not finite.
 ///
 /// # Errors
-/// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates; [`CodegenError::LargeRobot`],
-/// [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the program has more steps than
-/// [`ProgramOptions::limit`].
+/// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;
+/// [`CodegenError::LargeRobot`], [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the
+/// program has more steps than [`ProgramOptions::limit`].
 pub fn robot_program(
     robot: &Robot,
     quantity: Quantity,

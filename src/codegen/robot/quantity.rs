@@ -47,8 +47,9 @@ impl fmt::Display for Coordinates {
 /// | `energy` | q, p: kinetic, potential | q, v: kinetic, potential |
 /// | `inverse_dynamics` | | q, v, a: tau |
 ///
-/// q, p, v, u, a, qdd and tau have n entries, f, y_f_x, d and y 2n (Lagrangian: y has n, those of the velocities). f_x,
-/// y_f_xx and y_qdd_xx are 2n x 2n, qdd_z is n x 3n with z = (q, v, u), m and y_qdd_uq are n x n.
+/// q, p, v, u, a, qdd and tau have n entries, f, y_f_x, d and y 2n (Lagrangian: y has n, those of the
+/// velocities). f_x, y_f_xx and y_qdd_xx are 2n x 2n, qdd_z is n x 3n with z = (q, v, u), m and y_qdd_uq are
+/// n x n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// The state equation F.
@@ -168,8 +169,8 @@ impl Quantity {
         })
     }
 
-    /// Whether the quantity itself, without the results above it, is a function of this argument. The actuation adds to
-    /// F alone in (q, p), so its derivatives do not depend on u.
+    /// Whether the quantity itself, without the results above it, is a function of this argument. The
+    /// actuation adds to F alone in (q, p), so its derivatives do not depend on u.
     pub(super) fn depends_on(self, variable: Variable, coordinates: Coordinates) -> bool {
         let derivative = matches!(self, Self::FX | Self::YFX | Self::YFXX);
         !(variable == Variable::U && derivative && coordinates == Coordinates::Hamiltonian)

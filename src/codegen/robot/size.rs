@@ -7,8 +7,8 @@ use crate::robot::Robot;
 
 /// Refuses a robot whose mass matrix alone has more entries than operations may be recorded.
 ///
-/// An entry belongs to each pair of joints of which one carries the other, so their number is the sum of the depths of all
-/// joints.
+/// An entry belongs to each pair of joints of which one carries the other, so their number is the sum of the
+/// depths of all joints.
 ///
 /// # Errors
 /// [`CodegenError::LargeRobot`].

@@ -1,7 +1,7 @@
 //! From the nodes of a recording to the steps of a program.
 //!
-//! `signs` chooses the sign with which each node is computed, `sums` joins products with sums, `order` sorts the steps so
-//! that few values wait; `graph` removes what no result needs.
+//! `signs` chooses the sign with which each node is computed, `sums` joins products with sums, `order` sorts
+//! the steps so that few values are alive at once; `graph` removes what no result needs.
 
 mod graph;
 mod order;

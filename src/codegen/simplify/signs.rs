@@ -11,8 +11,9 @@ pub(super) fn settled(nodes: &[Node], results: &[Signed]) -> Graph {
 
 /// Whether each node is computed with the opposite sign.
 ///
-/// A difference costs the same with either sign, and so does every sum, product and quotient whose operand is such a
-/// difference without other uses. Sums and products accept any sign of an operand; results and functions need the right one.
+/// A difference costs the same with either sign, and so does every sum, product and quotient whose operand is
+/// such a difference without other uses. Sums and products accept any sign of an operand; results and
+/// functions need the right one.
 fn flips(nodes: &[Node], results: &[Signed]) -> Vec<bool> {
     let all = Graph { nodes: nodes.to_vec(), results: results.iter().map(|signed| signed.id).collect() };
     let (needed, uses) = (all.needed(), all.uses());

@@ -1,4 +1,5 @@
-/// What sine and cosine are computed with: one `f64`, or one in each lane of a vector. A mask has all bits set or none.
+/// What sine and cosine are computed with: one `f64`, or one in each lane of a vector. A mask has all bits
+/// set or none.
 pub trait Angle:
     Copy + core::ops::Sub<Output = Self> + core::ops::Mul<Output = Self> + core::ops::Neg<Output = Self>
 {
@@ -17,7 +18,8 @@ pub trait Angle:
 /// Sine and cosine to two units in the last place, for angles up to 1e6 rad.
 #[inline(always)]
 pub fn sin_cos_in_range<V: Angle>(x: V) -> (V, V) {
-    // k = the nearest multiple of pi/2. Added to 3/2 2^52 it is rounded to an integer, which is in the lowest bits.
+    // k = the nearest multiple of pi/2. Added to 3/2 2^52 it is rounded to an integer, which is in the lowest
+    // bits.
     let round = V::splat(6755399441055744.0);
     let shifted = x.mul_add(V::splat(core::f64::consts::FRAC_2_PI), round);
     let k = shifted - round;
