@@ -21,7 +21,7 @@ use super::{Scalar, real_tanh_and_slope};
 ///
 /// What the library refuses it refuses for all lanes: one state that is not finite, or whose mass matrix is
 /// singular, is the error of the whole call, and no lane has a result. A [`Batch`](crate::batch::Batch) then
-/// evaluates the states one by one. In [`sin_cos`](Scalar::sin_cos) one lane beyond 1e6 rad, or that is no
+/// evaluates the states one by one. In [`sin_cos`](Scalar::sin_cos) one lane beyond 1e5 rad, or that is no
 /// number, sends all of them to the standard library, one after the other: as exact, but slower.
 ///
 /// A vector is as wide as the instructions that the program is compiled for: eight lanes are one register

@@ -7,8 +7,8 @@ mod runtime;
 
 use runtime::{Angle, sin_cos_in_range};
 
-/// Largest angle (rad) for which the reduction by multiples of pi/2 is exact.
-const LARGEST: f64 = 1e6;
+/// Largest angle (rad) that is reduced here, as in generated code.
+const LARGEST: f64 = 1e5;
 
 /// Sine and cosine to two units in the last place, for any angle (rad).
 #[inline]

@@ -15,7 +15,7 @@ pub trait Angle:
     fn negate(self, mask: Self, other: Self) -> Self;
 }
 
-/// Sine and cosine to two units in the last place, for angles up to 1e6 rad.
+/// Sine and cosine to two units in the last place, for angles below 1e5 rad.
 #[inline(always)]
 pub fn sin_cos_in_range<V: Angle>(x: V) -> (V, V) {
     // k = the nearest multiple of pi/2. Added to 3/2 2^52 it is rounded to an integer, which is in the lowest
