@@ -86,7 +86,7 @@ fn machine_code<'a>(
     Ok(())
 }
 
-/// Entries of a quantity, without what comes on the way.
+/// Entries of a quantity, without the results it builds on.
 fn entries(label: &str, n: usize) -> usize {
     if label == FUNCTION { 2 * n } else { 4 * n * n }
 }

@@ -1,5 +1,6 @@
 /// What sine and cosine are computed with: one `f64`, or one in each lane of a vector. A mask has all bits
 /// set or none.
+#[allow(dead_code)]
 pub trait Angle:
     Copy + core::ops::Sub<Output = Self> + core::ops::Mul<Output = Self> + core::ops::Neg<Output = Self>
 {
@@ -17,6 +18,7 @@ pub trait Angle:
 
 /// Sine and cosine to two units in the last place, for angles below 1e5 rad.
 #[inline(always)]
+#[allow(dead_code, clippy::all, clippy::pedantic)]
 pub fn sin_cos_in_range<V: Angle>(x: V) -> (V, V) {
     // k = the nearest multiple of pi/2. Added to 3/2 2^52 it is rounded to an integer, which is in the lowest
     // bits.
