@@ -31,8 +31,8 @@ mod simplify;
 pub use emit::{COptions, DEFAULT_LIMIT, RustOptions};
 pub use error::CodegenError;
 pub use names::name_from;
-pub use program::{OPERATIONS_PER_STEP, Program, ProgramArgument, ProgramResult, RecordedResult};
-pub use record::{Expr, ExprMask, Id, Node};
+pub use program::{Program, ProgramArgument, ProgramResult, RecordedResult};
+pub use record::{Expr, ExprMask, Id, Node, OPERATIONS_PER_STEP};
 pub use robot::{
     Coordinates, ProgramOptions, Quantity, REGULAR, RobotQuantity, Shape, guarded_program, parameter_names,
     parameter_values, robot_program,

@@ -7,15 +7,6 @@ use super::simplify::{Graph, simplify};
 use crate::scalar::Operations;
 use std::collections::HashSet;
 
-/// Most operations that are recorded for each step that a program may have.
-///
-/// A recording holds operations that the program does not need: up to about twice as many as its steps, more
-/// only for energies.
-pub const OPERATIONS_PER_STEP: usize = 4;
-
-/// Most nodes of any recording; [`Id`] counts them in 32 bits.
-const MOST_NODES: usize = 1 << 31;
-
 /// One argument of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramArgument {
@@ -113,8 +104,7 @@ impl Program {
         function: impl FnOnce(&[Vec<Expr>]) -> Result<Vec<RecordedResult>, CodegenError>,
     ) -> Result<Self, CodegenError> {
         let inputs = arguments.iter().map(|(_, entries)| entries).sum();
-        let operations = limit.saturating_mul(OPERATIONS_PER_STEP).min(MOST_NODES);
-        let limited = RecordingLimit { name, steps: limit, operations };
+        let limited = RecordingLimit { name, steps: limit };
         let (outcome, (nodes, entries)) =
             record(inputs, limited, |expressions| match function(&split(expressions, arguments)) {
                 Ok(results) => {

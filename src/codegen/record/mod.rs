@@ -15,5 +15,6 @@ mod value;
 pub(super) use arena::Arena;
 pub use expr::{Expr, ExprMask};
 pub use node::{Id, Node};
+pub use recording::OPERATIONS_PER_STEP;
 pub(super) use recording::{RecordingLimit, record, replace_labels};
 pub(super) use value::{Signed, Value};

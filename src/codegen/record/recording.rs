@@ -9,15 +9,22 @@ use crate::codegen::error::CodegenError;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// When a recording is stopped.
+/// Most operations that are recorded for each step that a program may have.
+///
+/// A recording holds operations that the program does not need: up to about twice as many as its steps, more
+/// only for energies.
+pub const OPERATIONS_PER_STEP: usize = 4;
+
+/// Most nodes of any recording; they are counted in 32 bits.
+const MOST_NODES: usize = 1 << 31;
+
+/// The limit of a recording: [`OPERATIONS_PER_STEP`] operations for each step.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::codegen) struct RecordingLimit<'a> {
     /// Name of the program, for the error.
     pub name: &'a str,
     /// Most steps of the program.
     pub steps: usize,
-    /// Most operations that are recorded: a recording is longer than its program.
-    pub operations: usize,
 }
 
 /// The recording that runs: its number (0 for none), its nodes, its labels.
@@ -60,7 +67,8 @@ pub(in crate::codegen) fn record<R>(
     work: impl FnOnce(&[Expr]) -> (R, Vec<Expr>),
 ) -> Result<(R, Recorded), CodegenError> {
     let number = 1 + RECORDINGS.fetch_add(1, Ordering::Relaxed) % (u32::MAX - 1);
-    let RecordingLimit { name, steps, operations } = limit;
+    let RecordingLimit { name, steps } = limit;
+    let operations = steps.saturating_mul(OPERATIONS_PER_STEP).min(MOST_NODES);
     let error = CodegenError::LongRecording { name: name.into(), operations, limit: steps };
     let recording = Recording { number, limit: Some((operations, error)), ..Recording::default() };
     let surroundings = Surroundings(RECORDING.replace(recording));

@@ -42,7 +42,8 @@ pub(super) fn program_with(
 ) -> Result<Program, CodegenError> {
     let n = robot.len();
     let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
-    check_size(robot, quantity, coordinates, options.limit)?;
+    let name = name_from(&format!("{} {} {}", robot.name(), coordinates.name(), quantity.name()));
+    check_size(robot, quantity, coordinates, &name, options.limit)?;
     let is_argument = |variable: Variable| !options.only || quantity.depends_on(variable, coordinates);
     let shapes = variables.iter().filter(|variable| is_argument(**variable));
     let shapes = shapes.map(|variable| variable.shape(coordinates, n));
@@ -50,7 +51,6 @@ pub(super) fn program_with(
     if options.parameters {
         sizes.push(("parameters", parameter_values(robot).len()));
     }
-    let name = name_from(&format!("{} {} {}", robot.name(), coordinates.name(), quantity.name()));
     let program = Program::try_record_within(&name, &sizes, options.limit, |arguments| {
         let mut arguments = arguments.iter();
         // A variable that the quantity does not depend on is zero.
