@@ -34,8 +34,8 @@ pub enum CodegenError {
     },
     /// A recording that was stopped.
     #[error(
-        "{name}: the recording was stopped after {operations} operations; the program would have more steps than the \
-         limit, {limit}. Raise the limit (--limit), choose a smaller quantity (f, y_f_x, y_f_xx_d or --only), or use the \
+        "{name}: the recording was stopped after {operations} operations; the program would be too long, the limit is \
+         {limit} steps. Raise the limit (--limit), choose a smaller quantity (f, y_f_x, y_f_xx_d or --only), or use the \
          generic code, which has no limit"
     )]
     LongRecording {

@@ -27,9 +27,13 @@ fn codegen_writes_what_the_library_does() {
 fn codegen_says_why_it_writes_nothing() {
     for (quantity, more, reason) in [
         ("f_x", ["--limit", "100"], "the limit is 100"),
-        ("y_f_x", ["--coordinates", "lagrangian"], "there are: f, f_x, y_f_xx"),
+        ("y_f_x", ["--coordinates", "lagrangian"], "available: f, f_x, y_f_xx"),
         ("momentum", ["--lang", "c"], "mass_matrix"),
-        ("f", ["--problem", "examples/problems/ur5_reach.toml"], "--problem can only be used with --quantity pontryagin"),
+        (
+            "f",
+            ["--problem", "examples/problems/ur5_reach.toml"],
+            "--problem can only be used with --quantity pontryagin",
+        ),
         (
             "pontryagin",
             ["--problem", "examples/problems/two_link.toml"],

@@ -119,7 +119,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_not_compiled_says_why_and_what_to_do() {
+fn the_status_has_the_reason_and_what_to_do() {
     let robot = Robot::from_file(folder().join("robots/ur5.urdf")).unwrap();
     let with_limit =
         |limit| Evaluator::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, limit).unwrap();
@@ -128,7 +128,7 @@ fn what_is_not_compiled_says_why_and_what_to_do() {
     if compiles() {
         for (evaluator, begin, limit) in [
             (&long, "generic code: the program has ", "the limit is 800"),
-            (&far_too_long, "generic code: the recording had more than ", "more than 10 steps"),
+            (&far_too_long, "generic code: the recording was stopped after ", "more than 10 steps"),
         ] {
             let text = evaluator.status().to_string();
             assert!(text.starts_with(begin) && text.contains(limit) && text.contains("with_limit"), "{text}");
