@@ -289,3 +289,20 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn public_types_are_debug_clone_and_send() {
+    use costate::codegen::{
+        COptions, ProgramArgument, ProgramOptions, ProgramResult, RobotQuantity, RustOptions,
+    };
+    fn check<T: std::fmt::Debug + Clone + Send + Sync>() {}
+    check::<Expr>();
+    check::<Program>();
+    check::<ProgramArgument>();
+    check::<ProgramResult>();
+    check::<ProgramOptions>();
+    check::<RobotQuantity<f64>>();
+    check::<RustOptions>();
+    check::<COptions>();
+    check::<CodegenError>();
+}
