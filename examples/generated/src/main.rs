@@ -225,7 +225,8 @@ mod tests {
         assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     }
 
-    /// What the sine and cosine of generated code differ by from those of the standard library, in units of the last place.
+    /// What the sine and cosine of generated code differ by from those of the standard library, in units of
+    /// the last place.
     #[test]
     fn sine_and_cosine_are_right_to_two_units_in_the_last_place() {
         let quarter = std::f64::consts::FRAC_PI_2;

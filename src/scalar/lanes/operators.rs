@@ -1,4 +1,4 @@
-//! Arithmetic in every lane, and what num-dual asks of a number before its functions.
+//! Arithmetic in every lane, and the operators that num-dual requires of a number.
 
 use super::{Lanes, Vector};
 use crate::scalar::Scalar;

@@ -1,4 +1,4 @@
-//! What is asked of a vector of `wide`: the few operations that everything else is made of.
+//! The operations of a vector of `wide` that everything else is made of.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};

@@ -4,21 +4,21 @@ use super::node::Id;
 
 /// Plus or minus a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Signed {
+pub(in crate::codegen) struct Signed {
     pub id: Id,
     pub negative: bool,
 }
 
 /// A number while recording.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Value {
+pub(in crate::codegen) enum Value {
     Constant(f64),
     Of(Signed),
 }
 
 /// A truth value while recording.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Truth {
+pub(in crate::codegen) enum Truth {
     Constant(bool),
     Of(Id),
 }

@@ -1,24 +1,25 @@
-//! Sums taken apart and put together again as chains, in which products join as one step with the sum before them.
+//! Sums rebuilt as chains in which each product is one step together with the sum before it.
 //!
-//! A sum of p products and t other terms is `p + max(t - 1, 0)` steps: a first term costs nothing, every other term one
-//! addition, every product one step. Where there is no other term one product begins, alone.
+//! A sum of p products and t other terms takes `p + max(t - 1, 0)` steps: the first term costs nothing, every
+//! other term one addition, every product one step. Without other terms the first product is a step by
+//! itself.
 
-use super::lower::Graph;
-use super::node::{Id, Node};
+use super::graph::Graph;
+use crate::codegen::record::{Id, Node};
 
 /// One term of a sum.
 #[derive(Clone, Copy, Debug)]
 struct Term {
     id: Id,
     negative: bool,
-    /// A product that is computed nowhere else.
+    /// A product that is computed as part of the sum only.
     joins: bool,
 }
 
 /// The graph with every sum as a chain.
 ///
-/// Sums and products that one sum uses and nothing else are part of that sum. A product of several sums is a step of its
-/// own unless it can join all of them, each without making it longer.
+/// Sums and products whose only user is one sum are part of that sum. A product that several sums use is a
+/// step of its own unless it can join all of them without making any of them longer.
 pub(super) fn joined(graph: &Graph) -> Graph {
     let nodes = &graph.nodes;
     let uses = graph.uses();
@@ -73,10 +74,10 @@ fn terms(nodes: &[Node], inner: &[bool], k: usize) -> Vec<Term> {
     terms
 }
 
-/// The new nodes while they are made.
+/// The new nodes while they are built.
 struct Chains<'a> {
     old: &'a [Node],
-    /// Where the old nodes are among the new ones.
+    /// Positions of the old nodes among the new ones.
     places: Vec<Id>,
     nodes: Vec<Node>,
     /// Steps of the longest chain that ends at each new node.
@@ -120,7 +121,7 @@ impl<'a> Chains<'a> {
         }
     }
 
-    /// When a term is known, in steps.
+    /// The depth of a term: steps of the longest chain before it.
     fn depth(&self, term: &Term) -> u32 {
         let depth = |id: Id| self.depths[id.index()];
         match self.factors(term) {
@@ -129,7 +130,7 @@ impl<'a> Chains<'a> {
         }
     }
 
-    /// The terms one after the other, those first that are known first.
+    /// The terms one after the other, those of least depth first.
     fn chain(&mut self, terms: &[Term]) -> Id {
         let mut terms = terms.to_vec();
         terms.sort_by_key(|term| self.depth(term));
@@ -145,7 +146,7 @@ impl<'a> Chains<'a> {
         })
     }
 
-    /// What a chain begins with, taken out of the terms: one that is not negative, else a product less a term, else a
+    /// The begin of a chain, removed from the terms: a positive term, else a product minus a term, else a
     /// product alone.
     fn start(&mut self, terms: &mut Vec<Term>) -> Id {
         let place = |term: Term| self.places[term.id.index()];

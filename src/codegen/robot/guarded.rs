@@ -1,42 +1,42 @@
-//! Programs that say whether their mass matrix was regular: `sum_k (s_k (M^-1)_kk)^2`.
+//! Programs that tell whether the mass matrix was regular, by `sum_k (s_k (M^-1)_kk)^2`.
 
-use super::error::CodegenError;
-use super::expr::Expr;
-use super::program::Program;
+use super::options::ProgramOptions;
+use super::program::program_with;
 use super::quantity::{Coordinates, Quantity};
-use super::recording::limit_recording;
-use super::robot::{Options, program_with};
+use crate::codegen::error::CodegenError;
+use crate::codegen::program::Program;
+use crate::codegen::record::Expr;
 use crate::error::EvalError;
 use crate::kernels::{Factor, KernelOne};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
-/// Below this, 2^84, the `guard` of a [`guarded_program`] says that M is regular.
+/// M is regular where the `guard` of a [`guarded_program`] is below this, 2^84.
 pub const REGULAR: f64 = (1_u128 << 84) as f64;
 
-/// Records a quantity of a robot for a compiler in process: [`robot_program`](super::robot_program), guarded.
+/// Records a quantity of a robot for a just-in-time compiler: [`robot_program`](super::robot_program) with a
+/// guard, at most `limit` steps long.
 ///
-/// Where M is inverted ([`Quantity::inverts`]) the last result is `guard`, one number: `sum_k (s_k (M^-1)_kk)^2`, where
-/// `eps s_k` is the rounding of `M_kk`. With the pivots D_k of `M = L' D L`, each may consist of as much rounding as
-/// `eps m_i`, and `sum_i m_i / D_i = sum_k s_k (M^-1)_kk`: below [`REGULAR`] no `m_i / D_i` exceeds 2^45, and the generic code
-/// takes M for regular too (up to 64 joints). Elsewhere, and where the guard is not a number, M may be singular: ask the
-/// generic code then. A quantity that contains M^-1 is three steps a joint longer for it, F and
-/// energies by up to a third.
-///
-/// The recording is given up once it has more than `most` operations. It holds what the program leaves out in the end: up to
-/// twice as many operations as the program has steps, more only for energies. Its memory is in proportion.
+/// Where M is inverted ([`Quantity::inverts`]) the last result is `guard`, one number: `sum_k (s_k
+/// (M^-1)_kk)^2`, where `eps s_k` is the rounding error of `M_kk`. With the pivots D_k of `M = L' D L`, each
+/// with a rounding error up to `eps m_i`, `sum_i m_i / D_i = sum_k s_k (M^-1)_kk`: below [`REGULAR`] no `m_i
+/// / D_i` exceeds 2^45, and the generic code accepts M as regular too (up to 64 joints). Otherwise, and where
+/// the guard is not a number, M may be singular, and the generic code must decide. The guard adds three steps
+/// a joint to a quantity that contains M^-1, and up to a third to F and energies.
 ///
 /// # Errors
-/// [`CodegenError::Quantity`] where there is no such quantity in these coordinates, [`CodegenError::LongRecording`].
+/// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;
+/// [`CodegenError::LargeRobot`], [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the
+/// program has more steps than the limit.
 pub fn guarded_program(
     robot: &Robot,
     quantity: Quantity,
     coordinates: Coordinates,
-    most: usize,
+    limit: usize,
 ) -> Result<Program, CodegenError> {
-    program_with(robot, quantity, coordinates, &Options::default(), |tree, q| {
-        limit_recording(most);
+    let options = ProgramOptions::default().with_limit(limit);
+    program_with(robot, quantity, coordinates, &options, |tree, q| {
         let guard = quantity.inverts(coordinates).then(|| guard(tree, q)).transpose()?;
         Ok(guard.into_iter().map(|guard| ("guard".into(), 1, 1, vec![guard])).collect())
     })
@@ -65,7 +65,7 @@ mod tests {
     use crate::robot::{Robot, Tree, file};
     use std::f64::consts::FRAC_PI_2;
 
-    /// Three turning axes in one point: M is singular where the second is at a right angle.
+    /// Three revolute axes through one point: M is singular where the second is at a right angle.
     fn gimbal() -> Robot {
         let text = "name = 'gimbal'\n\
             [[joint]]\nname = 'z'\naxis = [0.0, 0.0, 1.0]\n\
@@ -106,10 +106,16 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_ends_at_its_limit() {
-        let short = |most| guarded_program(&gimbal(), Quantity::FX, Coordinates::Hamiltonian, most);
-        assert_eq!(short(50).unwrap_err(), CodegenError::LongRecording { limit: 50 });
-        let steps = short(usize::MAX).unwrap().steps();
-        assert_eq!(short(3 * steps).unwrap().steps(), steps);
+    fn a_recording_stops_at_its_limit() {
+        let within = |limit| guarded_program(&gimbal(), Quantity::FX, Coordinates::Hamiltonian, limit);
+        let name = String::from("gimbal_hamiltonian_f_x");
+        let stopped = CodegenError::LongRecording { name: name.clone(), operations: 40, limit: 10 };
+        assert_eq!(within(10).unwrap_err(), stopped);
+        let steps = within(usize::MAX).unwrap().steps();
+        assert_eq!(within(steps).unwrap().steps(), steps);
+        let too_large = CodegenError::TooLarge { name, steps, limit: steps - 1 };
+        assert_eq!(within(steps - 1).unwrap_err(), too_large);
+        let large = CodegenError::LargeRobot { robot: "gimbal".into(), joints: 3, entries: 6, limit: 1 };
+        assert_eq!(within(1).unwrap_err(), large);
     }
 }

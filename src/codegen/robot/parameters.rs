@@ -1,34 +1,36 @@
 //! Programs whose masses, lengths and other constants are arguments.
 //!
-//! The kernels take the constants of a model as `f64`. Here each of them is a label, a number that stands for an expression of
-//! the parameters: where a label becomes part of the recording, its expression takes its place. What the kernels
-//! multiply before that (mass times length, for one) has a label too. Any other number that is neither a small literal
-//! nor made of the directions of joints is an error, so none is passed over.
+//! The kernels take the constants of a model as `f64`. Here each of them is a label: a number that represents
+//! an expression of the parameters. Where a label becomes part of the recording, the expression replaces it.
+//! Products that the kernels form before that (mass times length, for example) have labels too. Any other
+//! number that is neither a small literal nor made from the directions of joints is an error, so no constant
+//! is missed.
 
-use super::error::CodegenError;
-use super::expr::Expr;
-use super::recording::replace_labels;
+use crate::codegen::error::CodegenError;
+use crate::codegen::record::{Expr, replace_labels};
 use crate::robot::parameters::{Directions, Group, groups};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use nalgebra::Matrix3;
 
-/// The parameters of a robot in the order of the argument `parameters` of a program with [`Options::parameters`].
+/// The parameters of a robot in the order of the argument `parameters` of a program with
+/// [`ProgramOptions::parameters`].
 ///
-/// For each joint 13 numbers: mass (kg), first moment (kg m) and inertia (kg m^2: xx, yy, zz, xy, xz, yz) of its link about
-/// the origin of the joint frame, in the axes of that frame, translation of its placement (m). After them, where the joint
-/// has it: stiffness and rest position of its spring; viscous friction; limit and transition velocity of Coulomb
-/// friction; armature. Then the armature of pairs of joints, where it is not zero, and gravity (m/s^2).
+/// For each joint 13 numbers: mass (kg), first moment (kg m) and inertia (kg m^2: xx, yy, zz, xy, xz, yz) of
+/// its link about the origin of the joint frame, in the axes of that frame, translation of its placement (m).
+/// After them, where the joint has it: stiffness and rest position of its spring; viscous friction; limit and
+/// transition velocity of Coulomb friction; armature. Then the armature of pairs of joints, where it is not
+/// zero, and gravity (m/s^2).
 ///
-/// A program recorded from one robot is right for the parameters of any other one with the same joints, directions
-/// and kinds of parameters: the same [`parameter_names`].
+/// A program recorded from one robot is right for the parameters of any other one with the same joints,
+/// directions and kinds of parameters: the same [`parameter_names`].
 ///
-/// [`Options::parameters`]: super::Options::parameters
+/// [`ProgramOptions::parameters`]: super::ProgramOptions::parameters
 pub fn parameter_values(robot: &Robot) -> Vec<f64> {
     groups(robot).into_iter().flat_map(|group| group.entries).map(|(_, value)| value).collect()
 }
 
-/// What the [`parameter_values`] are called: `shoulder.mass`.
+/// The names of the [`parameter_values`], such as `shoulder.mass`.
 pub fn parameter_names(robot: &Robot) -> Vec<String> {
     let name = |of: &str, entry: &str| if of.is_empty() { entry.into() } else { format!("{of}.{entry}") };
     let of_group = |Group { of, entries }: Group| {
@@ -49,7 +51,7 @@ pub(super) fn layout(robot: &Robot) -> Vec<String> {
     groups(robot).into_iter().map(line).collect()
 }
 
-/// Labels, and the expressions that they stand for.
+/// Labels and the expressions that they represent.
 struct Labels {
     state: u64,
     table: Vec<(f64, Expr)>,
@@ -69,7 +71,7 @@ impl Labels {
         expressions.map(|expr| self.label(expr))
     }
 
-    /// What the kernels make of labels stands for this.
+    /// The label of a product that the kernels form from labels.
     fn product(&mut self, value: f64, expr: Expr) {
         self.table.push((value, expr));
     }

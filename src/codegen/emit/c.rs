@@ -1,12 +1,13 @@
 //! A program as C source.
 
-use super::error::CodegenError;
-use super::node::{Id, Node};
-use super::program::Program;
-use super::text::{DEFAULT_LIMIT, Names, check_limit, head, number};
+use super::text::{DEFAULT_LIMIT, Names, head, number};
+use crate::codegen::error::CodegenError;
+use crate::codegen::program::Program;
+use crate::codegen::record::{Id, Node};
 
 /// How C source is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct COptions {
     /// Most steps, [`Program::steps`].
     pub limit: usize,
@@ -18,19 +19,28 @@ impl Default for COptions {
     }
 }
 
+impl COptions {
+    /// The same with this [`limit`](Self::limit).
+    #[must_use]
+    pub fn with_limit(self, limit: usize) -> Self {
+        Self { limit }
+    }
+}
+
 impl Program {
-    /// The program as C99 source: one function on `double`, which needs `math.h` and nothing else.
+    /// The program as C99 source: one function on `double`, which needs the headers of the standard library
+    /// only.
     ///
     /// Arguments and results must not overlap. The same program gives the same text.
     ///
     /// # Errors
-    /// [`CodegenError::TooLarge`].
+    /// [`CodegenError::TooLarge`] for a program above the limit.
     pub fn to_c(&self, options: &COptions) -> Result<String, CodegenError> {
-        check_limit(self, options.limit)?;
+        self.check_limit(options.limit)?;
         let lines: Vec<String> =
             head(self).iter().map(|line| format!(" * {}", safe(line)).trim_end().into()).collect();
         let names = Names::new(self);
-        let mut out = format!("/*\n{}\n */\n\n{FMA}", lines.join("\n"));
+        let mut out = format!("/*\n{}\n */\n\n{MUL_ADD}", lines.join("\n"));
         if names.has_pair() {
             out += SIN_COS;
         }
@@ -60,7 +70,8 @@ impl Program {
         Ok(out + "}\n")
     }
 
-    /// The statement that computes a step; `None` for what is there already.
+    /// The statement that computes a step; `None` for constants, inputs, and cosines computed with their
+    /// sine.
     fn statement(&self, names: &Names, k: usize, node: Node) -> Option<String> {
         if let Node::Sin(a) | Node::Cos(a) = node
             && let [Some(sin), Some(cos)] = names.angle(a)
@@ -81,7 +92,7 @@ impl Program {
         format!("void {}(\n{})\n{{\n", self.name(), parameters.join(",\n"))
     }
 
-    /// A value that can stand anywhere in an expression.
+    /// A value as an operand of an expression.
     fn operand(&self, names: &Names, id: Id) -> String {
         match self.nodes()[id.index()] {
             Node::Constant(value) => constant(value),
@@ -90,7 +101,7 @@ impl Program {
         }
     }
 
-    /// The right side of the statement that computes a step; `None` for what is there already.
+    /// The right side of the statement that computes a step; `None` for constants and inputs.
     fn expression(&self, names: &Names, node: Node) -> Option<String> {
         let of = |id: Id| self.operand(names, id);
         let is_two = |id: Id| self.nodes()[id.index()] == Node::Constant(2.0);
@@ -116,7 +127,7 @@ impl Program {
     }
 }
 
-/// A line that does not end the comment it stands in.
+/// The line without sequences that begin or end a comment.
 fn safe(line: &str) -> String {
     line.replace("*/", "* /").replace("/*", "/ *")
 }
@@ -132,62 +143,7 @@ fn constant(value: f64) -> String {
 }
 
 /// A product and a sum, rounded once where that is one instruction.
-const FMA: &str = "\
-#include <math.h>
+const MUL_ADD: &str = include_str!("runtime/mul_add.c");
 
-#if defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(FP_FAST_FMA)
-#define MUL_ADD(a, b, c) fma((a), (b), (c))
-#else
-#define MUL_ADD(a, b, c) ((a) * (b) + (c))
-#endif
-
-";
-
-/// Sine and cosine at once, without a call that the compiler cannot see into.
-const SIN_COS: &str = "\
-#include <stdint.h>
-#include <string.h>
-
-/* Sine and cosine to two units in the last place. */
-static inline void sin_cos(double x, double *sine, double *cosine)
-{
-    static const double s[] = {
-        1.0 / 6227020800.0, -1.0 / 39916800.0, 1.0 / 362880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0};
-    static const double c[] = {
-        -1.0 / 87178291200.0, 1.0 / 479001600.0, -1.0 / 3628800.0, 1.0 / 40320.0, -1.0 / 720.0, 1.0 / 24.0};
-    double turns, k, r, z, p, t;
-    uint64_t quarter, swap, sign, bits[2];
-    if (!(fabs(x) < 1e5)) {
-        *sine = sin(x);
-        *cosine = cos(x);
-        return;
-    }
-    /* k: the nearest multiple of pi/2; r: what is beyond it. */
-    turns = x * 0.6366197723675814;
-    quarter = (uint64_t)(int64_t)(turns + copysign(0.5, turns));
-    k = (double)(int64_t)quarter;
-    r = MUL_ADD(-k, 1.5707963267341256, x);
-    r = MUL_ADD(-k, 6.077100506303966e-11, r);
-    r = MUL_ADD(-k, 2.0222662487959506e-21, r);
-    /* Taylor series, |r| <= pi/4: to r^15 and r^16. */
-    z = r * r;
-    p = -1.0 / 1307674368000.0;
-    t = 1.0 / 20922789888000.0;
-    for (int i = 0; i < 6; i++) {
-        p = MUL_ADD(p, z, s[i]);
-        t = MUL_ADD(t, z, c[i]);
-    }
-    p = MUL_ADD(r * z, p, r);
-    t = MUL_ADD(z * z, t, MUL_ADD(-0.5, z, 1.0));
-    memcpy(&bits[0], &p, sizeof p);
-    memcpy(&bits[1], &t, sizeof t);
-    swap = (bits[0] ^ bits[1]) & (0 - (quarter & 1));
-    sign = (quarter & 2) << 62;
-    bits[0] ^= swap ^ sign;
-    sign = ((quarter + 1) & 2) << 62;
-    bits[1] ^= swap ^ sign;
-    memcpy(sine, &bits[0], sizeof p);
-    memcpy(cosine, &bits[1], sizeof t);
-}
-
-";
+/// Sine and cosine at once, without a call that the compiler cannot inline.
+const SIN_COS: &str = include_str!("runtime/sin_cos.c");

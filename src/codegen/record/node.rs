@@ -2,17 +2,17 @@
 
 /// Position of a node among the nodes of its program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Id(pub(super) u32);
+pub struct Id(pub(in crate::codegen) u32);
 
 impl Id {
-    /// As an index into [`Program::nodes`](super::Program::nodes).
+    /// As an index into [`Program::nodes`](crate::codegen::Program::nodes).
     #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// One step: what it does to the values of nodes before it.
+/// One step: an operation on the values of earlier nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Node {
     /// A constant.
@@ -29,11 +29,11 @@ pub enum Node {
     Mul(Id, Id),
     /// `a / b`.
     Div(Id, Id),
-    /// `a b + c`, which may be rounded once.
+    /// `a b + c`, rounded once where the target has the instruction.
     MulAdd(Id, Id, Id),
-    /// `a b - c`, which may be rounded once.
+    /// `a b - c`, rounded once where the target has the instruction.
     MulSub(Id, Id, Id),
-    /// `c - a b`, which may be rounded once.
+    /// `c - a b`, rounded once where the target has the instruction.
     NegMulAdd(Id, Id, Id),
     /// Square root.
     Sqrt(Id),
@@ -45,14 +45,14 @@ pub enum Node {
     Exp(Id),
     /// `exp(a) - 1` without cancellation near 0.
     ExpM1(Id),
-    /// `a < b`, a truth value that only [`Node::Select`] takes; false where one of them is not a number.
+    /// `a < b`, a truth value that only [`Node::Select`] uses; false where one of them is not a number.
     Less(Id, Id),
-    /// The second where the first, a [`Node::Less`], holds, else the third.
+    /// The second where the first, a [`Node::Less`], is true, else the third.
     Select(Id, Id, Id),
 }
 
 impl Node {
-    /// What it is computed from, in the order in which it is written.
+    /// Its operands, in the order in which they are listed above.
     pub fn operands(&self) -> impl Iterator<Item = Id> + Clone {
         let operands = match *self {
             Self::Constant(_) | Self::Input(_) => [None; 3],
@@ -71,7 +71,7 @@ impl Node {
     }
 
     /// The same step on other nodes.
-    pub(super) fn map(self, of: impl Fn(Id) -> Id) -> Self {
+    pub(in crate::codegen) fn map(self, of: impl Fn(Id) -> Id) -> Self {
         match self {
             Self::Constant(_) | Self::Input(_) => self,
             Self::Neg(a) => Self::Neg(of(a)),
@@ -92,13 +92,13 @@ impl Node {
         }
     }
 
-    /// Whether it is there without being computed.
+    /// Whether it is a constant or an input.
     pub fn is_leaf(&self) -> bool {
         matches!(self, Self::Constant(_) | Self::Input(_))
     }
 
     /// Distinct for distinct nodes, equal for equal ones (constants by their bits).
-    pub(super) fn key(&self) -> [u64; 2] {
+    pub(in crate::codegen) fn key(&self) -> [u64; 2] {
         let tag: u64 = match self {
             Self::Constant(value) => return [0, value.to_bits()],
             Self::Input(k) => return [1, u64::from(*k)],

@@ -1,13 +1,14 @@
-//! In which order the nodes are computed.
+//! The order of computation.
 
-use super::lower::Graph;
-use super::node::Node;
+use super::graph::Graph;
+use crate::codegen::record::Node;
 use std::collections::BinaryHeap;
 
-/// Leaves first, then the steps, so that few values wait at any time.
+/// Leaves first, then the steps in an order that keeps few values alive at any time.
 ///
-/// Backwards from the results: of the steps whose users are all placed, the one goes last that ends the wait of a value and
-/// starts those of the fewest operands, and of equals the one asked for last.
+/// List scheduling, backwards from the results: of the steps whose users are all placed, the next is the one
+/// that ends the life of a value and begins that of the fewest operands; of equals, the one whose user was
+/// placed last.
 pub(super) fn few_waiting(graph: &Graph) -> Graph {
     let needed = graph.needed();
     let leaves = (0..graph.nodes.len()).filter(|&k| needed[k] && graph.nodes[k].is_leaf());
@@ -18,18 +19,18 @@ pub(super) fn few_waiting(graph: &Graph) -> Graph {
     graph.arranged(&order)
 }
 
-/// How good it is to place a step now, and the step.
+/// The priority of placing a step now, and the step.
 type Offer = (i32, u32, usize);
 
-/// The steps on their way into an order, from the last to the first.
+/// The state of the scheduling, from the last step to the first.
 struct Steps<'a> {
     nodes: &'a [Node],
     users: Vec<Vec<usize>>,
     /// Users that are not placed yet.
     missing: Vec<usize>,
-    /// Whether a user is placed, the step itself not.
+    /// Whether a user is placed: the value is alive.
     waiting: Vec<bool>,
-    /// When a user asked for it last.
+    /// When its latest user was placed.
     asked: Vec<u32>,
     placed: Vec<bool>,
     offers: BinaryHeap<Offer>,
@@ -80,7 +81,7 @@ impl<'a> Steps<'a> {
                 self.asked[operand] = time;
                 self.missing[operand] -= 1;
                 if !std::mem::replace(&mut self.waiting[operand], true) {
-                    // Who else uses it has become a better offer; no offer becomes a worse one.
+                    // The priority of its other users rises; no priority ever falls.
                     for user in std::mem::take(&mut self.users[operand]) {
                         self.offer(user);
                     }

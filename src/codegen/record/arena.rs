@@ -1,17 +1,17 @@
-//! The nodes of a recording: each distinct one once, with what is known beforehand folded.
+//! The nodes of a recording, each distinct one once, with constants folded.
 //!
-//! A reference to a node carries a sign, so that a change of sign is free while recording and `a - b` and `b - a` are one
-//! node: products hand the signs of their factors on, sums take them in.
+//! A reference to a node carries a sign, so that a negation is free while recording and `a - b` and `b - a`
+//! are one node: the sign of a product is that of its factors, sums absorb the signs of their terms.
 
-use super::error::CodegenError;
 use super::node::{Id, Node};
 use super::value::{Signed, Truth, Value};
+use crate::codegen::error::CodegenError;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// A hasher for keys of two words: multiply and fold.
 #[derive(Default)]
-pub(super) struct KeyHasher(u64);
+struct KeyHasher(u64);
 
 impl Hasher for KeyHasher {
     fn finish(&self) -> u64 {
@@ -27,19 +27,19 @@ impl Hasher for KeyHasher {
     fn write_usize(&mut self, _: usize) {}
 }
 
-pub(super) type Places = HashMap<[u64; 2], Id, BuildHasherDefault<KeyHasher>>;
+type Places = HashMap<[u64; 2], Id, BuildHasherDefault<KeyHasher>>;
 
-/// All nodes of a recording, operands before what is made of them.
+/// All nodes of a recording, each after its operands.
 #[derive(Default)]
-pub(super) struct Arena {
+pub(in crate::codegen) struct Arena {
     pub nodes: Vec<Node>,
     places: Places,
-    /// The first thing that went wrong.
+    /// The first error.
     pub error: Option<CodegenError>,
 }
 
 impl Arena {
-    /// The place of a node, which is made unless it is there already.
+    /// The position of a node, which is added if it is new.
     pub fn intern(&mut self, node: Node) -> Id {
         let next = Id(self.nodes.len() as u32);
         let id = *self.places.entry(node.key()).or_insert(next);
@@ -63,7 +63,7 @@ impl Arena {
         Value::Of(Signed { id: self.intern(node), negative: false })
     }
 
-    /// A constant by its magnitude, which constants of both signs share.
+    /// A constant by its magnitude: constants of both signs share a node.
     pub fn signed(&mut self, value: Value) -> Signed {
         match value {
             Value::Of(signed) => signed,
@@ -73,7 +73,7 @@ impl Arena {
         }
     }
 
-    /// A node that holds the value itself, sign included.
+    /// A node that holds the value with its sign.
     pub fn whole(&mut self, value: Value) -> Id {
         match value {
             Value::Constant(value) => self.intern(Node::Constant(value)),
@@ -226,7 +226,7 @@ impl Arena {
         self.positive(Node::Div(a.id, b.id)).negated_if(a.negative != b.negative)
     }
 
-    /// A function without symmetry.
+    /// A function that is neither even nor odd.
     pub fn function(&mut self, a: Value, node: impl Fn(Id) -> Node, fold: impl Fn(f64) -> f64) -> Value {
         match a {
             Value::Constant(value) => Value::Constant(fold(value)),

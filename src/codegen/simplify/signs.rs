@@ -1,67 +1,19 @@
-//! From the nodes of a recording to those of a program: signs settled, sums joined with their products, dead nodes left out.
+//! The sign with which each node is computed: differences are reversed where that saves a negation.
 
-use super::arena::Arena;
-use super::node::{Id, Node};
-use super::sums::joined;
-use super::value::{Signed, Value};
+use super::graph::Graph;
+use crate::codegen::record::{Arena, Id, Node, Signed, Value};
 
-/// Nodes, operands first, and where the results are.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Graph {
-    pub nodes: Vec<Node>,
-    pub results: Vec<Id>,
+/// The graph of these results of a recording, with the sign of every node chosen.
+pub(super) fn settled(nodes: &[Node], results: &[Signed]) -> Graph {
+    let flipped = flips(nodes, results);
+    signed(nodes, results, &flipped).swept()
 }
 
-impl Graph {
-    /// How often each node is used, by results too.
-    pub fn uses(&self) -> Vec<u32> {
-        let mut uses = vec![0; self.nodes.len()];
-        let operands = self.nodes.iter().flat_map(Node::operands);
-        operands.chain(self.results.iter().copied()).for_each(|id| uses[id.index()] += 1);
-        uses
-    }
-
-    /// Which nodes the results need.
-    pub fn needed(&self) -> Vec<bool> {
-        let mut needed = vec![false; self.nodes.len()];
-        self.results.iter().for_each(|id| needed[id.index()] = true);
-        for (k, node) in self.nodes.iter().enumerate().rev() {
-            if needed[k] {
-                node.operands().for_each(|id| needed[id.index()] = true);
-            }
-        }
-        needed
-    }
-
-    /// The nodes of this list alone, in this order; it holds every node that one of them or a result needs.
-    pub fn arranged(&self, order: &[usize]) -> Self {
-        let mut places = vec![Id(0); self.nodes.len()];
-        order.iter().zip(0..).for_each(|(&k, place)| places[k] = Id(place));
-        let to_place = |id: Id| places[id.index()];
-        Self {
-            nodes: order.iter().map(|&k| self.nodes[k].map(to_place)).collect(),
-            results: self.results.iter().copied().map(to_place).collect(),
-        }
-    }
-
-    /// Without what no result needs.
-    pub fn swept(&self) -> Self {
-        let needed = self.needed();
-        let order: Vec<usize> = (0..self.nodes.len()).filter(|&k| needed[k]).collect();
-        self.arranged(&order)
-    }
-}
-
-/// The graph of these results of a recording.
-pub(super) fn lower(nodes: Vec<Node>, results: &[Signed]) -> Graph {
-    let flipped = flips(&nodes, results);
-    joined(&signed(&nodes, results, &flipped).swept())
-}
-
-/// Which nodes are computed with the other sign.
+/// Whether each node is computed with the opposite sign.
 ///
-/// A difference has either sign for the same price, and with it every sum and product that uses it alone. Sums and products
-/// take any sign of an operand; results and functions want theirs.
+/// A difference costs the same with either sign, and so does every sum, product and quotient whose operand is
+/// such a difference without other uses. Sums and products accept any sign of an operand; results and
+/// functions need the right one.
 fn flips(nodes: &[Node], results: &[Signed]) -> Vec<bool> {
     let all = Graph { nodes: nodes.to_vec(), results: results.iter().map(|signed| signed.id).collect() };
     let (needed, uses) = (all.needed(), all.uses());
@@ -92,12 +44,12 @@ fn flips(nodes: &[Node], results: &[Signed]) -> Vec<bool> {
     flipped
 }
 
-/// Which operand changes its sign for nothing.
+/// The operand whose sign can change at no cost.
 fn carrier(free: &[bool], uses: &[u32], a: Id, b: Id) -> Option<Id> {
     [b, a].into_iter().find(|id| free[id.index()] && uses[id.index()] == 1)
 }
 
-/// The same results with the signs of these nodes turned, and with nodes that change a sign where one must be changed.
+/// The same results with the signs of these nodes reversed, and with negations where a sign must change.
 fn signed(nodes: &[Node], results: &[Signed], flipped: &[bool]) -> Graph {
     let mut arena = Arena::default();
     let mut values: Vec<Signed> = Vec::with_capacity(nodes.len());
@@ -135,7 +87,7 @@ fn signed(nodes: &[Node], results: &[Signed], flipped: &[bool]) -> Graph {
     Graph { nodes: arena.nodes, results }
 }
 
-/// `a + b`, computed with the other sign if `flipped` and otherwise where that needs no change of sign.
+/// `a + b`, computed with the opposite sign if `flipped`, or if both operands have it.
 fn sum(arena: &mut Arena, a: Signed, b: Signed, flipped: bool) -> Signed {
     let (node, negative) = match (a.negative, b.negative) {
         (false, false) => (Node::Add(a.id, b.id), false),
