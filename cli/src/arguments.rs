@@ -13,7 +13,8 @@ pub struct RobotArguments {
     /// Robot file (.urdf or .toml), or - for standard input
     #[arg(value_hint = ValueHint::FilePath)]
     robot: PathBuf,
-    /// Format of the robot file [default: by its extension; for standard input, URDF if the text starts with <]
+    /// Format of the robot file [default: by its extension; for standard input, URDF if the text starts with
+    /// <]
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Refuse robots that are not physical (massless links, principal moments that no rigid body has)

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 pub struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// Print one JSON object instead of a table; it also holds inertias, velocity and force limits
+    /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
 }
@@ -37,7 +37,7 @@ fn mass(robot: &Robot) -> f64 {
     robot.joints().iter().map(|joint| joint.inertia.mass).sum()
 }
 
-/// Infinite limits are null: there are none.
+/// Infinite limits are null.
 fn as_json(robot: &Robot) -> Value {
     let joint = |(i, joint): (usize, &Joint)| {
         let (link, limits) = (&joint.inertia, joint.limits);
@@ -48,12 +48,12 @@ fn as_json(robot: &Robot) -> Value {
             "parent": parent(robot, joint),
             "axis": joint.axis.as_slice(),
             "placement": {
-                "translation": joint.placement.translation.as_slice(),
+                "xyz": joint.placement.translation.as_slice(),
                 "rotation": rows(&joint.placement.rotation),
             },
             "link": joint.link,
             "mass": link.mass,
-            "center_of_mass": link.com.as_slice(),
+            "com": link.com.as_slice(),
             "inertia": rows(&link.inertia),
             "armature": robot.armature()[(i, i)],
             "spring": { "stiffness": joint.spring.stiffness, "rest": joint.spring.rest },

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Exit status of an interrupted command.
 pub const EXIT_CODE: u8 = 130;
 
-/// A flag that the first signal sets and that long computations poll. A second signal ends the process at once.
+/// A flag that the first signal sets and that long computations poll. A second signal ends the process at
+/// once.
 #[derive(Clone)]
 pub struct Interrupt(Arc<AtomicBool>);
 
@@ -20,7 +21,8 @@ impl Interrupt {
     pub fn listen() -> std::io::Result<Self> {
         let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // Handlers run in this order: the first signal finds the flag unset and sets it, the second one exits.
+            // Handlers run in this order: the first signal finds the flag unset and sets it, the second one
+            // exits.
             flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE), requested.clone())?;
             flag::register(signal, requested.clone())?;
         }

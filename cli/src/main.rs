@@ -1,6 +1,7 @@
 //! `costate`: exact derivatives of robot dynamics from a robot file.
 
-#![deny(clippy::print_stderr, clippy::print_stdout)] // They panic when the stream is closed: `terminal` does not.
+// `println!` and `eprintln!` panic when the stream is closed; the module `terminal` does not.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod arguments;
 mod bench;
@@ -46,21 +47,26 @@ Exit status:
 #[derive(Subcommand)]
 enum Command {
     /// List the joints of a robot: types, masses, limits, warnings
+    ///
+    /// `--json` adds centres of mass, inertia matrices, springs, friction, velocity and force limits. `com`
+    /// and `inertia` (about the centre of mass) are given in the joint frame; `placement` is the joint frame
+    /// in the parent's joint frame at q = 0. A limit that does not exist is null.
     Info(info::Arguments),
     /// Evaluate the dynamics and their derivatives at states, from JSON lines to JSON lines
     ///
-    /// Each input line is an object with the n joint positions `q` and either the n momenta `p` or the n velocities
-    /// `v`. Optional: the n joint forces `u` (zeros by default) and the costate `y` (2n numbers), which asks for
-    /// second derivatives. If a line has both `p` and `v`, Hamiltonian coordinates use `p` and Lagrangian ones `v`.
+    /// Each input line is an object with the n joint positions `q` and either the n momenta `p` or the n
+    /// velocities `v`. Optional: the n joint forces `u` (zeros by default) and the costate `y` (2n numbers),
+    /// which asks for second derivatives. If a line has both `p` and `v`, Hamiltonian coordinates use `p` and
+    /// Lagrangian ones `v`.
     ///
     /// Each output line is an object with `q`, `v`, the mass matrix `M` and `energy` (kinetic, potential).
-    /// Hamiltonian coordinates add `p`, `f`, `f_x` and, for a given `y`, `y_f_xx`. Lagrangian coordinates add `qdd`,
-    /// `qdd_z` and, for a given `y`, `yv_qdd_zz`; here z = (q, v, u), and the last n numbers of `y` are used.
-    /// An output line can serve as an input line: its results are ignored. All other keys are errors.
+    /// Hamiltonian coordinates add `p`, `f`, `f_x` and, for a given `y`, `y_f_xx`. Lagrangian coordinates add
+    /// `qdd`, `qdd_z` and, for a given `y`, `yv_qdd_zz`; here z = (q, v, u), and the last n numbers of `y`
+    /// are used. An output line can serve as an input line: its results are ignored. All other keys are
+    /// errors.
     ///
-    /// For a bad line the output is {"line": K, "error": "..."}. The other lines are still evaluated, and the exit
-    /// status is 2.
-    #[command(verbatim_doc_comment)]
+    /// For a bad line the output is {"line": K, "error": "..."}. The other lines are still evaluated, and the
+    /// exit status is 2.
     Eval(eval::Arguments),
     /// Compare all derivative methods with each other at random states
     ///
@@ -76,8 +82,8 @@ enum Command {
     Codegen(codegen::Arguments),
     /// Find an optimal motion by the maximum principle
     ///
-    /// The problem file names the robot, the start, the end, the duration and the cost; docs/optimize.md describes
-    /// it. If the problem cannot be solved, the best iterate is written and the exit status is 3.
+    /// The problem file names the robot, the start, the end, the duration and the cost; docs/optimize.md
+    /// describes it. If the problem cannot be solved, the best iterate is written and the exit status is 3.
     Optimize(optimize::Arguments),
     /// Print the completion script of a shell
     Completions(generate::CompletionArguments),

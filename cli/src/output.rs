@@ -1,7 +1,7 @@
 //! Output files that are written whole or not at all.
 //!
-//! [`Output::prepare`] checks a path before the work starts, [`Output::write`] writes the text to a temporary file
-//! in the same folder and renames it. A failure on the way leaves an existing file as it was.
+//! [`Output::prepare`] checks a path before the work starts, [`Output::write`] writes the text to a temporary
+//! file in the same folder and renames it. A failure on the way leaves an existing file as it was.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -70,9 +70,8 @@ impl Output {
 
     /// Writes the whole text.
     ///
-    /// # Errors
-    /// [`io::Error`] of standard output as it is, so that a closed pipe can be told from other errors; a message
-    /// with the path for files.
+    /// # Errors [`io::Error`] of standard output as it is, so that a closed pipe can be told from other
+    /// errors; a message with the path for files.
     pub fn write(&self, text: &str) -> Result<(), Box<dyn std::error::Error>> {
         let failed = |error: io::Error| unwritable(&self.name, &error);
         match &self.target {

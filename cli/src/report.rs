@@ -27,8 +27,8 @@ pub fn fixed(x: f64, decimals: usize) -> String {
     }
 }
 
-/// A table with a header and columns as wide as their widest cell. The first columns hold text, the others numbers.
-/// Control characters in cells are escaped.
+/// A table with a header and columns as wide as their widest cell. The first columns hold text, the others
+/// numbers. Control characters in cells are escaped.
 pub struct Table {
     text_columns: usize,
     rows: Vec<Vec<String>>,

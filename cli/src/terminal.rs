@@ -1,7 +1,7 @@
 //! Everything printed for people: warnings, errors, colours and progress.
 //!
-//! Nothing in here panics when standard output or standard error is closed. Colours appear on terminals only, and
-//! not where the environment variable `NO_COLOR` is set.
+//! Nothing in here panics when standard output or standard error is closed. Colours appear on terminals only,
+//! and not where the environment variable `NO_COLOR` is set.
 
 use anstream::AutoStream;
 use anstyle::{AnsiColor, Style};
@@ -62,8 +62,8 @@ pub fn progress_bar(length: u64, unit: &str) -> ProgressBar {
     }
 }
 
-/// Text from a file with its control characters and bidirectional marks escaped (`\n`, `\u{1b}`), so that a name cannot
-/// move the cursor, change colours or reverse what follows it.
+/// Text from a file with its control characters and bidirectional marks escaped (`\n`, `\u{1b}`), so that a
+/// name cannot move the cursor, change colours or reverse what follows it.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_unsafe) {
         return text.into();
@@ -79,7 +79,8 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     escaped.into()
 }
 
-/// Control characters, line and paragraph separators, and characters of no width that change how others are shown.
+/// Control characters, line and paragraph separators, and characters of no width that change how others are
+/// shown.
 fn is_unsafe(character: char) -> bool {
     character.is_control()
         || matches!(

@@ -19,6 +19,10 @@ const MOST_OPERATIONS: f64 = 3e10;
 /// Most memory that is allocated without being forced (bytes).
 const MOST_BYTES: f64 = 256e6;
 
+/// Most inputs of functions whose operations are counted; beyond, that would take too much memory, and the
+/// square of the inputs is a lower bound.
+const MOST_COUNTED: usize = 3000;
+
 /// Real operations of one hyper-dual multiplication: nine products, five sums.
 const HYPER_DUAL_PRODUCT: f64 = 14.0;
 
@@ -28,7 +32,8 @@ const HYPER_DUAL_SUM: f64 = 4.0;
 /// Real numbers in a dual number of `CHUNK`-fold dual numbers.
 const NESTED_SUM: f64 = 2.0 * (CHUNK as f64 + 1.0);
 
-/// Real operations of one multiplication of such numbers: three products of `CHUNK`-fold dual numbers and a sum.
+/// Real operations of one multiplication of such numbers: three products of `CHUNK`-fold dual numbers and a
+/// sum.
 const NESTED_PRODUCT: f64 = 3.0 * (3.0 * CHUNK as f64 + 1.0) + CHUNK as f64 + 1.0;
 
 /// How second derivatives are computed automatically.
@@ -51,16 +56,10 @@ impl Work {
         Self::of(&ForwardDynamics::new(robot), method)
     }
 
-    /// Counts the operations of one evaluation of the function and scales them.
+    /// Scales the operations of one evaluation of the function.
     fn of(function: &impl Function, method: Method) -> Self {
         let (inputs, outputs) = (function.inputs() as f64, function.outputs() as f64);
-        let mut workspace = function.workspace::<Count>();
-        let x: Vec<Count> = (0..function.inputs()).map(|k| Count::variable(0.1 + 0.01 * k as f64)).collect();
-        let mut y = vec![Count::zero(); function.outputs()];
-        // A singular state ends the evaluation early; its estimate is too low, and the evaluation will fail as well.
-        let (_, counted) = count(|| function.evaluate(&mut workspace, &x, &mut y));
-        let products = (counted.mul + counted.div + counted.sqrt + counted.sincos + counted.exp) as f64;
-        let sums = counted.add as f64;
+        let [products, sums] = operations(function);
         let pairs = inputs * (inputs + 1.0) / 2.0;
         match method {
             Method::HyperDual => Self {
@@ -81,6 +80,22 @@ impl Work {
     pub fn is_excessive(&self) -> bool {
         self.operations > MOST_OPERATIONS || self.bytes > MOST_BYTES
     }
+}
+
+/// Multiplications and additions of one evaluation.
+fn operations(function: &impl Function) -> [f64; 2] {
+    let inputs = function.inputs();
+    if inputs > MOST_COUNTED {
+        let square = inputs as f64 * inputs as f64;
+        return [square, square];
+    }
+    let mut workspace = function.workspace::<Count>();
+    let x: Vec<Count> = (0..inputs).map(|k| Count::variable(0.1 + 0.01 * k as f64)).collect();
+    let mut y = vec![Count::zero(); function.outputs()];
+    // A singular state ends the evaluation early and makes the estimate too low.
+    let (_, counted) = count(|| function.evaluate(&mut workspace, &x, &mut y));
+    let products = counted.mul + counted.div + counted.sqrt + counted.sincos + counted.exp;
+    [products as f64, counted.add as f64]
 }
 
 impl std::fmt::Display for Work {

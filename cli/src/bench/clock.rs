@@ -24,7 +24,8 @@ impl Spread {
 /// Shortest batch: long enough that reading the clock costs nothing in comparison.
 const BATCH: Duration = Duration::from_micros(300);
 
-/// Times all candidates, one batch of each after the other, so that other loads of the machine affect all alike.
+/// Times all candidates, one batch of each after the other, so that other loads of the machine affect all
+/// alike.
 ///
 /// The bar counts batches; the first of each candidate sets its number of calls.
 pub fn measure(

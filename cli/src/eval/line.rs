@@ -23,7 +23,8 @@ pub enum Motion {
 }
 
 impl State {
-    /// Reads a line for a robot of n joints. If both `p` and `v` are given, the coordinates decide which is used.
+    /// Reads a line for a robot of n joints. If both `p` and `v` are given, the coordinates decide which is
+    /// used.
     pub fn parse(line: &[u8], n: usize, coordinates: Coordinates) -> Result<Self, String> {
         let state = parse(line)?;
         let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;

@@ -22,7 +22,8 @@ pub fn command(arguments: &[&str]) -> Command {
 pub fn costate(arguments: &[&str], input: &[u8]) -> Output {
     let mut child = command(arguments).spawn().unwrap();
     let (mut stdin, input) = (child.stdin.take().unwrap(), input.to_vec());
-    // In a thread, so that neither process waits for the other; a command that refuses its arguments does not read.
+    // In a thread, so that neither process waits for the other; a command that refuses its arguments does not
+    // read.
     let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
     let output = child.wait_with_output().unwrap();
     writer.join().unwrap();

@@ -64,7 +64,8 @@ fn agrees_with(robot: &str, states: &str, route: &str) {
     }
 }
 
-/// The independent references beside a checkout of the project's design documents, where present, through the command.
+/// The independent references beside a checkout of the project's design documents, where present, through the
+/// command.
 #[test]
 fn eval_agrees_with_the_shared_references() {
     let shared = root().join("../shared");
@@ -127,7 +128,8 @@ fn velocities_or_momenta_and_defaults() {
     assert_eq!(answers[0]["f_x"].as_array().unwrap().len(), 4);
 }
 
-/// `v` holds in Lagrangian coordinates, `p` where it stands alone; the velocities' half of y is contracted with.
+/// `v` holds in Lagrangian coordinates, `p` where it stands alone; the velocities' half of y is contracted
+/// with.
 #[test]
 fn velocities_or_momenta_in_lagrangian_coordinates() {
     let input = br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":[9,9],"y":[7,7,0,0]}
@@ -154,9 +156,9 @@ fn velocities_or_momenta_in_lagrangian_coordinates() {
     }
 }
 
-/// Of `p` and `v` the one that does not hold is ignored, whatever stands there.
+/// Of `p` and `v` the one that the coordinates do not use is ignored, whatever its value.
 #[test]
-fn what_does_not_hold_is_not_read() {
+fn unused_momenta_or_velocities_are_not_read() {
     for (coordinates, line) in [
         ("hamiltonian", br#"{"q":[0.1,0.2],"p":[1.0,-0.5],"v":"fast"}"#),
         ("lagrangian", br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":"much"}"#),

@@ -19,7 +19,7 @@ fn json_holds_masses_inertias_limits_armature_and_gravity() {
         (&joint["index"], &joint["name"], &joint["link"]),
         (&json!(0), &json!("slide"), &json!("slide"))
     );
-    assert_eq!((flat(&joint["center_of_mass"]), &joint["mass"]), (vec![0.1, 0.2, 0.3], &json!(2.0)));
+    assert_eq!((flat(&joint["com"]), &joint["mass"]), (vec![0.1, 0.2, 0.3], &json!(2.0)));
     assert_eq!(joint["armature"], json!(0.25));
     let inertia = flat(&joint["inertia"]);
     assert_eq!((inertia.len(), inertia[1], inertia[3]), (9, inertia[3], inertia[1]));
