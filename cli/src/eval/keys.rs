@@ -63,7 +63,7 @@ fn malformed(line: &[u8], error: &serde_json::Error) -> String {
     match error.classify() {
         Category::Eof => format!("not JSON: the line ends too early; {example}"),
         Category::Data => format!("not a JSON object; {example}"),
-        _ if column > 0 && is_not_finite(&line[column - 1..]) => {
+        _ if column > 0 && line.get(column - 1..).is_some_and(is_not_finite) => {
             format!("column {column}: not JSON, which has no NaN and no infinity; give finite numbers")
         }
         _ if reason.contains("out of range") => {
