@@ -1,6 +1,7 @@
 //! `costate codegen`: straight-line source code of a quantity.
 
 use crate::optimize::Task;
+use crate::output::{Output, STANDARD};
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
 use costate::codegen::{
@@ -9,8 +10,7 @@ use costate::codegen::{
 use costate::robot::Robot;
 use costate_control::{Problem, ProgramOf, pontryagin_program};
 use std::error::Error;
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
@@ -80,6 +80,9 @@ fn quantity(name: &str) -> Result<Computed, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
+    let inputs: Vec<_> =
+        std::iter::once(arguments.robot.path()).chain(arguments.problem.as_deref()).collect();
+    let output = Output::prepare(arguments.output.as_deref().unwrap_or(Path::new(STANDARD)), &inputs)?;
     let robot = arguments.robot.load_and_warn()?;
     let program = match arguments.quantity {
         Computed::Model(quantity) => of_model(&robot, quantity, arguments)?,
@@ -91,12 +94,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
             .to_rust(&RustOptions::default().with_number(arguments.number.clone()).with_limit(limit))?,
         Language::C => program.to_c(&COptions::default().with_limit(limit))?,
     };
-    match &arguments.output {
-        Some(file) => {
-            std::fs::write(file, text).map_err(|error| format!("{}: {error}", file.display()))?;
-        }
-        None => std::io::stdout().lock().write_all(text.as_bytes())?,
-    }
+    output.write(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

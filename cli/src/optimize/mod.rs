@@ -9,7 +9,7 @@ mod report;
 mod summary;
 mod tables;
 
-use crate::Outcome;
+use crate::{Outcome, terminal};
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, Problem, Solution, Solver};
 pub use problem_file::Task;
@@ -54,7 +54,7 @@ const NOT_CONVERGED: u8 = 3;
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
     let mut task = Task::read(&arguments.problem, load)?;
-    task.problem.robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    task.problem.robot.warnings().iter().for_each(|warning| terminal::warning(warning));
     let started = Instant::now();
     let branch = arguments.way.map(|way| continuation::follow(&mut task, way)).transpose()?;
     let solution = match &branch {
@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let seconds = started.elapsed().as_secs_f64();
     let problem = &task.problem;
     let warnings = problem.limit_warnings(&solution.trajectory);
-    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.iter().for_each(|warning| terminal::warning(warning));
     if let Some(file) = &arguments.save {
         write(file, &serde_json::to_string(&solution)?)?;
     }
@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
     }
     if arguments.json && !solution.motion.status.is_solved() {
-        eprintln!("not a solution but the best iterate: {}", solution.motion.status);
+        terminal::warning(format!("not a solution but the best iterate: {}", solution.motion.status));
     }
     let mut out = std::io::stdout().lock();
     if arguments.json {

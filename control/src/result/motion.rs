@@ -109,7 +109,6 @@ pub struct ExtremalSolution {
 
 /// The status of a converged motion with this defect; undefined defects are not verified.
 pub(crate) fn verified(defect: f64, smoothed: bool, tolerance: f64) -> Status {
-    eprintln!("DEFECT {defect} {smoothed} {tolerance}");
     match (defect <= Motion::verification_bound(tolerance), smoothed) {
         (true, false) => Status::Converged,
         (true, true) => Status::ConvergedSmoothed,
