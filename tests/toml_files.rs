@@ -114,7 +114,7 @@ fn every_key_arrives() {
     let (a, b) = (&robot.joints()[0], &robot.joints()[1]);
     assert_eq!((a.kind, a.parent, b.parent), (JointKind::Prismatic, None, None));
     assert_eq!((a.placement.translation.z, a.axis.y, a.axis.z), (3.0, 0.6, 0.8));
-    assert_eq!((robot.armature()[(0, 0)], robot.armature()[(1, 0)]), (0.5 + 0.7, 0.1));
+    assert_eq!((robot.armature_entry(0, 0), robot.armature_entry(1, 0)), (0.5 + 0.7, 0.1));
     assert_eq!((a.spring.stiffness, a.spring.rest, a.friction.coulomb_velocity), (5.0, 0.1, 0.4));
     assert_eq!((a.limits.lower, a.limits.upper, a.limits.effort), (f64::NEG_INFINITY, 2.0, 9.0));
     assert_eq!((b.inertia.inertia[(0, 0)], robot.gravity().x), (0.1, 1.0));
@@ -163,7 +163,7 @@ fn the_armature_matrix_follows_reordered_joints() {
     ];
     let robot = parse(&text.concat(), LoadOptions::default()).unwrap();
     assert_eq!(
-        (robot.joints()[0].name.as_str(), robot.armature()[(0, 0)], robot.armature()[(1, 0)]),
+        (robot.joints()[0].name.as_str(), robot.armature_entry(0, 0), robot.armature_entry(1, 0)),
         ("arm", 3.0, 0.2)
     );
 }

@@ -13,8 +13,8 @@ use texts::*;
 #[test]
 fn long_chains_and_deep_nesting() {
     let count = 2000;
-    let mut text = String::from("<robot name=\"chain\">");
-    for k in 0..=count {
+    let mut text = String::from("<robot name=\"chain\"><link name=\"l0\"/>");
+    for k in 1..=count {
         text += &format!("<link name=\"l{k}\">{INERTIAL}</link>");
     }
     for k in 0..count {

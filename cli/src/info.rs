@@ -72,7 +72,7 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
             parent(robot, joint).unwrap_or("world").into(),
             format!("({}, {}, {})", short(x), short(y), short(z)),
             format!("{:.4}", joint.inertia.mass),
-            format!("{:.4}", robot.armature()[(i, i)]),
+            format!("{:.4}", robot.armature_entry(i, i)),
             if joint.friction.is_none() { "-".into() } else { "yes".into() },
             format!("{} .. {}", finite(limits.lower, 3), finite(limits.upper, 3)),
         ]);

@@ -2,7 +2,7 @@
 
 use super::frames::TurnedFrames;
 use super::{JointFrame, Robot};
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::Matrix3;
 
 /// The names of ten inertial and three geometric parameters, those of every joint.
 const OF_EVERY_JOINT: [&str; 13] =
@@ -24,7 +24,7 @@ pub(crate) struct Group {
 /// armature couples, then gravity.
 pub(crate) fn groups(robot: &Robot) -> Vec<Group> {
     let mut groups = Vec::new();
-    let armature = nonzero_lower(robot.armature());
+    let armature = robot.armature();
     for (i, joint) in robot.joints().iter().enumerate() {
         let (link, place) = (&joint.inertia, &joint.placement.translation);
         let (h, j) = (link.com * link.mass, link.inertia_about_origin());
@@ -54,8 +54,8 @@ pub(crate) fn groups(robot: &Robot) -> Vec<Group> {
             let friction = &joint.friction;
             entries.extend([("coulomb", friction.coulomb), ("coulomb_velocity", friction.coulomb_velocity)]);
         }
-        let own = armature.iter().find(|&&(row, column, _)| row == i && column == i);
-        entries.extend(own.map(|&(.., value)| ("armature", value)));
+        let own = robot.armature_entry(i, i);
+        entries.extend((own != 0.0).then_some(("armature", own)));
         groups.push(Group { of: joint.name.clone(), entries });
     }
     for &(i, j, value) in armature.iter().filter(|(i, j, _)| i != j) {
@@ -94,13 +94,7 @@ impl From<&Robot> for Directions {
             turns: (0..robot.len()).map(|i| of_joint(i)[0]).collect(),
             arms: (0..robot.len()).map(|i| of_joint(i)[1]).collect(),
             world: turned.world.map(super::link::snap),
-            armature: nonzero_lower(robot.armature()),
+            armature: robot.armature().to_vec(),
         }
     }
-}
-
-/// Entries `(i, j, A_ij)`, i >= j, that are not zero.
-pub(super) fn nonzero_lower(matrix: &DMatrix<f64>) -> Vec<(usize, usize, f64)> {
-    let lower = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    lower.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0).collect()
 }

@@ -8,7 +8,6 @@
 
 use super::frames::TurnedFrames;
 use super::joint_frame::{JointFrame, set_reach};
-use super::parameters::nonzero_lower;
 use super::regroup::regroup;
 use super::{Friction, JointKind, Robot};
 use std::ops::Range;
@@ -22,8 +21,11 @@ pub struct Tree {
     fixed_potential: f64,
     armature: Vec<(usize, usize, f64)>,
     children: Vec<Vec<usize>>,
+    /// Prefix sums of the sizes of the subtrees.
     subtree_starts: Vec<usize>,
-    subtrees: Vec<usize>,
+    /// The joints depth first: a subtree is a part of it.
+    depth_first: Vec<usize>,
+    depth_first_position: Vec<usize>,
     turning: Vec<usize>,
     sliding: Vec<usize>,
     sprung: Vec<usize>,
@@ -67,9 +69,10 @@ impl Tree {
         &self.children[i]
     }
 
-    /// Joint `i` and all joints beyond it, `j >= i` in tree order: i, then the subtree of each child, in turn.
+    /// Joint `i` and all joints beyond it: i, then the subtree of each child, one after the other.
     pub fn subtree(&self, i: usize) -> &[usize] {
-        &self.subtrees[self.pairs_of(i)]
+        let start = self.depth_first_position[i];
+        &self.depth_first[start..start + self.pairs_of(i).len()]
     }
 
     /// Positions of the pairs `(i, j)`, j in the subtree of i, among all pairs `i <= j` of tree order.
@@ -99,7 +102,7 @@ impl Tree {
 
     /// Number of pairs `i <= j` in tree order.
     pub fn pairs(&self) -> usize {
-        self.subtrees.len()
+        self.subtree_starts.last().copied().unwrap_or(0)
     }
 
     /// Whether no joint has friction.
@@ -130,7 +133,7 @@ impl From<&Robot> for Tree {
         let gravity = (turned.world * robot.gravity()).into();
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
-        let armature = nonzero_lower(robot.armature());
+        let armature = robot.armature().to_vec();
         Self { fixed_potential, ..Self::from_parts(robot, joints, gravity, armature) }
     }
 }
@@ -145,18 +148,25 @@ impl Tree {
     ) -> Self {
         let n = robot.len();
         let mut children = vec![Vec::new(); n];
-        let mut nested: Vec<Vec<usize>> = vec![Vec::new(); n];
+        let mut size = vec![1; n];
         for (j, joint) in robot.joints().iter().enumerate() {
             joint.parent.into_iter().for_each(|parent| children[parent].push(j));
         }
-        for i in (0..n).rev() {
-            let beyond = children[i].iter().flat_map(|&c| nested[c].iter().copied());
-            nested[i] = std::iter::once(i).chain(beyond).collect();
+        for (j, joint) in robot.joints().iter().enumerate().rev() {
+            joint.parent.into_iter().for_each(|parent| size[parent] += size[j]);
         }
-        let ends = nested.iter().scan(0, |end, subtree| {
-            *end += subtree.len();
+        let ends = size.iter().scan(0, |end, size| {
+            *end += size;
             Some(*end)
         });
+        let (mut depth_first, mut depth_first_position) = (Vec::with_capacity(n), vec![0; n]);
+        let roots = (0..n).rev().filter(|&i| robot.joints()[i].parent.is_none());
+        let mut next: Vec<usize> = roots.collect();
+        while let Some(i) = next.pop() {
+            depth_first_position[i] = depth_first.len();
+            depth_first.push(i);
+            next.extend(children[i].iter().rev());
+        }
         let those = |has: fn(&JointFrame) -> bool| (0..joints.len()).filter(|&i| has(&joints[i])).collect();
         let (sprung, rubbing) =
             (those(|joint| joint.spring.stiffness != 0.0), those(|joint| !joint.friction.is_none()));
@@ -173,7 +183,8 @@ impl Tree {
             armature,
             children,
             subtree_starts: std::iter::once(0).chain(ends).collect(),
-            subtrees: nested.concat(),
+            depth_first,
+            depth_first_position,
         }
     }
 }
