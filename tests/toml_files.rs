@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::robot::RobotError as E;
-use costate::robot::{JointKind, LoadOptions, Placement, Robot, Warning, file::parse};
+use costate::robot::{JointKind, LoadOptions, Placement, Robot, RobotFormat, Warning, file::parse};
 
 const BODY: &str = "mass = 2.0\ncom = [0.3, 0.0, 0.0]\ninertia = { xx = 0.1, yy = 0.2, zz = 0.25 }";
 
@@ -41,14 +41,23 @@ refuses! {
     unknown_key_in_a_table: two("", "friction = { viscus = 1.0 }"), Some(13), E::Malformed { .. }, ["viscus", "viscous"];
     unknown_key_of_the_robot: "nam = 'x'", Some(1), E::Malformed { .. }, ["nam", "name"];
     unknown_type: two("type = 'spherical'", ""), Some(4), E::Malformed { .. }, ["spherical", "revolute", "prismatic"];
-    text_for_a_number: two("armature = 'big'", ""), Some(4), E::Malformed { .. }, ["big"];
+    text_for_a_number: two("armature = 'big'", ""), Some(4), E::Malformed { .. }, ["`armature`", "big", "a number such as"];
+    number_for_a_text: two("", "parent = 3"), Some(13), E::Malformed { .. }, ["`parent`", "3", "a text in quotes"];
+    number_for_an_array: two("axis = 3", ""), Some(4), E::Malformed { .. }, ["`axis`", "3", "an array"];
+    two_numbers: two("axis = [0.0, 1.0]", ""), Some(4), E::Malformed { .. }, ["`axis`", "2 entries", "3 numbers"];
+    text_in_an_array: two("axis = [0.0, 1.0, 'z']", ""), Some(4), E::Malformed { .. }, ["z", "a number such as"];
+    number_for_a_table: two("limits = 3.0", ""), Some(4), E::Malformed { .. }, ["`limits`", "3.0", "a table"];
+    key_twice: two("", "com = [0.0, 0.0, 0.0]"), Some(13), E::Malformed { .. }, ["`com`", "twice", "line 11"];
+    key_twice_in_a_table: two("limits = { lower = 1.0, lower = 2.0 }", ""), Some(4), E::Malformed { .. }, ["`lower`", "twice"];
+    deep_arrays: format!("name = {}", "[".repeat(100_000)), Some(1), E::Malformed { .. }, ["recursion"];
+    deep_tables: format!("name = {}", "{a=".repeat(100_000)), Some(1), E::Malformed { .. }, ["recursion"];
     empty_robot: "name = 'nothing'", None, E::NoJoints { .. }, ["nothing", "revolute"];
     unknown_parent: two("", "parent = 'c'"), Some(9), E::UnknownParent { .. }, ["'b'", "'c'", "joint"];
     duplicate: two("", "").replace("'b'", "'a'"), Some(9), E::DuplicateName { kind: "joint", .. }, ["'a'"];
     cycle: two("parent = 'b'", "parent = 'a'"), Some(3), E::Cycle { .. }, ["a -> b", "world"];
     its_own_parent: two("parent = 'a'", ""), Some(3), E::Cycle { .. }, ["a"];
     called_world: two("", "").replace("'a'", "'world'"), Some(3), E::Malformed { .. }, ["'world'", "another name"];
-    no_name: "[[joint]]\nmass = 1.0", Some(1), E::Malformed { .. }, ["missing field `name`; add it"];
+    no_name: "[[joint]]\nmass = 1.0", Some(1), E::Malformed { .. }, ["missing key `name`; add it"];
     negative_mass: two("", "").replacen("2.0", "-2.0", 1), Some(3), E::NegativeMass { .. }, ["'a'", "-2 kg"];
     mass_nan: two("", "").replacen("2.0", "nan", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "mass"];
     com_infinite: two("", "").replacen("0.3", "inf", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "centre"];
@@ -75,6 +84,44 @@ fn a_missing_file_and_a_strange_name_are_named() {
     assert!(error.to_string().starts_with("robots/nowhere.toml: cannot be read"), "{error}");
     let error = Robot::from_file("robots/arm.xacro").unwrap_err();
     assert!(error.to_string().contains(".urdf or .toml"), "{error}");
+}
+
+#[test]
+fn bytes_that_are_not_utf_8_are_refused_with_their_line() {
+    let bytes = [b"name = 'x'\n# 90".as_slice(), b"\xb0\n"].concat();
+    let error = Robot::read(&bytes[..], RobotFormat::Toml, LoadOptions::default()).unwrap_err();
+    assert!(matches!(&error, E::InFile { line: Some(2), error, .. } if matches!(**error, E::NotUtf8)), "{error}");
+    assert!(error.to_string().contains("UTF-8"), "{error}");
+}
+
+#[test]
+fn long_and_hostile_text_is_harmless_in_messages() {
+    let long = "x".repeat(100_000);
+    let hostile = "a\\u001b[2J\\u202e\\n";
+    for text in [
+        two(&format!("{long} = 1.0"), ""),
+        two(&format!("type = '{long}'"), ""),
+        two(&format!("armature = '{long}'"), ""),
+        two(&format!("\"{hostile}\" = 1.0"), ""),
+        two(&format!("type = \"{hostile}\""), ""),
+        two("", &format!("parent = \"{hostile}\"")),
+        two(&format!("dh = {{ a = 1.0 }}"), "").replace("'a'", &format!("\"{hostile}\"")),
+        two("", "").replace("'a'", &format!("'{long}'")).replace("mass = 2.0", "mass = -2.0"),
+    ] {
+        let message = refused(&text).1.to_string();
+        assert!(message.chars().all(|c| !c.is_control() && c != '\u{202e}'), "{message}");
+        assert!(message.len() < 2000, "{} bytes: {}", message.len(), &message[..200]);
+    }
+}
+
+#[test]
+fn texts_are_recognised_by_their_beginning() {
+    let format = |path: &str| RobotFormat::of_path(path).ok();
+    assert_eq!((format("a.URDF"), format("a.toml")), (Some(RobotFormat::Urdf), Some(RobotFormat::Toml)));
+    assert_eq!((format("a"), format("a.xacro")), (None, None));
+    assert_eq!(RobotFormat::of_text("\u{feff}\n <robot/>"), RobotFormat::Urdf);
+    assert_eq!(RobotFormat::of_text(&two("", "")), RobotFormat::Toml);
+    assert_eq!(Robot::from_toml_str(&two("", ""), LoadOptions::default()).unwrap().name(), "pair");
 }
 
 #[test]
