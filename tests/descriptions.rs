@@ -32,8 +32,8 @@ fn inertial(body: &LinkInertia) -> String {
     )
 }
 
-/// The same robot from URDF text, each link split into three by fixed joints: a rest, a turned piece of it, and
-/// a massless flange that carries the joints beyond.
+/// The same robot from URDF text, each link split into three by fixed joints: a rest, a turned piece of it,
+/// and a massless flange that carries the joints beyond.
 fn split(case: &Case, robot: &Robot) -> String {
     let flange = Vector3::new(0.3, -0.2, 0.1);
     let mut text = String::from("<robot name=\"split\"><link name=\"world\"/>");
@@ -78,7 +78,8 @@ fn split(case: &Case, robot: &Robot) -> String {
     text + "</robot>"
 }
 
-/// `R = Rz(yaw) Ry(pitch) Rx(roll)`: roll, pitch, yaw; yaw = 0 where pitch is a right angle and only two of them count.
+/// `R = Rz(yaw) Ry(pitch) Rx(roll)`: roll, pitch, yaw; yaw = 0 where pitch is a right angle and only two of
+/// them count.
 fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let level = r[(0, 0)].hypot(r[(1, 0)]);
     let pitch = (-r[(2, 0)]).atan2(level);

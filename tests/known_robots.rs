@@ -1,4 +1,5 @@
-//! The project's own robots: published answers, and independent reference values (`tests/fixtures/README.md`).
+//! The project's own robots: published answers, and independent reference values
+//! (`tests/fixtures/README.md`).
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
@@ -118,7 +119,8 @@ fn pendulum_and_two_link_arm_in_closed_form() {
     }
 }
 
-/// Every model file loads, without an error from strict parsing of its keys, and says where its figures come from.
+/// Every model file loads, without an error from strict parsing of its keys, and says where its figures come
+/// from.
 #[test]
 fn every_model_file_loads_and_names_its_sources() {
     let mut count = 0;

@@ -90,7 +90,10 @@ fn a_missing_file_and_a_strange_name_are_named() {
 fn bytes_that_are_not_utf_8_are_refused_with_their_line() {
     let bytes = [b"name = 'x'\n# 90".as_slice(), b"\xb0\n"].concat();
     let error = Robot::read(&bytes[..], RobotFormat::Toml, LoadOptions::default()).unwrap_err();
-    assert!(matches!(&error, E::InFile { line: Some(2), error, .. } if matches!(**error, E::NotUtf8)), "{error}");
+    assert!(
+        matches!(&error, E::InFile { line: Some(2), error, .. } if matches!(**error, E::NotUtf8)),
+        "{error}"
+    );
     assert!(error.to_string().contains("UTF-8"), "{error}");
 }
 

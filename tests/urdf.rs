@@ -284,10 +284,16 @@ fn other_encodings() {
     assert_eq!((names(&latin), latin.warnings()), (vec!["elbow"], &[][..]));
     let (start, end) = text.split_once("elbow").unwrap();
     let replaced = read(&[start.as_bytes(), b"\xe9paule", end.as_bytes()].concat()).unwrap();
-    assert_eq!((names(&replaced), replaced.warnings()), (vec!["\u{fffd}paule"], &[Warning::NotUtf8 { line: 6 }][..]));
+    assert_eq!(
+        (names(&replaced), replaced.warnings()),
+        (vec!["\u{fffd}paule"], &[Warning::NotUtf8 { line: 6 }][..])
+    );
     let utf16: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
     let error = read(&utf16).unwrap_err();
-    assert!(matches!(&error, E::InFile { line: Some(1), error, .. } if matches!(**error, E::NotUtf8)), "{error}");
+    assert!(
+        matches!(&error, E::InFile { line: Some(1), error, .. } if matches!(**error, E::NotUtf8)),
+        "{error}"
+    );
 }
 
 #[test]

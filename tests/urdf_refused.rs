@@ -195,7 +195,8 @@ warns! {
 fn many_unknown_names_are_a_few_warnings() {
     let chain = |inside: &dyn Fn(usize) -> String| {
         let links: Vec<String> = (0..30).map(|k| format!("l{k}")).collect();
-        let mut text = tree(&links.iter().map(String::as_str).collect::<Vec<_>>(), &[]).replace("</robot>", "");
+        let mut text =
+            tree(&links.iter().map(String::as_str).collect::<Vec<_>>(), &[]).replace("</robot>", "");
         for k in 1..30 {
             text += &format!(
                 "<joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{}\"/><child link=\"l{k}\"/>{}</joint>\n",
@@ -241,7 +242,11 @@ fn names_are_harmless_in_messages() {
         "</robot>",
         &format!("<joint name=\"w\" type=\"fixed\"><parent link=\"arm\"/><child link=\"{hostile}\"/></joint></robot>"),
     ));
-    assert!(notes(&robot).len() < 2000 && !notes(&robot).contains(['\u{1b}', '\u{202e}']), "{}", notes(&robot));
+    assert!(
+        notes(&robot).len() < 2000 && !notes(&robot).contains(['\u{1b}', '\u{202e}']),
+        "{}",
+        notes(&robot)
+    );
 }
 
 #[test]

@@ -46,8 +46,8 @@ fn hinges(count: usize, parent: impl Fn(usize) -> usize) -> String {
     text + "</robot>"
 }
 
-/// Loading, and the model of the kernels, take time and memory in proportion to the joints: within a second each here,
-/// where a quadratic step took ten.
+/// Loading, and the model of the kernels, take time and memory in proportion to the joints: within a second
+/// each here, where a quadratic step took ten.
 #[test]
 fn ten_thousand_joints() {
     let count = 10_000;

@@ -40,20 +40,21 @@ impl RobotBuilder {
         self
     }
 
-    /// Adds a joint. Children may come before their parents; `build` moves the parents first and keeps the order otherwise.
+    /// Adds a joint. Children may come before their parents; `build` moves the parents first and keeps the
+    /// order otherwise.
     pub fn joint(mut self, joint: JointSpec) -> Self {
         self.joints.push(joint);
         self
     }
 
-    /// A full armature matrix (constant, symmetric, positive semidefinite), rows in the order in which the joints
-    /// were added; added to the joints' own armature.
+    /// A full armature matrix (constant, symmetric, positive semidefinite), rows in the order in which the
+    /// joints were added; added to the joints' own armature.
     pub fn armature_matrix(mut self, armature: DMatrix<f64>) -> Self {
         self.armature = Some(armature);
         self
     }
 
-    /// How strictly to check.
+    /// Whether warnings are errors: [`LoadOptions::strict`].
     pub fn options(mut self, options: LoadOptions) -> Self {
         self.options = options;
         self
@@ -67,11 +68,13 @@ impl RobotBuilder {
     /// Orders the joints, checks them, and builds the robot.
     ///
     /// # Errors
-    /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`], [`RobotError::DuplicateName`],
-    /// [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the joints form no tree, [`RobotError::BadAxis`],
-    /// [`RobotError::BadPlacement`], [`RobotError::BadValue`], [`RobotError::BadGravity`], [`RobotError::BadArmature`],
-    /// [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
-    /// [`RobotError::MovesNothing`] where M would be singular, [`RobotError::Strict`] where the options refuse warnings.
+    /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`],
+    /// [`RobotError::DuplicateName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
+    /// joints form no tree, [`RobotError::BadAxis`], [`RobotError::BadPlacement`], [`RobotError::BadValue`],
+    /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
+    /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
+    /// [`RobotError::MovesNothing`] where M would be singular, [`RobotError::Strict`] where the options
+    /// refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
@@ -99,13 +102,12 @@ impl RobotBuilder {
         }
         let of_joints = order.iter().map(|&source| self.joints[source].armature);
         let armature = match given {
-            Some(matrix) => {
-                Armature::from_matrix(&(matrix + DMatrix::from_diagonal(&of_joints.collect::<Vec<_>>().into())))?
-            }
+            Some(matrix) => Armature::from_matrix(
+                &(matrix + DMatrix::from_diagonal(&of_joints.collect::<Vec<_>>().into())),
+            )?,
             None => Armature::diagonal(of_joints),
         };
-        let virtual_links: Vec<bool> =
-            order.iter().map(|&source| self.joints[source].virtual_link).collect();
+        let virtual_links: Vec<bool> = order.iter().map(|&source| self.joints[source].virtual_link).collect();
         let mut warnings = self.warnings;
         checks::robot(&joints, &armature, &virtual_links, &mut warnings)?;
         if self.options.strict {

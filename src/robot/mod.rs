@@ -1,8 +1,8 @@
 //! Robots: trees of revolute and prismatic joints, from code or from a file.
 //!
-//! A [`Robot`] is built by a [`RobotBuilder`], from a Denavit-Hartenberg table ([`dh`]), from a TOML file or from a URDF
-//! ([`Robot::from_file`]; the readers are the cargo features `toml` and `urdf`, on by default). [`Tree`] is the same
-//! robot in the frames that the kernels use.
+//! A [`Robot`] is built by a [`RobotBuilder`], from a Denavit-Hartenberg table ([`dh`]), from a TOML file or
+//! from a URDF ([`Robot::from_file`]; the readers are the cargo features `toml` and `urdf`, on by default).
+//! [`Tree`] is the same robot in the frames that the kernels use.
 
 mod armature;
 mod builder;
@@ -95,13 +95,14 @@ impl Robot {
         self.gravity
     }
 
-    /// Entries `(i, j, A_ij)`, i >= j, of the armature matrix that are not zero, row by row: constant rotor inertia that
-    /// is added to the mass matrix (kg m^2, kg, kg m).
+    /// Entries `(i, j, A_ij)`, i >= j, of the armature matrix that are not zero, row by row: constant rotor
+    /// inertia that is added to the mass matrix (kg m^2, kg, kg m).
     pub fn armature(&self) -> &[(usize, usize, f64)] {
         self.armature.entries()
     }
 
-    /// Entry `A_ij` of the armature matrix (kg m^2, kg, kg m), `i` and `j` from 0; `A_ii` is the armature of joint `i`.
+    /// Entry `A_ij` of the armature matrix (kg m^2, kg, kg m), `i` and `j` from 0; `A_ii` is the armature of
+    /// joint `i`.
     pub fn armature_entry(&self, i: usize, j: usize) -> f64 {
         self.armature.entry(i, j)
     }
@@ -137,7 +138,8 @@ impl Robot {
     /// The same robot with another armature matrix, n x n.
     ///
     /// # Errors
-    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has none.
+    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has
+    /// none.
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
         let n = self.len();
         if armature.shape() != (n, n) {

@@ -12,8 +12,8 @@ const LISTED_NAMES: usize = 10;
 /// A name as a message shows it: without anything that could change the terminal or hide what is meant.
 ///
 /// Control characters (among them ESC, NUL and line ends), marks that change the direction of the text, and
-/// invisible characters appear as escapes such as `\n` or `\u{202e}`. A name of more than 80 characters is cut,
-/// with its length.
+/// invisible characters appear as escapes such as `\n` or `\u{202e}`. A name of more than 80 characters is
+/// cut, with its length.
 ///
 /// ```
 /// use costate::robot::printable;

@@ -49,8 +49,8 @@ impl Robot {
     /// Reads a `.urdf` or `.toml` file, with options.
     ///
     /// # Errors
-    /// [`RobotError::InFile`] with the path and, where it is known, the line. In it: [`RobotError::UnknownFormat`] for
-    /// another extension, and the errors of [`read`](Self::read).
+    /// [`RobotError::InFile`] with the path and, where it is known, the line. In it:
+    /// [`RobotError::UnknownFormat`] for another extension, and the errors of [`read`](Self::read).
     pub fn from_file_with(path: impl AsRef<Path>, options: LoadOptions) -> Result<Self, RobotError> {
         let path = path.as_ref();
         let read = || {
@@ -66,19 +66,16 @@ impl Robot {
 
     /// Reads a robot from a stream, such as standard input.
     ///
-    /// A URDF may contain bytes that are not UTF-8, since old files have comments in other encodings; outside comments
-    /// they cause a [`Warning::NotUtf8`](super::Warning::NotUtf8).
+    /// A URDF may contain bytes that are not UTF-8, since old files have comments in other encodings; outside
+    /// comments they cause a [`Warning::NotUtf8`](super::Warning::NotUtf8).
     ///
     /// # Errors
-    /// [`RobotError::Unreadable`], [`RobotError::TooLong`] for more than [`MOST_BYTES`](Self::MOST_BYTES), and the errors
-    /// of [`from_urdf_str`](Self::from_urdf_str) or [`from_toml_str`](Self::from_toml_str).
+    /// [`RobotError::Unreadable`], [`RobotError::TooLong`] for more than [`MOST_BYTES`](Self::MOST_BYTES),
+    /// and the errors of [`from_urdf_str`](Self::from_urdf_str) or [`from_toml_str`](Self::from_toml_str).
     pub fn read(source: impl Read, format: RobotFormat, options: LoadOptions) -> Result<Self, RobotError> {
         let mut bytes = Vec::new();
         let longest = Self::MOST_BYTES as u64 + 1;
-        source
-            .take(longest)
-            .read_to_end(&mut bytes)
-            .map_err(|source| RobotError::Unreadable { source })?;
+        source.take(longest).read_to_end(&mut bytes).map_err(|source| RobotError::Unreadable { source })?;
         if bytes.len() > Self::MOST_BYTES {
             return Err(RobotError::TooLong);
         }
@@ -91,7 +88,8 @@ impl Robot {
     /// Reads the text of a URDF, as [`urdf::parse`](super::urdf::parse).
     ///
     /// # Errors
-    /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is known.
+    /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line
+    /// is known.
     #[cfg(feature = "urdf")]
     pub fn from_urdf_str(text: &str, options: LoadOptions) -> Result<Self, RobotError> {
         super::urdf::parse(text, options)
@@ -100,7 +98,8 @@ impl Robot {
     /// Reads the text of a robot in TOML, as [`file::parse`](super::file::parse).
     ///
     /// # Errors
-    /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is known.
+    /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line
+    /// is known.
     #[cfg(feature = "toml")]
     pub fn from_toml_str(text: &str, options: LoadOptions) -> Result<Self, RobotError> {
         super::file::parse(text, options)

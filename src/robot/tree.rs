@@ -1,12 +1,13 @@
-//! A robot with its frames turned the way the kernels want them.
+//! A robot in the frames that the kernels use.
 //!
-//! Each joint frame is turned so that its z axis is the joint axis, then about z so that the placement in the
-//! parent's frame becomes `Rz(gamma) (r + Rx(alpha) .)`. The frame of a revolute parent (or of the world) takes up
-//! the gamma of its first child, as in the modified Denavit-Hartenberg convention; q then carries a constant offset.
-//! Each origin slides along its axis to where most of the translations vanish, and inertial parameters are
-//! regrouped. Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
+//! Each joint frame is rotated so that its z axis is the joint axis, then about z so that the placement in
+//! the parent's frame becomes `Rz(gamma) (r + Rx(alpha) .)`. The frame of a revolute parent (or of the world)
+//! absorbs the gamma of its first child, as in the modified Denavit-Hartenberg convention; q then has a
+//! constant offset. Each origin is moved along its axis to where most of the translations vanish, and
+//! inertial parameters are regrouped. Only constants change: q, v, p, M and every derivative are those of the
+//! original frames.
 
-use super::frames::TurnedFrames;
+use super::frames::AlignedFrames;
 use super::joint_frame::{JointFrame, set_reach};
 use super::regroup::regroup;
 use super::{Friction, JointKind, Robot};
@@ -49,12 +50,12 @@ impl Tree {
         &self.names[i]
     }
 
-    /// Gravity acceleration in the turned world frame (m/s^2).
+    /// Gravity acceleration in the aligned world frame (m/s^2).
     pub fn gravity(&self) -> [f64; 3] {
         self.gravity
     }
 
-    /// V (J) of the mass that no joint moves once the inertial parameters are regrouped.
+    /// V (J) of the mass that no joint moves after regrouping.
     pub(crate) fn fixed_potential(&self) -> f64 {
         self.fixed_potential
     }
@@ -64,7 +65,7 @@ impl Tree {
         &self.armature
     }
 
-    /// The joints that stand on the link of joint `i`.
+    /// The joints attached to the link of joint `i`.
     pub fn children(&self, i: usize) -> &[usize] {
         &self.children[i]
     }
@@ -121,16 +122,16 @@ impl Tree {
 impl From<&Robot> for Tree {
     fn from(robot: &Robot) -> Self {
         let n = robot.len();
-        let mut turned = TurnedFrames::new(robot);
+        let mut aligned = AlignedFrames::new(robot);
         for i in 0..n {
-            turned.place(i);
+            aligned.place(i);
         }
         let mut subtree_mass: Vec<f64> = robot.joints().iter().map(|joint| joint.inertia.mass).collect();
         for (i, joint) in robot.joints().iter().enumerate().rev() {
             joint.parent.into_iter().for_each(|parent| subtree_mass[parent] += subtree_mass[i]);
         }
-        let mut joints: Vec<_> = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
-        let gravity = (turned.world * robot.gravity()).into();
+        let mut joints: Vec<_> = (0..n).map(|i| aligned.joint(i, subtree_mass[i])).collect();
+        let gravity = (aligned.world * robot.gravity()).into();
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
         let armature = robot.armature().to_vec();
@@ -139,7 +140,7 @@ impl From<&Robot> for Tree {
 }
 
 impl Tree {
-    /// From constants of joints that are at hand, on the branches of this robot, with V = 0 of what does not move.
+    /// From given constants of the joints of this robot; V of what does not move is zero.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
@@ -196,7 +197,7 @@ mod tests {
     use crate::robot::{JointSpec, LinkInertia, Placement};
     use nalgebra::{Matrix3, Vector3};
 
-    /// Position of each turned frame in the turned world at q, by 4 x 4 products.
+    /// Position of each aligned frame in the aligned world at q, by 4 x 4 products.
     fn positions(tree: &Tree, q: &[f64]) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
         let mut frames: Vec<(Matrix3<f64>, Vector3<f64>)> = Vec::new();
         for (joint, q) in tree.joints().iter().zip(q) {
@@ -217,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn turned_frames_put_every_centre_of_mass_where_it_was() {
+    fn aligned_frames_put_every_centre_of_mass_where_it_was() {
         let placed = |x, r: [f64; 3]| Placement::from_xyz_rpy([x, -0.2, 0.4], r);
         let link = LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity());
         let half_turn = [std::f64::consts::PI, 0.0, 0.0];

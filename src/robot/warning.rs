@@ -178,7 +178,10 @@ impl fmt::Display for Warning {
                 printable(link)
             ),
             Self::NotUtf8 { line } => {
-                write!(f, "line {line} is not UTF-8; what cannot be read became U+FFFD: save the file as UTF-8")
+                write!(
+                    f,
+                    "line {line} is not UTF-8; what cannot be read became U+FFFD: save the file as UTF-8"
+                )
             }
             Self::FrictionIgnored { joints: names } => write!(
                 f,

@@ -39,7 +39,8 @@ pub fn more(rest: &str) -> String {
     one_joint("revolute", INERTIAL, LIMIT, rest)
 }
 
-/// A robot of links and joints `name kind parent child [inside]`; the first link named is the root, without mass.
+/// A robot of links and joints `name kind parent child [inside]`; the first link named is the root, without
+/// mass.
 pub fn tree(links: &[&str], joints: &[(&str, &str, &str, &str, &str)]) -> String {
     let mut text = String::from("<robot name=\"tree\">\n");
     for (k, link) in links.iter().enumerate() {

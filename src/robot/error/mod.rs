@@ -8,8 +8,8 @@ use std::path::PathBuf;
 
 /// Why a robot was refused. Every message names the culprit and says what to do.
 ///
-/// Names and values from the file are shown as [`printable`](super::printable) shows them. `source()` is the cause
-/// where there is one: the operating system's error, or that of the XML or TOML parser.
+/// Names and values from the file are shown as [`printable`](super::printable) shows them. `source()` is the
+/// cause where there is one: the operating system's error, or that of the XML or TOML parser.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum RobotError {

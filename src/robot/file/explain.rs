@@ -81,7 +81,9 @@ fn duplicate(text: &str, span: Option<std::ops::Range<usize>>) -> String {
     let table = above.iter().rposition(|line| is_header(line)).unwrap_or(0);
     let first = above.iter().skip(table).position(|line| is_same(line)).map(|line| table + line + 1);
     match first {
-        Some(first) => format!("the key `{}` is given twice, first in line {first}; keep one", printable(key)),
+        Some(first) => {
+            format!("the key `{}` is given twice, first in line {first}; keep one", printable(key))
+        }
         None => format!("the key `{}` is given twice; keep one", printable(key)),
     }
 }

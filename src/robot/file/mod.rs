@@ -5,16 +5,16 @@
 //! gravity = [0.0, 0.0, -9.81]            # m/s^2 in the world frame; this is the default
 //! convention = "modified-dh"             # or "standard-dh" or "placements" (the default)
 //! sources = ["where the figures come from"]
-//! armature = [[1.0, 0.1], [0.1, 2.0]]    # full constant symmetric matrix, added to the joints' own armature
+//! armature = [[1.0, 0.1], [0.1, 2.0]]    # constant, symmetric; added to that of the joints
 //!
 //! [[joint]]
 //! name = "shoulder"
 //! type = "revolute"                      # the default, or "prismatic"
-//! parent = "world"                       # or the name of a joint; default: the joint before, "world" for the first
+//! parent = "world"                       # or a joint; default: the joint before, "world" for the first
 //! dh = { alpha = 0.0, a = 0.0, d = 0.0, theta = 0.0 }           # rad and m; absent numbers are 0
 //! mass = 17.4                            # kg
 //! com = [0.068, 0.006, -0.016]           # m, in the link frame
-//! inertia = { xx = 0.13, yy = 0.524, zz = 0.539, xy = 0.0, xz = 0.0, yz = 0.0 }   # entries of the matrix, kg m^2
+//! inertia = { xx = 0.13, yy = 0.524, zz = 0.539, xy = 0.0, xz = 0.0, yz = 0.0 }   # kg m^2
 //! inertia_about = "com"                  # the default, or "frame": the origin of the link frame
 //! armature = 4.71                        # rotor inertia seen at the joint, kg m^2 (kg for a prismatic joint)
 //! spring = { stiffness = 10.0, rest = 0.0 }
@@ -27,9 +27,9 @@
 //! mass = 4.8
 //! ```
 //!
-//! With `convention = "placements"`, `placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }` (the joint frame in the
-//! parent's joint frame at q = 0, fixed-axis roll, pitch, yaw) and `axis = [0, 0, 1]` replace `dh`, and the
-//! link frame is the joint frame. Unknown keys are errors. A text may have [`Robot::MOST_BYTES`] bytes.
+//! With `convention = "placements"`, `placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }` (the joint frame in
+//! the parent's joint frame at q = 0, fixed-axis roll, pitch, yaw) and `axis = [0, 0, 1]` replace `dh`, and
+//! the link frame is the joint frame. Unknown keys are errors. A text may have [`Robot::MOST_BYTES`] bytes.
 
 mod explain;
 mod rows;
@@ -47,9 +47,9 @@ use std::collections::HashMap;
 /// Reads a robot from TOML text.
 ///
 /// # Errors
-/// [`RobotError::InFile`] with an empty path and, where it is known, the line. In it: [`RobotError::TooLong`],
-/// [`RobotError::Malformed`] for what is not TOML and for unknown, missing or misplaced keys, and the errors of
-/// [`RobotBuilder::build`](super::RobotBuilder::build).
+/// [`RobotError::InFile`] with an empty path and, where it is known, the line. In it:
+/// [`RobotError::TooLong`], [`RobotError::Malformed`] for what is not TOML and for unknown, missing or
+/// misplaced keys, and the errors of [`RobotBuilder::build`](super::RobotBuilder::build).
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     if text.len() > Robot::MOST_BYTES {
         return Err(RobotError::TooLong.at(None));

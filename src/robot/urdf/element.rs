@@ -15,7 +15,8 @@ pub(super) struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// `owner` is how messages call the link or joint, such as `joint 'elbow'`; empty while its name is unknown.
+    /// `owner` is how messages call the link or joint, such as `joint 'elbow'`; empty while its name is
+    /// unknown.
     pub(super) fn new(node: Node<'a, 'a>, lines: &'a Lines, owner: &'a str) -> Self {
         Self { node, lines, owner }
     }
@@ -66,9 +67,8 @@ impl<'a> Element<'a> {
     /// The `N` numbers of an attribute, if it exists; `inf` and `nan` are numbers here.
     pub(super) fn any_numbers<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>, RobotError> {
         let Some(text) = self.attribute(name) else { return Ok(None) };
-        let refuse = |problem: String| {
-            Err(self.refuse(format_args!("has {name}=\"{}\", {problem}", printable(text))))
-        };
+        let refuse =
+            |problem: String| Err(self.refuse(format_args!("has {name}=\"{}\", {problem}", printable(text))));
         let (mut numbers, mut count) = ([0.0; N], 0);
         for word in text.split_whitespace() {
             match word.parse::<f64>() {

@@ -1,13 +1,14 @@
 //! Robots from URDF files.
 //!
-//! The root link is the base: it does not move, nor does anything fixed to it. Links behind fixed joints are merged
-//! into the body that carries them. `continuous` is revolute without position limits; `floating` and `planar` joints
-//! become several joints with massless links between them. Joints keep the order of the file, except that parents
-//! come before their children. Visual models, collision models, transmissions and extensions of simulators are not
-//! read. Elements and attributes that URDF does not know are ignored with a warning that names the line.
+//! The root link is the base: it does not move, nor does anything fixed to it. Links behind fixed joints are
+//! merged into the body that carries them. `continuous` is revolute without position limits; `floating` and
+//! `planar` joints become several joints with massless links between them. Joints keep the order of the file,
+//! except that parents come before their children. Visual models, collision models, transmissions and
+//! extensions of simulators are not read. Elements and attributes that URDF does not know are ignored with a
+//! warning that names the line.
 //!
-//! A text may have [`Robot::MOST_BYTES`] bytes and 1 000 000 elements, an element 256 attributes. A document type
-//! (`<!DOCTYPE`) is refused.
+//! A text may have [`Robot::MOST_BYTES`] bytes and 1 000 000 elements, an element 256 attributes. A document
+//! type (`<!DOCTYPE`) is refused.
 
 mod element;
 mod limits;
@@ -30,14 +31,16 @@ use std::collections::HashMap;
 
 /// Reads the text of a URDF; gravity is (0, 0, -9.81) m/s^2 in the frame of the root link.
 ///
-/// Joint `NAME` of type `floating` becomes six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute `NAME_rz`,
-/// `NAME_ry`, `NAME_rx`, along and about the axes of the joint frame. One of type `planar` becomes three: prismatic
-/// `NAME_x` and `NAME_y` in the plane normal to its axis, then revolute `NAME_rz` about the axis. The first direction
-/// in the plane is the x axis of the joint frame projected on it (the y axis where x is within 30 degrees of the
-/// joint's axis), the second completes a right-handed frame: axis z gives exactly x and y.
+/// Joint `NAME` of type `floating` becomes six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute
+/// `NAME_rz`, `NAME_ry`, `NAME_rx`, along and about the axes of the joint frame. One of type `planar` becomes
+/// three: prismatic `NAME_x` and `NAME_y` in the plane normal to its axis, then revolute `NAME_rz` about the
+/// axis. The first direction in the plane is the x axis of the joint frame projected on it (the y axis where
+/// x is within 30 degrees of the joint's axis), the second completes a right-handed frame: axis z gives
+/// exactly x and y.
 ///
 /// # Errors
-/// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is known.
+/// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is
+/// known.
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     built(source::read(text)?, options)
 }
@@ -81,7 +84,8 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
     })
 }
 
-/// The inertia that each joint of the file carries, in its frame: of its own link and of all that is fixed to it.
+/// The inertia that each joint of the file carries, in its frame: of its own link and of all that is fixed to
+/// it.
 ///
 /// A link that no rigid body can be is named here if it is merged into a larger body, by the builder if not.
 fn bodies(
@@ -149,7 +153,8 @@ fn joints(
     all
 }
 
-/// The joints of one degree of freedom that a joint becomes, each attached to the one before; none for a fixed one.
+/// The joints of one degree of freedom that a joint becomes, each attached to the one before; none for a
+/// fixed one.
 fn expanded(joint: &SourceJoint) -> Vec<JointSpec> {
     use JointKind::{Prismatic, Revolute};
     let axis = joint.axis;

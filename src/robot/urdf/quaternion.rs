@@ -1,6 +1,7 @@
 //! Quaternions as fixed-axis angles.
 
-/// Roll, pitch and yaw (rad) of a unit quaternion (x, y, z, w), accurate near pitch = +-pi/2 too: yaw given roll.
+/// Roll, pitch and yaw (rad) of a unit quaternion (x, y, z, w), accurate near pitch = +-pi/2 too: yaw given
+/// roll.
 pub(super) fn roll_pitch_yaw([x, y, z, w]: [f64; 4]) -> [f64; 3] {
     let r = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],

@@ -42,8 +42,7 @@ pub(super) fn attachments(source: &Source) -> Result<Attachments, RobotError> {
         reached[link] = true;
         for &joint in &children[link] {
             let Attachment { carrier, placement } = found.links[link];
-            let frame =
-                Attachment { carrier, placement: placement.then(&source.joints[joint].placement) };
+            let frame = Attachment { carrier, placement: placement.then(&source.joints[joint].placement) };
             let child = ends[joint][1];
             found.joints[joint] = frame;
             found.links[child] = match source.joints[joint].kind {
@@ -128,5 +127,6 @@ fn cycle(source: &Source, ends: &[[usize; 2]], mover: &[Option<usize>], lost: us
         above = mover[ends[joint][0]];
     }
     let line = walk.first().map_or(source.line, |&joint| source.joints[joint].line);
-    RobotError::Cycle { joints: walk.iter().map(|&joint| source.joints[joint].name.clone()).collect() }.at(line)
+    RobotError::Cycle { joints: walk.iter().map(|&joint| source.joints[joint].name.clone()).collect() }
+        .at(line)
 }

@@ -22,7 +22,8 @@ const fn known(
     Known { name, attributes, children }
 }
 
-/// URDF 1.0 to 1.2, with what the usual readers accept. The same name means the same everywhere, but for `<material>`.
+/// URDF 1.0 to 1.2, with what the usual readers accept. The same name means the same everywhere, but for
+/// `<material>`.
 const KNOWN: [Known; 28] = [
     known("robot", &["name", "version"], &["link", "joint", "material"]),
     known("link", &["name", "type"], &["inertial", "visual", "collision"]),
@@ -46,7 +47,17 @@ const KNOWN: [Known; 28] = [
     known(
         "joint",
         &["name", "type"],
-        &["origin", "parent", "child", "axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"],
+        &[
+            "origin",
+            "parent",
+            "child",
+            "axis",
+            "calibration",
+            "dynamics",
+            "limit",
+            "mimic",
+            "safety_controller",
+        ],
     ),
     known("parent", &["link"], &[]),
     known("child", &["link"], &[]),
@@ -55,19 +66,38 @@ const KNOWN: [Known; 28] = [
     known("dynamics", &["damping", "friction"], &[]),
     known("limit", &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"], &[]),
     known("mimic", &["joint", "multiplier", "offset"], &[]),
-    known(
-        "safety_controller",
-        &["soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"],
-        &[],
-    ),
+    known("safety_controller", &["soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"], &[]),
 ];
 
 /// Extensions in common use, wherever they are: neither checked nor reported.
 const EXTENSIONS: [&str; 27] = [
-    "transmission", "gazebo", "sensor", "ros2_control", "mujoco", "plugin", "loop_joint", "controller", "actuator",
-    "contact", "contact_coefficients", "self_collision_checking", "joint_properties", "hardwareInterface", "gripper",
-    "group", "group_state", "end_effector", "virtual_joint", "passive_joint", "disable_collisions", "chain", "map",
-    "include", "static", "frame", "xacro",
+    "transmission",
+    "gazebo",
+    "sensor",
+    "ros2_control",
+    "mujoco",
+    "plugin",
+    "loop_joint",
+    "controller",
+    "actuator",
+    "contact",
+    "contact_coefficients",
+    "self_collision_checking",
+    "joint_properties",
+    "hardwareInterface",
+    "gripper",
+    "group",
+    "group_state",
+    "end_effector",
+    "virtual_joint",
+    "passive_joint",
+    "disable_collisions",
+    "chain",
+    "map",
+    "include",
+    "static",
+    "frame",
+    "xacro",
 ];
 
 /// Kinds of unknown names that are reported one by one; the others are counted.
@@ -119,7 +149,8 @@ impl Unknown {
     ) {
         let reported = self.found.len();
         let same = self.found.iter_mut().find(|(other_inside, warning)| {
-            *other_inside == inside && matches!(warning, Warning::UnknownName { name: other, .. } if *other == name)
+            *other_inside == inside
+                && matches!(warning, Warning::UnknownName { name: other, .. } if *other == name)
         });
         match same {
             Some((_, Warning::UnknownName { others, .. })) => *others += 1,
@@ -139,10 +170,8 @@ impl Unknown {
 
     /// The warnings, in the order of the file.
     pub(super) fn warnings(self) -> impl Iterator<Item = Warning> {
-        let more = (self.others > 0).then(|| Warning::MoreUnknownNames {
-            count: self.others,
-            line: self.first_other,
-        });
+        let more = (self.others > 0)
+            .then(|| Warning::MoreUnknownNames { count: self.others, line: self.first_other });
         self.found.into_iter().map(|(_, warning)| warning).chain(more)
     }
 }

@@ -1,8 +1,9 @@
 //! From the text of a URDF to its XML elements.
 //!
 //! Published files have blank lines before the XML declaration, `--` inside comments and undeclared namespace
-//! prefixes. XML forbids these, the usual readers of URDF accept them, and so does this one. What could make a small
-//! text expensive is refused first: document types, long texts, thousands of attributes or namespaces.
+//! prefixes. XML forbids these, the usual readers of URDF accept them, and so does this one. What could make
+//! a small text expensive is refused first: document types, long texts, thousands of attributes or
+//! namespaces.
 
 use crate::robot::Robot;
 use crate::robot::error::RobotError;
@@ -117,9 +118,9 @@ fn with_prefixes_declared(mut text: String) -> String {
     let mut prefixes: Vec<&str> = Vec::new();
     for (colon, _) in text.match_indices(':') {
         let is_name = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
-        let start = text[..colon].rfind(|c| !is_name(c)).map_or(0, |before| {
-            before + text[before..].chars().next().map_or(1, char::len_utf8)
-        });
+        let start = text[..colon]
+            .rfind(|c| !is_name(c))
+            .map_or(0, |before| before + text[before..].chars().next().map_or(1, char::len_utf8));
         let (prefix, before) = (&text[start..colon], text[..start].chars().next_back());
         let is_prefix = before.is_some_and(|c| matches!(c, '<' | '/') || c.is_whitespace())
             && prefix.starts_with(|c: char| c.is_alphabetic() || c == '_')
