@@ -95,7 +95,7 @@ fn impossible_inertias_are_named_once() {
         matches!(merged.warnings(), [Warning::TriangleInequality { link, .. }] if link == "tool"),
         "{merged:?}"
     );
-    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    let strict = LoadOptions::default().strict(true);
     let error = parse(&more(&tool), strict).unwrap_err();
     assert!(matches!(&error, E::Strict { warnings } if warnings.len() == 1), "{error}");
     assert!(error.to_string().contains("'tool'"), "{error}");
@@ -222,7 +222,7 @@ fn friction_on_request() {
     let ignored = load(&text);
     assert!(ignored.joints()[0].friction.is_none());
     assert_eq!(ignored.warnings(), [Warning::FrictionIgnored { joints: vec!["elbow".into()] }]);
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     let loaded = parse(&text, options).unwrap();
     let coulomb_velocity = Friction::DEFAULT_COULOMB_VELOCITY;
     assert_eq!(loaded.joints()[0].friction, Friction { viscous: 0.5, coulomb: 0.1, coulomb_velocity });

@@ -68,7 +68,7 @@ struct RobotArguments {
 
 impl RobotArguments {
     fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict, friction: self.friction }
+        LoadOptions::default().strict(self.strict).friction(self.friction)
     }
 
     fn load(&self) -> Result<Robot, RobotError> {

@@ -88,6 +88,7 @@ impl Default for Limits {
 
 /// A joint of a [`Robot`](super::Robot) and the link that it moves.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Joint {
     /// Its name, unique in the robot.
     pub name: String,

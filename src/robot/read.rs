@@ -15,6 +15,14 @@ pub enum RobotFormat {
 }
 
 impl RobotFormat {
+    /// Longest text that is read (bytes): 16 MiB of URDF, 4 MiB of TOML. Reading either takes less than 256 MB.
+    pub const fn most_bytes(self) -> usize {
+        match self {
+            Self::Urdf => 16 << 20,
+            Self::Toml => 4 << 20,
+        }
+    }
+
     /// The format that the extension of a path names, in capital or small letters.
     ///
     /// # Errors
@@ -35,9 +43,6 @@ impl RobotFormat {
 }
 
 impl Robot {
-    /// Longest text of a robot file that is read: 16 MiB of URDF or TOML.
-    pub const MOST_BYTES: usize = 16 << 20;
-
     /// Reads a `.urdf` or `.toml` file.
     ///
     /// # Errors
@@ -70,14 +75,14 @@ impl Robot {
     /// comments they cause a [`Warning::NotUtf8`](super::Warning::NotUtf8).
     ///
     /// # Errors
-    /// [`RobotError::Unreadable`], [`RobotError::TooLong`] for more than [`MOST_BYTES`](Self::MOST_BYTES),
+    /// [`RobotError::Unreadable`], [`RobotError::TooLong`] for more than [`RobotFormat::most_bytes`],
     /// and the errors of [`from_urdf_str`](Self::from_urdf_str) or [`from_toml_str`](Self::from_toml_str).
     pub fn read(source: impl Read, format: RobotFormat, options: LoadOptions) -> Result<Self, RobotError> {
         let mut bytes = Vec::new();
-        let longest = Self::MOST_BYTES as u64 + 1;
-        source.take(longest).read_to_end(&mut bytes).map_err(|source| RobotError::Unreadable { source })?;
-        if bytes.len() > Self::MOST_BYTES {
-            return Err(RobotError::TooLong);
+        let most = format.most_bytes();
+        source.take(most as u64 + 1).read_to_end(&mut bytes).map_err(|source| RobotError::Unreadable { source })?;
+        if bytes.len() > most {
+            return Err(RobotError::TooLong { most });
         }
         match format {
             RobotFormat::Urdf => from_urdf_bytes(&bytes, options),

@@ -1,7 +1,6 @@
 //! What each error says.
 
 use super::RobotError;
-use crate::robot::Robot;
 use crate::robot::printable::{list, printable, sentence};
 use std::fmt;
 use std::path::Path;
@@ -20,10 +19,10 @@ impl fmt::Display for RobotError {
                 f,
                 "this program was built without the reader of this format; build `costate` with the feature `{feature}`"
             ),
-            Self::TooLong => write!(
+            Self::TooLong { most } => write!(
                 f,
                 "the text is longer than {} MiB, the limit for a robot; remove what is not a link or joint",
-                Robot::MOST_BYTES >> 20
+                most >> 20
             ),
             Self::NotUtf8 => f.write_str("the text is not UTF-8; save the file as UTF-8"),
             Self::DocumentType => f.write_str(

@@ -34,8 +34,11 @@ pub enum RobotError {
         /// The cargo feature that contains it: `"urdf"` or `"toml"`.
         feature: &'static str,
     },
-    /// The text is longer than [`Robot::MOST_BYTES`](super::Robot::MOST_BYTES).
-    TooLong,
+    /// The text is longer than [`RobotFormat::most_bytes`](super::RobotFormat::most_bytes).
+    TooLong {
+        /// The limit (bytes).
+        most: usize,
+    },
     /// The text is not UTF-8.
     NotUtf8,
     /// A URDF with a document type, `<!DOCTYPE ...>`.

@@ -29,7 +29,7 @@
 //!
 //! With `convention = "placements"`, `placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }` (the joint frame in
 //! the parent's joint frame at q = 0, fixed-axis roll, pitch, yaw) and `axis = [0, 0, 1]` replace `dh`, and
-//! the link frame is the joint frame. Unknown keys are errors. A text may have [`Robot::MOST_BYTES`] bytes.
+//! the link frame is the joint frame. Unknown keys are errors. A text may have 4 MiB.
 
 mod explain;
 mod rows;
@@ -40,7 +40,7 @@ use super::error::RobotError;
 use super::joint::{Friction, JointKind, JointSpec, Limits, Spring};
 use super::link::Placement;
 use super::printable::printable;
-use super::{LoadOptions, Robot};
+use super::{LoadOptions, Robot, RobotFormat};
 use nalgebra::DMatrix;
 use std::collections::HashMap;
 
@@ -51,8 +51,9 @@ use std::collections::HashMap;
 /// [`RobotError::TooLong`], [`RobotError::Malformed`] for what is not TOML and for unknown, missing or
 /// misplaced keys, and the errors of [`RobotBuilder::build`](super::RobotBuilder::build).
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
-    if text.len() > Robot::MOST_BYTES {
-        return Err(RobotError::TooLong.at(None));
+    let most = RobotFormat::Toml.most_bytes();
+    if text.len() > most {
+        return Err(RobotError::TooLong { most });
     }
     let file: RobotFile = toml::from_str(text).map_err(|error| explain::refusal(error, text))?;
     let line_of = |offset: usize| explain::line(text, offset);

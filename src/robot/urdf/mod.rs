@@ -7,7 +7,7 @@
 //! extensions of simulators are not read. Elements and attributes that URDF does not know are ignored with a
 //! warning that names the line.
 //!
-//! A text may have [`Robot::MOST_BYTES`] bytes and 1 000 000 elements, an element 256 attributes. A document
+//! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
 //! type (`<!DOCTYPE`) is refused.
 
 mod element;

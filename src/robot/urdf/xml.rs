@@ -5,25 +5,27 @@
 //! a small text expensive is refused first: document types, long texts, thousands of attributes or
 //! namespaces.
 
-use crate::robot::Robot;
+use crate::robot::RobotFormat;
 use crate::robot::error::RobotError;
 use roxmltree::{Document, Error, Node, ParsingOptions};
 
 /// Most elements and texts of a document, about 70 bytes of memory each; 10 000 joints need 300 000.
-const MOST_NODES: u32 = 1_000_000;
+const MOST_NODES: u32 = 500_000;
 /// Most attributes of one element: the parser compares each of them with every other.
 const MOST_ATTRIBUTES: usize = 256;
+/// Most attributes of all elements, about 60 bytes of memory each.
+const MOST_ATTRIBUTES_IN_ALL: usize = 1_000_000;
 /// Most namespace declarations: the parser copies those of an element to its children.
 const MOST_NAMESPACES: usize = 256;
 /// Most undeclared prefixes that are declared for the file.
 const MOST_PREFIXES: usize = 64;
 
 /// Where the lines of a text begin (bytes); finding a line here does not read the text again.
-pub(super) struct Lines(Vec<usize>);
+pub(super) struct Lines(Vec<u32>);
 
 impl Lines {
     pub(super) fn of(text: &str) -> Self {
-        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end + 1)).collect())
+        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end as u32 + 1)).collect())
     }
 
     /// Number of lines.
@@ -33,7 +35,7 @@ impl Lines {
 
     /// Line, from 1, of a byte of the text.
     fn at(&self, byte: usize) -> usize {
-        self.0.partition_point(|&start| start <= byte)
+        self.0.partition_point(|&start| start as usize <= byte)
     }
 
     /// Line, from 1, on which the element begins.
@@ -44,8 +46,9 @@ impl Lines {
 
 /// A text that [`parse`] accepts, with the lines of the original.
 pub(super) fn prepared(text: &str) -> Result<String, RobotError> {
-    if text.len() > Robot::MOST_BYTES {
-        return Err(RobotError::TooLong);
+    let most = RobotFormat::Urdf.most_bytes();
+    if text.len() > most {
+        return Err(RobotError::TooLong { most });
     }
     let text = without_comments(text);
     check_size(&text)?;
@@ -93,10 +96,10 @@ fn check_size(text: &str) -> Result<(), RobotError> {
         return refused(byte, format!("the file declares more than {MOST_NAMESPACES} namespaces"));
     }
     let mut quote = None;
-    let (mut element, mut values) = (0, 0);
+    let (mut element, mut values, mut all) = (0, 0, 0);
     for (byte, c) in text.bytes().enumerate() {
         match (c, quote) {
-            (b'"' | b'\'', None) => (quote, values) = (Some(c), values + 1),
+            (b'"' | b'\'', None) => (quote, values, all) = (Some(c), values + 1, all + 1),
             (c, Some(open)) if c == open => quote = None,
             // No attribute value may contain `<`, so a new element ends whatever was left open.
             (b'<', _) => (quote, element, values) = (None, byte, 0),
@@ -105,6 +108,9 @@ fn check_size(text: &str) -> Result<(), RobotError> {
         }
         if values > MOST_ATTRIBUTES {
             return refused(element, format!("an element has more than {MOST_ATTRIBUTES} attributes"));
+        }
+        if all > MOST_ATTRIBUTES_IN_ALL {
+            return refused(element, format!("the file has more than {MOST_ATTRIBUTES_IN_ALL} attributes"));
         }
     }
     Ok(())
