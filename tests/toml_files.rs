@@ -79,7 +79,7 @@ refuses! {
 }
 
 #[test]
-fn a_missing_file_and_a_strange_name_are_named() {
+fn a_missing_file_and_an_unknown_extension_are_named() {
     let error = Robot::from_file("robots/nowhere.toml").unwrap_err();
     assert!(error.to_string().starts_with("robots/nowhere.toml: cannot be read"), "{error}");
     let error = Robot::from_file("robots/arm.xacro").unwrap_err();
@@ -171,7 +171,7 @@ fn every_key_arrives() {
     assert!((b.inertia.inertia[(2, 2)] - (0.25 - 2.0 * 0.09)).abs() < 1e-15);
 }
 
-/// A branched standard table with a prismatic joint, beside the placements it stands for.
+/// A branched standard table with a prismatic joint, compared with the placements it means.
 #[test]
 fn standard_tables_branch() {
     let table = format!(
@@ -197,7 +197,7 @@ fn standard_tables_branch() {
     assert_eq!(robot.joints()[2].parent, Some(0));
     assert!(
         (robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15,
-        "0.3 in frame 3, which stands 0.2 further"
+        "0.3 in frame 3, which is 0.2 further"
     );
 }
 
@@ -219,7 +219,7 @@ fn the_armature_matrix_follows_reordered_joints() {
 }
 
 #[test]
-fn joints_stand_in_the_order_of_the_file_as_far_as_parents_allow() {
+fn joints_keep_the_order_of_the_file_after_their_parents() {
     let joint =
         |name: &str, parent: &str| format!("[[joint]]\nname = '{name}'\nparent = '{parent}'\n{BODY}\n");
     let text =

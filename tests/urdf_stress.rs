@@ -1,4 +1,4 @@
-//! URDF files: long ones, deep ones, and whatever is left of them when parts are cut off or changed.
+//! URDF files: long ones, deep ones, truncated and mutated ones.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
@@ -76,7 +76,7 @@ fn ten_thousand_joints_in_toml() {
     assert_eq!(costate::robot::file::parse(&text, LoadOptions::default()).unwrap().joints().len(), 10_000);
 }
 
-/// Whatever is cut off or changed, there is a robot or an error.
+/// Any truncation or mutation gives a robot or an error.
 #[test]
 fn nothing_panics() {
     let published = ["ur5", "panda"].map(|name| {
