@@ -41,6 +41,8 @@ refuses! {
     other_root: "<!-- no robot -->\n<sdf/>", line 2, E::Malformed { .. }, ["<sdf>", "<robot>"];
     document_type: "<?xml version='1.0'?>\n<!-- <!DOCTYPE a> -->\n<!DOCTYPE robot>\n<robot/>", line 3, E::DocumentType, ["DOCTYPE", "remove"];
     entities: bomb(), line 1, E::DocumentType, ["DOCTYPE"];
+    very_many_attributes: format!("<robot name='r'>{}</robot>", "\n<a b='' c='' d='' e='' f='' g='' h='' i=''/>".repeat(126_000)),
+        line 125_001, E::Malformed { .. }, ["1000000 attributes"];
     entity_without_document_type: more("<link name=\"&a;\"/>"), line 10, E::Malformed { .. }, ["'a'"];
     attributes: format!("<robot name='r'>\n<link{}/></robot>", (0..300).map(|k| format!(" a{k}=''")).collect::<String>()),
         line 2, E::Malformed { .. }, ["256 attributes"];
@@ -173,8 +175,8 @@ warns! {
     misspelt_xyz: limited("<origin xzy=\"1 0 0\"/>"), line 8, Warning::UnknownName { .. },
         ["xzy in <origin> of joint 'elbow'", "did you mean xyz?"];
     misspelt_rpy: limited("<origin ryp=\"1 0 0\"/>"), line 8, Warning::UnknownName { .. }, ["ryp", "did you mean rpy?"];
-    misspelt_mass: arm(&INERTIAL.replace("value=", "val=\"1\" value=")), line 4, Warning::UnknownName { .. },
-        ["val in <mass> of <inertial> of link 'arm'", "value"];
+    misspelt_mass: arm(&INERTIAL.replace("value=", "valu=\"1\" value=")), line 4, Warning::UnknownName { .. },
+        ["valu in <mass> of <inertial> of link 'arm'", "did you mean value?"];
     misspelt_joint: more("<jiont name=\"a\"/>"), line 10, Warning::UnknownName { .. }, ["<jiont> in <robot>", "<joint>"];
     misspelt_shape: more("").replace("<link name=\"base\"/>", "<link name=\"base\"><visual><geometry><spher/></geometry></visual></link>"),
         line 2, Warning::UnknownName { .. }, ["<spher> in <geometry> of <visual> of link 'base'", "<sphere>"];
@@ -217,11 +219,13 @@ fn many_unknown_names_are_a_few_warnings() {
 /// Names reach a terminal in messages only: nothing in them may act on it, or fill it.
 #[test]
 fn names_are_harmless_in_messages() {
-    let hostile = "a&#27;[2J&#10;\u{202e}b&#13;";
+    let hostile = "a&#10;\u{202e}b&#13;";
     let long = "x".repeat(1_000_000);
     let odd = |name: &str| elbow("hinge", "").replace("elbow", name);
     for text in [
         odd(hostile),
+        odd("a&#27;[2J"),
+        odd("a\u{1b}[2J"),
         odd(&long),
         elbow(&long, ""),
         elbow("revolute", &format!("<origin xyz=\"{hostile}\"/>")),

@@ -138,7 +138,7 @@ impl fmt::Display for Warning {
                 printable(joint)
             ),
             Self::UnknownName { name, owner, line, others, nearest } => {
-                write!(f, "{} in {} (line {line}", printable(name), sentence(owner))?;
+                write!(f, "{} in {} (line {line}", sentence(name), sentence(owner))?;
                 match others {
                     0 => write!(f, ")")?,
                     _ => write!(f, ", and {others} more)")?,

@@ -1,7 +1,7 @@
 //! What is wrong with a TOML text, in the words of its author instead of those of the parser.
 
 use crate::robot::error::RobotError;
-use crate::robot::printable::printable;
+use crate::robot::printable::{printable, sentence};
 
 /// Line, from 1, of a byte of the text.
 pub(super) fn line(text: &str, byte: usize) -> usize {
@@ -19,12 +19,26 @@ pub(super) fn refusal(error: toml::de::Error, text: &str) -> RobotError {
         let key = at.and_then(|at| key_before(text, at));
         let subject = key.map_or("the value".into(), |key| format!("`{}`", printable(key)));
         format!("{subject} is {found}; give {}", in_plain_words(expected))
-    } else if message.starts_with("missing field") {
-        format!("{}; add it", message.replacen("missing field", "missing key", 1))
+    } else if message.contains("recurs") {
+        "arrays or tables are nested too deeply; a robot needs four levels at most".into()
+    } else if let Some(key) = message.strip_prefix("missing field ") {
+        format!("missing key {key}; add it")
+    } else if let Some(rest) = message.strip_prefix("unknown field `") {
+        format!("unknown key {}", unknown(rest))
+    } else if let Some(rest) = message.strip_prefix("unknown variant `") {
+        format!("unknown value {}", unknown(rest))
     } else {
-        message.replacen("unknown field", "unknown key", 1).replacen("unknown variant", "unknown value", 1)
+        message.into()
     };
     RobotError::Malformed { message, source: Some(Box::new(error)) }.at(found)
+}
+
+/// "name`, expected ..." with the name made printable.
+fn unknown(rest: &str) -> String {
+    match rest.rsplit_once("`, expected ") {
+        Some((name, expected)) => format!("`{}`; expected {expected}", printable(name)),
+        None => format!("`{}", sentence(rest)),
+    }
 }
 
 /// What was found and what was expected.
@@ -41,7 +55,7 @@ fn mismatch(message: &str) -> Option<(String, &str)> {
             "1" => "an array of one entry".into(),
             _ => format!("an array of {found} entries"),
         },
-        found => format!("the {found}").replace('`', ""),
+        found => format!("the {}", printable(found)).replace('`', ""),
     };
     Some((found, expected))
 }

@@ -95,15 +95,17 @@ fn check_size(text: &str) -> Result<(), RobotError> {
     if let Some((byte, _)) = text.match_indices("xmlns").nth(MOST_NAMESPACES) {
         return refused(byte, format!("the file declares more than {MOST_NAMESPACES} namespaces"));
     }
-    let mut quote = None;
+    let (mut is_tag, mut quote) = (false, None);
     let (mut element, mut values, mut all) = (0, 0, 0);
     for (byte, c) in text.bytes().enumerate() {
         match (c, quote) {
-            (b'"' | b'\'', None) => (quote, values, all) = (Some(c), values + 1, all + 1),
-            (c, Some(open)) if c == open => quote = None,
             // No attribute value may contain `<`, so a new element ends whatever was left open.
-            (b'<', _) => (quote, element, values) = (None, byte, 0),
-            (b'>', None) => values = 0,
+            (b'<', _) => (is_tag, quote, element, values) = (true, None, byte, 0),
+            _ if !is_tag => {}
+            (b'!' | b'?', None) if byte == element + 1 => is_tag = false,
+            (b'"' | b'\'', None) => (quote, values, all) = (Some(c), values + 1, all + 1),
+            (b'>', None) => is_tag = false,
+            (c, Some(open)) if c == open => quote = None,
             _ => {}
         }
         if values > MOST_ATTRIBUTES {
