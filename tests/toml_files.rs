@@ -195,10 +195,7 @@ fn standard_tables_branch() {
         assert!((found.translation - expected.translation).amax() < 1e-15, "{}", joint.name);
     }
     assert_eq!(robot.joints()[2].parent, Some(0));
-    assert!(
-        (robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15,
-        "0.3 in frame 3, which is 0.2 further"
-    );
+    assert!((robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15, "0.3 in frame 3, which is 0.2 further");
 }
 
 /// Rows of the armature matrix are in the order of the file, which parents may change.

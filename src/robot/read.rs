@@ -80,7 +80,10 @@ impl Robot {
     pub fn read(source: impl Read, format: RobotFormat, options: LoadOptions) -> Result<Self, RobotError> {
         let mut bytes = Vec::new();
         let most = format.most_bytes();
-        source.take(most as u64 + 1).read_to_end(&mut bytes).map_err(|source| RobotError::Unreadable { source })?;
+        source
+            .take(most as u64 + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|source| RobotError::Unreadable { source })?;
         if bytes.len() > most {
             return Err(RobotError::TooLong { most });
         }
