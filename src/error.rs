@@ -1,6 +1,8 @@
 //! What can be wrong with a state.
 
-/// Why an evaluation was refused. The workspace stays usable.
+use crate::robot::printable;
+
+/// Why an evaluation was refused. The workspace remains usable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvalError {
@@ -14,8 +16,8 @@ pub enum EvalError {
         /// Length it has.
         found: usize,
     },
-    /// An argument with an infinite or undefined entry.
-    #[error("{what}[{index}] (joint '{joint}') is not finite; check what produced it")]
+    /// An argument with an entry that is infinite or not a number.
+    #[error("{what}[{index}] (joint '{}') is not finite; check what produced it", printable(joint))]
     NonFinite {
         /// The argument.
         what: &'static str,
@@ -26,9 +28,10 @@ pub enum EvalError {
     },
     /// The mass matrix has no inverse in working precision.
     #[error(
-        "the mass matrix is singular at joint '{joint}': with the joints beyond it free, nothing resists its motion; \
-         give the links beyond it a mass or the joint armature, or leave this pose if it is special \
-         (a floating joint made of six is singular where its second angle is +-pi/2)"
+        "the mass matrix is singular at joint '{}': with the joints beyond it free, nothing resists its motion; \
+         give the links beyond it a mass or the joint armature, or avoid this pose if it is special \
+         (a floating joint made of six is singular where its second angle is +-pi/2)",
+        printable(joint)
     )]
     SingularMassMatrix {
         /// The joint whose pivot vanished.

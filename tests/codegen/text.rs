@@ -20,7 +20,7 @@ mod runtime {
 
 fn robot(file: &str) -> Robot {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-    Robot::from_file_with(path, LoadOptions { friction: true, ..LoadOptions::default() }).unwrap()
+    Robot::from_file_with(path, LoadOptions::default().friction(true)).unwrap()
 }
 
 fn program(file: &str, quantity: Quantity, coordinates: Coordinates) -> Program {

@@ -52,7 +52,7 @@ pub struct Arguments {
 const NOT_CONVERGED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
+    let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
     let mut task = Task::read(&arguments.problem, load)?;
     task.problem.robot.warnings().iter().for_each(|warning| terminal::warning(warning));
     let started = Instant::now();

@@ -80,7 +80,7 @@ impl Parameter {
                 self.replace(robot, robot.with_gravity(gravity).map_err(|error| error.to_string()), value)?;
             }
             (Self::Armature, Problem { robot, .. }) => {
-                let armature = robot.armature() * value;
+                let armature = robot.armature_matrix() * value;
                 let new = robot.with_armature(armature).map_err(|error| error.to_string());
                 self.replace(robot, new, value)?;
             }

@@ -18,7 +18,7 @@ impl RunningCost for Swing {
 }
 
 fn robots() -> Vec<Robot> {
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let names =
         ["two_link.toml", "cart_pole.toml", "manutec_r3.toml", "puma560.toml", "ur5.urdf", "panda.urdf"];

@@ -39,7 +39,7 @@ fn all_robots() -> Vec<Robot> {
     files.push(folder().join("tests/fixtures/friction_tree.toml"));
     files.sort();
     assert!(files.len() >= 9);
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
 }
 

@@ -1,13 +1,19 @@
 //! What can be wrong with the description of a robot.
 
-use std::path::{Path, PathBuf};
+mod message;
+
+use super::warning::Warning;
+use std::error::Error;
+use std::path::PathBuf;
 
 /// Why a robot was refused. Every message names the culprit and says what to do.
-#[derive(Debug, thiserror::Error)]
+///
+/// Names and values from the file are shown as [`printable`](super::printable) shows them. `source()` is the
+/// cause where there is one: the operating system's error, or that of the XML or TOML parser.
+#[derive(Debug)]
 #[non_exhaustive]
 pub enum RobotError {
     /// Any of the other errors, with the file and, where known, the line.
-    #[error("{}{error}", position(path, *line))]
     InFile {
         /// The file.
         path: PathBuf,
@@ -17,31 +23,39 @@ pub enum RobotError {
         error: Box<RobotError>,
     },
     /// The file cannot be read.
-    #[error("cannot be read ({reason}); check the path and the permissions")]
     Unreadable {
-        /// The operating system's reason.
-        reason: String,
+        /// The operating system's error.
+        source: std::io::Error,
     },
     /// Neither .urdf nor .toml.
-    #[error("unknown kind of robot file; use a name that ends in .urdf or .toml")]
     UnknownFormat,
+    /// The library was built without the reader of this format.
+    ReaderMissing {
+        /// The cargo feature that contains it: `"urdf"` or `"toml"`.
+        feature: &'static str,
+    },
+    /// The text is longer than [`RobotFormat::most_bytes`](super::RobotFormat::most_bytes).
+    TooLong {
+        /// The limit (bytes).
+        most: usize,
+    },
+    /// The text is not UTF-8.
+    NotUtf8,
+    /// A URDF with a document type, `<!DOCTYPE ...>`.
+    DocumentType,
     /// The text breaks the rules of its format.
-    #[error("{message}")]
     Malformed {
         /// What is wrong and what was expected.
         message: String,
+        /// The parser's error, if it found the mistake.
+        source: Option<Box<dyn Error + Send + Sync>>,
     },
-    /// Nothing moves.
-    #[error(
-        "robot '{robot}' has no moving joint; describe at least one revolute or prismatic joint \
-             (the base does not move: a free body stands on a link 'world' by a floating joint)"
-    )]
+    /// No joint moves.
     NoJoints {
         /// The robot.
         robot: String,
     },
     /// A name given twice.
-    #[error("two {kind}s are called '{name}'; give each its own name")]
     DuplicateName {
         /// `"joint"` or `"link"`.
         kind: &'static str,
@@ -49,9 +63,6 @@ pub enum RobotError {
         name: String,
     },
     /// The parent does not exist.
-    #[error(
-        "joint '{joint}' stands on '{parent}', which does not exist; correct the name or add the missing {kind}"
-    )]
     UnknownParent {
         /// The joint.
         joint: String,
@@ -61,9 +72,6 @@ pub enum RobotError {
         kind: &'static str,
     },
     /// The child link does not exist.
-    #[error(
-        "joint '{joint}' moves link '{child}', which does not exist; correct the name or add the missing link"
-    )]
     UnknownChild {
         /// The joint.
         joint: String,
@@ -71,10 +79,6 @@ pub enum RobotError {
         child: String,
     },
     /// A link moved by two joints.
-    #[error(
-        "link '{link}' is moved by two joints, '{first}' and '{second}'; a tree gives each link one parent: \
-         open the loop by removing one of them"
-    )]
     TwoParents {
         /// The link.
         link: String,
@@ -83,16 +87,12 @@ pub enum RobotError {
         /// Second joint.
         second: String,
     },
-    /// Joints that stand on each other in a circle.
-    #[error("joints stand on each other in a circle: {}; let one of them stand on the world", joints.join(" -> "))]
+    /// Joints attached to each other in a loop.
     Cycle {
-        /// The joints, each standing on the next, the last on the first.
+        /// The joints, each attached to the link of the next, the last to that of the first.
         joints: Vec<String>,
     },
     /// More than one link without a parent.
-    #[error(
-        "links '{first}' and '{second}' both have no parent joint; join them by a joint (a fixed one merges them)"
-    )]
     SeveralRoots {
         /// First root link.
         first: String,
@@ -100,20 +100,13 @@ pub enum RobotError {
         second: String,
     },
     /// A joint that copies another one.
-    #[error(
-        "joint '{joint}' mimics joint '{master}', a constraint that a tree of independent joints cannot hold; \
-         make it independent (remove <mimic>) or fixed"
-    )]
     Mimic {
         /// The joint.
         joint: String,
         /// The joint it copies.
         master: String,
     },
-    /// A kind of joint that is not offered.
-    #[error(
-        "joint '{joint}' is of type '{kind}'; use revolute, continuous, prismatic, fixed, floating or planar"
-    )]
+    /// An unsupported type of joint.
     UnsupportedJoint {
         /// The joint.
         joint: String,
@@ -121,23 +114,16 @@ pub enum RobotError {
         kind: String,
     },
     /// An axis without direction.
-    #[error(
-        "the axis of joint '{joint}' has length zero or is not finite; give it a direction such as 0 0 1"
-    )]
     BadAxis {
         /// The joint.
         joint: String,
     },
     /// A placement that is not a rigid motion.
-    #[error(
-        "the placement of joint '{joint}' is not a finite right-handed rotation and translation; correct it"
-    )]
     BadPlacement {
         /// The joint.
         joint: String,
     },
     /// A value out of its range.
-    #[error("{what} of joint '{joint}' is {value}; {rule}")]
     BadValue {
         /// The joint.
         joint: String,
@@ -149,7 +135,6 @@ pub enum RobotError {
         rule: &'static str,
     },
     /// Mass, centre of mass or inertia not finite.
-    #[error("{what} of link '{link}' is not finite; correct it")]
     NonFiniteInertia {
         /// The link.
         link: String,
@@ -157,7 +142,6 @@ pub enum RobotError {
         what: &'static str,
     },
     /// A mass below zero.
-    #[error("the mass of link '{link}' is {mass} kg; a mass is zero or positive")]
     NegativeMass {
         /// The link.
         link: String,
@@ -165,10 +149,6 @@ pub enum RobotError {
         mass: f64,
     },
     /// An inertia matrix that is not positive semidefinite.
-    #[error(
-        "the inertia of link '{link}' about its centre of mass has the negative principal moment {moment} kg m^2; \
-         check signs and reference point of the matrix"
-    )]
     IndefiniteInertia {
         /// The link.
         link: String,
@@ -176,56 +156,53 @@ pub enum RobotError {
         moment: f64,
     },
     /// A joint that moves nothing.
-    #[error(
-        "joint '{joint}' moves no mass at all, so the mass matrix is singular in every pose; \
-         give its links a mass, give it armature (rotor inertia), or make it fixed"
-    )]
     MovesNothing {
         /// The joint.
         joint: String,
     },
     /// A file without any mass.
-    #[error(
-        "joint '{joint}' moves no mass, and no link of the file has any: it describes kinematics only; \
-         give its links <inertial> with <mass> and <inertia>"
-    )]
     KinematicsOnly {
         /// First joint.
         joint: String,
     },
     /// Gravity is infinite or undefined.
-    #[error("gravity is not finite; correct it")]
     BadGravity,
     /// An armature matrix that does not fit.
-    #[error(
-        "the armature matrix {problem}; it must be {n} x {n}, symmetric and positive semidefinite, in joint order"
-    )]
     BadArmature {
         /// What is wrong.
         problem: String,
         /// Number of joints.
         n: usize,
     },
-    /// Warnings, where strict checking was asked for.
-    #[error("refused by strict checking: {}", warnings.join("; "))]
+    /// Warnings that strict loading refuses.
     Strict {
         /// The warnings that became errors.
-        warnings: Vec<String>,
+        warnings: Vec<Warning>,
     },
 }
 
-/// `path:line: `, or what is known of it.
-fn position(path: &Path, line: Option<usize>) -> String {
-    match (path.as_os_str().is_empty(), line) {
-        (false, Some(line)) => format!("{}:{line}: ", path.display()),
-        (false, None) => format!("{}: ", path.display()),
-        (true, Some(line)) => format!("line {line}: "),
-        (true, None) => String::new(),
-    }
-}
-
 impl RobotError {
-    /// The joint or link that is at fault, where one is.
+    /// A text that breaks the rules of its format.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(super) fn malformed(message: impl Into<String>) -> Self {
+        Self::Malformed { message: message.into(), source: None }
+    }
+
+    /// This error at a line of a file whose path the caller knows.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(super) fn at(self, line: impl Into<Option<usize>>) -> Self {
+        Self::InFile { path: PathBuf::new(), line: line.into(), error: Box::new(self) }
+    }
+
+    /// The line of the file, from 1, where it is known.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::InFile { line, .. } => *line,
+            _ => None,
+        }
+    }
+
+    /// The joint or link at fault, where there is one.
     pub fn culprit(&self) -> Option<&str> {
         match self {
             Self::InFile { error, .. } => error.culprit(),
@@ -245,6 +222,18 @@ impl RobotError {
             | Self::NegativeMass { link, .. }
             | Self::IndefiniteInertia { link, .. } => Some(link),
             Self::DuplicateName { name, .. } => Some(name),
+            _ => None,
+        }
+    }
+}
+
+impl Error for RobotError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            // Its message contains that of `error`.
+            Self::InFile { error, .. } => error.source(),
+            Self::Unreadable { source } => Some(source),
+            Self::Malformed { source, .. } => source.as_deref().map(|source| source as _),
             _ => None,
         }
     }
