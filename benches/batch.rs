@@ -5,7 +5,7 @@
 //! Inside the timed region: one call for all nodes, from node-major arrays to node-major arrays.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
-use costate::batch::{Batch, FirstOrderArrays, Model, NodeFunction, Packed, SecondOrderArrays};
+use costate::batch::{Batch, FirstOrderArrays, Model, NodeArray, NodeFunction, Packed, SecondOrderArrays};
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::Robot;
@@ -190,10 +190,13 @@ fn sin_cos<S: Packed<Lane = f64>>(name: &str, angles: &[f64], group: &mut Benchm
 /// A batch that computes nothing: as many entries in and out as F, F_x and y'F_xx of six joints have.
 fn copies<S: Packed<Lane = f64>>(name: &str, group: &mut BenchmarkGroup<'_, WallTime>) {
     let nothing = |input: &[S], output: &mut [S]| output[0] = input[0];
-    let (inputs, outputs) = ([("x", 12), ("u", 6), ("y", 12)], [("f", 12), ("f_x", 144), ("xx", 144)]);
+    let (inputs, outputs) = (
+        [NodeArray::new("x", 12), NodeArray::new("u", 6), NodeArray::new("y", 12)],
+        [NodeArray::new("f", 12), NodeArray::new("f_x", 144), NodeArray::new("xx", 144)],
+    );
     let mut batch = Batch::<S, _>::new(NodeFunction::new(&inputs, &outputs, nothing));
-    let [x, u, y] = inputs.map(|(_, length)| vec![0.5; NODES * length]);
-    let [mut f, mut f_x, mut xx] = outputs.map(|(_, length)| vec![0.0; NODES * length]);
+    let [x, u, y] = inputs.map(|array| vec![0.5; NODES * array.length]);
+    let [mut f, mut f_x, mut xx] = outputs.map(|array| vec![0.0; NODES * array.length]);
     group.bench_function(format!("{name} copies"), |b| {
         b.iter(|| {
             let failed = batch.run((), NODES, [black_box(&x), &u, &y], [&mut f, &mut f_x, &mut xx]);

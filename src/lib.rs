@@ -24,10 +24,12 @@
 //! 452-471.
 
 #![deny(unsafe_code)]
+#![warn(missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
 pub mod batch;
 pub mod codegen;
+#[allow(missing_debug_implementations)]
 pub mod control;
 mod coordinates;
 pub mod derivative;
@@ -44,7 +46,7 @@ pub mod step;
 pub mod tensors;
 
 pub use coordinates::{Coordinates, UnknownCoordinates};
-pub use error::EvalError;
+pub use error::{EvalError, LengthError};
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
 pub use num_dual;
 

@@ -4,7 +4,7 @@ use crate::code::Code;
 use crate::compiled::{Compiled, DEFAULT_LIMIT};
 use crate::error::JitError;
 use crate::generic::{Generic, Shape};
-use costate::EvalError;
+use costate::{EvalError, LengthError};
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
 use costate::robot::Robot;
 use std::fmt;
@@ -143,9 +143,7 @@ impl Evaluator {
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
         let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
         for (what, expected, found) in lengths {
-            if expected != found {
-                return Err(EvalError::WrongLength { what, expected, found });
-            }
+            LengthError::check(what, expected, found)?;
         }
         if let Ok(Machine { code, .. }) = &self.compiled {
             let lost = code.call_guarded(inputs, outputs)?;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
-use costate::EvalError;
+use costate::{EvalError, LengthError};
 use costate::codegen::{Coordinates, Options, Program, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate_jit::{Compiled, Evaluator, JitError, Status};
@@ -67,9 +67,9 @@ fn wrong_lengths_are_refused_and_leave_the_outputs_alone() {
     let inputs = some_inputs(&program);
     let mut evaluator =
         Evaluator::new(&robot("robots/ur5.urdf"), Quantity::FX, Coordinates::Hamiltonian).unwrap();
-    let wrong = EvalError::WrongLength { what: "inputs", expected: 18, found: 17 };
+    let wrong = EvalError::WrongLength(LengthError { what: "inputs", expected: 18, found: 17 });
     assert_eq!(evaluator.evaluate(&inputs[1..], &mut outputs), Err(wrong.clone()));
-    let short = EvalError::WrongLength { what: "outputs", expected: 156, found: 155 };
+    let short = EvalError::WrongLength(LengthError { what: "outputs", expected: 156, found: 155 });
     assert_eq!(evaluator.evaluate(&inputs, &mut outputs[1..]), Err(short.clone()));
     if let Some(compiled) = compiled(&program) {
         assert_eq!(compiled.call(&inputs[1..], &mut outputs), Err(wrong));

@@ -1,6 +1,6 @@
 //! Functions of two slices as evaluators: closures, generated and compiled functions.
 
-use super::{Evaluator, Layout, Packed};
+use super::{Evaluator, Layout, NodeArray, Packed};
 use std::convert::Infallible;
 
 /// A function that fills the outputs of a node from its inputs, both one behind the other in one slice.
@@ -10,7 +10,7 @@ use std::convert::Infallible;
 /// outputs are not finite counts as failed; derivatives that a scalar carries are not looked at.
 ///
 /// ```
-/// use costate::batch::{Batch, NodeFunction, Packed};
+/// use costate::batch::{Batch, NodeArray, NodeFunction, Packed};
 /// use costate::on_slices;
 /// use costate::scalar::Scalar;
 ///
@@ -21,12 +21,13 @@ use std::convert::Infallible;
 /// }
 /// fn of_nodes<S: Packed>() -> Batch<S, NodeFunction<impl Fn(&[S], &mut [S]) + Send>> {
 ///     let function = on_slices!(S, pendulum, (q: 1, p: 1, u: 1) -> (f: 2));
-///     Batch::new(NodeFunction::new(&[("x", 2), ("u", 1)], &[("f", 2)], function))
+///     let inputs = [NodeArray::new("x", 2), NodeArray::new("u", 1)];
+///     Batch::new(NodeFunction::new(&inputs, &[NodeArray::new("f", 2)], function))
 /// }
 /// let (x, u, mut f) = ([0.1, 1.0, 0.0, f64::NAN, 0.3, 0.0], [0.0; 3], [0.0; 6]);
 /// let mut batch = of_nodes::<f64>();
 /// let failures = batch.run((), 3, [&x, &u], [&mut f])?;
-/// assert_eq!(failures[0].to_string(), "node 1: x[1] is not finite; check what produced it");
+/// assert_eq!(failures[0].to_string(), "node 1: x[1] is not finite; check the computation that produced it");
 /// assert!(f[2].is_nan() && (f[5] + 9.81 * 0.3_f64.sin()).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -37,8 +38,8 @@ pub struct NodeFunction<F> {
 }
 
 impl<F> NodeFunction<F> {
-    /// From the names of the arrays, how many entries a node has in each, and the function.
-    pub fn new(inputs: &[(&'static str, usize)], outputs: &[(&'static str, usize)], function: F) -> Self {
+    /// A function with these input and output arrays, each with its name and number of entries per node.
+    pub fn new(inputs: &[NodeArray], outputs: &[NodeArray], function: F) -> Self {
         Self { layout: Layout::new(inputs, outputs), function }
     }
 }

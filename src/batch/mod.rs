@@ -46,13 +46,15 @@ mod packed;
 mod step_map;
 mod worker;
 
-pub use error::{BatchError, Failure, NodeError};
-pub use evaluator::{Argument, Evaluator, Layout};
+pub use error::{ArrayRole, BatchError, Failure, NodeError};
+pub use evaluator::{Evaluator, Layout, NodeArray};
 pub use function::NodeFunction;
 pub use model::{FirstOrderArrays, Model, ModelQuantity, SecondOrderArrays};
 pub use packed::Packed;
 pub use step_map::{StepArrays, StepMap, StepQuantity};
 
+use crate::error::LengthError;
+use std::fmt;
 #[cfg(feature = "rayon")]
 use std::sync::TryLockError;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -80,6 +82,15 @@ pub struct Batch<S: Packed, E: Evaluator<S>> {
     layouts: Vec<(E::Quantity, Layout)>,
     workers: Vec<Mutex<Worker<S, E>>>,
     failures: Vec<Failure<E::Error>>,
+}
+
+impl<S: Packed, E: Evaluator<S>> fmt::Debug for Batch<S, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Batch")
+            .field("layouts", &self.layouts)
+            .field("threads", &self.workers.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
@@ -144,11 +155,11 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
         let layout = self.layout(quantity);
         let layout =
             layout.ok_or_else(|| BatchError::UnknownQuantity { quantity: format!("{quantity:?}") })?;
-        for (what, expected, found) in
-            [("inputs", layout.inputs.len(), I), ("outputs", layout.outputs.len(), O)]
-        {
+        let numbers =
+            [(ArrayRole::Input, layout.inputs.len(), I), (ArrayRole::Output, layout.outputs.len(), O)];
+        for (role, expected, found) in numbers {
             if found != expected {
-                return Err(BatchError::WrongNumber { what, expected, found });
+                return Err(BatchError::WrongNumber { role, expected, found });
             }
         }
         let lengths = inputs.iter().map(|input| input.len());
@@ -225,10 +236,8 @@ fn free<W>(worker: &Mutex<W>) -> MutexGuard<'_, W> {
 }
 
 /// `nodes` times the length of the argument.
-fn check(argument: &Argument, nodes: usize, found: usize) -> Result<(), BatchError> {
-    let &Argument { name: what, length } = argument;
-    if nodes.checked_mul(length) == Some(found) {
-        return Ok(());
-    }
-    Err(BatchError::WrongLength { what, nodes, length, found })
+fn check(array: &NodeArray, nodes: usize, found: usize) -> Result<(), BatchError> {
+    let expected = nodes.saturating_mul(array.length);
+    LengthError::check(array.name, expected, found)
+        .map_err(|length| BatchError::WrongLength { nodes, length })
 }

@@ -1,6 +1,6 @@
 //! Models dx/dt = f(x, u) at many nodes: what direct collocation asks for.
 
-use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed};
+use super::{Batch, BatchError, Evaluator, Failure, Layout, NodeArray, Packed};
 use crate::dynamics::Dynamics;
 use crate::matrix::Block;
 
@@ -88,13 +88,23 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Evaluator<S> for Model<D> {
 
     fn layouts(&self) -> Vec<(ModelQuantity, Layout)> {
         let (n, m) = (self.0.states(), self.0.controls());
-        let (at, with) = ([("x", n), ("u", m)], [("x", n), ("u", m), ("y", n)]);
-        let first = [("f", n), ("f_x", n * n), ("f_u", n * m)];
-        let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
+        let (at, with) = (
+            [NodeArray::new("x", n), NodeArray::new("u", m)],
+            [NodeArray::new("x", n), NodeArray::new("u", m), NodeArray::new("y", n)],
+        );
+        let first = [NodeArray::new("f", n), NodeArray::new("f_x", n * n), NodeArray::new("f_u", n * m)];
+        let second = [
+            first.as_slice(),
+            &[NodeArray::new("xx", n * n), NodeArray::new("ux", m * n), NodeArray::new("uu", m * m)],
+        ]
+        .concat();
         vec![
             (ModelQuantity::Value, Layout::new(&at, &first[..1])),
             (ModelQuantity::Linearisation, Layout::new(&at, &first)),
-            (ModelQuantity::Adjoint, Layout::new(&with, &[("y_f_x", n), ("y_f_u", m)])),
+            (
+                ModelQuantity::Adjoint,
+                Layout::new(&with, &[NodeArray::new("y_f_x", n), NodeArray::new("y_f_u", m)]),
+            ),
             (ModelQuantity::Contraction, Layout::new(&with, &second)),
         ]
     }

@@ -1,7 +1,7 @@
 //! Steps in time from many states: what multiple shooting asks for.
 
 use super::model::Writer;
-use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed, SecondOrderArrays};
+use super::{Batch, BatchError, Evaluator, Failure, Layout, NodeArray, Packed, SecondOrderArrays};
 use crate::step::{Step, StepLinearisation};
 
 /// A step as an evaluator of nodes, each with its own x, u and h.
@@ -53,9 +53,21 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Evaluator<S> for StepMap<P> {
 
     fn layouts(&self) -> Vec<(StepQuantity, Layout)> {
         let (n, m) = (self.0.states(), self.0.controls());
-        let (at, with) = ([("x", n), ("u", m), ("h", 1)], [("x", n), ("u", m), ("h", 1), ("y", n)]);
-        let first = [("next", n), ("phi_x", n * n), ("phi_u", n * m), ("phi_h", n)];
-        let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
+        let (at, with) = (
+            [NodeArray::new("x", n), NodeArray::new("u", m), NodeArray::new("h", 1)],
+            [NodeArray::new("x", n), NodeArray::new("u", m), NodeArray::new("h", 1), NodeArray::new("y", n)],
+        );
+        let first = [
+            NodeArray::new("next", n),
+            NodeArray::new("phi_x", n * n),
+            NodeArray::new("phi_u", n * m),
+            NodeArray::new("phi_h", n),
+        ];
+        let second = [
+            first.as_slice(),
+            &[NodeArray::new("xx", n * n), NodeArray::new("ux", m * n), NodeArray::new("uu", m * m)],
+        ]
+        .concat();
         vec![
             (StepQuantity::Next, Layout::new(&at, &first[..1])),
             (StepQuantity::Linearisation, Layout::new(&at, &first)),

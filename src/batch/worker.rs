@@ -1,7 +1,6 @@
 //! One workspace and the chunks of nodes it evaluates.
 
-use super::evaluator::{Argument, Layout};
-use super::{Evaluator, Failure, NodeError, Packed};
+use super::{Evaluator, Failure, Layout, NodeArray, NodeError, Packed};
 use crate::scalar::Scalar;
 use std::ops::Range;
 
@@ -99,7 +98,7 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
         let input = &mut self.input[..layout.input_length()];
         let output = &mut self.output[..layout.output_length()];
         let mut place = 0;
-        for (k, &Argument { length, .. }) in layout.inputs.iter().enumerate() {
+        for (k, &NodeArray { length, .. }) in layout.inputs.iter().enumerate() {
             let entries = &nodes.inputs[k][range.start * length..range.end * length];
             S::gather(entries, length, &mut input[place..place + length]);
             place += length;
@@ -114,7 +113,7 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
             return Err(NodeError::Output { what, index });
         }
         let mut place = 0;
-        for (k, &Argument { length, .. }) in layout.outputs.iter().enumerate() {
+        for (k, &NodeArray { length, .. }) in layout.outputs.iter().enumerate() {
             if !nodes.outputs[k].is_empty() {
                 let entries = &mut nodes.outputs[k][range.start * length..range.end * length];
                 S::scatter(&output[place..place + length], length, entries);
@@ -141,7 +140,7 @@ fn all_finite<S: Scalar>(entries: &[S]) -> bool {
     (left + right).is_finite()
 }
 
-fn first_that_is_not_finite<S: Scalar>(arguments: &[Argument], mut entries: &[S]) -> (&'static str, usize) {
+fn first_that_is_not_finite<S: Scalar>(arguments: &[NodeArray], mut entries: &[S]) -> (&'static str, usize) {
     for argument in arguments {
         let (here, behind) = entries.split_at(argument.length);
         if let Some(index) = here.iter().position(|entry| !entry.is_finite()) {

@@ -1,5 +1,6 @@
 //! What can be differentiated.
 
+use crate::error::LengthError;
 use crate::scalar::Scalar;
 use num_dual::DualNum;
 
@@ -71,19 +72,13 @@ impl<T: DualNum + Scalar<Mask = bool>> InnerNumber for T {}
 
 /// Why a derivative was not computed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DerivativeError<E: std::error::Error> {
-    /// An argument of the wrong length.
-    #[error("{what} has {found} entries, not {expected}")]
-    WrongLength {
-        /// The argument.
-        what: &'static str,
-        /// Length it must have.
-        expected: usize,
-        /// Length it has.
-        found: usize,
-    },
-    /// An argument with an infinite or undefined entry.
-    #[error("{what}[{index}] is not finite; check what produced it")]
+    /// An argument has the wrong length.
+    #[error(transparent)]
+    WrongLength(LengthError),
+    /// An argument with an entry that is infinite or not a number.
+    #[error("{what}[{index}] is not finite; check the computation that produced it")]
     NonFinite {
         /// The argument.
         what: &'static str,
@@ -101,8 +96,5 @@ pub(crate) fn check_length<T, E: std::error::Error>(
     slice: &[T],
     expected: usize,
 ) -> Result<(), DerivativeError<E>> {
-    if slice.len() == expected {
-        return Ok(());
-    }
-    Err(DerivativeError::WrongLength { what, expected, found: slice.len() })
+    LengthError::check(what, expected, slice.len()).map_err(DerivativeError::WrongLength)
 }

@@ -4,6 +4,7 @@ use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 use num_dual::HyperDual;
+use std::fmt;
 
 /// Computes `f(x)`, `f_x` and all second derivatives by one hyper-dual evaluation for each pair i <= j.
 ///
@@ -18,6 +19,17 @@ pub struct Hessian<F: Function, T: InnerNumber = f64> {
     /// Row k: the pairs (i, j), i <= j, of output k at `j (j + 1) / 2 + i`.
     tensor: Matrix<T>,
     contracted: Matrix<T>,
+}
+
+impl<F: Function, T: InnerNumber> fmt::Debug for Hessian<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Hessian")
+            .field("inputs", &self.x.len())
+            .field("value", &self.value)
+            .field("jacobian", &self.jacobian)
+            .field("contracted", &self.contracted)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Value, Jacobian and second derivatives at one point; borrowed from the workspace.

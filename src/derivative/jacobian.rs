@@ -5,6 +5,7 @@ use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 use num_dual::DualSVec;
+use std::fmt;
 
 /// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; no call allocates but what the function does.
 ///
@@ -17,6 +18,16 @@ pub struct Jacobian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     y: Vec<DualSVec<T, C>>,
     value: Vec<T>,
     jacobian: Matrix<T>,
+}
+
+impl<F: Function, const C: usize, T: InnerNumber> fmt::Debug for Jacobian<F, C, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Jacobian")
+            .field("inputs", &self.x.len())
+            .field("value", &self.value)
+            .field("jacobian", &self.jacobian)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Value and Jacobian at one point; borrowed from the workspace.

@@ -8,6 +8,7 @@ use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::Robot;
 
 /// a(q, v, u) by every route.
+#[derive(Debug)]
 pub(super) struct LagrangianRoutes {
     analytic: LagrangianSecondOrder<f64>,
     dual: Jacobian<ForwardDynamics>,

@@ -21,6 +21,7 @@ impl PhaseVelocity {
     }
 
     /// The same under the actuation u (N m, N), length n.
+    #[must_use]
     pub fn under(mut self, u: &[f64]) -> Self {
         self.u = u.to_vec();
         self

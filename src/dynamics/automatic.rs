@@ -4,6 +4,7 @@ use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::derivative::{CHUNK, DerivativeError, Function, Hessian, InnerNumber, Jacobian, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
+use std::fmt;
 
 /// `dx/dt = f(x, u)` of a function of the states and controls, one after the other, with as many outputs as states.
 ///
@@ -43,6 +44,15 @@ pub struct Automatic<F: Function, T: InnerNumber = f64> {
     parts: Parts<F, T>,
     f_x: Matrix<T>,
     f_u: Matrix<T>,
+}
+
+impl<F: Function, T: InnerNumber> fmt::Debug for Automatic<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Automatic")
+            .field("states", &self.parts.states())
+            .field("controls", &self.parts.controls())
+            .finish_non_exhaustive()
+    }
 }
 
 /// What every automatic model has in common: values and Hessians of a function of (x, u).

@@ -4,6 +4,7 @@ use super::automatic::Parts;
 use super::{Cost, CostGradient, CostHessian};
 use crate::derivative::{CHUNK, DerivativeError, Function, InnerNumber, Jacobian};
 use crate::scalar::Scalar;
+use std::fmt;
 
 /// The first output of a function of the states and controls, one after the other, as a cost.
 ///
@@ -41,6 +42,15 @@ pub struct AutomaticCost<F: Function, T: InnerNumber = f64> {
     jacobian: Jacobian<F, CHUNK, T>,
     parts: Parts<F, T>,
     one: Vec<T>,
+}
+
+impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticCost<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AutomaticCost")
+            .field("states", &self.parts.states())
+            .field("controls", &self.parts.controls())
+            .finish_non_exhaustive()
+    }
 }
 
 impl<F: Function + Clone, T: InnerNumber> AutomaticCost<F, T> {

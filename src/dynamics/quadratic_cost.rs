@@ -48,6 +48,7 @@ impl<S: Scalar> QuadraticCost<S> {
     ///
     /// # Panics
     /// If a target is not as long as its weights.
+    #[must_use]
     pub fn about(mut self, states: &[f64], controls: &[f64]) -> Self {
         for (target, new) in self.targets.iter_mut().zip([states, controls]) {
             target.copy_from_slice(new);

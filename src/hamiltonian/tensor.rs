@@ -1,7 +1,7 @@
 //! Second derivatives of the phase velocities in packed storage.
 
 use super::Hamiltonian;
-use crate::error::{EvalError, check_length};
+use crate::error::{EvalError, LengthError, check_length};
 use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -123,9 +123,7 @@ impl<S: Scalar> HessianTensor<S> {
         for (what, found) in
             [("a column of contracted", contracted.rows()), ("a row of contracted", contracted.columns())]
         {
-            if found != size {
-                return Err(EvalError::WrongLength { what, expected: size, found });
-            }
+            LengthError::check(what, size, found)?;
         }
         for i in 0..size {
             for j in 0..=i {

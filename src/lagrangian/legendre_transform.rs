@@ -1,7 +1,7 @@
 //! From (q, v) to (q, p) and back: states, rates, Jacobians and costates under the Legendre map.
 
 use super::{Lagrangian, StateLinearisation};
-use crate::error::{EvalError, check_length};
+use crate::error::{EvalError, LengthError, check_length};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -185,9 +185,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
     fn take(&mut self, what: &'static str, jacobian: Block<'_, S>) -> Result<(), EvalError> {
         let size = 2 * self.n();
         for found in [jacobian.rows(), jacobian.columns()] {
-            if found != size {
-                return Err(EvalError::WrongLength { what, expected: size, found });
-            }
+            LengthError::check(what, size, found)?;
         }
         (0..size).for_each(|i| self.0.given.row_mut(i).copy_from_slice(jacobian.row(i)));
         Ok(())

@@ -6,6 +6,7 @@ use super::{Step, StepContraction, StepError, StepLinearisation};
 use crate::derivative::{DerivativeError, Function, InnerNumber};
 use crate::dynamics::{Automatic, Dynamics, Linearisation};
 use crate::scalar::Scalar;
+use std::fmt;
 
 /// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs as states.
 ///
@@ -46,6 +47,12 @@ pub struct AutomaticStep<F: Function, T: InnerNumber = f64> {
     automatic: Automatic<F, T>,
     u_h: Vec<T>,
     outcome: Outcome<T>,
+}
+
+impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticStep<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AutomaticStep").field("automatic", &self.automatic).finish_non_exhaustive()
+    }
 }
 
 impl<F: Function + Clone, T: InnerNumber> AutomaticStep<F, T> {

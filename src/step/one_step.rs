@@ -4,7 +4,7 @@ use super::semi_implicit_euler::SemiImplicitEuler;
 use super::{RungeKutta, Step, StepError, Tableau};
 use crate::derivative::Function;
 use crate::dynamics::Dynamics;
-use crate::error::EvalError;
+use crate::error::{EvalError, LengthError};
 use crate::hamiltonian::HamiltonianSecondOrder;
 use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::{Robot, Tree};
@@ -148,9 +148,7 @@ impl<F: ModelFamily, M: Scheme<F>> Function for OneStep<F, M> {
         next: &mut [S],
     ) -> Result<(), StepError<F::Error>> {
         for (what, found, expected) in [("z", z.len(), self.inputs()), ("next", next.len(), self.states)] {
-            if found != expected {
-                return Err(StepError::WrongLength { what, expected, found });
-            }
+            LengthError::check(what, expected, found).map_err(StepError::WrongLength)?;
         }
         let (x, rest) = z.split_at(self.states);
         let (u, h) = rest.split_at(self.controls);

@@ -11,6 +11,7 @@ use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::Robot;
 use num_dual::HyperDual64;
+use std::fmt;
 
 /// The derivatives of one step of a robot, every scheme set beside hyper-dual numbers through the step itself, the
 /// iterations of implicit schemes included.
@@ -22,6 +23,12 @@ pub struct StepRoutes {
     verlet: Compared<HamiltonianRobot, Verlet>,
     midpoint: Compared<HamiltonianRobot, Midpoint>,
     semi_implicit: Compared<LagrangianRobot, SemiImplicit>,
+}
+
+impl fmt::Debug for StepRoutes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StepRoutes").field("dof", &self.momenta.dof()).finish_non_exhaustive()
+    }
 }
 
 impl StepRoutes {
