@@ -13,22 +13,22 @@
 mod adjoint;
 mod congruence;
 mod conservative;
-mod contracted;
+mod contraction;
 mod direction;
 mod dual_pass;
 mod full;
-mod jacobian;
 mod legendre;
+mod linearisation;
 mod second_order;
 mod state;
 mod tensor;
 
 pub use adjoint::AdjointProduct;
-pub use contracted::HamiltonianContraction;
+pub use contraction::HamiltonianContraction;
 pub use dual_pass::DualPass;
 pub use full::FullHessian;
-pub use jacobian::HamiltonianLinearisation;
 pub use legendre::{MomentumLinearisation, VelocityLinearisation};
+pub use linearisation::HamiltonianLinearisation;
 pub use second_order::HamiltonianSecondOrder;
 pub use tensor::HessianTensor;
 
@@ -123,6 +123,29 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.flow.first_order(&self.tree, q, p)?;
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
         Ok(&self.state.f)
+    }
+
+    /// F and its Jacobian F_x in x = (q, p) (21)-(24), from one sweep. `F_u = (0; 1)` is constant.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn linearise(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+    ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order(&self.tree, q, p)?;
+        self.flow.second_order(&self.tree);
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        Ok(self.assembled())
+    }
+
+    /// F_x from the blocks of the stage reached.
+    pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
+        self.state.assemble(&self.tree, &self.flow);
+        self.state.linearisation(self.flow.kernel.mass_matrix())
     }
 
     /// Kinetic and potential energy (J); their sum is H(q, p).

@@ -3,7 +3,7 @@
 //! Static size only: the dynamic ones allocate on every operation and are not `Copy`. A blanket implementation
 //! over num-dual's trait would overlap with that for `f64`, hence one implementation a type.
 
-use super::Scalar;
+use super::number::Scalar;
 use nalgebra::Const;
 use num_dual::{Dual, Dual2, Dual2Vec, Dual3, DualNum, DualVec, HyperDual, HyperDualVec, HyperHyperDual};
 use num_traits::{Float, FromPrimitive};

@@ -1,6 +1,6 @@
 //! A value with one directional derivative, over any scalar.
 
-use super::Scalar;
+use super::number::Scalar;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `re + eps d`, `d^2 = 0`: a dual number that asks nothing of its parts but that they are scalars.

@@ -22,6 +22,7 @@ mod one_step;
 mod outcome;
 mod routes;
 mod runge_kutta;
+mod schemes;
 mod semi_implicit_euler;
 mod stage;
 mod tableau;
@@ -31,10 +32,9 @@ pub use error::StepError;
 pub use one_step::{HamiltonianRobot, LagrangianRobot, ModelFamily, OneStep, Scheme, SemiImplicit};
 pub use routes::StepRoutes;
 pub use runge_kutta::RungeKutta;
+pub use schemes::{ImplicitMidpoint, RungeKutta4, StoermerVerlet};
 pub use semi_implicit_euler::{SemiImplicitEuler, VelocityForm};
-pub use tableau::{
-    Classical, ImplicitMidpoint, Midpoint, Pair, RungeKutta4, StoermerVerlet, Tableau, Verlet,
-};
+pub use tableau::{Classical, Midpoint, Pair, Tableau, Verlet};
 
 use crate::dynamics::times;
 use crate::matrix::Block;

@@ -1,6 +1,4 @@
-//! Coefficients of the schemes.
-
-use super::RungeKutta;
+//! Coefficients of Runge-Kutta schemes.
 
 /// A coefficient for the first and one for the second half of the state.
 ///
@@ -48,7 +46,7 @@ const fn both(coefficient: f64) -> Pair {
     [coefficient; 2]
 }
 
-/// Coefficients of [`RungeKutta4`].
+/// Coefficients of [`RungeKutta4`](super::RungeKutta4).
 #[derive(Clone, Copy, Debug)]
 pub struct Classical;
 
@@ -62,7 +60,7 @@ impl Tableau for Classical {
     const B: &'static [Pair] = &[both(1.0 / 6.0), both(1.0 / 3.0), both(1.0 / 3.0), both(1.0 / 6.0)];
 }
 
-/// Coefficients of [`ImplicitMidpoint`].
+/// Coefficients of [`ImplicitMidpoint`](super::ImplicitMidpoint).
 #[derive(Clone, Copy, Debug)]
 pub struct Midpoint;
 
@@ -71,7 +69,7 @@ impl Tableau for Midpoint {
     const B: &'static [Pair] = &[both(1.0)];
 }
 
-/// Coefficients of [`StoermerVerlet`]: stages (q, p½) and (q+, p½).
+/// Coefficients of [`StoermerVerlet`](super::StoermerVerlet): stages (q, p½) and (q+, p½).
 #[derive(Clone, Copy, Debug)]
 pub struct Verlet;
 
@@ -79,35 +77,3 @@ impl Tableau for Verlet {
     const A: &'static [&'static [Pair]] = &[&[[0.0, 0.5]], &[both(0.5), [0.5, 0.0]]];
     const B: &'static [Pair] = &[both(0.5), both(0.5)];
 }
-
-/// The classical explicit scheme of fourth order: four evaluations of f.
-///
-/// ```
-/// use costate::hamiltonian::HamiltonianSecondOrder;
-/// use costate::robot::Robot;
-/// use costate::step::{RungeKutta4, Step};
-/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
-/// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut step = RungeKutta4::new(HamiltonianSecondOrder::<f64>::new(&robot));
-/// let second = step.contract(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.0], 0.01, &[1.0, 0.0, 0.0, 0.0])?;
-/// println!("x_next = {:?}, y'Phi_xx = {}", second.first.next, second.xx.as_nalgebra());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub type RungeKutta4<S, D> = RungeKutta<S, D, Classical>;
-
-/// `x+ = x + h f((x + x+)/2, u)`: implicit, second order, symmetric, symplectic for Hamiltonian f.
-///
-/// Solved for the midpoint `X = x + h/2 f(X, u)`; then `x+ = x + h f(X, u)`.
-pub type ImplicitMidpoint<S, D> = RungeKutta<S, D, Midpoint>;
-
-/// The generalised leapfrog scheme in x = (q, p), for a Hamiltonian that need not be separable:
-///
-/// ```text
-/// p½ = p  + h/2  F^p(q, p½, u)                        implicit in p½
-/// q+ = q  + h/2 (F^q(q, p½, u) + F^q(q+, p½, u))      implicit in q+
-/// p+ = p½ + h/2  F^p(q+, p½, u)
-/// ```
-///
-/// Second order, symmetric, symplectic for Hamiltonian F; each implicit equation is one half of the state long. Source:
-/// Hairer, Lubich, Wanner, VI.3, (3.4).
-pub type StoermerVerlet<S, D> = RungeKutta<S, D, Verlet>;

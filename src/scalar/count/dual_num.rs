@@ -2,8 +2,8 @@
 //! that no formula here needs are one [`other`](super::Operations::other) each.
 
 use super::Count;
-use crate::scalar::Scalar;
 use crate::scalar::dual_num::dual_num;
+use crate::scalar::number::Scalar;
 
 impl Count {
     fn real_part(&self) -> f64 {

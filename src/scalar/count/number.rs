@@ -1,7 +1,8 @@
 //! The counting number and its arithmetic.
 
 use super::{Operations, tally};
-use crate::scalar::{Scalar, real_tanh_and_slope};
+use crate::scalar::number::Scalar;
+use crate::scalar::real::real_tanh_and_slope;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A value that counts the operations done with it, see [`count`](super::count).

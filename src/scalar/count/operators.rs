@@ -1,7 +1,7 @@
 //! What num-dual asks of a number before its functions: operators of all forms, constants, comparisons.
 
 use super::{Count, tally};
-use crate::scalar::Scalar;
+use crate::scalar::number::Scalar;
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use std::cmp::Ordering;
 use std::fmt;

@@ -7,8 +7,8 @@
 //! [`Scalar::abs`] and [`Scalar::select`].
 
 use super::{Lanes, Vector};
-use crate::scalar::Scalar;
 use crate::scalar::dual_num::dual_num;
+use crate::scalar::number::Scalar;
 
 impl<V: Vector> Lanes<V> {
     fn real_part(&self) -> f64 {

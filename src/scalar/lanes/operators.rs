@@ -1,7 +1,7 @@
 //! Arithmetic in every lane, and what num-dual asks of a number before its functions.
 
 use super::{Lanes, Vector};
-use crate::scalar::Scalar;
+use crate::scalar::number::Scalar;
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use std::cmp::Ordering;
 use std::fmt;
