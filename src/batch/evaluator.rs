@@ -48,8 +48,8 @@ impl Layout {
 /// Computes quantities at one node, or at as many nodes as a number of type `S` has lanes.
 ///
 /// Implemented by [`Model`](super::Model) for every [`Dynamics`](crate::dynamics::Dynamics), by
-/// [`StepMap`](super::StepMap) for every [`Step`](crate::step::Step), and by [`NodeFunction`](super::NodeFunction) for
-/// generated functions and closures of two slices.
+/// [`StepMap`](super::StepMap) for every [`Step`](crate::step::Step), and by
+/// [`NodeFunction`](super::NodeFunction) for generated functions and closures of two slices.
 ///
 /// ```
 /// use costate::batch::{Batch, Evaluator, Layout, NodeArray, Packed};
@@ -93,8 +93,8 @@ pub trait Evaluator<S: Packed>: Send {
     /// Computes `output` from `input`: the entries of one node, all arrays of the layout one after the other.
     ///
     /// # Errors
-    /// An error of any of the nodes in the lanes. The batch then evaluates these nodes one by one, with the same node in
-    /// every lane.
+    /// An error of any of the nodes in the lanes. The batch then evaluates these nodes one by one, with the
+    /// same node in every lane.
     fn evaluate(
         &mut self,
         quantity: Self::Quantity,

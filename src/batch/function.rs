@@ -5,9 +5,10 @@ use std::convert::Infallible;
 
 /// A function that fills the outputs of a node from its inputs, both one behind the other in one slice.
 ///
-/// For generated functions, which are generic over the scalar and take arrays ([`on_slices!`](crate::on_slices) makes slices
-/// of them), and for anything that can be called with `f64` slices. The function cannot refuse a node: one whose inputs or
-/// outputs are not finite counts as failed; derivatives that a scalar carries are not looked at.
+/// For generated functions, which are generic over the scalar and take arrays
+/// ([`on_slices!`](crate::on_slices) makes slices of them), and for anything that can be called with `f64`
+/// slices. The function cannot refuse a node: one whose inputs or outputs are not finite counts as failed;
+/// derivatives that a scalar carries are not looked at.
 ///
 /// ```
 /// use costate::batch::{Batch, NodeArray, NodeFunction, Packed};
@@ -60,9 +61,9 @@ impl<S: Packed, F: FnMut(&[S], &mut [S]) + Send> Evaluator<S> for NodeFunction<F
 
 /// A function of arrays as a closure of two slices: for [`NodeFunction`](crate::batch::NodeFunction).
 ///
-/// `on_slices!(S, function, (q: 6, p: 6) -> (f: 12))` takes q and p from the front of the first slice and f from the front
-/// of the second, in this order. Where one of them is too short, outputs are filled with NaN, which a batch takes for a failure.
-/// Names are free.
+/// `on_slices!(S, function, (q: 6, p: 6) -> (f: 12))` takes q and p from the front of the first slice and f
+/// from the front of the second, in this order. Where one of them is too short, outputs are filled with NaN,
+/// which a batch takes for a failure. Names are free.
 #[macro_export]
 macro_rules! on_slices {
     ($scalar:ty, $function:expr, ($($input:ident: $in:expr),*) -> ($($output:ident: $out:expr),*)) => {

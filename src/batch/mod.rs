@@ -1,8 +1,8 @@
 //! Many states at once: node-major arrays in and out, lanes over states, threads over chunks of them.
 //!
-//! A [`Batch`] evaluates what an [`Evaluator`] computes at N nodes. Arrays hold the entries of node 0, then those of node 1,
-//! and so on, matrices row by row: x is N x 2n, f_x is N x 2n x 2n. They are the caller's, contiguous, and in the form that a
-//! solver works on. The same driver runs
+//! A [`Batch`] evaluates what an [`Evaluator`] computes at N nodes. Arrays hold the entries of node 0, then
+//! those of node 1, and so on, matrices row by row: x is N x 2n, f_x is N x 2n x 2n. They are the caller's,
+//! contiguous, and in the form that a solver works on. The same driver runs
 //!
 //! | evaluator | of | quantities |
 //! |---|---|---|
@@ -11,10 +11,11 @@
 //! | [`NodeFunction`] | generated and compiled functions, closures | whatever they compute |
 //! | yours | | |
 //!
-//! in any [`Packed`] number: `f64` takes one node at a time, `F64x4` and `F64x8` (feature `wide`) four and eight, dual numbers
-//! over any of them carry derivatives along. [`Native`] is the widest that pays on the processor that is compiled for.
-//! `Batch::parallel` (feature `rayon`) spreads the nodes over threads. Neither lanes nor threads change a result by more
-//! than rounding, the number of threads not at all. `docs/batch.md` has the figures.
+//! in any [`Packed`] number: `f64` takes one node at a time, `F64x4` and `F64x8` (feature `wide`) four and
+//! eight, dual numbers over any of them carry derivatives along. [`Native`] is the widest that pays on the
+//! processor that is compiled for. `Batch::parallel` (feature `rayon`) spreads the nodes over threads.
+//! Neither lanes nor threads change a result by more than rounding, the number of threads not at all.
+//! `docs/batch.md` has the figures.
 //!
 //! ```
 //! use costate::batch::{Batch, FirstOrderArrays, Model, Native, SecondOrderArrays};
@@ -60,17 +61,20 @@ use std::sync::TryLockError;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use worker::{Nodes, Worker};
 
-/// The number to take where nothing speaks for another: `F64x8` where the program is compiled for AVX-512, `F64x4` elsewhere.
+/// The number to take where nothing speaks for another: `F64x8` where the program is compiled for AVX-512,
+/// `F64x4` elsewhere.
 #[cfg(all(feature = "wide", target_feature = "avx512f"))]
 pub type Native = crate::scalar::F64x8;
-/// The number to take where nothing speaks for another: `F64x8` where the program is compiled for AVX-512, `F64x4` elsewhere.
+/// The number to take where nothing speaks for another: `F64x8` where the program is compiled for AVX-512,
+/// `F64x4` elsewhere.
 #[cfg(all(feature = "wide", not(target_feature = "avx512f")))]
 pub type Native = crate::scalar::F64x4;
 /// The number to take where nothing speaks for another: lanes with the feature `wide`, `f64` without.
 #[cfg(not(feature = "wide"))]
 pub type Native = f64;
 
-/// Pieces that each thread gets: enough that all threads end together, few enough that sharing them costs little.
+/// Pieces that each thread gets: enough that all threads end together, few enough that sharing them costs
+/// little.
 #[cfg(feature = "rayon")]
 const PIECES: usize = 4;
 
@@ -99,10 +103,12 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
         Self::with(vec![evaluator])
     }
 
-    /// On the threads of the rayon pool that is current here; `build` makes an evaluator for each. Call it from that pool too.
+    /// On the threads of the rayon pool that is current here; `build` makes an evaluator for each. Call it
+    /// from that pool too.
     ///
-    /// The pool may take memory for its own queue now and then where it is called from outside (`ThreadPool::install`
-    /// moves inside). Evaluators must not use the pool themselves, and must all be alike.
+    /// The pool may take memory for its own queue now and then where it is called from outside
+    /// (`ThreadPool::install` moves inside). Evaluators must not use the pool themselves, and must all be
+    /// alike.
     ///
     /// ```
     /// # use costate::{batch::{Batch, Model, Native}, hamiltonian::HamiltonianSecondOrder, robot::Robot};
@@ -140,8 +146,8 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
 
     /// Evaluates a quantity at so many nodes; returns those that failed, in order.
     ///
-    /// Arrays as the [`layout`](Self::layout) names them, `nodes` times the length of each; an output that is empty is not
-    /// written.
+    /// Arrays as the [`layout`](Self::layout) names them, `nodes` times the length of each; an output that is
+    /// empty is not written.
     ///
     /// # Errors
     /// [`BatchError`] where the arrays do not fit; nothing is evaluated then.

@@ -145,7 +145,8 @@ type Failures<'a, S, D> = Result<&'a [Failure<<D as Dynamics<S>>::Error>], Batch
 
 /// x, u and y are N x states, N x controls and N x states, node by node; N is what x has room for.
 ///
-/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes that could not be evaluated.
+/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes that could not be
+/// evaluated.
 impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
     /// f at every node: N x states.
     ///

@@ -5,8 +5,8 @@ use num_dual::{Dual, DualNum};
 
 /// A scalar that holds the numbers of [`LANES`](Self::LANES) nodes, one for `f64`.
 ///
-/// The arrays that a batch reads and writes are made of [`Lane`](Self::Lane): `f64` for `f64` and its lanes, a dual number
-/// over `f64` for a dual number over lanes.
+/// The arrays that a batch reads and writes are made of [`Lane`](Self::Lane): `f64` for `f64` and its lanes,
+/// a dual number over `f64` for a dual number over lanes.
 pub trait Packed: Scalar + Send + Sync {
     /// The number of one node.
     type Lane: Scalar + Send + Sync;
@@ -20,7 +20,8 @@ pub trait Packed: Scalar + Send + Sync {
     /// Sets the number of node `k`.
     fn set_lane(&mut self, k: usize, value: Self::Lane);
 
-    /// Packs nodes that lie one behind the other, `width` numbers each: lane k of `into[j]` is entry j of node k.
+    /// Packs nodes that lie one behind the other, `width` numbers each: lane k of `into[j]` is entry j of
+    /// node k.
     ///
     /// Where there are fewer nodes than lanes the last one is repeated; where there is none, nothing is done.
     #[inline]
@@ -210,7 +211,8 @@ mod tests {
     use super::Packed;
     use crate::scalar::Tangent;
 
-    /// Nodes that are packed and unpacked are what they were, however many there are; lanes left over repeat the last.
+    /// Nodes that are packed and unpacked are what they were, however many there are; lanes left over repeat
+    /// the last.
     fn round_trip<S: Packed>(number: impl Fn(f64) -> S::Lane, value: impl Fn(S::Lane) -> f64) {
         for width in 0..20 {
             for count in 1..=S::LANES {

@@ -101,7 +101,8 @@ type Failures<'a, S, P> = Result<&'a [Failure<<P as Step<S>>::Error>], BatchErro
 
 /// x, u, h and y are N x states, N x controls, N and N x states, node by node; N is the length of h.
 ///
-/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes whose step was not made.
+/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes whose step was not
+/// made.
 impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
     /// Phi(x, u, h) at every node: N x states.
     ///
@@ -124,7 +125,8 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
         self.run(StepQuantity::Linearisation, h.len(), [x, u, h], outputs)
     }
 
-    /// Phi, its Jacobians and the second derivatives of y'Phi at every node, y the multipliers of what follows.
+    /// Phi, its Jacobians and the second derivatives of y'Phi at every node, y the multipliers of what
+    /// follows.
     ///
     /// # Errors
     /// [`BatchError`].

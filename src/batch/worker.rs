@@ -54,7 +54,8 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
         }
     }
 
-    /// Evaluates all nodes, as many at once as a number has lanes, or, where one of those fails, each by itself.
+    /// Evaluates all nodes, as many at once as a number has lanes, or, where one of those fails, each by
+    /// itself.
     pub fn evaluate<const I: usize, const O: usize>(
         &mut self,
         of: (E::Quantity, &Layout),
@@ -124,7 +125,8 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
     }
 }
 
-/// Zero times a finite number is zero, times any other it is not; summed eight at a time, so that no sum waits for the last.
+/// Zero times a finite number is zero, times any other it is not; summed eight at a time, so that no sum
+/// waits for the last.
 #[inline]
 fn all_finite<S: Scalar>(entries: &[S]) -> bool {
     let nothing = |entry: S| entry.times(0.0);

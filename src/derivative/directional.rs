@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 use num_dual::Dual;
 use std::fmt;
 
-/// Computes `f(x)` and `f_x d`; no call allocates but what the function itself does.
+/// Computes `f(x)` and `f_x d`; calls allocate only if the function does.
 ///
 /// `T`: as for [`Jacobian`](super::Jacobian).
 pub struct Directional<F: Function, T: InnerNumber = f64> {

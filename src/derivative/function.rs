@@ -1,4 +1,4 @@
-//! What can be differentiated.
+//! Functions for automatic differentiation.
 
 use crate::error::LengthError;
 use crate::scalar::Scalar;
@@ -6,8 +6,8 @@ use num_dual::DualNum;
 
 /// A function from n to m numbers, written once for any [`Scalar`].
 ///
-/// The workspace is what the function needs besides its arguments; `()` if nothing. It is built once for each
-/// scalar type, so that a function with buffers does not allocate when it is evaluated.
+/// The workspace holds the buffers of the function; `()` if it needs none. It is built once for each scalar
+/// type, so that a function with buffers does not allocate when it is evaluated.
 ///
 /// ```
 /// use costate::derivative::{Function, Hessian, Jacobian};
@@ -41,7 +41,7 @@ use num_dual::DualNum;
 pub trait Function {
     /// Buffers for one scalar type.
     type Workspace<S: Scalar>;
-    /// Why an evaluation may fail.
+    /// The error of an evaluation.
     type Error: std::error::Error;
 
     /// Number of inputs, n.
@@ -56,7 +56,7 @@ pub trait Function {
     /// Evaluates the m outputs `y` at the n inputs `x`.
     ///
     /// # Errors
-    /// Whatever the function has to say.
+    /// The function's own error.
     fn evaluate<S: Scalar>(
         &self,
         workspace: &mut Self::Workspace<S>,
@@ -65,24 +65,25 @@ pub trait Function {
     ) -> Result<(), Self::Error>;
 }
 
-/// A number that dual numbers can be made of: `f64`, `f32`, [`Count`](crate::scalar::Count), dual numbers themselves.
+/// A number that can be the component type of dual numbers: `f64`, `f32`, [`Count`](crate::scalar::Count),
+/// dual numbers themselves.
 pub trait InnerNumber: DualNum + Scalar<Mask = bool> {}
 
 impl<T: DualNum + Scalar<Mask = bool>> InnerNumber for T {}
 
-/// Why a derivative was not computed.
+/// Why a derivative could not be computed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DerivativeError<E: std::error::Error> {
     /// An argument has the wrong length.
     #[error(transparent)]
     WrongLength(LengthError),
-    /// An argument with an entry that is infinite or not a number.
+    /// An argument has an entry that is infinite or not a number.
     #[error("{what}[{index}] is not finite; check the computation that produced it")]
     NonFinite {
         /// The argument.
         what: &'static str,
-        /// Position of the entry, from 0.
+        /// Index of the entry, from 0.
         index: usize,
     },
     /// The function itself failed.

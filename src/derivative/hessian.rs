@@ -117,7 +117,8 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
         Ok(SecondDerivatives { value: &self.value, jacobian: &self.jacobian, tensor: &self.tensor })
     }
 
-    /// `sum_k y_k d2 f_k / dx dx` (n x n) at x (n) for the weights y (m); for one output and y = 1 its Hessian.
+    /// `sum_k y_k d2 f_k / dx dx` (n x n) at x (n) for the weights y (m); for one output and y = 1 its
+    /// Hessian.
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
@@ -134,7 +135,7 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
         Ok(&self.contracted)
     }
 
-    /// The contracted matrix of the last call of [`contracted`](Self::contracted).
+    /// The matrix of the last call of [`contract`](Self::contract).
     pub fn last_contraction(&self) -> &Matrix<T> {
         &self.contracted
     }

@@ -7,10 +7,10 @@ use crate::scalar::Scalar;
 use num_dual::DualSVec;
 use std::fmt;
 
-/// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; no call allocates but what the function does.
+/// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; calls allocate only if the function does.
 ///
-/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is that of it. The numbers that values and
-/// derivatives are made of are `T`: `f64` where nothing else is said.
+/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is its gradient. Values and
+/// derivatives have the type `T`, `f64` by default.
 pub struct Jacobian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     function: F,
     workspace: F::Workspace<DualSVec<T, C>>,
@@ -40,7 +40,7 @@ pub struct FirstDerivatives<'a, T = f64> {
 }
 
 impl<'a, T: Scalar> FirstDerivatives<'a, T> {
-    /// `df_0/dx_j`, n: the gradient of the first, for a function with one output of the only one.
+    /// `df_0/dx_j`, n: the gradient of the first output.
     pub fn gradient(&self) -> &'a [T] {
         self.jacobian.row(0)
     }

@@ -9,8 +9,9 @@ use std::fmt;
 
 /// Computes `sum_k y_k d2 f_k / dx dx` by differentiating the dual-number Jacobian with dual numbers.
 ///
-/// The outer number carries direction i, the inner one `C` directions j. Each entry is computed in both orders, so
-/// the result is symmetric only up to rounding: a judge of symmetry too. `T`: as for [`Jacobian`](super::Jacobian).
+/// The outer number carries direction i, the inner one `C` directions j. Each entry is computed in both
+/// orders, so the result is symmetric only up to rounding, which also tests the symmetry. `T`: as for
+/// [`Jacobian`](super::Jacobian).
 pub struct NestedHessian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     function: F,
     workspace: F::Workspace<Dual<DualSVec<T, C>>>,

@@ -1,4 +1,4 @@
-//! The state equation as a function to differentiate.
+//! The state equation as a function for automatic differentiation.
 
 use super::function::Function;
 use crate::error::{EvalError, check_length};

@@ -1,4 +1,4 @@
-//! Any function with one output as a cost, by automatic differentiation.
+//! Any function with one output as a cost, differentiated automatically.
 
 use super::automatic::Parts;
 use super::{Cost, CostGradient, CostHessian};
@@ -54,7 +54,7 @@ impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticCost<F, T> {
 }
 
 impl<F: Function + Clone, T: InnerNumber> AutomaticCost<F, T> {
-    /// A cost of so many states; what inputs there are beyond are controls.
+    /// A running cost with so many states; all further inputs are controls.
     ///
     /// # Panics
     /// If the function has fewer inputs than states, or no output.
@@ -67,7 +67,7 @@ impl<F: Function + Clone, T: InnerNumber> AutomaticCost<F, T> {
         Self { jacobian: Jacobian::over(function.clone()), parts: Parts::new(function, states), one }
     }
 
-    /// A cost of states alone.
+    /// A terminal cost: a function of the states alone.
     ///
     /// # Panics
     /// If the function has no output.

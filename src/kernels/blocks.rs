@@ -7,10 +7,10 @@ use std::ops::Range;
 
 /// Where the forces of all joints beyond a joint stand while they are carried inward, several to a block.
 ///
-/// The forces that joint i sees, one for each j of its subtree, are those that its children see, seen from one frame
-/// further in, and one of its own. A block keeps its lanes on the way: all that is carried over a joint is carried by whole
-/// blocks, and the force of joint i itself takes the first lane that is still free, or a block of its own. Lanes that are not in
-/// use hold zero.
+/// The forces that joint i sees, one for each j of its subtree, are those that its children see, seen from
+/// one frame further in, and one of its own. A block keeps its lanes on the way: all that is carried over a
+/// joint is carried by whole blocks, and the force of joint i itself takes the first lane that is still free,
+/// or a block of its own. Lanes that are not in use hold zero.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     starts: Vec<usize>,

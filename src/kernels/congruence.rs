@@ -36,8 +36,9 @@ impl<S: Scalar> Factor<S> {
     }
 }
 
-/// `C <- E C E'`, E the identity but for row i with `terms` (k, E_ik), once row i has got its terms: the diagonal, which
-/// gets them twice, and column i, the mirror image of row i. Rows still to come find in it what they need of row i.
+/// `C <- E C E'`, E the identity but for row i with `terms` (k, E_ik), once row i has got its terms: the
+/// diagonal, which gets them twice, and column i, the mirror image of row i. Rows still to come find in it
+/// what they need of row i.
 #[inline(always)]
 fn complete<S: Scalar>(c: &mut Panel<S>, i: usize, terms: impl Iterator<Item = (usize, S)>) {
     let diagonal = terms.fold(c.get(i, i), |sum, (k, factor)| factor.mul_add(c.get(i, k), sum));

@@ -7,8 +7,8 @@ use crate::scalar::{Pack, Scalar};
 
 /// `M = L' D L` with unit lower triangular L, no pivoting (Featherstone's branch-induced sparsity).
 ///
-/// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different branches, the
-/// pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
+/// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different
+/// branches, the pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
     pub(super) l: Triangle<S>,
@@ -44,14 +44,15 @@ impl<S: Scalar> Factor<S> {
     /// Factors the n x n matrix; `size_of(k)` is what the rounding of entry (k, k) is in proportion to.
     ///
     /// # Errors
-    /// A joint whose pivot is not above its rounding: M is singular to working precision. The factorisation runs to its end
-    /// all the same.
+    /// A joint whose pivot is not above its rounding: M is singular to working precision. The factorisation
+    /// runs to its end all the same.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         sized!(S, self.work.columns(), self.eliminate(mass_matrix));
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 
-    /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its last entry.
+    /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its
+    /// last entry.
     fn eliminate<const N: usize, const W: usize>(&mut self, mass_matrix: &Matrix<S>) {
         self.work.has_size::<N, W>();
         self.l.entries().has_size::<N, W>();
@@ -77,9 +78,10 @@ impl<S: Scalar> Factor<S> {
 
     /// Compares each pivot with the rounding it may consist of.
     ///
-    /// `D_i = w' M w` for the motion w of joint i and, free, the joints beyond it: column i of `U = L^-1`. An error of
-    /// `eps size_k` in each `M_kk` therefore moves D_i by `eps sum_k U_ki^2 size_k`; 128 times that must stay below D_i. U
-    /// is only computed where some pivot is below a thousandth of its size: elsewhere nothing has cancelled.
+    /// `D_i = w' M w` for the motion w of joint i and, free, the joints beyond it: column i of `U = L^-1`. An
+    /// error of `eps size_k` in each `M_kk` therefore moves D_i by `eps sum_k U_ki^2 size_k`; 128 times that
+    /// must stay below D_i. U is only computed where some pivot is below a thousandth of its size: elsewhere
+    /// nothing has cancelled.
     fn check_pivots(&mut self, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         let mut settled = true;
         for (k, (pivot, size)) in self.pivots.iter_mut().zip(&mut self.sizes).enumerate() {

@@ -32,23 +32,24 @@ use blocks::Blocks;
 /// [`set_velocity`](KernelOne::set_velocity) gives p = L_v and L_q,
 /// [`second_order`](KernelOne::second_order) gives P = L_vq and L_qq.
 ///
-/// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every entry for
-/// a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
+/// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every
+/// entry for a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
 ///
 /// ```text
 /// M_ij = S_i . F_j     P_ij = S_i . G_j     P_ji = psi_i . F_j     L_qq,ij = psi_i . G_j + gamma_i . F_j
 /// p_i  = S_i . H_i     L_q,i = H_i . psi_i + F_i . a_g
 /// ```
 ///
-/// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish: measured
-/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together; where it
-/// stands on the world its S and gamma are carried to them instead. Armature is
-/// added to M and p, springs to L_q and L_qq.
+/// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish:
+/// measured against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it
+/// together; where it stands on the world its S and gamma are carried to them instead. Armature is added to M
+/// and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S: Scalar> {
     bodies: Vec<Body<S>>,
     blocks: Blocks,
-    /// F_j seen from frame i, for every pair `i <= j` on a branch but those of joints i on the world with others.
+    /// F_j seen from frame i, for every pair `i <= j` on a branch but those of joints i on the world with
+    /// others.
     carried: Vec<Force<S::Pack>>,
     /// G_j seen from frame i, likewise.
     rates: Vec<Force<S::Pack>>,
@@ -130,8 +131,9 @@ impl<S: Scalar> KernelOne<S> {
         &self.mass_matrix
     }
 
-    /// What the rounding of `M_kk` is in proportion to: for a revolute joint the inertia of all it moves about any axis
-    /// through its origin, in the pose where that is largest, since M_kk may be what is left of a rotation of that.
+    /// What the rounding of `M_kk` is in proportion to: for a revolute joint the inertia of all it moves
+    /// about any axis through its origin, in the pose where that is largest, since M_kk may be what is left
+    /// of a rotation of that.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
         let joints = tree.joints();
         let entry = self.mass_matrix[(k, k)];

@@ -1,7 +1,7 @@
 //! Values handed from joint to joint.
 
-/// What joint i hands to its parent on the way inward. Where the parent comes next, as in a chain, it does so without a detour
-/// through memory; else it is added to what is kept for the parent.
+/// What joint i hands to its parent on the way inward. Where the parent comes next, as in a chain, it does so
+/// without a detour through memory; else it is added to what is kept for the parent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inward<T>(Option<(usize, T)>);
 

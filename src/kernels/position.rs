@@ -100,7 +100,8 @@ impl<S: Scalar> KernelOne<S> {
 
     /// Row i of M for a joint on the world.
     ///
-    /// Such a joint moves like its axis alone: S_i and gamma_i go one frame up, instead of all F_j and G_j one down.
+    /// Such a joint moves like its axis alone: S_i and gamma_i go one frame up, instead of all F_j and G_j
+    /// one down.
     fn meet_root(&mut self, tree: &Tree, i: usize) {
         let kind = tree.joints()[i].kind;
         let own = unit_momentum(kind, &self.bodies[i].composite);

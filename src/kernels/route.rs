@@ -7,10 +7,12 @@ use crate::robot::Tree;
 use crate::scalar::Scalar;
 use std::fmt::Debug;
 
-/// Value, gradient and Hessian of `L(q, v) = 1/2 v' M v - V`, in three stages, each building on the one before.
+/// Value, gradient and Hessian of `L(q, v) = 1/2 v' M v - V`, in three stages, each building on the one
+/// before.
 ///
-/// What state equations and their Jacobians need of a robot, whichever way it is computed: [`KernelOne`] contracts
-/// with v first, [`tensors`](crate::tensors) goes the paper's way over the derivatives of M one by one.
+/// What state equations and their Jacobians need of a robot, whichever way it is computed: [`KernelOne`]
+/// contracts with v first, [`tensors`](crate::tensors) goes the paper's way over the derivatives of M one by
+/// one.
 pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
     /// Buffers for this tree.
     fn new(tree: &Tree) -> Self;

@@ -4,8 +4,8 @@ use crate::matrix::{Panel, add_rows, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
-/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature couples joints of
-/// different branches, the pattern is closed under elimination.
+/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature couples
+/// joints of different branches, the pattern is closed under elimination.
 ///
 /// Const parameters W of the methods: the packs in a row where that is known, else 0.
 #[derive(Clone, Debug)]

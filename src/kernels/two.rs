@@ -14,7 +14,8 @@ use std::ops::Add;
 
 /// Kernel two: the derivatives D M, D P and D L_qq of kernel one along a direction (dq, dv).
 ///
-/// In body frames `dS = 0`, only the transforms X move: `dX = -(S dq) x X`. By the product rule, X' for the way up,
+/// In body frames `dS = 0`, only the transforms X move: `dX = -(S dq) x X`. By the product rule, X' for the
+/// way up,
 ///
 /// ```text
 /// dv_i = X dv_parent + S_i dv_i + psi_i dq_i      dpsi_i = dv_i x S_i      dgamma_i = da_g x S_i
@@ -24,8 +25,9 @@ use std::ops::Add;
 /// D L_qq,ij = dpsi_i . G_j + psi_i . dG_j + dgamma_i . F_j + gamma_i . dF_j
 /// ```
 ///
-/// for i <= j in tree order: n d scalar products again, and no derivative of a factorisation anywhere. Along (dq, dv) =
-/// (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of inverse dynamics follow.
+/// for i <= j in tree order: n d scalar products again, and no derivative of a factorisation anywhere. Along
+/// (dq, dv) = (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of
+/// inverse dynamics follow.
 #[derive(Clone, Debug)]
 pub struct KernelTwo<S: Scalar> {
     pub(super) bodies: Vec<Change<S>>,
@@ -124,7 +126,8 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Derivatives at the position and velocity that `kernel` was set to, all three stages, along (dq, dv), n each.
+    /// Derivatives at the position and velocity that `kernel` was set to, all three stages, along (dq, dv), n
+    /// each.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
@@ -197,7 +200,8 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Changes of momenta and composite inertias, from the tips inward; those of joints on the world where they are read.
+    /// Changes of momenta and composite inertias, from the tips inward; those of joints on the world where
+    /// they are read.
     fn inward(&mut self, tree: &Tree, kernel: &KernelOne<S>) {
         let bodies = &mut self.bodies[..tree.joints().len()];
         let (mut momenta, mut composites) = (Inward::new(), Inward::new());

@@ -6,7 +6,7 @@ use crate::matrix::add_scaled;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
-    /// `w = M^-1 y` in place, n: of a costate y of the rates, the pull on the actuation, as `y'a_u = w'`. M(q) stays factored.
+    /// Replaces y (n) by `w = M^-1 y`. For a costate y of the velocities, `y'a_u = w'`. M(q) stays factored.
     ///
     /// # Errors
     /// See [`Lagrangian`].
@@ -17,9 +17,9 @@ impl<S: Scalar> Lagrangian<S> {
         Ok(())
     }
 
-    /// `dx/dt = (v, a)`, 2n, into `f` and `y'a_x = -w'(tau_q, tau_v)`, 2n, into `y_a_x`, for the costate `y = M w` of the
-    /// rates: first derivatives of inverse dynamics, contracted before anything is solved. M is factored by
-    /// [`pull`](Self::pull) at the same q.
+    /// `dx/dt = (v, a)`, 2n, into `f` and `y'a_x = -w'(tau_q, tau_v)`, 2n, into `y_a_x`, for the costate
+    /// `y = M w` of the velocities: the first derivatives of inverse dynamics are contracted before the
+    /// solve. Call [`pull`](Self::pull) at the same q first: it factors M.
     ///
     /// # Errors
     /// See [`Lagrangian`].

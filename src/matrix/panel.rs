@@ -3,8 +3,8 @@
 use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
-/// A dense matrix whose rows are filled up to a whole number of packs, and their number to a multiple of the lanes of one: what
-/// products of matrices are computed with.
+/// A dense matrix whose rows are filled up to a whole number of packs, and their number to a multiple of the
+/// lanes of one: what products of matrices are computed with.
 ///
 /// What stands in the places beyond the last column and the last row is never read as a result.
 #[derive(Clone, Debug)]
@@ -18,8 +18,9 @@ pub(crate) struct Panel<S: Scalar> {
 /// The rows before one, that one, and those after it.
 type Split<'a, P> = (&'a [P], &'a mut [P], &'a [P]);
 
-/// Calls a method with the number of joints N and the packs W in a row of N entries as const parameters, where packs have several
-/// lanes: both for arms of 6 and 7 joints and machines of 12, W alone for others up to 12. 0 stands for "read the length".
+/// Calls a method with the number of joints N and the packs W in a row of N entries as const parameters,
+/// where packs have several lanes: both for arms of 6 and 7 joints and machines of 12, W alone for others up
+/// to 12. 0 stands for "read the length".
 macro_rules! sized {
     ($S:ty, $n:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
         match $crate::matrix::Panel::<$S>::known_size($n) {
@@ -185,8 +186,8 @@ impl<S: Scalar> Panel<S> {
         row[i / Self::LANES] = zero.with_lane(i % Self::LANES, S::one());
     }
 
-    /// Lets the compiler know that a panel of N x N entries, W packs in a row, has as many packs as that takes: its checks of
-    /// indices vanish.
+    /// Lets the compiler know that a panel of N x N entries, W packs in a row, has as many packs as that
+    /// takes: its checks of indices vanish.
     #[inline(always)]
     pub fn has_size<const N: usize, const W: usize>(&self) {
         if N > 0 {

@@ -34,8 +34,8 @@ type Corner = (usize, usize);
 impl<S: Scalar> Panel<S> {
     /// `T = A B` for the rows T of this panel. W: packs in a row where known, N: rows of all three, else 0.
     ///
-    /// Where packs have several lanes, tile by tile: the sums of a tile stay in registers while the rows of B pass by, and no
-    /// tile waits for another.
+    /// Where packs have several lanes, tile by tile: the sums of a tile stay in registers while the rows of B
+    /// pass by, and no tile waits for another.
     #[inline(always)]
     pub fn set_product<const N: usize, const W: usize>(&mut self, a: Left<'_, S>, b: &Self, part: Part) {
         match a {

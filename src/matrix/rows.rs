@@ -16,8 +16,8 @@ pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
 
 /// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
 ///
-/// W: length of the target and stride where they are known, else 0, and some columns at a time. The sums stay in registers
-/// while the terms pass by.
+/// W: length of the target and stride where they are known, else 0, and some columns at a time. The sums stay
+/// in registers while the terms pass by.
 #[inline(always)]
 pub(crate) fn sum_rows<const W: usize, S: Scalar>(
     target: &mut [S],

@@ -1,7 +1,7 @@
 //! num-dual's numbers of static size, over any scalar that is itself a number of num-dual.
 //!
-//! Static size only: the dynamic ones allocate on every operation and are not `Copy`. A blanket implementation
-//! over num-dual's trait would overlap with that for `f64`, hence one implementation a type.
+//! Static size only: the dynamic ones allocate on every operation and are not `Copy`. A blanket
+//! implementation over num-dual's trait would overlap with that for `f64`, hence one implementation a type.
 
 use super::number::Scalar;
 use nalgebra::Const;
@@ -14,7 +14,8 @@ fn primitive<T: DualNum>(value: f64) -> T::Primitive {
     T::Primitive::from_f64(value).unwrap_or_else(T::Primitive::nan)
 }
 
-/// `t = tanh x` and its first four derivatives: `s = 1 - t^2`, `-2 t s`, `2 s (2 t^2 - s)`, `8 t s (2 s - t^2)`.
+/// `t = tanh x` and its first four derivatives: `s = 1 - t^2`, `-2 t s`, `2 s (2 t^2 - s)`,
+/// `8 t s (2 s - t^2)`.
 #[inline]
 fn tanh_derivatives<T: Scalar>(x: T) -> [T; 5] {
     let (t, s) = x.tanh_and_slope();

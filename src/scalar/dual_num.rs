@@ -1,7 +1,8 @@
 //! Numbers of this library as numbers of num-dual's, so that dual and hyper-dual numbers can be made of them.
 //!
-//! What is a method of [`Scalar`](super::Scalar) goes there; the functions that no formula here needs are those of `f64`, by
-//! the `map` and `combine` of the type. With num-dual's feature `ndarray`, which asks for one more trait, this does not compile.
+//! What is a method of [`Scalar`](super::Scalar) goes there; the functions that no formula here needs are
+//! those of `f64`, by the `map` and `combine` of the type. With num-dual's feature `ndarray`, which asks for
+//! one more trait, this does not compile.
 
 /// `DualNum` and what it asks for. The type has `real_part(&self) -> f64`, `map(self, f64 -> f64)` and
 /// `combine(self, Self, (f64, f64) -> f64)`.

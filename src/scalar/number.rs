@@ -5,10 +5,11 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A number that robot dynamics can be computed with.
 ///
-/// Implemented for `f64`, `f32`, [`Count`](super::Count), [`Expr`](crate::codegen::Expr) and `Lanes` (feature `wide`: `F64x4`, `F64x8`), for
-/// [`Tangent`](super::Tangent) over any scalar, and for num-dual's numbers of static size, each over any scalar that num-dual takes, so that
-/// nested ones work too: `Dual`, `Dual2`, `Dual3`, `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec` (the
-/// last three not over `Lanes`). Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
+/// Implemented for `f64`, `f32`, [`Count`](super::Count), [`Expr`](crate::codegen::Expr) and `Lanes` (feature
+/// `wide`: `F64x4`, `F64x8`), for [`Tangent`](super::Tangent) over any scalar, and for num-dual's numbers of
+/// static size, each over any scalar that num-dual takes, so that nested ones work too: `Dual`, `Dual2`,
+/// `Dual3`, `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec` (the last three not over
+/// `Lanes`). Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
 /// [`plus`](Scalar::plus), which cost a dual number much less than an operation between two of them.
 ///
 /// ```
@@ -49,7 +50,8 @@ pub trait Scalar:
 
     /// Order of the highest derivatives that the number carries; 0 for one that is a value and nothing else.
     ///
-    /// What is iterated to a fixed point (see [`step`](crate::step)) needs it: derivatives converge after the value.
+    /// What is iterated to a fixed point (see [`step`](crate::step)) needs it: derivatives converge after the
+    /// value.
     const ORDER: usize;
 
     /// Whether values are checked at the edge of the library (finite input, regular mass matrix).
@@ -57,8 +59,8 @@ pub trait Scalar:
     /// `false` for a scalar that only counts or records: what it computes holds for any input.
     const CHECKED: bool = true;
 
-    /// Whether a product costs no more than a sum, and both together no more than one: formulas are then chosen for few steps one
-    /// after another, not for few products.
+    /// Whether a product costs no more than a sum, and both together no more than one: formulas are then
+    /// chosen for few steps one after another, not for few products.
     const FUSED: bool = false;
 
     /// The constant `value`, with derivatives zero.
@@ -82,7 +84,8 @@ pub trait Scalar:
     /// `self + term` for a constant.
     fn plus(self, term: f64) -> Self;
 
-    /// `self * factor + term`, rounded once where the processor that is compiled for does that in one instruction.
+    /// `self * factor + term`, rounded once where the processor that is compiled for does that in one
+    /// instruction.
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
@@ -128,9 +131,9 @@ pub trait Scalar:
 
     /// Hyperbolic tangent `t` and its slope `1 - t^2`, both to full relative accuracy, free of overflow.
     ///
-    /// With `m = exp(-2 |x|) - 1` and `e = exp(-2 |x|)`: `|t| = -m / (m + 2)`, slope `4 e / (1 + e)^2`. Derivatives
-    /// follow from `t' = 1 - t^2`, so that they too are 0, not rounding, where they should be (t'' at 0, all at large
-    /// arguments); num-dual's own tanh = sinh / cosh is not a number beyond 710.
+    /// With `m = exp(-2 |x|) - 1` and `e = exp(-2 |x|)`: `|t| = -m / (m + 2)`, slope `4 e / (1 + e)^2`.
+    /// Derivatives follow from `t' = 1 - t^2`, so that they too are 0, not rounding, where they should be
+    /// (t'' at 0, all at large arguments); num-dual's own tanh = sinh / cosh is not a number beyond 710.
     fn tanh_and_slope(self) -> (Self, Self);
 
     /// Hyperbolic tangent, see [`tanh_and_slope`](Scalar::tanh_and_slope).
@@ -149,8 +152,8 @@ pub trait Scalar:
 
 /// A vector of numbers of type S whose operations work on all of its lanes.
 ///
-/// What the pipeline does in the same way for many joints it does for [`LANES`](Pack::LANES) of them at once: with
-/// `f64`, four where the feature `wide` is on. Every scalar is a pack of itself, of one lane.
+/// What the pipeline does in the same way for many joints it does for [`LANES`](Pack::LANES) of them at once:
+/// with `f64`, four where the feature `wide` is on. Every scalar is a pack of itself, of one lane.
 pub trait Pack<S>: Scalar {
     /// Number of lanes.
     const LANES: usize;

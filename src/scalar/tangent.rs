@@ -5,9 +5,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `re + eps d`, `d^2 = 0`: a dual number that asks nothing of its parts but that they are scalars.
 ///
-/// What the pipeline itself differentiates with, so that every scalar can (num-dual's numbers need parts that can be
-/// compared and printed like a float; one that counts, records or stands for several lanes cannot). As there, a quotient
-/// is a product with the reciprocal.
+/// What the pipeline itself differentiates with, so that every scalar can (num-dual's numbers need parts that
+/// can be compared and printed like a float; one that counts, records or stands for several lanes cannot). As
+/// there, a quotient is a product with the reciprocal.
 #[derive(Clone, Copy, Debug)]
 pub struct Tangent<S> {
     /// Value.

@@ -1,4 +1,4 @@
-//! Any function generic over the scalar as a step, by automatic differentiation.
+//! Any function generic over the scalar as a step, differentiated automatically.
 
 use super::error::check;
 use super::outcome::Outcome;
@@ -8,7 +8,8 @@ use crate::dynamics::{Automatic, Dynamics, Linearisation};
 use crate::scalar::Scalar;
 use std::fmt;
 
-/// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs as states.
+/// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs
+/// as states.
 ///
 /// Jacobians by dual numbers, y'Phi_xx, y'Phi_ux and y'Phi_uu by hyper-dual numbers. `T`: as for
 /// [`Jacobian`](crate::derivative::Jacobian).
@@ -56,8 +57,8 @@ impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticStep<F, T> {
 }
 
 impl<F: Function + Clone, T: InnerNumber> AutomaticStep<F, T> {
-    /// The step of a function with as many states as it has outputs; its last input is the duration h, what inputs
-    /// there are between are controls.
+    /// The step of a function with as many states as it has outputs; its last input is the duration h, what
+    /// inputs there are between are controls.
     ///
     /// # Panics
     /// If the function has no more inputs than outputs.

@@ -24,8 +24,8 @@ pub enum StepError<E: std::error::Error> {
     NotConverged {
         /// Number of iterations.
         iterations: usize,
-        /// The smallest power of ten above the last correction, relative to max(1, its half of the state); infinite
-        /// where there is none.
+        /// The smallest power of ten above the last correction, relative to max(1, its half of the state);
+        /// infinite where there is none.
         change: f64,
     },
 }

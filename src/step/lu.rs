@@ -5,10 +5,11 @@ use crate::scalar::Scalar;
 
 /// `A = L U` of a square matrix, L with ones on its diagonal, without exchange of rows.
 ///
-/// Which row to exchange would be a choice by value, which numbers of several lanes could not make alike. It is not
-/// needed for steps that are short beside the rates of the model: A is `1 - h a f_x`, the unit matrix for h = 0. Where h
-/// is so long that a leading minor of A nearly vanishes, the derivatives of the step lose as many digits as that is small,
-/// though A be regular; where it vanishes, quotients are not finite, and Newton's method reports that it did not converge.
+/// Which row to exchange would be a choice by value, which numbers of several lanes could not make alike. It
+/// is not needed for steps that are short beside the rates of the model: A is `1 - h a f_x`, the unit matrix
+/// for h = 0. Where h is so long that a leading minor of A nearly vanishes, the derivatives of the step lose
+/// as many digits as that is small, though A be regular; where it vanishes, quotients are not finite, and
+/// Newton's method reports that it did not converge.
 #[derive(Clone, Debug)]
 pub(super) struct Lu<S> {
     a: Matrix<S>,

@@ -9,9 +9,9 @@
 //! | [`RungeKutta`] of any [`Tableau`] | | any | those of its diagonal | | |
 //! | [`AutomaticStep`] of any function of (x, u, h) | | any | | | |
 //!
-//! The control is constant along a step. Second derivatives come from the adjoint of the stages, those of an implicit
-//! scheme from its equations at the solution: see [`RungeKutta`]. [`OneStep`] is a step as a function, for dual numbers
-//! to judge; [`StepRoutes`] lets them.
+//! The control is constant along a step. Second derivatives come from the adjoint of the stages, those of an
+//! implicit scheme from its equations at the solution: see [`RungeKutta`]. [`OneStep`] is a step as a
+//! function, for dual numbers to judge; [`StepRoutes`] lets them.
 
 mod automatic;
 mod error;
@@ -42,10 +42,11 @@ use crate::scalar::Scalar;
 
 /// One step `Phi(x, u, h)` of duration h under constant control u, with its first two derivatives.
 ///
-/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, the costate of what comes next, as many
-/// as x. A workspace, as [`Dynamics`](crate::dynamics::Dynamics): results are borrowed from it, no call allocates.
+/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, the costate of what comes
+/// next, as many as x. A workspace, as [`Dynamics`](crate::dynamics::Dynamics): results are borrowed from it,
+/// no call allocates.
 pub trait Step<S: Scalar> {
-    /// Why a step may fail.
+    /// The error of a step.
     type Error: std::error::Error + 'static;
 
     /// Length of x.
@@ -57,7 +58,7 @@ pub trait Step<S: Scalar> {
     /// Phi(x, u, h).
     ///
     /// # Errors
-    /// Whatever the model has to say, or an implicit equation that was not solved.
+    /// A wrong length, the model's own error, or an implicit equation that was not solved.
     fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error>;
 
     /// Phi, Phi_x, Phi_u and Phi_h.
@@ -73,7 +74,7 @@ pub trait Step<S: Scalar> {
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error>;
 }
 
-/// A step that is lent.
+/// A borrowed step is a step.
 impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
     type Error = P::Error;
 
@@ -120,14 +121,16 @@ pub struct StepContraction<'a, S> {
     pub first: StepLinearisation<'a, S>,
     /// `sum_k y_k d2 Phi_k / dx dx`, states x states, symmetric.
     pub xx: Block<'a, S>,
-    /// `sum_k y_k d2 Phi_k / du dx`, controls x as many of the first states as it has columns; zero in the others.
+    /// `sum_k y_k d2 Phi_k / du dx`, controls x as many of the first states as it has columns; zero in the
+    /// others.
     pub ux: Option<Block<'a, S>>,
     /// `sum_k y_k d2 Phi_k / du du`, controls x controls, symmetric.
     pub uu: Option<Block<'a, S>>,
 }
 
 impl<S: Scalar> StepContraction<'_, S> {
-    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u, as far as the slices reach.
+    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u, truncated to the
+    /// lengths of the slices.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
         times(self.xx, [self.ux, self.uu], d, product);
     }

@@ -34,10 +34,10 @@ impl<S: Scalar> Newton<S> {
 
     /// Solves for `stage.x`, which holds g, from the guess `g + h a slope`.
     ///
-    /// Convergence is quadratic: once a change is as small as [`Self::left`] asks, the next one would be rounding.
-    /// Numbers that carry derivatives of order d go on: from a value that is right, an iteration with the Jacobian in
-    /// the same numbers makes right what is of first order, the next what is up to third, then up to seventh; that is
-    /// `ceil(log2(d + 1))` more of them.
+    /// Convergence is quadratic: once a change is as small as [`Self::left`] asks, the next one would be
+    /// rounding. Numbers that carry derivatives of order d go on: from a value that is right, an iteration
+    /// with the Jacobian in the same numbers makes right what is of first order, the next what is up to
+    /// third, then up to seventh; that is `ceil(log2(d + 1))` more of them.
     pub fn solve<D: Dynamics<S>>(
         &mut self,
         model: &mut D,
@@ -95,9 +95,9 @@ impl<S: Scalar> Newton<S> {
 
     /// How many iterations are left, if the last change says so.
     ///
-    /// None but those for derivatives if every change is below `sqrt(eps)/64` of the largest of its half. A state at rest has
-    /// no size, and its change is rounding of forces in balance: below `512 eps` of 1 there is one more, for states that
-    /// are merely small in their units.
+    /// None but those for derivatives if every change is below `sqrt(eps)/64` of the largest of its half. A
+    /// state at rest has no size, and its change is rounding of forces in balance: below `512 eps` of 1 there
+    /// is one more, for states that are merely small in their units.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();
         if self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0)) {

@@ -1,4 +1,4 @@
-//! One step of a model as a function to differentiate.
+//! One step of a model as a function for automatic differentiation.
 
 use super::semi_implicit_euler::SemiImplicitEuler;
 use super::{RungeKutta, Step, StepError, Tableau};
@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 
 /// A model for every scalar.
 pub trait ModelFamily {
-    /// Why an evaluation may fail.
+    /// The error of an evaluation.
     type Error: std::error::Error + 'static;
     /// The model for one scalar.
     type Model<S: Scalar>: Dynamics<S, Error = Self::Error>;
@@ -91,7 +91,8 @@ impl Scheme<LagrangianRobot> for SemiImplicit {
     }
 }
 
-/// `(x, u, h) -> Phi(x, u, h)` of a model by a scheme, to be differentiated automatically: the judge of every [`Step`].
+/// `(x, u, h) -> Phi(x, u, h)` of a model by a scheme, to be differentiated automatically: the judge of every
+/// [`Step`].
 ///
 /// ```
 /// use costate::derivative::Jacobian;

@@ -17,11 +17,13 @@ impl<S: Scalar> VelocityForm<S> for LagrangianSecondOrder<S> {}
 
 impl<S: Scalar, D: VelocityForm<S>> VelocityForm<S> for &mut D {}
 
-/// `v+ = v + h a(q, v, u)`, then `q+ = q + h v+`: explicit, first order, one evaluation of f; no call allocates.
+/// `v+ = v + h a(q, v, u)`, then `q+ = q + h v+`: explicit, first order, one evaluation of f; no call
+/// allocates.
 ///
-/// What simulators of robots and of contact commonly use. It is symplectic only where the mass matrix is constant and
-/// forces do not depend on v: for a robot whose M depends on q it is not, and energy drifts
-/// ([`StoermerVerlet`](super::StoermerVerlet) is its relative that keeps the structure). With `y+ = y_v + h y_q`
+/// What simulators of robots and of contact commonly use. It is symplectic only where the mass matrix is
+/// constant and forces do not depend on v: for a robot whose M depends on q it is not, and energy drifts
+/// ([`StoermerVerlet`](super::StoermerVerlet) is its relative that keeps the structure). With
+/// `y+ = y_v + h y_q`
 ///
 /// ```text
 /// y'Phi_zz = h y+'a_zz ,   z = (q, v, u)
@@ -47,7 +49,7 @@ pub struct SemiImplicitEuler<S, D> {
 }
 
 impl<S: Scalar, D: VelocityForm<S>> SemiImplicitEuler<S, D> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     ///
     /// # Panics
     /// If the state has an odd length.
@@ -81,7 +83,8 @@ fn arrive<S: Scalar>(next: &mut [S], x: &[S], h: S, f: &[S]) {
     }
 }
 
-/// Phi and its derivatives in (x, u, h) from those of f: `dv+ = dv + h da + a dh`, `dq+ = dq + h dv+ + v+ dh`.
+/// Phi and its derivatives in (x, u, h) from those of f: `dv+ = dv + h da + a dh`,
+/// `dq+ = dq + h dv+ + v+ dh`.
 fn arrive_with_derivatives<S: Scalar>(outcome: &mut Outcome<S>, x: &[S], h: S, first: &Linearisation<'_, S>) {
     let n = x.len() / 2;
     arrive(&mut outcome.next, x, h, first.f);

@@ -90,7 +90,8 @@ impl<S: Scalar> Stage<S> {
 
     /// dX/dz and df/dz from those of the stages before it, once f and its Jacobians are taken.
     ///
-    /// From `dX = dg + a (f dh + h (f_x dX + f_u du))` by the implicit function theorem: no iteration is differentiated.
+    /// From `dX = dg + a (f dh + h (f_x dX + f_u du))` by the implicit function theorem: no iteration is
+    /// differentiated.
     pub fn differentiate<'a>(&mut self, h: S, before: impl Iterator<Item = (Pair, &'a Self)> + Clone) {
         differentiate_sum(&mut self.x_z, h, before);
         if let Some(implicit) = &mut self.implicit {

@@ -11,9 +11,9 @@ pub type Pair = [f64; 2];
 /// X_i = x + h sum_(j <= i) A_ij f(X_j, u)      Phi = x + h sum_i B_i f(X_i, u)
 /// ```
 ///
-/// Every coefficient is a [`Pair`]: partitioned schemes take one for q and one for p. Where A_ii is not zero the stage
-/// is implicit, in the half it is not zero in. Source: E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
-/// Integration", Springer 2006, II.1 and II.2.
+/// Every coefficient is a [`Pair`]: partitioned schemes take one for q and one for p. Where A_ii is not zero
+/// the stage is implicit, in the half it is not zero in. Source: E. Hairer, C. Lubich, G. Wanner, "Geometric
+/// Numerical Integration", Springer 2006, II.1 and II.2.
 ///
 /// ```
 /// use costate::lagrangian::LagrangianSecondOrder;

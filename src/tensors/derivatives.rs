@@ -12,15 +12,17 @@ use crate::scalar::Scalar;
 ///
 /// [`set_position`](Self::set_position) gives M and the global inertia tensors,
 /// [`first_derivatives`](Self::first_derivatives) `Gamma^k_ij` and `M_ij,k`,
-/// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`update`](Self::update) all of them.
-/// What has not been computed is not a number; what was computed at an earlier position stays until it is computed again.
+/// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`update`](Self::update)
+/// all of them. What has not been computed is not a number; what was computed at an earlier position stays
+/// until it is computed again.
 ///
-/// Numbers and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives of both kinds,
-/// one of 100 joints 25 million (200 MB in `f64`).
+/// Numbers and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives
+/// of both kinds, one of 100 joints 25 million (200 MB in `f64`).
 ///
-/// Every independent number is stored once, in the order of [`IndexSets`](super::IndexSets). The accessors take any
-/// indices 0 to n - 1, in any order, and panic beyond, as a slice does; joints on different branches give 0. Units follow from those
-/// of M (kg m^2, kg m, kg) and q (rad, m). Armature is constant: M is without it, and its derivatives do not know it.
+/// Every independent number is stored once, in the order of [`IndexSets`](super::IndexSets). The accessors
+/// take any indices 0 to n - 1, in any order, and panic beyond, as a slice does; joints on different branches
+/// give 0. Units follow from those of M (kg m^2, kg m, kg) and q (rad, m). Armature is constant: M is without
+/// it, and its derivatives do not know it.
 ///
 /// ```
 /// use costate::robot::{Robot, Tree};
@@ -63,7 +65,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
         self.first.compute(&mut self.tensors);
     }
 
-    /// Third stage: `Gamma^k_ij,l` (59), (60) and `M_ij,kl` (41) at the position set last; the second stage comes before.
+    /// Third stage: `Gamma^k_ij,l` (59), (60) and `M_ij,kl` (41) at the position set last; the second stage
+    /// comes before.
     pub fn second_derivatives(&mut self, tree: &Tree) {
         self.second.compute(tree, &self.tensors, &self.first);
     }
@@ -99,7 +102,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
         sign.of(block[gamma(j, k, i)])
     }
 
-    /// `c_ijk = [ij,k] = 1/2 (M_ik,j + M_jk,i - M_ij,k)`: the Christoffel symbol of the first kind, symmetric in i and j.
+    /// `c_ijk = [ij,k] = 1/2 (M_ik,j + M_jk,i - M_ij,k)`: the Christoffel symbol of the first kind, symmetric
+    /// in i and j.
     ///
     /// The convention of adaptive control: `C_kj = sum_i c_ijk v_i` makes `dM/dt - 2 C` skew. It is
     /// [`gamma(i, k, j)`](Self::gamma).
@@ -107,7 +111,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
         self.gamma(i, k, j)
     }
 
-    /// `M_ij,k = dM_ij/dq_k` (39), for any indices; 0 where k <= min(i, j), since a turn of all changes nothing.
+    /// `M_ij,k = dM_ij/dq_k` (39), for any indices; 0 where k <= min(i, j), since a turn of all changes
+    /// nothing.
     pub fn mass_first(&self, i: usize, j: usize, k: usize) -> S {
         let Some((d, [i, j, k])) = self.tensors.paths.on_one_branch([i, j, k]) else { return S::zero() };
         let (i, j) = (i.min(j), i.max(j));

@@ -37,7 +37,8 @@ impl<S: Scalar> First<S> {
         }
     }
 
-    /// c_id for i < d: what multiplies x_k, y_k, z_k in (A4.3); `(Z_d x Pi_dd) x Z_i` for a prismatic joint i.
+    /// c_id for i < d: what multiplies x_k, y_k, z_k in (A4.3); `(Z_d x Pi_dd) x Z_i` for a prismatic joint
+    /// i.
     fn beyond_revolute(&mut self, tensors: &mut GlobalTensors<S>, d: usize) {
         tensors.complete_columns(d);
         let p = tensors.bodies[d].first_moment;

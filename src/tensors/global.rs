@@ -7,11 +7,12 @@ use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Symmetric3, Transform, Vec3};
 
-/// `Pi_ij = int O_iP dm` (66) and `L_ij = int O_iP (x) O_jP dm` (67) over all that joint j moves, i <= j, in frame j; and M.
+/// `Pi_ij = int O_iP dm` (66) and `L_ij = int O_iP (x) O_jP dm` (67) over all that joint j moves, i <= j, in
+/// frame j; and M.
 ///
-/// With `L_ij = [[A, F, (E)], [I, B, (D)], [H, G, (C)]]` (A4.1): L_jj is kept whole, since the change of frame mixes all
-/// six of its numbers, L_ij with i < j without its third column, which enters nothing. Where joint j is prismatic nothing
-/// but Pi_ij is needed.
+/// With `L_ij = [[A, F, (E)], [I, B, (D)], [H, G, (C)]]` (A4.1): L_jj is kept whole, since the change of
+/// frame mixes all six of its numbers, L_ij with i < j without its third column, which enters nothing. Where
+/// joint j is prismatic nothing but Pi_ij is needed.
 #[derive(Clone, Debug)]
 pub struct GlobalTensors<S> {
     pub(super) paths: Paths,
@@ -152,7 +153,8 @@ impl<S: Scalar> GlobalTensors<S> {
         tree.joints()[d].transform_at(self.positions[d])
     }
 
-    /// `int OP . g dm` of all that a joint d on the fixed base moves, O the origin of the world; `gravity` in frame d.
+    /// `int OP . g dm` of all that a joint d on the fixed base moves, O the origin of the world; `gravity` in
+    /// frame d.
     pub(super) fn weight_moment(&self, d: usize, gravity: Vec3<S>, world_gravity: [f64; 3]) -> S {
         let base: f64 = self.origins[d].iter().zip(world_gravity).map(|(r, g)| r * g).sum();
         let here = gravity.dot(self.bodies[d].first_moment).plus(self.masses[d] * base);
@@ -190,8 +192,8 @@ impl<S: Scalar> GlobalTensors<S> {
         self.bodies[j].tensor
     }
 
-    /// First and second column of `L_ij = L_jj + Lambda_ij (x) Pi_jj` (A3.9) in frame j (kg m^2), (A, I, H) and (F, B, G);
-    /// `None` unless i <= j and both joints are revolute.
+    /// First and second column of `L_ij = L_jj + Lambda_ij (x) Pi_jj` (A3.9) in frame j (kg m^2), (A, I, H)
+    /// and (F, B, G); `None` unless i <= j and both joints are revolute.
     pub fn columns(&self, i: usize, j: usize) -> Option<[Vec3<S>; 2]> {
         let pair = self.pair(i, j)?;
         let kinds = self.paths.kinds(j);

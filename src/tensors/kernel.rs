@@ -10,8 +10,9 @@ use crate::spatial::Vec3;
 
 /// `P_ik = sum_j M_ij,k v_j`, `L_qq,kl = 1/2 v' M,kl v - V,kl` from Christoffel coefficients: (20)-(22).
 ///
-/// Armature is added to M and p, springs to L_q and L_qq. Weight: with `D_jj = int OP,j dm = Z_j x Pi_jj` (revolute) or
-/// `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i . (D_jj x g)` for i <= j, `w_i = sbar_i Z_i`.
+/// Armature is added to M and p, springs to L_q and L_qq. Weight: with `D_jj = int OP,j dm = Z_j x Pi_jj`
+/// (revolute) or `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i . (D_jj x g)` for i <= j,
+/// `w_i = sbar_i Z_i`.
 #[derive(Clone, Debug)]
 pub struct ChristoffelKernel<S> {
     derivatives: MassMatrixDerivatives<S>,

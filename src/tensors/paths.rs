@@ -5,8 +5,8 @@ use std::ops::Range;
 
 /// The ancestors of every joint, in order; a position on a path is the depth of the joint that stands there.
 ///
-/// A number belongs to the deepest joint d among its indices. Those of one d form a block, in which the indices are
-/// positions on the path to d; h is the position of d itself.
+/// A number belongs to the deepest joint d among its indices. Those of one d form a block, in which the
+/// indices are positions on the path to d; h is the position of d itself.
 #[derive(Clone, Debug)]
 pub(super) struct Paths {
     starts: Vec<usize>,
@@ -90,7 +90,8 @@ impl Paths {
         self.second[self.len()]
     }
 
-    /// The deepest of the joints and the positions of all of them on its path; `None` unless they lie on one branch.
+    /// The deepest of the joints and the positions of all of them on its path; `None` unless they lie on one
+    /// branch.
     pub fn on_one_branch<const N: usize>(&self, joints: [usize; N]) -> Option<(usize, [usize; N])> {
         let positions = joints.map(|joint| self.depth(joint));
         let mut deepest = 0;

@@ -9,8 +9,8 @@ use crate::spatial::Vec3;
 
 /// The independent `Gamma^k_ij,l` and `M_ij,kl`, block by block.
 ///
-/// With `w_i = sbar_i Z_i` and `Q_jl = int OP,j (x) OP,l dm`, the trace of which is M_jl, the four terms of (56), and
-/// those of (57), (58), are one formula for every mixture of joints:
+/// With `w_i = sbar_i Z_i` and `Q_jl = int OP,j (x) OP,l dm`, the trace of which is M_jl, the four terms of
+/// (56), and those of (57), (58), are one formula for every mixture of joints:
 ///
 /// ```text
 /// A1_ijkl = (w_i . w_k) M_jl - w_i . Q_jl w_k     B1_ijkl = A1_jikl     A2_ijkl = A1_klij
@@ -63,8 +63,8 @@ impl<S: Scalar> Second<S> {
 
     /// `w_i x w_k` in frame d.
     ///
-    /// Where joint d stands square to or along the one before it, a vector is cheaper turned than made anew, and that of
-    /// parallel axes stays a constant zero.
+    /// Where joint d stands square to or along the one before it, a vector is cheaper turned than made anew,
+    /// and that of parallel axes stays a constant zero.
     fn cross_products(&mut self, tree: &Tree, tensors: &GlobalTensors<S>, d: usize) {
         let (paths, h) = (&tensors.paths, tensors.paths.depth(d));
         let (path, kinds, axes) = (paths.of(d), paths.kinds(d), &tensors.axes[paths.pairs(d)]);
@@ -153,11 +153,12 @@ impl<S: Scalar> Second<S> {
         }
     }
 
-    /// `M_ii,kd = 2 Gamma^i_ik,d`, `M_ij,kd = Gamma^j_ik,d + Gamma^i_jk,d` (i < j < k), `M_ik,kd = Gamma^k_ik,d`,
-    /// `M_ij,kd = Gamma^k_ij,d - Gamma^i_kj,d` (k < j), `M_id,kl = Gamma^k_id,l - Gamma^i_kd,l` (41).
+    /// `M_ii,kd = 2 Gamma^i_ik,d`, `M_ij,kd = Gamma^j_ik,d + Gamma^i_jk,d` (i < j < k),
+    /// `M_ik,kd = Gamma^k_ik,d`, `M_ij,kd = Gamma^k_ij,d - Gamma^i_kj,d` (k < j),
+    /// `M_id,kl = Gamma^k_id,l - Gamma^i_kd,l` (41).
     ///
-    /// The last coefficient is not in the independent set: `Gamma^i_kd,l = Gamma^i_kl,d + Gamma^k_il,d - Gamma^k_id,l`,
-    /// (43) for k < l, (44) for k = l.
+    /// The last coefficient is not in the independent set:
+    /// `Gamma^i_kd,l = Gamma^i_kl,d + Gamma^k_il,d - Gamma^k_id,l`, (43) for k < l, (44) for k = l.
     fn derivatives_of_mass(&mut self, tensors: &GlobalTensors<S>, d: usize) {
         let h = tensors.paths.depth(d);
         let block = tensors.paths.second_block(d);

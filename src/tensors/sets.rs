@@ -49,7 +49,8 @@ impl IndexSets {
         })
     }
 
-    /// `Gamma^k_ij,l`: i < j <= l, k <= j, cases (a) and (b), or i < k <= l < j, case (c) of (45), as `[k, i, j, l]`.
+    /// `Gamma^k_ij,l`: i < j <= l, k <= j, cases (a) and (b), or i < k <= l < j, case (c) of (45), as
+    /// `[k, i, j, l]`.
     pub fn gamma_derivatives(&self) -> Vec<[usize; 4]> {
         self.each(|path, h, all| {
             for j in 0..=h {

@@ -1,4 +1,5 @@
-//! The tensors and coefficients as sums over point masses, and the derivatives in the form in which they are printed.
+//! The tensors and coefficients as sums over point masses, and the derivatives in the form in which they are
+//! printed.
 
 use super::{IndexSets, MassMatrixDerivatives};
 use crate::robot::{JointKind, JointSpec, LinkInertia, Placement, Robot, Tree};
@@ -28,7 +29,8 @@ fn tree(parents: &[Option<usize>], prismatic: usize) -> Tree {
     Tree::from(&builder.build().unwrap())
 }
 
-/// The robot in the world: axes, origins, and six point masses a link that have its mass, first and second moments.
+/// The robot in the world: axes, origins, and six point masses a link that have its mass, first and second
+/// moments.
 struct Points {
     tree: Tree,
     rotations: Vec<Matrix3<f64>>,

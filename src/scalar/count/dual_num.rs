@@ -1,5 +1,5 @@
-//! [`Count`] as a number of num-dual's: what the pipeline uses of it is counted by kind, as [`Scalar`] does; the functions
-//! that no formula here needs are one [`other`](super::Operations::other) each.
+//! [`Count`] as a number of num-dual's: what the pipeline uses of it is counted by kind, as [`Scalar`] does;
+//! the functions that no formula here needs are one [`other`](super::Operations::other) each.
 
 use super::Count;
 use crate::scalar::dual_num::dual_num;

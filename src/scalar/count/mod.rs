@@ -9,7 +9,8 @@ pub use number::Count;
 use std::cell::Cell;
 use std::ops::{Add, AddAssign};
 
-/// Arithmetic operations, by kind. Changes of sign, choices by [`select`](super::Scalar::select) and copies are free.
+/// Arithmetic operations, by kind. Changes of sign, choices by [`select`](super::Scalar::select) and copies
+/// are free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Multiplications.
@@ -55,8 +56,8 @@ impl AddAssign for Operations {
 /// What becomes of operations whose outcome is known beforehand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Constants {
-    /// They are free, as in code generated for one robot: products with exactly 0, 1 or -1, sums with exactly 0,
-    /// anything between two constants. A division by a constant is a multiplication.
+    /// They are free, as in code generated for one robot: products with exactly 0, 1 or -1, sums with exactly
+    /// 0, anything between two constants. A division by a constant is a multiplication.
     #[default]
     Folded,
     /// They count like all others: every operation that the same code executes on `f64`.

@@ -7,9 +7,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A value that counts the operations done with it, see [`count`](super::count).
 ///
-/// It knows whether it is a constant: made from a number of the model, or the outcome of constants alone. A variable
-/// that happens to be 0 is no constant, so counts do not depend on the state. It is a number of num-dual's too: dual and
-/// hyper-dual numbers over it count what those over `f64` do.
+/// It knows whether it is a constant: made from a number of the model, or the outcome of constants alone. A
+/// variable that happens to be 0 is no constant, so counts do not depend on the state. It is a number of
+/// num-dual's too: dual and hyper-dual numbers over it count what those over `f64` do.
 #[derive(Clone, Copy, Debug)]
 pub struct Count {
     pub(super) value: f64,

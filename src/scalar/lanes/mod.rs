@@ -14,19 +14,19 @@ use super::real::real_tanh_and_slope;
 
 /// One `f64` for each of several states, in the lanes of a vector of the crate `wide`.
 ///
-/// The pipeline runs on it unchanged, so that one call computes a quantity at four ([`F64x4`]) or eight ([`F64x8`]) states.
-/// No lane sees another: each holds what `f64` would give for its state, within rounding (where the processor fuses a
-/// product and a sum, [`mul_add`](Scalar::mul_add) does in both). [`Tangent`](super::Tangent) and num-dual's `Dual`, `Dual2`,
-/// `Dual3`, `HyperDual` and `HyperHyperDual` can be made of it; those with a vector of derivatives choose by one truth value
-/// and cannot.
+/// The pipeline runs on it unchanged, so that one call computes a quantity at four ([`F64x4`]) or eight
+/// ([`F64x8`]) states. No lane sees another: each holds what `f64` would give for its state, within rounding
+/// (where the processor fuses a product and a sum, [`mul_add`](Scalar::mul_add) does in both).
+/// [`Tangent`](super::Tangent) and num-dual's `Dual`, `Dual2`, `Dual3`, `HyperDual` and `HyperHyperDual` can
+/// be made of it; those with a vector of derivatives choose by one truth value and cannot.
 ///
-/// What the library refuses it refuses for all lanes: one state that is not finite, or whose mass matrix is singular, is the
-/// error of the whole call, and no lane has a result. A [`Batch`](crate::batch::Batch) then evaluates the states one by one.
-/// In [`sin_cos`](Scalar::sin_cos) one lane beyond 1e6 rad, or that is no number, sends all of them to the standard library,
-/// one after the other: as exact, but slower.
+/// What the library refuses it refuses for all lanes: one state that is not finite, or whose mass matrix is
+/// singular, is the error of the whole call, and no lane has a result. A [`Batch`](crate::batch::Batch) then
+/// evaluates the states one by one. In [`sin_cos`](Scalar::sin_cos) one lane beyond 1e6 rad, or that is no
+/// number, sends all of them to the standard library, one after the other: as exact, but slower.
 ///
-/// A vector is as wide as the instructions that the program is compiled for: eight lanes are one register with AVX-512,
-/// two with AVX, four with SSE2. Compile with `-C target-cpu=native` for the processor at hand.
+/// A vector is as wide as the instructions that the program is compiled for: eight lanes are one register
+/// with AVX-512, two with AVX, four with SSE2. Compile with `-C target-cpu=native` for the processor at hand.
 ///
 /// ```
 /// use costate::scalar::{F64x4, Scalar};
@@ -71,7 +71,8 @@ impl<V: Vector> Lanes<V> {
         self.0
     }
 
-    /// From as many numbers as there are lanes, or fewer; the lanes left over repeat the last, and are zero where there is none.
+    /// From as many numbers as there are lanes, or fewer; the lanes left over repeat the last, and are zero
+    /// where there is none.
     #[inline]
     pub fn from_lanes(values: &[f64]) -> Self {
         let mut lanes = Self(V::splat(values.last().copied().unwrap_or(0.0)));
@@ -153,7 +154,8 @@ impl<V: Vector> Scalar for Lanes<V> {
     fn exp(self) -> Self {
         Self(self.0.exp())
     }
-    /// From half of ln 2 to ln 2 by `e^2h - 1 = m (m + 2)`, `m = e^h - 1`, which loses less than what the vector does there.
+    /// From half of ln 2 to ln 2 by `e^2h - 1 = m (m + 2)`, `m = e^h - 1`, which loses less than what the
+    /// vector does there.
     #[inline]
     fn exp_m1(self) -> Self {
         let size = Scalar::abs(self);
