@@ -9,11 +9,11 @@ pub(super) struct Worker<S: Packed, E: Evaluator<S>> {
     evaluator: E,
     input: Vec<S>,
     output: Vec<S>,
-    /// Failures since they were taken last.
+    /// Failures since they were last collected.
     pub failures: Vec<Failure<E::Error>>,
 }
 
-/// Nodes that lie one behind the other, with their place in the batch.
+/// Consecutive nodes, with their position in the batch.
 pub(super) struct Nodes<'a, L, const I: usize, const O: usize> {
     pub first: usize,
     pub count: usize,
@@ -28,7 +28,7 @@ impl<L, const I: usize, const O: usize> Nodes<'_, L, I, O> {
         let mut lengths = layout.inputs.iter().map(|argument| argument.length * count);
         let inputs = self.inputs.map(|input| input.split_at(lengths.next().unwrap_or(0)));
         let mut lengths = layout.outputs.iter().map(|argument| argument.length * count);
-        // An output that is not asked for has no entries.
+        // An output that is skipped has no entries.
         let mut outputs = self.outputs.map(|output| {
             let at = lengths.next().unwrap_or(0).min(output.len());
             output.split_at_mut(at)
@@ -54,8 +54,7 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
         }
     }
 
-    /// Evaluates all nodes, as many at once as a number has lanes, or, where one of those fails, each by
-    /// itself.
+    /// Evaluates all nodes, as many at once as a scalar has lanes; if one of these fails, each separately.
     pub fn evaluate<const I: usize, const O: usize>(
         &mut self,
         of: (E::Quantity, &Layout),
@@ -125,8 +124,8 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
     }
 }
 
-/// Zero times a finite number is zero, times any other it is not; summed eight at a time, so that no sum
-/// waits for the last.
+/// 0 x is 0 for finite x and NaN otherwise. The products are summed eight at a time to shorten the chain of
+/// dependent additions.
 #[inline]
 fn all_finite<S: Scalar>(entries: &[S]) -> bool {
     let nothing = |entry: S| entry.times(0.0);

@@ -48,7 +48,7 @@ impl<S: Scalar> QuadraticCost<S> {
     /// The same cost about these targets, as long as the weights: `&[]` for the controls of a terminal cost.
     ///
     /// # Panics
-    /// Panics if a target is not as long as its weights.
+    /// If a target is not as long as its weights.
     #[must_use]
     pub fn about(mut self, states: &[f64], controls: &[f64]) -> Self {
         for (target, new) in self.targets.iter_mut().zip([states, controls]) {

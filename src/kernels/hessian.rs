@@ -45,7 +45,7 @@ impl<S: Scalar> KernelOne<S> {
         }
     }
 
-    /// Row and column i of P and L_qq for a joint on the world, where `psi_i = 0`.
+    /// Row and column i of P and L_qq for a joint on the fixed base, where `psi_i = 0`.
     fn meet_root_again(&mut self, tree: &Tree, i: usize) {
         self.l_vq[(i, i)] = S::zero();
         self.l_qq[(i, i)] = match tree.joints()[i].kind {
@@ -67,7 +67,7 @@ impl<S: Scalar> KernelOne<S> {
     }
 }
 
-/// `gamma . f` of a revolute joint, for gravity seen from its frame.
+/// `gamma . f` of a revolute joint, with gravity in its frame.
 #[inline(always)]
 fn turned_weight<S: Scalar>(gravity: Vec3<S>, f: &Force<S>) -> S {
     f.force.x.mul_add(gravity.y, -(f.force.y * gravity.x))

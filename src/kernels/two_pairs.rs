@@ -1,4 +1,4 @@
-//! Kernel two, the scalar products of every pair of joints on a branch.
+//! Kernel two: the scalar products of all pairs of joints on a branch.
 
 use super::blocks::Source;
 use super::position::{along_joint, put};
@@ -21,7 +21,7 @@ fn weight<S: Scalar>([x, y]: [S; 2], force: &Force<S>) -> S {
     x.mul_add(force.force.x, y * force.force.y)
 }
 
-/// `m x (S dq)`: how a motion that does not move changes in the frame of a joint that moves by S dq.
+/// `m x (S dq)`: the change of a fixed motion in the frame of a joint that moves by S dq.
 #[inline(always)]
 fn left_behind<S: Scalar>(kind: JointKind, m: &Motion<S>, dq: S) -> Motion<S> {
     let across = |a: &Vec3<S>| Vec3::new(a.y * dq, -(a.x * dq), S::zero());
@@ -69,7 +69,7 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Brings a block of dF_j and dG_j from the frame of `child` to that of its parent.
+    /// Transforms a block of dF_j and dG_j from the frame of `child` to that of its parent.
     #[inline(always)]
     fn carry(&mut self, tree: &Tree, kernel: &KernelOne<S>, child: usize, (from, to): (usize, usize)) {
         let (kind, dq) = (tree.joints()[child].kind, S::Pack::splat(self.bodies[child].dq));
@@ -79,7 +79,7 @@ impl<S: Scalar> KernelTwo<S> {
         self.rates[to] = transform.force_up(moved(kind, rate, &kernel.rates[from], dq));
     }
 
-    /// Rows and columns of a joint on the world, whose psi and dpsi are zero.
+    /// Rows and columns of a joint on the fixed base, whose psi and dpsi are zero.
     fn meet_root(&mut self, tree: &Tree, kernel: &KernelOne<S>, i: usize) {
         let kind = tree.joints()[i].kind;
         let (gamma, dgamma) =
@@ -111,7 +111,7 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// How S and gamma of joint i, on the world, change as seen from the frame of `child`.
+    /// Changes of S and gamma of joint i, on the fixed base, in the frame of `child`.
     fn change_of_root(
         &self,
         tree: &Tree,

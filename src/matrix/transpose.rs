@@ -24,7 +24,8 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Takes the transpose of a square panel of the same size. W: packs in a row where known, else 0.
+    /// Sets this panel to the transpose of a square panel of the same size. W: packs per row if known, else
+    /// 0.
     #[inline(always)]
     pub fn take_transpose<const W: usize>(&mut self, from: &Self) {
         for top in 0..self.width::<W>() {
@@ -36,7 +37,7 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Copies what is below the diagonal of a square matrix to the other side.
+    /// Copies the lower triangle of a square matrix to the upper one.
     #[inline(always)]
     pub fn mirror_lower<const W: usize>(&mut self) {
         for top in 0..self.width::<W>() {

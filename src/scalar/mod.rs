@@ -1,10 +1,10 @@
 //! The scalar type that the whole pipeline is generic over.
 //!
 //! Every formula of the library is written once, for any [`Scalar`]: `f64` and `f32` compute values,
-//! num-dual's numbers carry derivatives through the same code, [`Count`] counts what the code does, `Lanes`
-//! (feature `wide`) computes several states at once. A scalar offers ring operations, a division, a few
-//! functions, and comparison only in the form [`less`](Scalar::less) / [`select`](Scalar::select): generic
-//! code cannot branch on a value, so every scalar walks the same path.
+//! num-dual's numbers carry derivatives through the same code, [`Count`] counts operations, and `Lanes`
+//! (feature `wide`) computes several states at once. A scalar has ring operations, division, a few functions,
+//! and comparison only in the form [`less`](Scalar::less) and [`select`](Scalar::select): generic code cannot
+//! branch on a value, so that every scalar takes the same path.
 
 mod count;
 mod dual;

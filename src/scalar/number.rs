@@ -3,14 +3,14 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A number that robot dynamics can be computed with.
+/// A number type for robot dynamics.
 ///
 /// Implemented for `f64`, `f32`, [`Count`](super::Count), [`Expr`](crate::codegen::Expr) and `Lanes` (feature
 /// `wide`: `F64x4`, `F64x8`), for [`Tangent`](super::Tangent) over any scalar, and for num-dual's numbers of
-/// static size, each over any scalar that num-dual takes, so that nested ones work too: `Dual`, `Dual2`,
-/// `Dual3`, `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec` (the last three not over
-/// `Lanes`). Constants of a model stay `f64` and enter by [`times`](Scalar::times) and
-/// [`plus`](Scalar::plus), which cost a dual number much less than an operation between two of them.
+/// static size, each over any scalar that implements num-dual's traits, so that they can be nested: `Dual`,
+/// `Dual2`, `Dual3`, `HyperDual`, `HyperHyperDual`, `DualSVec`, `Dual2SVec`, `HyperDualSVec` (the last three
+/// not over `Lanes`). Model constants stay `f64` and enter by [`times`](Scalar::times) and
+/// [`plus`](Scalar::plus), which are much cheaper for a dual number than operations between two of them.
 ///
 /// ```
 /// use costate::scalar::Scalar;
@@ -39,28 +39,27 @@ pub trait Scalar:
     + MulAssign
     + 'static
 {
-    /// Outcome of a comparison: one truth value, or one per lane.
+    /// Result of a comparison: one truth value, or one per lane.
     type Mask: Copy;
 
-    /// What handles several of these numbers of one state at once; the type itself where nothing does.
+    /// A vector of several of these numbers of one state; the type itself if there is none.
     type Pack: Pack<Self>;
 
-    /// Relative spacing of the numbers at the bottom: the rounding of one operation.
+    /// Machine epsilon of the base precision.
     const EPSILON: f64;
 
-    /// Order of the highest derivatives that the number carries; 0 for one that is a value and nothing else.
+    /// Order of the highest derivatives that the number carries; 0 for a plain value.
     ///
-    /// What is iterated to a fixed point (see [`step`](crate::step)) needs it: derivatives converge after the
-    /// value.
+    /// Fixed-point iterations (see [`step`](crate::step)) need it: derivatives converge after the value.
     const ORDER: usize;
 
-    /// Whether values are checked at the edge of the library (finite input, regular mass matrix).
+    /// Whether the library checks values at its interface (finite input, regular mass matrix).
     ///
-    /// `false` for a scalar that only counts or records: what it computes holds for any input.
+    /// `false` for a scalar that only counts or records, whose result holds for any input.
     const CHECKED: bool = true;
 
-    /// Whether a product costs no more than a sum, and both together no more than one: formulas are then
-    /// chosen for few steps one after another, not for few products.
+    /// Whether multiply-add is a single cheap instruction: formulas are then chosen for short dependency
+    /// chains, not for few products.
     const FUSED: bool = false;
 
     /// The constant `value`, with derivatives zero.
@@ -84,8 +83,7 @@ pub trait Scalar:
     /// `self + term` for a constant.
     fn plus(self, term: f64) -> Self;
 
-    /// `self * factor + term`, rounded once where the processor that is compiled for does that in one
-    /// instruction.
+    /// `self * factor + term`, rounded once if the target processor has a fused instruction.
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
@@ -112,15 +110,15 @@ pub trait Scalar:
     /// `exp(self) - 1` without cancellation near 0.
     fn exp_m1(self) -> Self;
 
-    /// `self < other`; false where one of them is not a number.
+    /// `self < other`; false if one of them is NaN.
     fn less(self, other: Self) -> Self::Mask;
 
-    /// `if_true` where the mask holds, `if_false` elsewhere. Both are computed by the caller.
+    /// `if_true` where the mask is true, else `if_false`. The caller computes both.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
 
-    /// Whether the mask holds in every lane.
+    /// Whether the mask is true in every lane.
     ///
-    /// For the checks at the edge of the library, never for the choice between two formulas.
+    /// For checks at the interface of the library, never to choose between two formulas.
     fn all(mask: Self::Mask) -> bool;
 
     /// Absolute value, by `select`; its derivative at 0 is that of `self`.
@@ -132,8 +130,8 @@ pub trait Scalar:
     /// Hyperbolic tangent `t` and its slope `1 - t^2`, both to full relative accuracy, free of overflow.
     ///
     /// With `m = exp(-2 |x|) - 1` and `e = exp(-2 |x|)`: `|t| = -m / (m + 2)`, slope `4 e / (1 + e)^2`.
-    /// Derivatives follow from `t' = 1 - t^2`, so that they too are 0, not rounding, where they should be
-    /// (t'' at 0, all at large arguments); num-dual's own tanh = sinh / cosh is not a number beyond 710.
+    /// Derivatives follow from `t' = 1 - t^2`, so that they are exactly 0 where they should be (t'' at 0, all
+    /// at large arguments). num-dual's own tanh = sinh / cosh is NaN beyond 710.
     fn tanh_and_slope(self) -> (Self, Self);
 
     /// Hyperbolic tangent, see [`tanh_and_slope`](Scalar::tanh_and_slope).
@@ -142,7 +140,7 @@ pub trait Scalar:
         self.tanh_and_slope().0
     }
 
-    /// Whether the value is neither infinite nor not-a-number (in every lane; derivatives are not looked at).
+    /// Whether the value is finite in every lane; derivatives are not checked.
     #[inline]
     fn is_finite(self) -> bool {
         let limit = Self::from_f64(f64::INFINITY);
@@ -152,29 +150,29 @@ pub trait Scalar:
 
 /// A vector of numbers of type S whose operations work on all of its lanes.
 ///
-/// What the pipeline does in the same way for many joints it does for [`LANES`](Pack::LANES) of them at once:
-/// with `f64`, four where the feature `wide` is on. Every scalar is a pack of itself, of one lane.
+/// The pipeline processes [`LANES`](Pack::LANES) joints at once: four for `f64` with the feature `wide`.
+/// Every scalar is a pack of itself with one lane.
 pub trait Pack<S>: Scalar {
     /// Number of lanes.
     const LANES: usize;
 
-    /// The same number in every lane.
+    /// The same value in every lane.
     fn splat(value: S) -> Self;
 
-    /// The number in lane `k`.
+    /// The value in lane `k`.
     fn lane(&self, k: usize) -> S;
 
-    /// The same with another number in lane `k`.
+    /// A copy with another value in lane `k`.
     #[must_use]
     fn with_lane(self, k: usize, value: S) -> Self;
 
-    /// Puts a number into lane `k`, in memory: what reads the whole pack next waits for it.
+    /// Sets lane `k` in memory; reading the whole pack right afterwards stalls.
     fn set_lane(&mut self, k: usize, value: S);
 
-    /// Puts the lanes one after the other into `to`, as many as it has places.
+    /// Writes the lanes to `to`, as many as fit.
     fn write(&self, to: &mut [S]);
 
-    /// From as many numbers as there are lanes, or fewer; the lanes left over are zero.
+    /// Reads up to as many values as there are lanes; the remaining lanes are zero.
     fn read(from: &[S]) -> Self;
 
     /// Transposes a square block: as many packs as there are lanes.

@@ -4,7 +4,7 @@
 use super::Vector;
 use super::number::{Pack, Scalar};
 
-/// The most lanes that a pack has.
+/// The largest number of lanes of a pack.
 pub(crate) const MOST_LANES: usize = 4;
 
 impl<S: Scalar> Pack<S> for S {

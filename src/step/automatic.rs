@@ -57,8 +57,8 @@ impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticStep<F, T> {
 }
 
 impl<F: Function + Clone, T: InnerNumber> AutomaticStep<F, T> {
-    /// The step of a function with as many states as it has outputs; its last input is the duration h, what
-    /// inputs there are between are controls.
+    /// The step of a function: as many states as outputs. The last input is the duration h; the inputs
+    /// between are controls.
     ///
     /// # Panics
     /// If the function has no more inputs than outputs.
@@ -89,7 +89,7 @@ impl<F: Function, T: InnerNumber> AutomaticStep<F, T> {
     }
 }
 
-/// Phi and its derivatives in (x, u, h), which are those of the function.
+/// Copies Phi and its derivatives in (x, u, h) from those of the function.
 fn take<T: Scalar>(outcome: &mut Outcome<T>, first: &Linearisation<'_, T>) {
     outcome.next.copy_from_slice(first.f);
     for (i, (in_x, in_u_h)) in first.f_x.iter_rows().zip(first.f_u.iter_rows()).enumerate() {

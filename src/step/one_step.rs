@@ -11,7 +11,7 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use std::marker::PhantomData;
 
-/// A model for every scalar.
+/// A family of models, one for every scalar.
 pub trait ModelFamily {
     /// The error of an evaluation.
     type Error: std::error::Error + 'static;
@@ -60,9 +60,9 @@ impl ModelFamily for LagrangianRobot {
     }
 }
 
-/// A scheme for every scalar: what makes a step of the models of a family.
+/// A family of schemes, one for every scalar: builds a step of the models of a family.
 ///
-/// Every [`Tableau`] is one for every family, [`SemiImplicit`] for robots in (q, v).
+/// Every [`Tableau`] is a scheme for every family; [`SemiImplicit`] is one for robots in (q, v).
 pub trait Scheme<F: ModelFamily> {
     /// The step for one scalar.
     type Step<S: Scalar>: Step<S, Error = StepError<F::Error>>;
@@ -91,7 +91,7 @@ impl Scheme<LagrangianRobot> for SemiImplicit {
     }
 }
 
-/// `(x, u, h) -> Phi(x, u, h)` of a model by a scheme, to be differentiated automatically: the judge of every
+/// `(x, u, h) -> Phi(x, u, h)` of a model by a scheme, for automatic differentiation: the reference for every
 /// [`Step`].
 ///
 /// ```
@@ -119,7 +119,7 @@ pub struct OneStep<F, M> {
 }
 
 impl<F: ModelFamily, M: Scheme<F>> OneStep<F, M> {
-    /// The step of this family's models.
+    /// The step of the models of this family.
     pub fn new(family: F) -> Self {
         let model = family.model::<f64>();
         Self { states: model.states(), controls: model.controls(), family, scheme: PhantomData }

@@ -1,4 +1,4 @@
-//! Steps of a robot by every scheme beside hyper-dual numbers through them.
+//! Comparison of the derivatives of every scheme with hyper-dual numbers.
 
 use super::error::check;
 use super::{
@@ -13,8 +13,8 @@ use crate::robot::Robot;
 use num_dual::HyperDual64;
 use std::fmt;
 
-/// The derivatives of one step of a robot, every scheme set beside hyper-dual numbers through the step
-/// itself, the iterations of implicit schemes included.
+/// Compares the derivatives of one step of a robot, for every scheme, with hyper-dual numbers through the
+/// step itself, including the iterations of implicit schemes.
 ///
 /// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction.
 pub struct StepRoutes {
@@ -44,8 +44,8 @@ impl StepRoutes {
         }
     }
 
-    /// Compares a step of duration h from x = (q, p) under u, with the costate y, which is also the direction
-    /// in x; that in u is u itself. Figures are appended: all of them, or with an error none.
+    /// Compares a step of duration h from x = (q, p) under u with the costate y. The direction of the Hessian
+    /// product is (y, u). Appends all figures, or none on an error.
     ///
     /// # Errors
     /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
@@ -72,7 +72,7 @@ impl StepRoutes {
     }
 }
 
-/// One scheme and its judge.
+/// One scheme and its reference.
 struct Compared<F: ModelFamily, M: Scheme<F>> {
     name: &'static str,
     step: M::Step<f64>,

@@ -30,6 +30,6 @@ pub type ImplicitMidpoint<S, D> = RungeKutta<S, D, Midpoint>;
 /// p+ = p½ + h/2  F^p(q+, p½, u)
 /// ```
 ///
-/// Second order, symmetric, symplectic for Hamiltonian F; each implicit equation is one half of the state
-/// long. Source: Hairer, Lubich, Wanner, VI.3, (3.4).
+/// Second order, symmetric, symplectic for Hamiltonian F; each implicit equation has the length of one half
+/// of the state. Source: Hairer, Lubich, Wanner, VI.3, (3.4).
 pub type StoermerVerlet<S, D> = RungeKutta<S, D, Verlet>;

@@ -1,19 +1,19 @@
 //! Coefficients of Runge-Kutta schemes.
 
-/// A coefficient for the first and one for the second half of the state.
+/// The coefficients for the first and for the second half of the state.
 ///
-/// A scheme that does not tell them apart has the same twice.
+/// In a scheme that is not partitioned they are equal.
 pub type Pair = [f64; 2];
 
-/// A Runge-Kutta scheme whose stages can be found one after the other.
+/// A Runge-Kutta scheme whose stages can be solved one after the other.
 ///
 /// ```text
 /// X_i = x + h sum_(j <= i) A_ij f(X_j, u)      Phi = x + h sum_i B_i f(X_i, u)
 /// ```
 ///
-/// Every coefficient is a [`Pair`]: partitioned schemes take one for q and one for p. Where A_ii is not zero
-/// the stage is implicit, in the half it is not zero in. Source: E. Hairer, C. Lubich, G. Wanner, "Geometric
-/// Numerical Integration", Springer 2006, II.1 and II.2.
+/// Every coefficient is a [`Pair`]: partitioned schemes have one for q and one for p. If A_ii is not zero,
+/// the stage is implicit in the half where it is not zero. Source: E. Hairer, C. Lubich, G. Wanner,
+/// "Geometric Numerical Integration", Springer 2006, II.1 and II.2.
 ///
 /// ```
 /// use costate::lagrangian::LagrangianSecondOrder;
@@ -35,13 +35,13 @@ pub type Pair = [f64; 2];
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Tableau: 'static {
-    /// Row i: A_ij for j = 0 to i. In one pair of the diagonal all that is not zero is the same.
+    /// Row i: A_ij for j = 0 to i. The nonzero entries of a diagonal pair are equal.
     const A: &'static [&'static [Pair]];
     /// B_i.
     const B: &'static [Pair];
 }
 
-/// The same in both halves.
+/// The same coefficient in both halves.
 const fn both(coefficient: f64) -> Pair {
     [coefficient; 2]
 }

@@ -1,4 +1,4 @@
-//! The paper's own route: global inertia tensors, Christoffel coefficients, and the Hessian of L made of
+//! The paper's route: global inertia tensors, Christoffel coefficients, and the Hessian of L computed from
 //! them.
 //!
 //! ```text
@@ -8,15 +8,13 @@
 //! ```
 //!
 //! [`MassMatrixDerivatives`] computes and holds the coefficients, [`ChristoffelKernel`] contracts them with
-//! the velocity, and [`Christoffel`] is the route that gives it to
-//! [`Hamiltonian`](crate::hamiltonian::Hamiltonian) and [`DualPass`](crate::hamiltonian::DualPass). The
-//! effort grows with the fourth power of the depth of the tree; the [kernel](crate::kernels::KernelOne) that
-//! contracts first does with the second. This route is for those who need the coefficients (adaptive control,
-//! geometry) and for checking the other one.
+//! the velocity, and [`Christoffel`] selects this route for [`Hamiltonian`](crate::hamiltonian::Hamiltonian)
+//! and [`DualPass`](crate::hamiltonian::DualPass). The number of operations grows with the fourth power of
+//! the depth of the tree, that of the default [kernel](crate::kernels::KernelOne) with the second. Use this
+//! route if you need the coefficients (adaptive control, geometry), or to check the default one.
 //!
-//! On a tree `i <= j` means that i is j or an ancestor of j; what has indices on different branches is zero.
-//! All that a joint j and its ancestors have to do with each other is computed in frame j, the z axis of
-//! which is Z_j.
+//! On a tree `i <= j` means that i is j or an ancestor of j; coefficients with indices on different branches
+//! are zero. Everything between a joint j and its ancestors is computed in frame j, whose z axis is Z_j.
 
 mod bodies;
 mod derivatives;
