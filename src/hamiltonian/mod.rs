@@ -2,9 +2,13 @@
 //!
 //! State x = (q, p) with conjugate momentum p = M v. With D the friction and u the actuation of the joints,
 //!
-//! ```text
-//! F^q = M^-1 p = v      F^p = L_q(q, v) + D(v)      dx/dt = F(x) + (0, u)                        (17), (19)
-//! ```
+//! $$ F^q = M^{-1} p = v, \qquad F^p = L\_q(q, v) + D(v), \qquad \dot x = F(x) + (0, u) \qquad (17), (19) $$
+//!
+//! The Jacobian, with $P = L\_{vq}$, is
+//!
+//! $$ F\_x = \begin{pmatrix} -M^{-1} P & M^{-1} \\\\
+//! L\_{qq} - P^T M^{-1} P - D\_v M^{-1} P & P^T M^{-1} + D\_v M^{-1} \end{pmatrix}
+//! \qquad (21), (22) $$
 //!
 //! [`Hamiltonian`] computes F, F_x and the adjoint product y'F_x for any scalar, [`HamiltonianSecondOrder`]
 //! adds y'F_xx and its product with a vector, and [`FullHessian`] the whole tensor. [`DualPass`] is an

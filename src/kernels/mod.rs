@@ -35,10 +35,10 @@ use blocks::Blocks;
 /// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every
 /// entry for a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
 ///
-/// ```text
-/// M_ij = S_i . F_j     P_ij = S_i . G_j     P_ji = psi_i . F_j     L_qq,ij = psi_i . G_j + gamma_i . F_j
-/// p_i  = S_i . H_i     L_q,i = H_i . psi_i + F_i . a_g
-/// ```
+/// $$ M\_{ij} = S\_i \cdot F\_j, \qquad P\_{ij} = S\_i \cdot G\_j, \qquad P\_{ji} = \psi\_i \cdot F\_j, \qquad
+/// L\_{qq,ij} = \psi\_i \cdot G\_j + \gamma\_i \cdot F\_j $$
+///
+/// $$ p\_i = S\_i \cdot H\_i, \qquad L\_{q,i} = H\_i \cdot \psi\_i + F\_i \cdot a\_g $$
 ///
 /// All is computed in body frames with the joint axis along z, where S is a unit vector and most products
 /// vanish; `docs/frames.md` compares this with one common frame. The F_j and G_j beyond a joint are

@@ -10,10 +10,11 @@ use crate::scalar::Scalar;
 ///
 /// The map has the Jacobian T, with the rate dT/dt along the motion:
 ///
-/// ```text
-/// T = [ 1 0 ; P M ]      dT/dt = [ 0 0 ; Pdot Mdot ]      T^-1 = [ 1 0 ; -M^-1 P  M^-1 ]
-/// F = T G      F_x = (T G_z + dT/dt) T^-1      G_z = T^-1 (F_x T - dT/dt)      y_z = T' y_x
-/// ```
+/// $$ T = \begin{pmatrix} 1 & 0 \\\\ P & M \end{pmatrix}, \qquad
+/// \dot T = \begin{pmatrix} 0 & 0 \\\\ \dot P & \dot M \end{pmatrix}, \qquad
+/// T^{-1} = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix} $$
+///
+/// $$ F = T G, \qquad F\_x = (T G\_z + \dot T) T^{-1}, \qquad G\_z = T^{-1} (F\_x T - \dot T), \qquad y\_z = T^T y\_x $$
 ///
 /// for dz/dt = G(z), z = (q, v), and dx/dt = F(x), x = (q, p). Friction and actuation are part of F and G.
 ///

@@ -2,9 +2,11 @@
 //!
 //! State x = (q, v). With `L = 1/2 v' M v - V`, D the friction and u the actuation of the joints,
 //!
-//! ```text
-//! M(q) a + C(q, v) v + g(q) = u + D(v)      dx/dt = (v, a)                                        (9)
-//! ```
+//! $$ M(q) a + C(q, v) v + g(q) = u + D(v), \qquad \dot x = (v, a) \qquad (9) $$
+//!
+//! The Jacobian of forward dynamics follows from that of inverse dynamics, $\tau(q, v, a)$:
+//!
+//! $$ a\_q = -M^{-1} \tau\_q, \qquad a\_v = -M^{-1} \tau\_v, \qquad a\_u = M^{-1} $$
 //!
 //! M is the mass matrix with armature, C the Coriolis matrix, `g = V_q` the force of gravity and springs.
 //! Friction opposes the motion: D is negative where v is positive. Inverse dynamics computes u, forward

@@ -21,11 +21,8 @@ use crate::scalar::{Scalar, Tangent};
 /// `E = D_(0,w) D_(v,a) - D_(w,0)` of M, P and L_qq (kernel two along (v, a), by the same dual number, with
 /// the direction's own derivative (-w, 0)), one pass gives its Hessian in (q, v, a):
 ///
-/// ```text
-/// [ E_Lqq                  .          . ]
-/// [ E_P + A    E_M + B + B' - w D''   . ]        symmetric
-/// [ B                      0          0 ]
-/// ```
+/// $$ (w \cdot \tau)\_{zz} = \begin{pmatrix} E\_{L\_{qq}} & (E\_P + A)^T & B^T \\\\
+/// E\_P + A & E\_M + B + B^T - w D\_{vv} & 0 \\\\ B & 0 & 0 \end{pmatrix} $$
 ///
 /// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus this Hessian for
 /// `w = M^-1 y`, transformed by Z = (1, 0, 0; 0, 1, 0; a_q, a_v, a_u). Hence `y'a_uv = y'a_uu = 0`. No

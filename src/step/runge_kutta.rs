@@ -15,10 +15,9 @@ use std::marker::PhantomData;
 /// With `Z_i = dX_i/d(x, u)` and the costates mu_i of the slopes f(X_i, u), computed from the last stage to
 /// the first,
 ///
-/// ```text
-/// mu_i = h (B_i y + sum_(j >= i) A_ji f_x(X_j)' mu_j)
-/// y'Phi_zz = sum_i [Z_i ; 0 1]' (mu_i'f_zz(X_i, u)) [Z_i ; 0 1] ,   z = (x, u) :
-/// ```
+/// $$ \mu\_i = h \Big( B\_i y + \sum\_{j \ge i} A\_{ji} f\_x(X\_j)^T \mu\_j \Big), \qquad
+/// y^T \Phi\_{zz} = \sum\_i \begin{pmatrix} Z\_i \\\\ 0 \enspace 1 \end{pmatrix}^T \mu\_i^T f\_{zz}(X\_i, u)
+/// \begin{pmatrix} Z\_i \\\\ 0 \enspace 1 \end{pmatrix}, \qquad z = (x, u). $$
 ///
 /// This takes one contracted Hessian of the model per stage (which includes f and its Jacobians), and no
 /// tensor; no iteration or factorisation is differentiated. For an implicit stage, Z_i and mu_i solve linear

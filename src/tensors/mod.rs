@@ -1,11 +1,13 @@
 //! The paper's route: global inertia tensors, Christoffel coefficients, and the Hessian of L computed from
 //! them.
 //!
-//! ```text
-//! Gamma^k_ij = Gamma_{i,kj} = int OP,i . OP,kj dm = [kj, i]        Christoffel symbol of the first kind   (38)
-//! M,k = Gamma^k + Gamma^k'      M,kl = Gamma^k,l + Gamma^k,l'                                      (36), (37)
-//! P_ik = sum_j M_ij,k v_j       L_qq,kl = 1/2 v' M,kl v - V,kl                                     (21), (22)
-//! ```
+//! $$ \Gamma^k\_{ij} = \int OP\_{,i} \cdot OP\_{,kj} \enspace dm \qquad (38) $$
+//!
+//! $$ M\_{,k} = \Gamma^k + (\Gamma^k)^T, \qquad M\_{,kl} = \Gamma^k\_{,l} + (\Gamma^k\_{,l})^T \qquad (36), (37) $$
+//!
+//! $$ P\_{ik} = \sum\_j M\_{ij,k} v\_j, \qquad L\_{qq,kl} = \tfrac12 v^T M\_{,kl} v - V\_{,kl} \qquad (21), (22) $$
+//!
+//! $\Gamma^k\_{ij}$ is the Christoffel symbol of the first kind with the index order (kj, i).
 //!
 //! [`MassMatrixDerivatives`] computes and holds the coefficients, [`ChristoffelKernel`] contracts them with
 //! the velocity, and [`Christoffel`] selects this route for [`Hamiltonian`](crate::hamiltonian::Hamiltonian)
