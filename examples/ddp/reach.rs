@@ -41,7 +41,7 @@ impl Reach {
         while let Some(i) = next {
             let (joint, axis) = (&joints[i], joints[i].axis.into());
             r = match joint.kind {
-                JointKind::Revolute => turned(r, axis, q[i]),
+                JointKind::Revolute => rotated(r, axis, q[i]),
                 JointKind::Prismatic => r + scaled(axis, q[i]),
             };
             let rows = [0, 1, 2].map(|row| {
@@ -89,7 +89,7 @@ impl Function for Reach {
 }
 
 /// `r cos + (a x r) sin + a (a.r) (1 - cos)`: r rotated about the axis a.
-fn turned<S: Scalar>(r: Vec3<S>, axis: [f64; 3], angle: S) -> Vec3<S> {
+fn rotated<S: Scalar>(r: Vec3<S>, axis: [f64; 3], angle: S) -> Vec3<S> {
     let (sin, cos) = angle.sin_cos();
     let across = r.cross_constant(axis);
     let along = scaled(axis, r.dot_constant(axis) * (S::one() - cos));

@@ -33,7 +33,7 @@ impl<S: Scalar> KernelOne<S> {
                 let (carried, rate) = (&self.carried[block], &self.rates[block]);
                 let mut entries = psi.power(rate);
                 if kind == JointKind::Revolute {
-                    entries += turned_weight(gravity, carried);
+                    entries += gravity_power(gravity, carried);
                 }
                 self.blocks.store_both(i, block, entries, &mut self.l_qq);
                 let pair = [along_joint(kind, rate), psi.power(carried)];
@@ -51,7 +51,7 @@ impl<S: Scalar> KernelOne<S> {
         self.l_qq[(i, i)] = match tree.joints()[i].kind {
             JointKind::Revolute => {
                 let (block, lane) = self.blocks.own(i);
-                turned_weight(self.bodies[i].gravity.splat(), &self.carried[block]).lane(lane)
+                gravity_power(self.bodies[i].gravity.splat(), &self.carried[block]).lane(lane)
             }
             JointKind::Prismatic => S::zero(),
         };
@@ -69,6 +69,6 @@ impl<S: Scalar> KernelOne<S> {
 
 /// `gamma . f` of a revolute joint, with gravity in its frame.
 #[inline(always)]
-fn turned_weight<S: Scalar>(gravity: Vec3<S>, f: &Force<S>) -> S {
+fn gravity_power<S: Scalar>(gravity: Vec3<S>, f: &Force<S>) -> S {
     f.force.x.mul_add(gravity.y, -(f.force.y * gravity.x))
 }

@@ -11,7 +11,7 @@ use crate::spatial::{Force, Motion, Vec3};
 
 /// The linear part of `gamma = a_g x S` of a revolute joint, in its frame: its x and y components.
 #[inline(always)]
-fn turned_gravity<S: Scalar>(gravity: Vec3<S>) -> [S; 2] {
+fn gravity_of_axis<S: Scalar>(gravity: Vec3<S>) -> [S; 2] {
     [gravity.y, -gravity.x]
 }
 
@@ -52,8 +52,8 @@ impl<S: Scalar> KernelTwo<S> {
             let (body, change) = (&kernel.bodies[i], &self.bodies[i]);
             let psi = AxisRate::new(kind, &body.velocity).splat();
             let dpsi = AxisRate::new(kind, &change.velocity).splat();
-            let gamma = turned_gravity(body.gravity).map(S::Pack::splat);
-            let dgamma = turned_gravity(change.gravity).map(S::Pack::splat);
+            let gamma = gravity_of_axis(body.gravity).map(S::Pack::splat);
+            let dgamma = gravity_of_axis(change.gravity).map(S::Pack::splat);
             for block in kernel.blocks.of(i) {
                 let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
                 let (dcarried, drate) = (&self.forces[block], &self.rates[block]);
@@ -83,7 +83,7 @@ impl<S: Scalar> KernelTwo<S> {
     fn meet_root(&mut self, tree: &Tree, kernel: &KernelOne<S>, i: usize) {
         let kind = tree.joints()[i].kind;
         let (gamma, dgamma) =
-            (turned_gravity(kernel.bodies[i].gravity), turned_gravity(self.bodies[i].gravity));
+            (gravity_of_axis(kernel.bodies[i].gravity), gravity_of_axis(self.bodies[i].gravity));
         let (block, lane) = kernel.blocks.own(i);
         let (own, change) = (&kernel.carried[block], &self.forces[block]);
         self.mass_matrix[(i, i)] = along_joint(kind, change).lane(lane);

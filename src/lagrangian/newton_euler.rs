@@ -109,7 +109,7 @@ fn beyond_joint<S: Scalar>(
 fn rate_of_momentum<S: Scalar>(joint: &JointFrame, velocity: Motion<S>, acceleration: Motion<S>) -> Force<S> {
     let momentum: Force<S> = joint.lumped.apply(velocity);
     let (w, v) = (velocity.angular, velocity.linear);
-    let turned =
+    let gyroscopic =
         Force { moment: w.cross(momentum.moment) + v.cross(momentum.force), force: w.cross(momentum.force) };
-    joint.lumped.apply(acceleration) + turned
+    joint.lumped.apply(acceleration) + gyroscopic
 }

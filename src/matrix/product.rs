@@ -178,7 +178,7 @@ mod tests {
     }
 
     /// Both products, of both kinds, entry by entry.
-    fn judge<const N: usize, const W: usize>(n: usize) {
+    fn check<const N: usize, const W: usize>(n: usize) {
         let (a, b, at) = (panel(n, 0.2), panel(n, 1.1), panel(n, 2.3));
         for (left, across) in [(Left::Rows(&a), false), (Left::Columns(&a), true)] {
             let sum = |i: usize, j: usize| -> f64 {
@@ -204,18 +204,18 @@ mod tests {
     #[test]
     fn products_of_panels_are_those_of_matrices() {
         for n in 1..=29 {
-            judge::<0, 0>(n);
+            check::<0, 0>(n);
         }
     }
 
     #[cfg(feature = "wide")]
     #[test]
     fn a_size_that_is_known_changes_no_product() {
-        judge::<6, 2>(6);
-        judge::<7, 2>(7);
-        judge::<12, 3>(12);
-        (1..=4).for_each(judge::<0, 1>);
-        (5..=8).for_each(judge::<0, 2>);
-        (9..=12).for_each(judge::<0, 3>);
+        check::<6, 2>(6);
+        check::<7, 2>(7);
+        check::<12, 3>(12);
+        (1..=4).for_each(check::<0, 1>);
+        (5..=8).for_each(check::<0, 2>);
+        (9..=12).for_each(check::<0, 3>);
     }
 }

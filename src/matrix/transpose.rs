@@ -68,12 +68,12 @@ mod tests {
         for n in 1..=13 {
             let mut given = Panel::<f64>::zeros(n, n);
             (0..n).for_each(|i| (0..n).for_each(|j| given.set(i, j, (10 * i + j) as f64)));
-            let (mut turned, mut mirrored) = (Panel::zeros(n, n), given.clone());
-            turned.take_transpose::<0>(&given);
+            let (mut transposed, mut mirrored) = (Panel::zeros(n, n), given.clone());
+            transposed.take_transpose::<0>(&given);
             mirrored.mirror_lower::<0>();
             for i in 0..n {
                 for j in 0..n {
-                    assert_eq!(turned.get(i, j), given.get(j, i), "n = {n}");
+                    assert_eq!(transposed.get(i, j), given.get(j, i), "n = {n}");
                     assert_eq!(mirrored.get(i, j), given.get(i.max(j), i.min(j)), "n = {n}");
                 }
             }

@@ -39,7 +39,7 @@ fn tanh_of_dual_numbers_keeps_its_derivatives() {
 }
 
 #[test]
-fn finite_is_judged_by_the_value() {
+fn only_the_value_decides_whether_a_number_is_finite() {
     assert!(1e308.is_finite() && !Scalar::is_finite(f64::NAN) && !Scalar::is_finite(f64::NEG_INFINITY));
     assert!(Scalar::is_finite(Dual64::from_re(3.0)) && !Scalar::is_finite(Dual64::from_re(f64::INFINITY)));
 }

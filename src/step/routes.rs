@@ -76,7 +76,7 @@ impl StepRoutes {
 struct Compared<F: ModelFamily, M: Scheme<F>> {
     name: &'static str,
     step: M::Step<f64>,
-    judge: M::Step<HyperDual64>,
+    reference: M::Step<HyperDual64>,
     z: Vec<HyperDual64>,
 }
 
@@ -84,7 +84,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     fn new(name: &'static str, family: &F) -> Self {
         let step = M::step(family.model::<f64>());
         let inputs = step.states() + step.controls() + 1;
-        Self { name, judge: M::step(family.model()), z: vec![HyperDual64::from_re(0.0); inputs], step }
+        Self { name, reference: M::step(family.model()), z: vec![HyperDual64::from_re(0.0); inputs], step }
     }
 
     fn compare(
@@ -105,7 +105,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
             }
             let (start, rest) = self.z.split_at(states);
             let (control, duration) = rest.split_at(u.len());
-            let next = self.judge.evaluate(start, control, duration[0])?;
+            let next = self.reference.evaluate(start, control, duration[0])?;
             next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.eps2);
             if j + 1 < inputs {
                 product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.eps1eps2 * y).sum();
