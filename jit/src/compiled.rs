@@ -6,7 +6,7 @@ use crate::number::Number;
 use crate::place::Place;
 use crate::plan::Function;
 use crate::translate::{Call, Stage, Translation, translate};
-use costate::EvalError;
+use costate::{EvalError, LengthError};
 use costate::codegen::Program;
 use std::mem::MaybeUninit;
 
@@ -156,9 +156,7 @@ impl<T: Number> Compiled<T> {
     pub(crate) fn call_guarded(&self, inputs: &[T], outputs: &mut [T]) -> Result<T, EvalError> {
         let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
         for (what, expected, found) in lengths {
-            if expected != found {
-                return Err(EvalError::WrongLength { what, expected, found });
-            }
+            LengthError::check(what, expected, found)?;
         }
         Ok(match self.slots {
             0..=512 => self.run::<512>(inputs, outputs),

@@ -1,4 +1,4 @@
-//! Derivatives of forward dynamics by hand beside automatic ones.
+//! Comparison of analytic and automatic derivatives of forward dynamics.
 
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
@@ -11,6 +11,7 @@ use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::Robot;
 
 /// a(q, v, u) by every route.
+#[derive(Debug)]
 pub(super) struct LagrangianRoutes {
     analytic: LagrangianSecondOrder<f64>,
     dual: Jacobian<ForwardDynamics>,
@@ -31,7 +32,7 @@ impl LagrangianRoutes {
         }
     }
 
-    /// a_z and y'a_zz, z = (q, v, u), beside hyper-dual numbers; appended to `figures`.
+    /// Compares a_z and y'a_zz, z = (q, v, u), with hyper-dual numbers; appends the differences to `figures`.
     #[inline]
     pub fn compare(
         &mut self,
@@ -47,7 +48,7 @@ impl LagrangianRoutes {
         let nested = self.nested.contract(&z, y)?;
         let off_first = |found| relative_difference(found, expected.view(), 0.0);
         let off_second = |found| relative_difference(found, contracted.view(), natural);
-        // By hand, y'a_zz rounds M in another way than (hyper-)dual numbers do, and M^-1 enters three times.
+        // The analytic y'a_zz rounds M differently from (hyper-)dual numbers, and M^-1 enters three times.
         for (quantity, route, value, sensitivity) in [
             ("a_z, z = (q, v, u)", "analytic", off_first(second.forward_dynamics().matrix()), 1.0),
             ("a_z, z = (q, v, u)", "dual", off_first(dual.jacobian.view()), 1.0),

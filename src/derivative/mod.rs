@@ -7,8 +7,8 @@
 //! | [`Hessian`], contracted or whole | hyper-dual numbers, pairs i <= j | n (n + 1) / 2 |
 //! | [`NestedHessian`], contracted | dual numbers in dual numbers | n times n / C |
 //!
-//! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] sets the library's
-//! own derivatives beside these, [`OperationTable`] what they all cost.
+//! Values and derivatives are `f64`, or with `over` in place of `new` any other [`InnerNumber`]. [`Routes`]
+//! compares the library's analytic derivatives with these, and [`OperationTable`] counts their operations.
 
 mod directional;
 mod forward_dynamics;
@@ -34,7 +34,7 @@ pub use phase_velocity::PhaseVelocity;
 pub use report::{Figure, StateReport, largest, relative_difference, worse};
 pub use routes::Routes;
 
-/// Number of derivatives that a dual number carries at once where nobody says otherwise.
+/// Number of derivatives that a dual number carries at once by default.
 ///
-/// Of 1, 2, 4, 6, 8, 12 the fastest or not far from it for robots of 6, 7 and 12 joints: see `docs/times.md`.
+/// Of 1, 2, 4, 6, 8 and 12, the fastest or close to it for robots of 6, 7 and 12 joints: see `docs/times.md`.
 pub const CHUNK: usize = 8;

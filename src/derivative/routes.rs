@@ -59,6 +59,7 @@ impl Function for TotalEnergy {
 /// | dual | dual numbers through F | dual numbers in dual numbers through F |
 ///
 /// Besides: y'F_x and y'F_xx d without a matrix beside products with the matrix, dF/dt in (q, v), symmetries, and energy.
+#[derive(Debug)]
 pub struct Routes {
     analytic: HamiltonianSecondOrder<f64>,
     dual_pass: DualPass<f64>,

@@ -1,4 +1,4 @@
-//! Steps of a robot by every scheme beside hyper-dual numbers through them.
+//! Comparison of the derivatives of every scheme with hyper-dual numbers.
 
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
@@ -14,9 +14,10 @@ use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::Robot;
 use num_dual::HyperDual64;
+use std::fmt;
 
-/// The derivatives of one step of a robot, every scheme set beside hyper-dual numbers through the step itself, the
-/// iterations of implicit schemes included.
+/// Compares the derivatives of one step of a robot, for every scheme, with hyper-dual numbers through the
+/// step itself, including the iterations of implicit schemes.
 ///
 /// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction.
 pub struct StepRoutes {
@@ -25,6 +26,12 @@ pub struct StepRoutes {
     verlet: Compared<HamiltonianRobot, Verlet>,
     midpoint: Compared<HamiltonianRobot, Midpoint>,
     semi_implicit: Compared<LagrangianRobot, SemiImplicit>,
+}
+
+impl fmt::Debug for StepRoutes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StepRoutes").field("dof", &self.momenta.dof()).finish_non_exhaustive()
+    }
 }
 
 impl StepRoutes {
@@ -41,8 +48,8 @@ impl StepRoutes {
         }
     }
 
-    /// Compares a step of duration h from x = (q, p) under u, with the costate y, which is also the direction in x; that in
-    /// u is u itself. Figures are appended: all of them, or with an error none.
+    /// Compares a step of duration h from x = (q, p) under u with the costate y. The direction of the Hessian
+    /// product is (y, u). Appends all figures, or none on an error.
     ///
     /// # Errors
     /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
@@ -70,11 +77,11 @@ impl StepRoutes {
     }
 }
 
-/// One scheme and its judge.
+/// One scheme and its reference.
 struct Compared<F: ModelFamily, M: Scheme<F>> {
     name: &'static str,
     step: M::Step<f64>,
-    judge: M::Step<HyperDual64>,
+    reference: M::Step<HyperDual64>,
     z: Vec<HyperDual64>,
 }
 
@@ -82,7 +89,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     fn new(name: &'static str, family: &F) -> Self {
         let step = M::step(family.model::<f64>());
         let inputs = step.states() + step.controls() + 1;
-        Self { name, judge: M::step(family.model()), z: vec![HyperDual64::from_re(0.0); inputs], step }
+        Self { name, reference: M::step(family.model()), z: vec![HyperDual64::from_re(0.0); inputs], step }
     }
 
     fn compare(
@@ -103,7 +110,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
             }
             let (start, rest) = self.z.split_at(states);
             let (control, duration) = rest.split_at(u.len());
-            let next = self.judge.evaluate(start, control, duration[0])?;
+            let next = self.reference.evaluate(start, control, duration[0])?;
             next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.eps2);
             if j + 1 < inputs {
                 product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.eps1eps2 * y).sum();

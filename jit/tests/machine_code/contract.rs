@@ -1,7 +1,7 @@
 //! What callers may rely on: errors, threads, Debug and Send, bounded memory, no allocation, reproducible
 //! code.
 
-use costate::EvalError;
+use costate::{EvalError, LengthError};
 use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate_jit::{Compiled, Evaluator, JitError, Status};
@@ -66,9 +66,9 @@ fn wrong_lengths_are_refused_and_leave_the_outputs_alone() {
     let inputs = some_inputs(&program);
     let mut evaluator =
         Evaluator::new(&robot("robots/ur5.urdf"), Quantity::FX, Coordinates::Hamiltonian).unwrap();
-    let wrong = EvalError::WrongLength { what: "inputs", expected: 18, found: 17 };
+    let wrong = EvalError::WrongLength(LengthError { what: "inputs", expected: 18, found: 17 });
     assert_eq!(evaluator.evaluate(&inputs[1..], &mut outputs), Err(wrong.clone()));
-    let short = EvalError::WrongLength { what: "outputs", expected: 156, found: 155 };
+    let short = EvalError::WrongLength(LengthError { what: "outputs", expected: 156, found: 155 });
     assert_eq!(evaluator.evaluate(&inputs, &mut outputs[1..]), Err(short.clone()));
     if let Some(compiled) = compiled(&program) {
         assert_eq!(compiled.call(&inputs[1..], &mut outputs), Err(wrong));

@@ -1,6 +1,6 @@
-//! The contracted Hessian of the phase velocities, as it is handed out.
+//! The contracted Hessian of the state equation at one state.
 
-use super::HamiltonianLinearisation;
+use super::linearisation::HamiltonianLinearisation;
 use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 

@@ -1,8 +1,5 @@
-//! The Jacobian of the phase velocities.
+//! The state equation and its Jacobian at one state.
 
-use super::Hamiltonian;
-use crate::error::EvalError;
-use crate::kernels::{LagrangianHessian, Route};
 use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 
@@ -63,30 +60,5 @@ impl<'a, S: Scalar> HamiltonianLinearisation<'a, S> {
     /// `F^p,p = (M^-1 P)' + D_v M^-1` (21d), n x n.
     pub fn pp(&self) -> Block<'a, S> {
         self.f_x.block(self.n(), self.n(), self.n(), self.n())
-    }
-}
-
-impl<S: Scalar, R: Route> Hamiltonian<S, R> {
-    /// F and its Jacobian F_x in x = (q, p) (21)-(24), from one sweep. `F_u = (0; 1)` is constant.
-    ///
-    /// # Errors
-    /// See [`Hamiltonian`].
-    pub fn linearise(
-        &mut self,
-        q: &[S],
-        p: &[S],
-        u: &[S],
-    ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
-        self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.flow.first_order(&self.tree, q, p)?;
-        self.flow.second_order(&self.tree);
-        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
-        Ok(self.assembled())
-    }
-
-    /// F_x from the blocks of the stage reached.
-    pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
-        self.state.assemble(&self.tree, &self.flow);
-        self.state.linearisation(self.flow.kernel.mass_matrix())
     }
 }
