@@ -10,6 +10,7 @@
 //! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] sets the library's
 //! own derivatives beside these, [`OperationTable`] what they all cost.
 
+mod called;
 mod directional;
 mod forward_dynamics;
 mod function;
@@ -24,6 +25,7 @@ mod routes;
 
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
+pub use called::{ByCalls, Called};
 pub(crate) use function::check_length;
 pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};
