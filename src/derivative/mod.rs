@@ -23,9 +23,9 @@ mod phase_velocity;
 mod report;
 mod routes;
 
+pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
-pub use called::{ByCalls, Called};
 pub(crate) use function::check_length;
 pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};

@@ -82,7 +82,12 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     fn new(name: &'static str, family: &F) -> Self {
         let step = M::step(family.model::<f64>());
         let inputs = step.states() + step.controls() + 1;
-        Self { name, judge: M::step(family.model()), z: vec![Called(HyperDual64::from_re(0.0)); inputs], step }
+        Self {
+            name,
+            judge: M::step(family.model()),
+            z: vec![Called(HyperDual64::from_re(0.0)); inputs],
+            step,
+        }
     }
 
     fn compare(
