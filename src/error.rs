@@ -32,7 +32,10 @@ pub enum EvalError {
     #[error(transparent)]
     WrongLength(#[from] LengthError),
     /// An argument has an entry that is infinite or not a number.
-    #[error("{what}[{index}] (joint '{}') is not finite; check the computation that produced it", printable(joint))]
+    #[error(
+        "{what}[{index}] (joint '{}') is not finite; check the computation that produced it",
+        printable(joint)
+    )]
     NonFinite {
         /// The argument.
         what: &'static str,

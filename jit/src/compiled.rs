@@ -6,8 +6,8 @@ use crate::number::Number;
 use crate::place::Place;
 use crate::plan::Function;
 use crate::translate::{Call, Stage, Translation, translate};
-use costate::{EvalError, LengthError};
 use costate::codegen::Program;
+use costate::{EvalError, LengthError};
 use std::mem::MaybeUninit;
 
 /// Default limit of steps for one state: longer straight-line code is slower than the loops of the generic

@@ -3,6 +3,7 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
 
+use super::called::ByCalls;
 use super::function::DerivativeError;
 use super::report::{Figure, largest, relative_difference};
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
@@ -14,16 +15,16 @@ use crate::robot::Robot;
 #[derive(Debug)]
 pub(super) struct LagrangianRoutes {
     analytic: LagrangianSecondOrder<f64>,
-    dual: Jacobian<ForwardDynamics>,
-    nested: NestedHessian<ForwardDynamics>,
-    hyperdual: Hessian<ForwardDynamics>,
+    dual: Jacobian<ByCalls<ForwardDynamics>>,
+    nested: NestedHessian<ByCalls<ForwardDynamics>>,
+    hyperdual: Hessian<ByCalls<ForwardDynamics>>,
 }
 
 impl LagrangianRoutes {
     /// Builds every workspace.
     #[inline]
     pub fn new(robot: &Robot) -> Self {
-        let function = || ForwardDynamics::new(robot);
+        let function = || ByCalls(ForwardDynamics::new(robot));
         Self {
             analytic: LagrangianSecondOrder::new(robot),
             dual: Jacobian::new(function()),

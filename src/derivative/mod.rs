@@ -10,6 +10,7 @@
 //! Values and derivatives are `f64`, or with `over` in place of `new` any other [`InnerNumber`]. [`Routes`]
 //! compares the library's analytic derivatives with these, and [`OperationTable`] counts their operations.
 
+mod called;
 mod directional;
 mod forward_dynamics;
 mod function;
@@ -22,6 +23,7 @@ mod phase_velocity;
 mod report;
 mod routes;
 
+pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
 pub(crate) use function::check_length;

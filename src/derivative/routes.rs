@@ -3,6 +3,7 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
 
+use super::called::ByCalls;
 use super::function::{DerivativeError, Function, check_length};
 use super::lagrangian_routes::LagrangianRoutes;
 use super::report::{
@@ -65,12 +66,12 @@ pub struct Routes {
     dual_pass: DualPass<f64>,
     full: FullHessian<f64>,
     tensors: DualPass<f64, Christoffel>,
-    dual: Jacobian<PhaseVelocity>,
-    nested: NestedHessian<PhaseVelocity>,
-    hyperdual: Hessian<PhaseVelocity>,
+    dual: Jacobian<ByCalls<PhaseVelocity>>,
+    nested: NestedHessian<ByCalls<PhaseVelocity>>,
+    hyperdual: Hessian<ByCalls<PhaseVelocity>>,
     lagrangian: LagrangianRoutes,
     conservative: Hamiltonian<f64>,
-    energy: Jacobian<TotalEnergy>,
+    energy: Jacobian<ByCalls<TotalEnergy>>,
     contracted: Matrix<f64>,
     natural: Natural,
     figures: Vec<Figure>,
@@ -94,7 +95,7 @@ impl Routes {
     pub fn new(robot: &Robot) -> Self {
         let (conservative, tree) = (robot.without_friction(), Tree::from(robot));
         let n = robot.len();
-        let function = || PhaseVelocity::new(robot);
+        let function = || ByCalls(PhaseVelocity::new(robot));
         Self {
             analytic: HamiltonianSecondOrder::from_tree(tree.clone()),
             dual_pass: DualPass::from_tree(tree.clone()),
@@ -105,7 +106,7 @@ impl Routes {
             hyperdual: Hessian::new(function()),
             lagrangian: LagrangianRoutes::new(robot),
             conservative: Hamiltonian::new(&conservative),
-            energy: Jacobian::new(TotalEnergy(conservative)),
+            energy: Jacobian::new(ByCalls(TotalEnergy(conservative))),
             contracted: Matrix::zeros(2 * n, 2 * n),
             natural: Natural::default(),
             figures: Vec::new(),
@@ -133,7 +134,7 @@ impl Routes {
         check_length("y", y, 2 * n)?;
         for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
         {
-            function.u.copy_from_slice(u);
+            function.0.u.copy_from_slice(u);
         }
         self.figures.clear();
         self.hyperdual.contract(x, y)?;

@@ -8,7 +8,7 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Figure, largest, relative_difference, worse};
+use crate::derivative::{Called, Figure, largest, relative_difference, worse};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
@@ -81,15 +81,20 @@ impl StepRoutes {
 struct Compared<F: ModelFamily, M: Scheme<F>> {
     name: &'static str,
     step: M::Step<f64>,
-    reference: M::Step<HyperDual64>,
-    z: Vec<HyperDual64>,
+    judge: M::Step<Called<HyperDual64>>,
+    z: Vec<Called<HyperDual64>>,
 }
 
 impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     fn new(name: &'static str, family: &F) -> Self {
         let step = M::step(family.model::<f64>());
         let inputs = step.states() + step.controls() + 1;
-        Self { name, reference: M::step(family.model()), z: vec![HyperDual64::from_re(0.0); inputs], step }
+        Self {
+            name,
+            judge: M::step(family.model()),
+            z: vec![Called(HyperDual64::from_re(0.0)); inputs],
+            step,
+        }
     }
 
     fn compare(
@@ -106,14 +111,14 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         let (mut phi_z, mut product) = (Matrix::zeros(states, inputs), Matrix::zeros(1, inputs - 1));
         for j in 0..inputs {
             for (l, z) in self.z.iter_mut().enumerate() {
-                *z = HyperDual64::new(values[l], direction[l], f64::from(u8::from(l == j)), 0.0);
+                *z = Called(HyperDual64::new(values[l], direction[l], f64::from(u8::from(l == j)), 0.0));
             }
             let (start, rest) = self.z.split_at(states);
             let (control, duration) = rest.split_at(u.len());
-            let next = self.reference.evaluate(start, control, duration[0])?;
-            next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.eps2);
+            let next = self.judge.evaluate(start, control, duration[0])?;
+            next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.0.eps2);
             if j + 1 < inputs {
-                product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.eps1eps2 * y).sum();
+                product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.0.eps1eps2 * y).sum();
             }
         }
         let found = self.step.contract(x, u, h, y)?;

@@ -1,6 +1,5 @@
 //! Properties of the second derivatives of the phase velocities.
 
-use costate::{EvalError, LengthError};
 use costate::derivative::{Hessian, NestedHessian, PhaseVelocity, largest, relative_difference};
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
@@ -8,6 +7,7 @@ use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::{Block, Matrix};
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
+use costate::{EvalError, LengthError};
 use costate_test_support::config;
 use costate_test_support::random_robot::{Case, cases, condition, tolerance};
 use nalgebra::{DMatrix, DVector};

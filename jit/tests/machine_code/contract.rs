@@ -1,9 +1,9 @@
 //! What callers may rely on: errors, threads, Debug and Send, bounded memory, no allocation, reproducible
 //! code.
 
-use costate::{EvalError, LengthError};
 use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate::{EvalError, LengthError};
 use costate_jit::{Compiled, Evaluator, JitError, Status};
 use nalgebra::Matrix3;
 use std::alloc::{GlobalAlloc, Layout, System};
