@@ -3,7 +3,7 @@
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::{Mapped, OfRobot};
-use crate::options::{Coordinates, Iteration, Options};
+use crate::options::{Coordinates, Iteration, SolverOptions};
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
 use crate::result::motion::Motion;
@@ -21,19 +21,19 @@ use costate::EvalError;
 /// motion that costs more than a path of low cost near the cubics, the search goes on from that path.
 ///
 /// ```
-/// use costate_control::{Options, Problem, Solver};
+/// use costate_control::{SolverOptions, Problem, Solver};
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let solution = Solver::new(&problem, Options::default())?.solve();
+/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
 /// assert!(solution.status.is_converged());
 /// assert!((solution.cost - 74.0616592202).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Solver<'a> {
     problem: &'a Problem,
-    options: Options,
+    options: SolverOptions,
     start: Option<Trajectory>,
     listener: Option<Listener<'a>>,
 }
@@ -43,7 +43,7 @@ impl<'a> Solver<'a> {
     ///
     /// # Errors
     /// [`ProblemError`].
-    pub fn new(problem: &'a Problem, options: Options) -> Result<Self, ProblemError> {
+    pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
         problem.check()?;
         options.check()?;
         Ok(Self { problem, options, start: None, listener: None })

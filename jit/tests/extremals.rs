@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::robot::Robot;
-use costate_control::{GeneratedExtremal, Options, Problem, ProgramOf, pontryagin_program, solve_extremal};
+use costate_control::{
+    GeneratedExtremal, Problem, ProgramOf, SolverOptions, pontryagin_program, solve_extremal,
+};
 use costate_jit::{Compiled, JitError};
 use std::f64::consts::FRAC_PI_2;
 
@@ -36,7 +38,7 @@ fn the_solver_runs_on_machine_code() {
     )
     .unwrap();
     let guess = |s: f64, z: &mut [f64]| z[..2].fill(FRAC_PI_2 * s * s * (3.0 - 2.0 * s));
-    let motion = solve_extremal(&mut extremal, problem.time, &Options::default(), guess);
+    let motion = solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), guess);
     assert!(motion.status.is_converged(), "{}", motion.status);
     assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
     assert!(calls > 100, "{calls}");

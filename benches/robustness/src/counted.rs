@@ -1,7 +1,7 @@
 //! An extremal whose evaluations are counted.
 
 use costate::EvalError;
-use costate_control::{Ease, Extremal, Law, Rate, Side};
+use costate_control::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
 use std::time::{Duration, Instant};
 
 /// Counts until the found motion is integrated again: the first evaluation at a given control belongs to its check.
@@ -38,20 +38,25 @@ impl<E: Extremal> Extremal for Counted<E> {
         self.extremal.controls()
     }
 
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
-        self.rates += self.searching();
-        self.extremal.rate(z, law, g)
-    }
-
-    fn linear(
+    fn evaluate(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.rates += self.searching();
+        self.extremal.evaluate(z, law, g)
+    }
+
+    fn linearise(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
+    ) -> Result<HamiltonianTerms, EvalError> {
         self.jacobians += self.searching();
-        self.extremal.linear(z, law, g, jacobian)
+        self.extremal.linearise(z, law, g, jacobian)
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
@@ -71,11 +76,11 @@ impl<E: Extremal> Extremal for Counted<E> {
         false
     }
 
-    fn set_ease(&mut self, ease: Ease) {
-        self.extremal.set_ease(ease);
+    fn set_relaxation(&mut self, ease: Relaxation) {
+        self.extremal.set_relaxation(ease);
     }
 
-    fn easiest(&self) -> Ease {
+    fn easiest(&self) -> Relaxation {
         self.extremal.easiest()
     }
 
@@ -95,11 +100,17 @@ impl<E: Extremal> Extremal for Counted<E> {
         self.extremal.bounds(control)
     }
 
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        control: usize,
+        sides: (BoundSide, BoundSide),
+        z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         self.extremal.switching(control, sides, z, gradient)
     }
 
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         self.extremal.controls_at(z, law, u);
     }
 

@@ -5,22 +5,22 @@ use crate::problems::problem;
 use crate::record::{Record, Search};
 use costate::hamiltonian::Hamiltonian;
 use costate_control::{
-    Coordinates, Extremal, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem, RobotExtremal, Ways,
-    solve_extremal,
+    ControlLaw, Coordinates, Extremal, JacobianRoute, LagrangianExtremal, Motion, Problem, RobotExtremal,
+    SolverOptions, Ways, solve_extremal,
 };
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
 /// The same for all: Newton's method from the guess, no other way.
-pub fn options(search: &Search) -> Options {
-    Options {
+pub fn options(search: &Search) -> SolverOptions {
+    SolverOptions {
         jacobian: search.matrix,
         coordinates: search.coordinates,
         ways: Ways::Direct,
         max_iterations: 40,
         max_nodes: 1001,
-        ..Options::default()
+        ..SolverOptions::default()
     }
 }
 
@@ -69,7 +69,7 @@ fn solve<E: Extremal>(
         }
     };
     let jacobian_cost = match search.matrix {
-        Jacobian::Differences => (8 * n + 1) as f64,
+        JacobianRoute::Differences => (8 * n + 1) as f64,
         _ => {
             let mut z = vec![0.1; 4 * n];
             guess(0.4, &mut z);
@@ -116,12 +116,12 @@ fn jacobian_cost<E: Extremal>(extremal: &mut E, z: &[f64]) -> Result<f64, costat
     for _ in 0..BATCHES {
         let begun = Instant::now();
         for _ in 0..CALLS {
-            black_box(extremal.rate(black_box(z), Law::Maximal, &mut g)?);
+            black_box(extremal.evaluate(black_box(z), ControlLaw::Maximal, &mut g)?);
         }
         let of_rate = begun.elapsed().as_secs_f64();
         let begun = Instant::now();
         for _ in 0..CALLS {
-            black_box(extremal.linear(black_box(z), Law::Maximal, &mut g, &mut jacobian)?);
+            black_box(extremal.linearise(black_box(z), ControlLaw::Maximal, &mut g, &mut jacobian)?);
         }
         ratios.push(begun.elapsed().as_secs_f64() / of_rate);
     }

@@ -127,5 +127,5 @@ fn unwritable(path: &Path, error: &std::io::Error) -> String {
 
 /// Whether the motion may take any time.
 fn time_is_free(problem: &Problem) -> bool {
-    matches!(problem.time, costate_control::Time::Free { .. })
+    matches!(problem.time, costate_control::FinalTime::Free { .. })
 }

@@ -4,13 +4,13 @@ use super::lines::{key_at, line_at, line_of};
 use super::saved::Saved;
 use super::tables::{EndTable, JointName, ProblemFile, SolverTable, StartFromTable, TimeTable};
 use costate::robot::{LoadOptions, Robot};
-use costate_control::{Bounds, Cost, End, Options, Penalty, Problem, Solution, Start, Time};
+use costate_control::{Bounds, End, FinalTime, Objective, Penalty, Problem, Solution, SolverOptions, Start};
 use std::path::Path;
 
 /// What a problem file asks for.
 pub struct Task {
     pub problem: Problem,
-    pub options: Options,
+    pub options: SolverOptions,
     pub start_from: Option<Solution>,
     /// The file itself.
     pub text: String,
@@ -81,7 +81,7 @@ fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
         start,
         end,
         time: time(&file.time)?,
-        cost: Cost { time: file.cost.time, effort: or(&file.cost.effort, 0.0) },
+        cost: Objective { time: file.cost.time, effort: or(&file.cost.effort, 0.0) },
         terms: Vec::new(),
         gain: or(&file.actuation.gain, 1.0),
         bounds: bounds.map(|table| Bounds { u_min: table.u_min.clone(), u_max: table.u_max.clone() }),
@@ -95,7 +95,7 @@ fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
     })
 }
 
-fn time(table: &TimeTable) -> Result<Time, &'static str> {
+fn time(table: &TimeTable) -> Result<FinalTime, &'static str> {
     match *table {
         TimeTable { last: Some(_), free: true, .. } => {
             Err("time.final stands beside `free = true`; keep one of the two")
@@ -103,8 +103,8 @@ fn time(table: &TimeTable) -> Result<Time, &'static str> {
         TimeTable { last: Some(_), guess: Some(_), .. } => {
             Err("time.guess goes with `free = true`; remove it or time.final")
         }
-        TimeTable { last: Some(last), .. } => Ok(Time::Fixed(last)),
-        TimeTable { free: true, guess: Some(guess), .. } => Ok(Time::Free { guess }),
+        TimeTable { last: Some(last), .. } => Ok(FinalTime::Fixed(last)),
+        TimeTable { free: true, guess: Some(guess), .. } => Ok(FinalTime::Free { guess }),
         TimeTable { free: true, .. } => {
             Err("time.guess is missing; with `free = true` it says where to begin, in s")
         }
@@ -130,9 +130,9 @@ fn joints(robot: &Robot, key: &str, names: &[JointName]) -> Result<Vec<usize>, S
     Ok(places)
 }
 
-fn options(table: &SolverTable) -> Options {
-    let defaults = Options::default();
-    Options {
+fn options(table: &SolverTable) -> SolverOptions {
+    let defaults = SolverOptions::default();
+    SolverOptions {
         tolerance: table.tolerance.unwrap_or(defaults.tolerance),
         nodes: table.nodes.unwrap_or(defaults.nodes),
         starts: table.starts.unwrap_or(defaults.starts),
@@ -147,7 +147,7 @@ fn options(table: &SolverTable) -> Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate_control::{Coordinates, Jacobian, Method};
+    use costate_control::{Coordinates, JacobianRoute, Method};
 
     /// Reads this text, followed by the two-link arm of the repository.
     fn read(name: &str, text: &str) -> Task {
@@ -177,8 +177,8 @@ mod tests {
         assert_eq!(problem.start, Start { q, v, q_free: vec![1], v_free: vec![0, 1] });
         let (q, v) = (vec![1.0, 1.1], vec![1.2, 1.3]);
         assert_eq!(problem.end, End { q, v, q_free: vec![0, 1], v_free: vec![0] });
-        assert_eq!(problem.time, Time::Free { guess: 2.0 });
-        assert_eq!(problem.cost, Cost { time: 3.0, effort: vec![2.0, 0.0] });
+        assert_eq!(problem.time, FinalTime::Free { guess: 2.0 });
+        assert_eq!(problem.cost, Objective { time: 3.0, effort: vec![2.0, 0.0] });
         assert_eq!(problem.gain, [5.0, -6.0]);
         let bounds = Bounds { u_min: vec![f64::NEG_INFINITY, -8.0], u_max: vec![7.5, 8.5] };
         assert_eq!(problem.bounds, Some(bounds));
@@ -186,7 +186,7 @@ mod tests {
         let (q_min, q_max, v_max) = (limits(-10.0, -11.0), limits(10.0, 11.0), limits(12.0, 13.0));
         assert_eq!(problem.penalty, Some(Penalty { weight: 9.0, q_min, q_max, v_max }));
         assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (14, 15, 1e-6, 17));
-        assert_eq!((options.jacobian, options.method), (Jacobian::WithoutHessian, Method::Shooting));
+        assert_eq!((options.jacobian, options.method), (JacobianRoute::WithoutHessian, Method::Shooting));
         assert_eq!(options.coordinates, Coordinates::Lagrangian);
         assert!(start_from.is_none());
     }
@@ -198,8 +198,11 @@ mod tests {
         assert_eq!((problem.start.v, problem.end.v), (vec![0.0; 2], vec![0.0; 2]));
         assert_eq!((problem.end.q_free.len(), problem.end.v_free.len()), (0, 0));
         assert_eq!((problem.start.q_free.len(), problem.start.v_free.len()), (0, 0));
-        assert_eq!((problem.time, problem.cost.time, problem.gain), (Time::Fixed(2.0), 0.0, vec![1.0; 2]));
+        assert_eq!(
+            (problem.time, problem.cost.time, problem.gain),
+            (FinalTime::Fixed(2.0), 0.0, vec![1.0; 2])
+        );
         assert!(problem.bounds.is_none() && problem.penalty.is_none());
-        assert_eq!(options, Options::default());
+        assert_eq!(options, SolverOptions::default());
     }
 }

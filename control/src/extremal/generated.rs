@@ -2,8 +2,8 @@
 
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{RobotExtremal, with_hamiltonian};
-use crate::extremal::{Ease, Extremal, Law, Rate, Side};
-use crate::options::Jacobian;
+use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use crate::problem::error::SourceError;
 use costate::EvalError;
@@ -16,7 +16,7 @@ use costate::EvalError;
 /// not finite, the library computes. Ends, controls and bounds are those of [`RobotExtremal`].
 ///
 /// ```
-/// use costate_control::{GeneratedExtremal, Options, Problem, ProgramOf, Time, pontryagin_program, solve_extremal};
+/// use costate_control::{GeneratedExtremal, SolverOptions, Problem, ProgramOf, FinalTime, pontryagin_program, solve_extremal};
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
@@ -40,7 +40,7 @@ use costate::EvalError;
 ///     |z, z_t, l| run(&rate, z, &mut [z_t, l], &mut work),
 ///     |z, z_t, l, z_t_z| run(&linear, z, &mut [z_t, l, z_t_z], &mut other),
 /// )?;
-/// let motion = solve_extremal(&mut extremal, Time::Fixed(1.0), &Options::default(), |s, z| z[0] = s);
+/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s);
 /// assert!(motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -64,12 +64,12 @@ where
     /// A problem that [cannot be posed](Problem::check), or a mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, rate: R, linear: L) -> Result<Self, SourceError> {
         problem.check()?;
-        let library = RobotExtremal::new(problem, Jacobian::Exact)?;
+        let library = RobotExtremal::new(problem, JacobianRoute::Exact)?;
         Ok(Self { library, rate, linear, itself: true })
     }
 
-    fn is_generated(&self, law: Law<'_>) -> bool {
-        self.itself && law == Law::Maximal
+    fn is_generated(&self, law: ControlLaw<'_>) -> bool {
+        self.itself && law == ControlLaw::Maximal
     }
 }
 
@@ -78,7 +78,12 @@ where
     R: FnMut(&[f64], &mut [f64], &mut [f64]),
     L: FnMut(&[f64], &mut [f64], &mut [f64], &mut [f64]),
 {
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         if self.is_generated(law) {
             let mut l = [0.0; 2];
             (self.rate)(z, g, &mut l);
@@ -86,16 +91,16 @@ where
                 return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
-        self.library.rate(z, law, g)
+        self.library.evaluate(z, law, g)
     }
 
-    fn linear(
+    fn linearise(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
+    ) -> Result<HamiltonianTerms, EvalError> {
         if self.is_generated(law) {
             let mut l = [0.0; 2];
             (self.linear)(z, g, &mut l, jacobian);
@@ -103,16 +108,16 @@ where
                 return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
-        self.library.linear(z, law, g, jacobian)
+        self.library.linearise(z, law, g, jacobian)
     }
 
-    fn ease(&self) -> Ease {
-        self.library.ease()
+    fn relaxation(&self) -> Relaxation {
+        self.library.relaxation()
     }
 
-    fn set_ease(&mut self, ease: Ease) {
-        self.itself = Ease { goal: 1.0, ..ease } == Ease::NONE;
-        self.library.set_ease(ease);
+    fn set_relaxation(&mut self, ease: Relaxation) {
+        self.itself = Relaxation { goal: 1.0, ..ease } == Relaxation::NONE;
+        self.library.set_relaxation(ease);
     }
 
     fn states(&self) -> usize {
@@ -139,7 +144,7 @@ where
         self.library.ends_are_fixed()
     }
 
-    fn easiest(&self) -> Ease {
+    fn easiest(&self) -> Relaxation {
         self.library.easiest()
     }
 
@@ -159,11 +164,17 @@ where
         self.library.bounds(control)
     }
 
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        control: usize,
+        sides: (BoundSide, BoundSide),
+        z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         self.library.switching(control, sides, z, gradient)
     }
 
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         self.library.controls_at(z, law, u);
     }
 
@@ -188,9 +199,9 @@ mod tests {
         let unused = |_: &[f64], _: &mut [f64], _: &mut [f64]| {};
         let also = |_: &[f64], _: &mut [f64], _: &mut [f64], _: &mut [f64]| {};
         let mut extremal = GeneratedExtremal::new(&problem, unused, also).unwrap();
-        assert_eq!(extremal.ease(), Ease::NONE);
-        let eased = Ease { goal: 0.5, ..Ease::NONE };
-        extremal.set_ease(eased);
-        assert_eq!(extremal.ease(), eased);
+        assert_eq!(extremal.relaxation(), Relaxation::NONE);
+        let eased = Relaxation { goal: 0.5, ..Relaxation::NONE };
+        extremal.set_relaxation(eased);
+        assert_eq!(extremal.relaxation(), eased);
     }
 }

@@ -14,7 +14,7 @@ use costate::EvalError;
 
 /// Where a bounded control stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Side {
+pub enum BoundSide {
     /// At its lower bound.
     Low,
     /// Between the bounds.
@@ -25,16 +25,16 @@ pub enum Side {
 
 /// Which of the controls are at a bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law<'a> {
+pub enum ControlLaw<'a> {
     /// Each where the maximum of the Hamiltonian asks it to be.
     Maximal,
     /// As given, one entry for each control: what is inside is not clipped.
-    Given(&'a [Side]),
+    Given(&'a [BoundSide]),
 }
 
 /// What goes with the rate of change at one point of an extremal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rate {
+pub struct HamiltonianTerms {
     /// `H* = y'f - l`.
     pub hamiltonian: f64,
     /// Running cost l without penalties.
@@ -45,7 +45,7 @@ pub struct Rate {
     pub smoothing: f64,
 }
 
-impl Rate {
+impl HamiltonianTerms {
     /// `|y'f| + |l|`: what H* is small against.
     pub fn magnitude(&self) -> f64 {
         let l = self.cost + self.penalty + self.smoothing;
@@ -55,7 +55,7 @@ impl Rate {
 
 /// An easier problem in place of the one asked for, and a way from one to the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ease {
+pub struct Relaxation {
     /// Part of the way from the start to the end.
     pub goal: f64,
     /// Factor of the penalties and of user terms.
@@ -66,7 +66,7 @@ pub struct Ease {
     pub bounds: f64,
 }
 
-impl Ease {
+impl Relaxation {
     /// The problem itself.
     pub const NONE: Self = Self { goal: 1.0, penalty: 1.0, effort: 0.0, bounds: 1.0 };
 }
@@ -91,19 +91,24 @@ pub trait Extremal {
     ///
     /// # Errors
     /// What stands against an evaluation at z.
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError>;
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError>;
 
     /// g(z) and its Jacobian, 2N x 2N.
     ///
     /// # Errors
     /// What stands against an evaluation at z.
-    fn linear(
+    fn linearise(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError>;
+    ) -> Result<HamiltonianTerms, EvalError>;
 
     /// The N conditions at the start, zero where they hold, and their Jacobian, N x 2N.
     ///
@@ -128,16 +133,16 @@ pub trait Extremal {
     }
 
     /// How easy the problem is now.
-    fn ease(&self) -> Ease {
-        Ease::NONE
+    fn relaxation(&self) -> Relaxation {
+        Relaxation::NONE
     }
 
-    /// Makes the problem easier, or, with [`Ease::NONE`], itself again. What does not exist is left aside.
-    fn set_ease(&mut self, _: Ease) {}
+    /// Makes the problem easier, or, with [`Relaxation::NONE`], itself again. What does not exist is left aside.
+    fn set_relaxation(&mut self, _: Relaxation) {}
 
-    /// What `set_ease` can change: entries other than those of [`Ease::NONE`] say which, and how far.
-    fn easiest(&self) -> Ease {
-        Ease::NONE
+    /// What `set_relaxation` can change: entries other than those of [`Relaxation::NONE`] say which, and how far.
+    fn easiest(&self) -> Relaxation {
+        Relaxation::NONE
     }
 
     /// A guess of z for a motion that takes `factor` times as long, from that at the same part of the time.
@@ -158,22 +163,28 @@ pub trait Extremal {
     }
 
     /// What vanishes where `control` leaves or reaches a bound, given the sides before and after, and its gradient (2N).
-    fn switching(&mut self, _control: usize, _sides: (Side, Side), _z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        _control: usize,
+        _sides: (BoundSide, BoundSide),
+        _z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         gradient.fill(0.0);
         0.0
     }
 
     /// The controls of the law, as they act.
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         self.unbounded_controls(z, u);
         for (i, u) in u.iter_mut().enumerate() {
             let (low, high) = self.bounds(i);
             *u = match law {
-                Law::Maximal => u.clamp(low, high),
-                Law::Given(sides) => match sides[i] {
-                    Side::Low => low,
-                    Side::Inside => *u,
-                    Side::High => high,
+                ControlLaw::Maximal => u.clamp(low, high),
+                ControlLaw::Given(sides) => match sides[i] {
+                    BoundSide::Low => low,
+                    BoundSide::Inside => *u,
+                    BoundSide::High => high,
                 },
             };
         }

@@ -32,7 +32,7 @@ const ROUNDS: [(f64, f64); 3] = [(1.0, 1e-2), (10.0, 0.1), (100.0, 1.0)];
 /// For what a path is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wish {
-    /// Weight of the effort of controls that cost nothing, as in [`Ease`](crate::Ease).
+    /// Weight of the effort of controls that cost nothing, as in [`Relaxation`](crate::Relaxation).
     pub smoothing: f64,
     /// Part of the penalties and of user terms.
     pub penalty: f64,
@@ -127,7 +127,7 @@ mod tests {
         let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.5], 1.2);
         let wish = Wish { smoothing: 0.0, penalty: 1.0, halvings: 0 };
         let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
-        let solution = crate::Solver::new(&problem, crate::Options::default()).unwrap().solve();
+        let solution = crate::Solver::new(&problem, crate::SolverOptions::default()).unwrap().solve();
         assert!(
             (path.cost() - solution.cost).abs() < 1e-3 * solution.cost,
             "{} {}",

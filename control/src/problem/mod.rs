@@ -24,9 +24,9 @@ pub struct Problem {
     /// Where it must arrive.
     pub end: End,
     /// When.
-    pub time: Time,
+    pub time: FinalTime,
     /// The criterion.
-    pub cost: Cost,
+    pub cost: Objective,
     /// Further terms l(q, v) of the running cost, each times 1.
     pub terms: Vec<UserTerm>,
     /// Diagonal of B, n.
@@ -72,7 +72,7 @@ pub struct End {
 
 /// Duration of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Time {
+pub enum FinalTime {
     /// T (s).
     Fixed(f64),
     /// To be found, H*(T) = 0.
@@ -82,7 +82,7 @@ pub enum Time {
     },
 }
 
-impl Time {
+impl FinalTime {
     /// T or its guess (s).
     pub fn value(self) -> f64 {
         match self {
@@ -93,7 +93,7 @@ impl Time {
 
 /// `c_t T + integral of 1/2 sum_i r_i u_i^2`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cost {
+pub struct Objective {
     /// c_t, weight of T.
     pub time: f64,
     /// r_i, n; zero only for a joint whose control is bounded on both sides.
@@ -130,8 +130,8 @@ impl Problem {
             robot,
             start: Start::fixed(from, &vec![0.0; n]),
             end: End { q: to.to_vec(), v: vec![0.0; n], q_free: Vec::new(), v_free: Vec::new() },
-            time: Time::Fixed(time),
-            cost: Cost { time: 0.0, effort: vec![1.0; n] },
+            time: FinalTime::Fixed(time),
+            cost: Objective { time: 0.0, effort: vec![1.0; n] },
             terms: Vec::new(),
             gain: vec![1.0; n],
             bounds: None,
@@ -159,8 +159,8 @@ impl Problem {
             }
         }
         let (key, time) = match self.time {
-            Time::Fixed(time) => ("time.final", time),
-            Time::Free { guess } => ("time.guess", guess),
+            FinalTime::Fixed(time) => ("time.final", time),
+            FinalTime::Free { guess } => ("time.guess", guess),
         };
         if !(time > 0.0 && time.is_finite()) {
             return Err(ProblemError::NotPositive { key, value: time });
@@ -168,7 +168,7 @@ impl Problem {
         if !(self.cost.time >= 0.0 && self.cost.time.is_finite()) {
             return Err(ProblemError::Negative { key: "cost.time", joint: None, value: self.cost.time });
         }
-        if matches!(self.time, Time::Free { .. }) && self.cost.time == 0.0 && self.terms.is_empty() {
+        if matches!(self.time, FinalTime::Free { .. }) && self.cost.time == 0.0 && self.terms.is_empty() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }
         self.not_negative("cost.effort", &self.cost.effort)?;
@@ -178,7 +178,7 @@ impl Problem {
         }
         self.check_bounds()?;
         let costs = self.cost.effort.iter().any(|&r| r > 0.0) || !self.terms.is_empty();
-        if matches!(self.time, Time::Fixed(_)) && !costs {
+        if matches!(self.time, FinalTime::Fixed(_)) && !costs {
             return Err(ProblemError::NothingToMinimise);
         }
         self.penalty.as_ref().map_or(Ok(()), |penalty| self.check_penalty(penalty))
@@ -186,7 +186,7 @@ impl Problem {
 
     /// Whether an easier problem may have weaker user terms: not where they are the price of time.
     pub(crate) fn terms_may_be_weaker(&self) -> bool {
-        !self.terms.is_empty() && (self.cost.time > 0.0 || matches!(self.time, Time::Fixed(_)))
+        !self.terms.is_empty() && (self.cost.time > 0.0 || matches!(self.time, FinalTime::Fixed(_)))
     }
 
     /// Bounds are numbers with something between them, and both finite where the control costs nothing.

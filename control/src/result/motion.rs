@@ -3,7 +3,7 @@
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Span;
 use crate::bvp::timed::Timed;
-use crate::extremal::{Ease, Extremal, Side};
+use crate::extremal::{BoundSide, Extremal, Relaxation};
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::options::Iteration;
 use crate::solve::Extremum;
@@ -68,7 +68,7 @@ pub struct Motion {
 impl Extremum {
     /// The motion, integrated again and checked for conjugate times where it converged.
     pub(crate) fn into_motion<E: Extremal>(mut self, extremal: &mut E, iterations: Vec<Iteration>) -> Motion {
-        extremal.set_ease(self.ease);
+        extremal.set_relaxation(self.ease);
         let values = self.equations.current.clone();
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
         if let Err(error) = self.equations.evaluate(&mut timed, &values)
@@ -82,7 +82,7 @@ impl Extremum {
         let whole = converged || self.status == Status::SwitchesNotRefined;
         let end_state = if whole { self.integrated_again(extremal).ok() } else { None };
         let shooting_defect = if whole { self.shooting_defect(extremal).ok() } else { None };
-        let (conjugate_time, certificate) = if converged && self.ease == Ease::NONE {
+        let (conjugate_time, certificate) = if converged && self.ease == Relaxation::NONE {
             self.second_variation(extremal)
         } else {
             (None, Certificate::NotChecked)
@@ -174,7 +174,7 @@ impl Extremum {
         if count == 0 {
             return found;
         }
-        let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<Side> {
+        let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<BoundSide> {
             extremal.unbounded_controls(&w[..z_len], u);
             let side = |(i, &u): (usize, &f64)| side_of(u, extremal.bounds(i));
             u.iter().enumerate().map(side).collect()
@@ -236,5 +236,5 @@ const LOOKS: usize = 8;
 pub(crate) struct Crossing {
     pub time: f64,
     pub control: usize,
-    pub sides: (Side, Side),
+    pub sides: (BoundSide, BoundSide),
 }

@@ -2,10 +2,10 @@
 
 use crate::sledge;
 use costate::robot::Robot;
-use costate_control::{Bounds, Cost, Options, Problem, Solution, Solver, Time};
+use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, SolverOptions};
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
     assert!(solution.status.is_converged(), "{}", solution.status);
     assert!(solution.hamiltonian_drift < 1e-8, "drift {}", solution.hamiltonian_drift);
     assert!(solution.end_defect < 1e-6, "end defect {}", solution.end_defect);
@@ -15,8 +15,8 @@ fn solve(problem: &Problem) -> Solution {
 fn least_time(robot: Robot, to: &[f64], bound: f64, guess: f64) -> Problem {
     let n = robot.len();
     Problem {
-        time: Time::Free { guess },
-        cost: Cost { time: 1.0, effort: vec![0.0; n] },
+        time: FinalTime::Free { guess },
+        cost: Objective { time: 1.0, effort: vec![0.0; n] },
         bounds: Some(Bounds { u_min: vec![-bound; n], u_max: vec![bound; n] }),
         ..Problem::rest_to_rest(robot, &vec![0.0; n], to, guess)
     }
@@ -99,7 +99,7 @@ fn bounds_that_are_not_reached_change_nothing() {
 fn a_time_too_short_for_the_bounds_is_not_converged() {
     let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
     let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
-    let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     assert!(!solution.status.is_converged());
     assert!(!solution.trajectory.t.is_empty() && solution.end_defect == f64::INFINITY);
 }
@@ -135,7 +135,7 @@ fn a_saved_motion_of_least_time_is_a_start_for_one_near_by() {
     let saved: Solution = serde_json::from_str(&text).unwrap();
     for to in [[1.0, 0.6], [1.02, 0.58]] {
         let problem = least_time(robot.clone(), &to, 1.0, 9.0);
-        let again = Solver::new(&problem, Options::default()).unwrap().from(&saved).solve();
+        let again = Solver::new(&problem, SolverOptions::default()).unwrap().from(&saved).solve();
         let fresh = solve(&problem);
         assert!(
             (again.final_time - fresh.final_time).abs() < 1e-8,

@@ -1,14 +1,14 @@
 //! Components of the start that are free.
 
 use costate::robot::Robot;
-use costate_control::{End, Options, Problem, Solution, Solver, Start};
+use costate_control::{End, Problem, Solution, Solver, SolverOptions, Start};
 
 fn two_link() -> Robot {
     Robot::from_file("../robots/two_link.toml").unwrap()
 }
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
     assert!(solution.status.is_converged(), "{}", solution.status);
     assert!(solution.hamiltonian_drift < 1e-8, "drift {}", solution.hamiltonian_drift);
     assert!(solution.end_defect < 1e-7, "end defect {}", solution.end_defect);

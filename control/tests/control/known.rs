@@ -2,7 +2,9 @@
 
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
-use costate_control::{Certificate, Cost, Jacobian, Options, Problem, Solution, Solver, Time};
+use costate_control::{
+    Certificate, FinalTime, JacobianRoute, Objective, Problem, Solution, Solver, SolverOptions,
+};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn pendulum() -> Robot {
@@ -17,10 +19,10 @@ fn two_link(time: f64) -> Problem {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, Options::default())
+    solve_with(problem, SolverOptions::default())
 }
 
-fn solve_with(problem: &Problem, options: Options) -> Solution {
+fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
     let solution = Solver::new(problem, options).unwrap().solve();
     assert!(solution.status.is_converged(), "{}\n{:?}", solution.status, solution.iterations);
     assert!(solution.hamiltonian_drift < 1e-8, "drift {}", solution.hamiltonian_drift);
@@ -63,10 +65,11 @@ fn the_two_link_arm_moves_at_the_known_cost_in_any_time() {
 #[test]
 fn all_three_matrices_lead_to_the_same_motion() {
     let exact = solve(&two_link(1.0));
-    for jacobian in [Jacobian::Differences, Jacobian::WithoutHessian] {
-        let solution =
-            Solver::new(&two_link(1.0), Options { jacobian, ..Options::default() }).unwrap().solve();
-        if jacobian == Jacobian::Differences {
+    for jacobian in [JacobianRoute::Differences, JacobianRoute::WithoutHessian] {
+        let solution = Solver::new(&two_link(1.0), SolverOptions { jacobian, ..SolverOptions::default() })
+            .unwrap()
+            .solve();
+        if jacobian == JacobianRoute::Differences {
             assert!(solution.status.is_converged());
         }
         if solution.status.is_converged() {
@@ -78,8 +81,8 @@ fn all_three_matrices_lead_to_the_same_motion() {
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
     let problem = Problem {
-        time: Time::Free { guess: 2.0 },
-        cost: Cost { time: 1.0, effort: vec![1.0; 2] },
+        time: FinalTime::Free { guess: 2.0 },
+        cost: Objective { time: 1.0, effort: vec![1.0; 2] },
         ..two_link(2.0)
     };
     let solution = solve(&problem);
@@ -93,7 +96,7 @@ fn the_two_link_arm_takes_the_known_time() {
 fn costates_are_the_slopes_of_the_cost() {
     let robot = Robot::from_file("../robots/cart_pole.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.1, 0.3], &[0.8, -0.4], 1.3);
-    let options = || Options { tolerance: 1e-11, ..Options::default() };
+    let options = || SolverOptions { tolerance: 1e-11, ..SolverOptions::default() };
     let solution = solve_with(&problem, options());
     let step = 1e-4;
     let cost = |change: &dyn Fn(&mut Problem, f64)| {
@@ -104,7 +107,7 @@ fn costates_are_the_slopes_of_the_cost() {
         };
         (at(step) - at(-step)) / (2.0 * step)
     };
-    let slope = cost(&|problem, h| problem.time = Time::Fixed(problem.time.value() + h));
+    let slope = cost(&|problem, h| problem.time = FinalTime::Fixed(problem.time.value() + h));
     close(slope, -solution.hamiltonian, 1e-6);
     // The start is at rest, so moving q leaves p = 0, and moving v_j moves p by M e_j.
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&problem.robot);

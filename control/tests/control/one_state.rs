@@ -1,7 +1,9 @@
 //! Systems that are not robots, through the same solver: `dx/dt = u`, `l = c_t + u^2/2 + k x^2/2`.
 
 use costate::EvalError;
-use costate_control::{Certificate, Extremal, Law, Motion, Options, Rate, Time, solve_extremal};
+use costate_control::{
+    Certificate, ControlLaw, Extremal, FinalTime, HamiltonianTerms, Motion, SolverOptions, solve_extremal,
+};
 
 /// x from 0 to `to`; `u = y`, `H* = y^2/2 - k x^2/2 - c_t`.
 struct Line {
@@ -19,15 +21,26 @@ impl Extremal for Line {
         1
     }
 
-    fn rate(&mut self, z: &[f64], _: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        _: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         g.copy_from_slice(&[z[1], self.stiffness * z[0]]);
         let cost = self.time_cost + 0.5 * z[1] * z[1] + 0.5 * self.stiffness * z[0] * z[0];
-        Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, ..Rate::default() })
+        Ok(HamiltonianTerms { hamiltonian: z[1] * z[1] - cost, cost, ..HamiltonianTerms::default() })
     }
 
-    fn linear(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64], j: &mut [f64]) -> Result<Rate, EvalError> {
+    fn linearise(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        j: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         j.copy_from_slice(&[0.0, 1.0, self.stiffness, 0.0]);
-        self.rate(z, law, g)
+        self.evaluate(z, law, g)
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
@@ -56,9 +69,9 @@ impl Extremal for Line {
     }
 }
 
-fn solve(mut line: Line, time: Time, points: usize) -> Motion {
+fn solve(mut line: Line, time: FinalTime, points: usize) -> Motion {
     let to = line.to;
-    let options = Options { points, ..Options::default() };
+    let options = SolverOptions { points, ..SolverOptions::default() };
     let motion = solve_extremal(&mut line, time, &options, |s, z| z[0] = s * to);
     assert!(motion.status.is_converged(), "{}", motion.status);
     motion
@@ -68,7 +81,7 @@ fn solve(mut line: Line, time: Time, points: usize) -> Motion {
 fn the_conjugate_time_of_an_inverted_cost_is_pi() {
     for (time, expected) in [(4.0, Some(std::f64::consts::PI)), (3.0, None)] {
         let line = Line { to: 1.0, stiffness: -1.0, time_cost: 0.0 };
-        let motion = solve(line, Time::Fixed(time), 4);
+        let motion = solve(line, FinalTime::Fixed(time), 4);
         // x = sin t / sin T, J = cot T / 2.
         assert!((motion.cost - 0.5 / time.tan()).abs() < 1e-8 * (1.0 + motion.cost.abs()), "{}", motion.cost);
         match (motion.conjugate_time, expected) {
@@ -86,7 +99,7 @@ fn the_conjugate_time_of_an_inverted_cost_is_pi() {
 fn both_orders_reach_the_tolerance() {
     for points in [3, 4] {
         let line = Line { to: 1.0, stiffness: 4.0, time_cost: 0.0 };
-        let motion = solve(line, Time::Fixed(3.0), points);
+        let motion = solve(line, FinalTime::Fixed(3.0), points);
         // x = sinh 2t / sinh 2T; y = x'.
         for (t, z) in motion.t.iter().zip(&motion.z) {
             let exact = [(2.0 * t).sinh(), 2.0 * (2.0 * t).cosh()].map(|x| x / 6.0_f64.sinh());
@@ -99,7 +112,7 @@ fn both_orders_reach_the_tolerance() {
 fn the_best_time_balances_the_price_of_time() {
     for guess in [0.05, 1.0, 20.0] {
         let line = Line { to: 1.0, stiffness: 0.0, time_cost: 1.0 };
-        let motion = solve(line, Time::Free { guess }, 4);
+        let motion = solve(line, FinalTime::Free { guess }, 4);
         assert!((motion.final_time - 0.5_f64.sqrt()).abs() < 1e-9, "{}", motion.final_time);
         assert!((motion.cost - 2.0_f64.sqrt()).abs() < 1e-9 && motion.hamiltonian.abs() < 1e-9);
     }

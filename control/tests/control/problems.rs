@@ -1,7 +1,7 @@
 //! What is refused, what is warned of, and what is saved.
 
 use costate::robot::Robot;
-use costate_control::{Bounds, Options, Penalty, Problem, Solution, Solver, Time};
+use costate_control::{Bounds, FinalTime, Penalty, Problem, Solution, Solver, SolverOptions};
 
 fn problem() -> Problem {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
@@ -24,9 +24,9 @@ fn what_is_wrong_is_named_by_its_key() {
     refused(&|p| p.start.v_free = vec![3], "start.v_free");
     refused(&|p| p.end.q_free = vec![2], "end.q_free");
     refused(&|p| p.end.v_free = vec![5], "end.v_free");
-    refused(&|p| p.time = Time::Fixed(0.0), "time.final");
-    refused(&|p| p.time = Time::Free { guess: -1.0 }, "time.guess");
-    refused(&|p| p.time = Time::Free { guess: 1.0 }, "cost.time");
+    refused(&|p| p.time = FinalTime::Fixed(0.0), "time.final");
+    refused(&|p| p.time = FinalTime::Free { guess: -1.0 }, "time.guess");
+    refused(&|p| p.time = FinalTime::Free { guess: 1.0 }, "cost.time");
     refused(&|p| p.cost.time = -1.0, "cost.time");
     refused(&|p| p.cost.effort[0] = -1.0, "cost.effort of joint 'shoulder'");
     refused(&|p| p.cost.effort[1] = 0.0, "'elbow'");
@@ -71,7 +71,7 @@ fn what_is_wrong_is_named_by_its_key() {
     held.penalty = limits(-infinite, infinite, infinite);
     assert_eq!(held.check(), Ok(()));
     assert_eq!(problem().check(), Ok(()));
-    let options = Options { tolerance: 0.0, ..Options::default() };
+    let options = SolverOptions { tolerance: 0.0, ..SolverOptions::default() };
     assert!(
         Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("solver.tolerance"))
     );
@@ -79,17 +79,17 @@ fn what_is_wrong_is_named_by_its_key() {
 
 #[test]
 fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
-    let first = Solver::new(&problem(), Options::default()).unwrap().solve();
+    let first = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
     let text = serde_json::to_string(&first).unwrap();
     let saved: Solution = serde_json::from_str(&text).unwrap();
     assert_eq!(saved.trajectory, first.trajectory);
     assert_eq!(saved.status, first.status);
     let mut longer = problem();
-    longer.time = Time::Fixed(1.1);
-    let again = Solver::new(&longer, Options::default()).unwrap().from(&saved).solve();
-    let fresh = Solver::new(&longer, Options::default()).unwrap().solve();
+    longer.time = FinalTime::Fixed(1.1);
+    let again = Solver::new(&longer, SolverOptions::default()).unwrap().from(&saved).solve();
+    let fresh = Solver::new(&longer, SolverOptions::default()).unwrap().solve();
     assert!((again.cost - fresh.cost).abs() < 1e-9 * fresh.cost);
-    let same = Solver::new(&problem(), Options::default()).unwrap().from(&saved).solve();
+    let same = Solver::new(&problem(), SolverOptions::default()).unwrap().from(&saved).solve();
     assert!(
         same.newton_iterations < first.newton_iterations,
         "{} {}",
@@ -104,18 +104,18 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
 #[test]
 fn limits_of_the_robot_are_a_warning() {
     let problem = problem();
-    let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     let warnings = problem.limit_warnings(&solution);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("effort of joint 'shoulder'"), "{warnings:?}");
     let mut slow = problem.clone();
-    slow.time = Time::Fixed(10.0);
-    assert!(slow.limit_warnings(&Solver::new(&slow, Options::default()).unwrap().solve()).is_empty());
+    slow.time = FinalTime::Fixed(10.0);
+    assert!(slow.limit_warnings(&Solver::new(&slow, SolverOptions::default()).unwrap().solve()).is_empty());
 }
 
 #[test]
 fn penalties_push_a_motion_back_and_are_told_apart() {
-    let free = Solver::new(&problem(), Options::default()).unwrap().solve();
+    let free = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
     let fastest = |solution: &Solution| {
         solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()))
     };
@@ -123,7 +123,7 @@ fn penalties_push_a_motion_back_and_are_told_apart() {
     let mut slower = problem();
     slower.penalty =
         Some(Penalty { weight: 1e4, q_min: None, q_max: Some(vec![0.5; 2]), v_max: Some(vec![limit; 2]) });
-    let held = Solver::new(&slower, Options::default()).unwrap().solve();
+    let held = Solver::new(&slower, SolverOptions::default()).unwrap().solve();
     assert!(held.status.is_converged(), "{} {:?}", held.status, held.iterations);
     assert!(fastest(&held) < 1.05 * limit && held.penalty_cost > 0.0 && held.cost > free.cost);
     assert!(held.hamiltonian_drift < 1e-7, "{}", held.hamiltonian_drift);
@@ -140,7 +140,7 @@ fn an_infinite_limit_is_none() {
             q_max: Some(vec![none, 0.5]),
             v_max: Some(vec![none, 0.6]),
         });
-        Solver::new(&held, Options::default()).unwrap().solve()
+        Solver::new(&held, SolverOptions::default()).unwrap().solve()
     };
     let (without, far) = (solve(infinite), solve(1e9));
     assert!(without.status.is_converged() && without.penalty_cost > 0.0);
@@ -151,7 +151,7 @@ fn an_infinite_limit_is_none() {
 fn starts_are_tried_in_turn_and_the_best_is_kept() {
     let mut steps = 0;
     let problem = problem();
-    let options = Options { starts: 3, seed: 7, ..Options::default() };
+    let options = SolverOptions { starts: 3, seed: 7, ..SolverOptions::default() };
     let solution = Solver::new(&problem, options)
         .unwrap()
         .on_iteration(|step| steps += usize::from(step.phase != "path"))

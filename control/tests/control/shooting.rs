@@ -2,7 +2,9 @@
 
 use crate::sledge;
 use costate::robot::Robot;
-use costate_control::{Bounds, Cost, Method, Options, Penalty, Problem, Solution, Solver, Status, Time};
+use costate_control::{
+    Bounds, FinalTime, Method, Objective, Penalty, Problem, Solution, Solver, SolverOptions, Status,
+};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn two_link(time: f64) -> Problem {
@@ -11,7 +13,7 @@ fn two_link(time: f64) -> Problem {
 }
 
 fn solve(problem: &Problem, method: Method) -> Solution {
-    let options = Options { method, ..Options::default() };
+    let options = SolverOptions { method, ..SolverOptions::default() };
     let started = std::time::Instant::now();
     let solution = Solver::new(problem, options).unwrap().solve();
     println!(
@@ -79,8 +81,8 @@ fn the_two_link_arm_moves_at_the_known_cost() {
 
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
-    let cost = Cost { time: 1.0, effort: vec![1.0; 2] };
-    let problem = Problem { time: Time::Free { guess: 2.0 }, cost, ..two_link(2.0) };
+    let cost = Objective { time: 1.0, effort: vec![1.0; 2] };
+    let problem = Problem { time: FinalTime::Free { guess: 2.0 }, cost, ..two_link(2.0) };
     let solution = both(&problem);
     close(solution.final_time, (3.0 * 145.131_137_54_f64).powf(0.25), 1e-9);
     assert!(solution.hamiltonian.abs() < 1e-9);
@@ -118,8 +120,8 @@ fn bounded_controls_switch_at_the_same_times() {
     let solution = both(&Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) });
     assert_eq!(solution.switches.len(), 2);
     let least_time = Problem {
-        time: Time::Free { guess: 3.0 },
-        cost: Cost { time: 1.0, effort: vec![0.0] },
+        time: FinalTime::Free { guess: 3.0 },
+        cost: Objective { time: 1.0, effort: vec![0.0] },
         bounds: Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] }),
         ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 3.0)
     };
@@ -132,7 +134,7 @@ fn bounded_controls_switch_at_the_same_times() {
 fn a_time_too_short_for_the_bounds_is_not_converged() {
     let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
     let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
-    let options = Options { method: Method::Shooting, ..Options::default() };
+    let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_ne!(solution.status, Status::Converged);
     assert!(!solution.trajectory.t.is_empty() && solution.shooting_defect == f64::INFINITY);
@@ -141,7 +143,7 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
 #[test]
 fn a_looser_tolerance_has_a_larger_shooting_defect() {
     let defect = |tolerance| {
-        let options = Options { tolerance, ..Options::default() };
+        let options = SolverOptions { tolerance, ..SolverOptions::default() };
         Solver::new(&two_link(1.0), options).unwrap().solve().shooting_defect
     };
     let (loose, tight) = (defect(1e-4), defect(1e-10));

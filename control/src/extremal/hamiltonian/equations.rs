@@ -119,7 +119,7 @@ impl<S: ExtremalScalar> Equations<S> {
     }
 
     /// z', 4n.
-    pub fn rate(
+    pub fn evaluate(
         &mut self,
         z: &[S],
         control: impl Fn(usize, S) -> Control<S>,
@@ -135,7 +135,7 @@ impl<S: ExtremalScalar> Equations<S> {
     }
 
     /// z' and its Jacobian, 4n x 4n; without the blocks y'F_xx where `hessian` says so.
-    pub fn linear(
+    pub fn linearise(
         &mut self,
         z: &[S],
         control: impl Fn(usize, S) -> Control<S>,

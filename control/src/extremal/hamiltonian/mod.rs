@@ -7,8 +7,8 @@ use crate::extremal::actuation::{Actuation, price};
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::ends::Ends;
 use crate::extremal::hamiltonian::equations::{Equations, Running};
-use crate::extremal::{Ease, Extremal, Law, Rate, Side};
-use crate::options::Jacobian;
+use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use costate::EvalError;
 use costate::hamiltonian::SecondOrder;
@@ -31,8 +31,8 @@ pub struct RobotExtremal {
     /// Actuation and weight of the penalties of the problem itself.
     asked: (Actuation, f64),
     ends: Ends,
-    jacobian: Jacobian,
-    ease: Ease,
+    jacobian: JacobianRoute,
+    ease: Relaxation,
     /// Whether an easier problem has weaker user terms.
     ease_terms: bool,
     differences: Differences,
@@ -43,7 +43,7 @@ impl RobotExtremal {
     ///
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
-    pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
+    pub fn new(problem: &Problem, jacobian: JacobianRoute) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         Ok(Self {
             equations: Equations::new(problem, SecondOrder::new(&problem.robot)),
@@ -51,7 +51,7 @@ impl RobotExtremal {
             asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
             ends: Ends::new(problem)?,
             jacobian,
-            ease: Ease::NONE,
+            ease: Relaxation::NONE,
             ease_terms: problem.terms_may_be_weaker(),
             differences: Differences::new(4 * n),
         })
@@ -60,7 +60,7 @@ impl RobotExtremal {
     /// Makes controls that cost nothing cost so much, in parts of what matters, and takes that for the problem itself.
     pub(crate) fn smooth(&mut self, effort: f64) {
         let asked = self.asked.0.clone();
-        self.asked.0.ease(&asked, self.time_cost(), Ease { effort, ..Ease::NONE });
+        self.asked.0.ease(&asked, self.time_cost(), Relaxation { effort, ..Relaxation::NONE });
         self.actuation = self.asked.0.clone();
     }
 
@@ -91,27 +91,32 @@ impl Extremal for RobotExtremal {
         self.equations.force.len()
     }
 
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         let actuation = &self.actuation;
-        let l = self.equations.rate(z, |i, y_p| actuation.control(i, y_p, law), g)?;
+        let l = self.equations.evaluate(z, |i, y_p| actuation.control(i, y_p, law), g)?;
         Ok(with_hamiltonian(z, g, l))
     }
 
-    fn linear(
+    fn linearise(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
-        if self.jacobian == Jacobian::Differences {
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if self.jacobian == JacobianRoute::Differences {
             self.by_differences(z, law, jacobian)?;
-            return self.rate(z, law, g);
+            return self.evaluate(z, law, g);
         }
-        let hessian = self.jacobian == Jacobian::Exact;
+        let hessian = self.jacobian == JacobianRoute::Exact;
         let actuation = &self.actuation;
         let control = |i, y_p| actuation.control(i, y_p, law);
-        let l = self.equations.linear(z, control, hessian, (g, jacobian))?;
+        let l = self.equations.linearise(z, control, hessian, (g, jacobian))?;
         Ok(with_hamiltonian(z, g, l))
     }
 
@@ -131,11 +136,11 @@ impl Extremal for RobotExtremal {
         self.ends.are_fixed()
     }
 
-    fn ease(&self) -> Ease {
+    fn relaxation(&self) -> Relaxation {
         self.ease
     }
 
-    fn set_ease(&mut self, ease: Ease) {
+    fn set_relaxation(&mut self, ease: Relaxation) {
         self.ease = ease;
         self.ends.set_goal(ease.goal);
         let price = price(self.equations.time_cost);
@@ -145,7 +150,7 @@ impl Extremal for RobotExtremal {
         self.actuation.ease(&self.asked.0, self.equations.time_cost, ease);
     }
 
-    fn easiest(&self) -> Ease {
+    fn easiest(&self) -> Relaxation {
         self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
     }
 
@@ -164,7 +169,7 @@ impl Extremal for RobotExtremal {
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, z[3 * n + i]));
     }
 
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         let n = self.equations.force.len();
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, z[3 * n + i], law).u);
     }
@@ -173,7 +178,13 @@ impl Extremal for RobotExtremal {
         self.actuation.reached_bounds(&self.asked.0, control)
     }
 
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        control: usize,
+        sides: (BoundSide, BoundSide),
+        z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         let at = 3 * self.equations.force.len() + control;
         gradient.fill(0.0);
         let (value, slope) = self.actuation.switching(control, sides, z[at]);
@@ -191,10 +202,10 @@ impl Extremal for RobotExtremal {
 }
 
 /// `H* = y'f - l` and l.
-pub(crate) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> Rate {
+pub(crate) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> HamiltonianTerms {
     let states = z.len() / 2;
     let hamiltonian = costate::matrix::dot(&z[states..], &g[..states]) - l.cost - l.penalty - l.smoothing;
-    Rate { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
+    HamiltonianTerms { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
 }
 
 /// Positions, rates or momenta, and the costates of each, of a motion that takes `factor` times as long.

@@ -10,8 +10,8 @@ use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
 use crate::extremal::lagrangian::ends::LagrangianEnds;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
-use crate::extremal::{Ease, Extremal, Law, Rate, Side};
-use crate::options::Jacobian;
+use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use costate::EvalError;
 use costate::lagrangian::SecondOrder;
@@ -27,7 +27,7 @@ use costate::lagrangian::SecondOrder;
 /// H is `y'f - l` at a given u. The actuation acts through M^-1, so u depends on q, which adds to all blocks; in Hamiltonian
 /// coordinates it depends on y_p alone. Penalties and [user terms](crate::UserTerm) depend on x itself. Free ends: `y_q,j = 0`, `y_v,j = 0`.
 ///
-/// [`Jacobian::WithoutHessian`] leaves out the second derivatives of the dynamics, `y_v'a_xx` and `y_v'a_uq`; with them goes
+/// [`JacobianRoute::WithoutHessian`] leaves out the second derivatives of the dynamics, `y_v'a_xx` and `y_v'a_uq`; with them goes
 /// all that u changes with q. Built once; evaluations do not allocate.
 #[derive(Clone, Debug)]
 pub struct LagrangianExtremal {
@@ -40,8 +40,8 @@ pub struct LagrangianExtremal {
     ends: LagrangianEnds,
     /// c_t.
     time_cost: f64,
-    pub(crate) jacobian: Jacobian,
-    ease: Ease,
+    pub(crate) jacobian: JacobianRoute,
+    ease: Relaxation,
     /// Whether an easier problem has weaker user terms.
     ease_terms: bool,
     /// w.
@@ -61,7 +61,7 @@ impl LagrangianExtremal {
     ///
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
-    pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
+    pub fn new(problem: &Problem, jacobian: JacobianRoute) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         let mut second = SecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
@@ -76,7 +76,7 @@ impl LagrangianExtremal {
             ends: LagrangianEnds::new(problem),
             time_cost: problem.cost.time,
             jacobian,
-            ease: Ease::NONE,
+            ease: Relaxation::NONE,
             ease_terms: problem.terms_may_be_weaker(),
             pull: vec![0.0; n],
             force: vec![0.0; n],
@@ -88,7 +88,12 @@ impl LagrangianExtremal {
     }
 
     /// w, controls and penalties at z; M(q) is factored after it.
-    fn prepare(&mut self, z: &[f64], law: Law<'_>, curvature: bool) -> Result<Running<f64>, EvalError> {
+    fn prepare(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        curvature: bool,
+    ) -> Result<Running<f64>, EvalError> {
         let n = self.force.len();
         self.pull.copy_from_slice(&z[3 * n..]);
         self.second.first().solve_mass_matrix(&z[..n], &mut self.pull)?;
@@ -149,7 +154,12 @@ impl Extremal for LagrangianExtremal {
         self.force.len()
     }
 
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         let n = self.force.len();
         let l = self.prepare(z, law, false)?;
         let (f, y_rate) = g.split_at_mut(2 * n);
@@ -160,16 +170,16 @@ impl Extremal for LagrangianExtremal {
         Ok(with_hamiltonian(z, g, l))
     }
 
-    fn linear(
+    fn linearise(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
-        if self.jacobian == Jacobian::Differences {
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if self.jacobian == JacobianRoute::Differences {
             self.by_differences(z, law, jacobian)?;
-            return self.rate(z, law, g);
+            return self.evaluate(z, law, g);
         }
         let l = self.prepare(z, law, true)?;
         self.exact(z, g, jacobian)?;
@@ -194,11 +204,11 @@ impl Extremal for LagrangianExtremal {
         self.ends.are_fixed()
     }
 
-    fn ease(&self) -> Ease {
+    fn relaxation(&self) -> Relaxation {
         self.ease
     }
 
-    fn set_ease(&mut self, ease: Ease) {
+    fn set_relaxation(&mut self, ease: Relaxation) {
         self.ease = ease;
         self.ends.set_goal(ease.goal);
         self.penalties.set_weight(ease.penalty * self.asked.1);
@@ -207,7 +217,7 @@ impl Extremal for LagrangianExtremal {
         self.actuation.ease(&self.asked.0, self.time_cost, ease);
     }
 
-    fn easiest(&self) -> Ease {
+    fn easiest(&self) -> Relaxation {
         self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
     }
 
@@ -226,7 +236,7 @@ impl Extremal for LagrangianExtremal {
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, self.pull[i]));
     }
 
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         self.pull_at(z);
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, self.pull[i], law).u);
     }
@@ -236,7 +246,13 @@ impl Extremal for LagrangianExtremal {
     }
 
     /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        control: usize,
+        sides: (BoundSide, BoundSide),
+        z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         let n = self.force.len();
         self.pull_at(z);
         let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
