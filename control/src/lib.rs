@@ -27,11 +27,15 @@ mod solver;
 mod status;
 
 pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
-pub use extremal::generated::GeneratedExtremal;
+pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
 pub use extremal::hamiltonian::RobotExtremal;
 pub use extremal::lagrangian::LagrangianExtremal;
 pub use extremal::program::{ProgramOf, pontryagin_program};
-pub use extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+pub use extremal::wrapped::{Hooks, Wrapped};
+pub use extremal::{
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, Extremal, HamiltonianTerms, Homotopy,
+    Relaxation,
+};
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, Iteration, JacobianRoute, Method, SolverOptions, Ways};
 pub use problem::error::{ProblemError, SourceError};

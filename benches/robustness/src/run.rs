@@ -1,6 +1,6 @@
 //! One search.
 
-use crate::counted::Counted;
+use crate::counted::Counts;
 use crate::problems::problem;
 use crate::record::{Record, Search};
 use costate::hamiltonian::Hamiltonian;
@@ -77,9 +77,9 @@ fn solve<E: Extremal>(
             jacobian_cost(&mut extremal, &z)?
         }
     };
-    let mut counted = Counted::new(extremal);
+    let mut counted = Counts::of(extremal);
     let motion = solve_extremal(&mut counted, problem.time, &options(search), guess);
-    let milliseconds = 1e3 * counted.taken().as_secs_f64();
+    let milliseconds = 1e3 * counted.hooks.duration().as_secs_f64();
     if let Some(error) = failed {
         return Err(error.into());
     }
@@ -100,8 +100,8 @@ fn solve<E: Extremal>(
         cost: cost + penalty_cost,
         steps: iterations.len(),
         nodes: t.len(),
-        rates: counted.rates,
-        jacobians: counted.jacobians,
+        rates: counted.hooks.rates,
+        jacobians: counted.hooks.jacobians,
         jacobian_cost,
         milliseconds,
     })

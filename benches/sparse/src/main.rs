@@ -4,7 +4,9 @@
 //! those of the trapezoidal rule along optimal motions, with the exact Jacobians of their extremals. A solution that differs
 //! ends with an error.
 
-use costate_control::{AlmostBlockDiagonal, Extremal, ControlLaw, SolverOptions, Problem, RobotExtremal, Solver};
+use costate_control::{
+    AlmostBlockDiagonal, BoundaryValueProblem, ControlLaw, Problem, RobotExtremal, Solver, SolverOptions,
+};
 use costate::robot::Robot;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};

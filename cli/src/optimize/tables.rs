@@ -97,7 +97,7 @@ pub struct SolverTable {
     pub seed: Option<u64>,
     pub tolerance: Option<f64>,
     pub nodes: Option<usize>,
-    pub jacobian: Option<Jacobian>,
+    pub jacobian: Option<JacobianRoute>,
     pub method: Option<Method>,
     pub coordinates: Option<Coordinates>,
 }

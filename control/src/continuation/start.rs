@@ -5,7 +5,7 @@ use super::walk::{Aim, Found, Walker};
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock, Timed};
-use crate::extremal::{Extremal, Relaxation};
+use crate::extremal::{Homotopy, Relaxation};
 use crate::problem::{FinalTime, Problem};
 use crate::result::solution::Solution;
 use crate::search::guess::{Disturbance, RobotGuess, saved};

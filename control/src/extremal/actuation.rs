@@ -1,5 +1,6 @@
 //! The control that makes the Hamiltonian greatest.
 
+use crate::extremal::relaxation::smoothing_price;
 use crate::extremal::{BoundSide, ControlLaw, Relaxation};
 use crate::problem::Problem;
 use costate::scalar::Scalar;
@@ -32,11 +33,6 @@ pub(crate) fn half_width((low, high): (f64, f64)) -> f64 {
     }
 }
 
-/// What a unit of smoothing costs in a unit of time: c_t, or 1.
-pub(crate) fn price(time_cost: f64) -> f64 {
-    if time_cost > 0.0 { time_cost } else { 1.0 }
-}
-
 /// A control as it acts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control<S> {
@@ -62,37 +58,30 @@ impl Actuation {
         Self { gain, effort, bounds, smooth: vec![None; n] }
     }
 
-    /// Wider bounds than asked for, and a cost for controls that have none: at `ease.effort = 1` that of staying at a bound
+    /// Wider bounds than original for, and a cost for controls that have none: at `relaxation.effort = 1` that of staying at a bound
     /// is about the price of time.
-    pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Relaxation) {
-        let price = price(time_cost);
-        for (i, &(low, high)) in asked.bounds.iter().enumerate() {
+    pub fn relax(&mut self, original: &Self, time_cost: f64, relaxation: Relaxation) {
+        let price = smoothing_price(time_cost);
+        for (i, &(low, high)) in original.bounds.iter().enumerate() {
             let (middle, half) = (0.5 * (low + high), half_width((low, high)));
-            let further = (ease.bounds - 1.0) * half;
-            self.bounds[i] = if ease.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
-            (self.effort[i], self.smooth[i]) = match asked.effort[i] {
-                0.0 if ease.effort > 0.0 => {
-                    (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))
+            let further = (relaxation.bounds - 1.0) * half;
+            self.bounds[i] =
+                if relaxation.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
+            (self.effort[i], self.smooth[i]) = match original.effort[i] {
+                0.0 if relaxation.effort > 0.0 => (
+                    relaxation.effort * 2.0 * price / (half * half),
+                    Some((middle, relaxation.bounds * half)),
+                ),
+                effort => {
+                    (effort, original.smooth[i].map(|(middle, width)| (middle, relaxation.bounds * width)))
                 }
-                effort => (effort, asked.smooth[i].map(|(middle, width)| (middle, ease.bounds * width))),
             };
         }
     }
 
-    /// The bounds that a control reaches: none where the actuation asked for has the smooth cost, which nears them only.
-    pub fn reached_bounds(&self, asked: &Self, i: usize) -> (f64, f64) {
-        if asked.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
-    }
-
-    /// What can be made easier about this actuation and the way to the end, and about penalties where there are some.
-    pub fn easiest(&self, penalties: bool) -> Relaxation {
-        let bounded = self.bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite());
-        Relaxation {
-            goal: 0.1,
-            penalty: if penalties { 0.0 } else { 1.0 },
-            effort: if self.effort.contains(&0.0) { 1.0 } else { 0.0 },
-            bounds: if bounded { f64::INFINITY } else { 1.0 },
-        }
+    /// The bounds that a control reaches: none where the actuation original for has the smooth cost, which nears them only.
+    pub fn reached_bounds(&self, original: &Self, i: usize) -> (f64, f64) {
+        if original.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
     }
 
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.

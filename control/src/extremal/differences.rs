@@ -1,10 +1,10 @@
 //! Jacobians by central differences, for comparison.
 
-use crate::extremal::{ControlLaw, Extremal};
+use crate::extremal::{BoundaryValueProblem, ControlLaw};
 use costate::EvalError;
 
 /// An extremal with buffers for differences of its right-hand side.
-pub(crate) trait Differenced: Extremal {
+pub(crate) trait Differenced: BoundaryValueProblem {
     fn differences(&mut self) -> &mut Differences;
 
     /// The Jacobian by central differences of the right-hand side.

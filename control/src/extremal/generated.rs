@@ -2,7 +2,8 @@
 
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{RobotExtremal, with_hamiltonian};
-use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+use crate::extremal::wrapped::{Hooks, Wrapped};
+use crate::extremal::{BoundaryValueProblem, ControlLaw, HamiltonianTerms, Homotopy, Relaxation};
 use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use crate::problem::error::SourceError;
@@ -44,13 +45,13 @@ use costate::EvalError;
 /// assert!(motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+pub type GeneratedExtremal<R, L> = Wrapped<RobotExtremal, GeneratedEquations<R, L>>;
+
+/// The functions of a [`GeneratedExtremal`].
 #[derive(Clone, Debug)]
-pub struct GeneratedExtremal<R, L> {
-    library: RobotExtremal,
+pub struct GeneratedEquations<R, L> {
     rate: R,
     linear: L,
-    /// Whether the problem is itself.
-    itself: bool,
 }
 
 impl<R, L> GeneratedExtremal<R, L>
@@ -64,122 +65,55 @@ where
     /// A problem that [cannot be posed](Problem::check), or a mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, rate: R, linear: L) -> Result<Self, SourceError> {
         problem.check()?;
-        let library = RobotExtremal::new(problem, JacobianRoute::Exact)?;
-        Ok(Self { library, rate, linear, itself: true })
-    }
-
-    fn is_generated(&self, law: ControlLaw<'_>) -> bool {
-        self.itself && law == ControlLaw::Maximal
+        let inner = RobotExtremal::new(problem, JacobianRoute::Exact)?;
+        Ok(Self { inner, hooks: GeneratedEquations { rate, linear } })
     }
 }
 
-impl<R, L> Extremal for GeneratedExtremal<R, L>
+/// Whether generated code computes these equations: those of the original problem, or of one with a nearer end.
+fn is_generated(library: &RobotExtremal, law: ControlLaw<'_>) -> bool {
+    let equations = Relaxation { goal: 1.0, ..library.relaxation() };
+    equations == Relaxation::NONE && law == ControlLaw::Maximal
+}
+
+impl<R, L> Hooks<RobotExtremal> for GeneratedEquations<R, L>
 where
     R: FnMut(&[f64], &mut [f64], &mut [f64]),
     L: FnMut(&[f64], &mut [f64], &mut [f64], &mut [f64]),
 {
     fn evaluate(
         &mut self,
+        library: &mut RobotExtremal,
         z: &[f64],
         law: ControlLaw<'_>,
         g: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
-        if self.is_generated(law) {
+        if is_generated(library, law) {
             let mut l = [0.0; 2];
             (self.rate)(z, g, &mut l);
             if all_finite(g) && all_finite(&l) {
                 return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
-        self.library.evaluate(z, law, g)
+        library.evaluate(z, law, g)
     }
 
     fn linearise(
         &mut self,
+        library: &mut RobotExtremal,
         z: &[f64],
         law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
-        if self.is_generated(law) {
+        if is_generated(library, law) {
             let mut l = [0.0; 2];
             (self.linear)(z, g, &mut l, jacobian);
             if all_finite(g) && all_finite(&l) && all_finite(jacobian) {
                 return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
-        self.library.linearise(z, law, g, jacobian)
-    }
-
-    fn relaxation(&self) -> Relaxation {
-        self.library.relaxation()
-    }
-
-    fn set_relaxation(&mut self, ease: Relaxation) {
-        self.itself = Relaxation { goal: 1.0, ..ease } == Relaxation::NONE;
-        self.library.set_relaxation(ease);
-    }
-
-    fn states(&self) -> usize {
-        self.library.states()
-    }
-
-    fn controls(&self) -> usize {
-        self.library.controls()
-    }
-
-    fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.library.start(z, residual, jacobian)
-    }
-
-    fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.library.end(z, residual, jacobian)
-    }
-
-    fn time_cost(&self) -> f64 {
-        self.library.time_cost()
-    }
-
-    fn ends_are_fixed(&self) -> bool {
-        self.library.ends_are_fixed()
-    }
-
-    fn easiest(&self) -> Relaxation {
-        self.library.easiest()
-    }
-
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        self.library.stretch(z, factor);
-    }
-
-    fn group(&self, component: usize) -> usize {
-        self.library.group(component)
-    }
-
-    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
-        self.library.unbounded_controls(z, u);
-    }
-
-    fn bounds(&self, control: usize) -> (f64, f64) {
-        self.library.bounds(control)
-    }
-
-    fn switching(
-        &mut self,
-        control: usize,
-        sides: (BoundSide, BoundSide),
-        z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
-        self.library.switching(control, sides, z, gradient)
-    }
-
-    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
-        self.library.controls_at(z, law, u);
-    }
-
-    fn state_rate(&mut self, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-        self.library.state_rate(x, u, f)
+        library.linearise(z, law, g, jacobian)
     }
 }
 
@@ -193,15 +127,15 @@ mod tests {
     use costate::robot::Robot;
 
     #[test]
-    fn an_eased_problem_says_that_it_is() {
+    fn a_relaxed_problem_reports_its_relaxation() {
         let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
         let problem = Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0);
         let unused = |_: &[f64], _: &mut [f64], _: &mut [f64]| {};
         let also = |_: &[f64], _: &mut [f64], _: &mut [f64], _: &mut [f64]| {};
         let mut extremal = GeneratedExtremal::new(&problem, unused, also).unwrap();
         assert_eq!(extremal.relaxation(), Relaxation::NONE);
-        let eased = Relaxation { goal: 0.5, ..Relaxation::NONE };
-        extremal.set_relaxation(eased);
-        assert_eq!(extremal.relaxation(), eased);
+        let relaxed = Relaxation { goal: 0.5, ..Relaxation::NONE };
+        extremal.set_relaxation(relaxed);
+        assert_eq!(extremal.relaxation(), relaxed);
     }
 }

@@ -15,7 +15,7 @@ mod spline;
 
 pub(crate) use costates::Path;
 
-use crate::extremal::actuation::price;
+use crate::extremal::relaxation::smoothing_price;
 use crate::options::Iteration;
 use crate::problem::Problem;
 use crate::search::PATH;
@@ -87,7 +87,7 @@ pub(crate) fn lowest_path(
 impl Objective {
     /// Costs of the controls: those that cost nothing weighted by `smoothing`, bounds as stiff as said.
     fn set_control_costs(&mut self, problem: &Problem, smoothing: f64, stiffness: f64) {
-        let price = price(problem.cost.time);
+        let price = smoothing_price(problem.cost.time);
         for (cost, &effort) in self.controls.iter_mut().zip(&problem.cost.effort) {
             let (low, high) = cost.bounds;
             let half = 0.5 * (high - low);

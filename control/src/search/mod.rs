@@ -27,17 +27,19 @@ pub(crate) const LOOSE: f64 = 1e-4;
 ///
 /// ```
 /// use costate_control::{SolverOptions, FinalTime, solve_extremal};
-/// # use costate_control::{Extremal, ControlLaw, HamiltonianTerms};
+/// # use costate_control::{BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy};
 /// # use costate::EvalError;
 /// # struct Line;
-/// # impl Extremal for Line {
+/// # impl BoundaryValueProblem for Line {
 /// #     fn states(&self) -> usize { 1 }
 /// #     fn evaluate(&mut self, z: &[f64], _: ControlLaw<'_>, g: &mut [f64]) -> Result<HamiltonianTerms, EvalError> {
 /// #         g.copy_from_slice(&[z[1], 0.0]);
 /// #         let cost = 0.5 * z[1] * z[1];
 /// #         Ok(HamiltonianTerms { hamiltonian: z[1] * z[1] - cost, cost, ..HamiltonianTerms::default() })
 /// #     }
-/// #     fn linearise(&mut self, z: &[f64], law: ControlLaw<'_>, g: &mut [f64], j: &mut [f64]) -> Result<HamiltonianTerms, EvalError> {
+/// #     fn linearise(
+/// #         &mut self, z: &[f64], law: ControlLaw<'_>, g: &mut [f64], j: &mut [f64],
+/// #     ) -> Result<HamiltonianTerms, EvalError> {
 /// #         j.copy_from_slice(&[0.0, 1.0, 0.0, 0.0]);
 /// #         self.evaluate(z, law, g)
 /// #     }
@@ -51,13 +53,9 @@ pub(crate) const LOOSE: f64 = 1e-4;
 /// #         j.copy_from_slice(&[1.0, 0.0]);
 /// #         Ok(())
 /// #     }
-/// #     fn state_rate(&mut self, _: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-/// #         f.copy_from_slice(u);
-/// #         Ok(())
-/// #     }
-/// #     fn controls(&self) -> usize { 1 }
-/// #     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) { u[0] = z[1]; }
 /// # }
+/// # impl BoundedControls for Line {}
+/// # impl Homotopy for Line {}
 /// // `Line`: dx/dt = u from 0 to 1, l = u^2/2.
 /// let motion = solve_extremal(&mut Line, FinalTime::Fixed(2.0), &SolverOptions::default(), |s, z| z[0] = s);
 /// assert!(motion.status.is_converged() && (motion.cost - 0.25).abs() < 1e-12);

@@ -2,7 +2,8 @@
 
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
 use costate_control::{
-    Bounds, ControlLaw, Extremal, JacobianRoute, Penalty, Problem, Relaxation, RobotExtremal,
+    BoundaryValueProblem, Bounds, ControlLaw, Homotopy, JacobianRoute, Penalty, Problem, Relaxation,
+    RobotExtremal,
 };
 
 fn arm_with_friction() -> Robot {

@@ -5,8 +5,9 @@ use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    BoundSide, Bounds, ControlLaw, Coordinates, Extremal, FinalTime, JacobianRoute, LagrangianExtremal,
-    Objective, Problem, Relaxation, RunningCost, Solution, Solver, SolverOptions, UserTerm,
+    BoundSide, BoundaryValueProblem, BoundedControls, Bounds, ControlLaw, Coordinates, FinalTime, Homotopy,
+    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, Solution, Solver,
+    SolverOptions, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 

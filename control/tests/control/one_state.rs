@@ -2,7 +2,8 @@
 
 use costate::EvalError;
 use costate_control::{
-    Certificate, ControlLaw, Extremal, FinalTime, HamiltonianTerms, Motion, SolverOptions, solve_extremal,
+    BoundaryValueProblem, BoundedControls, Certificate, ControlLaw, FinalTime, HamiltonianTerms, Homotopy,
+    Motion, SolverOptions, solve_extremal,
 };
 
 /// x from 0 to `to`; `u = y`, `H* = y^2/2 - k x^2/2 - c_t`.
@@ -12,12 +13,8 @@ struct Line {
     time_cost: f64,
 }
 
-impl Extremal for Line {
+impl BoundaryValueProblem for Line {
     fn states(&self) -> usize {
-        1
-    }
-
-    fn controls(&self) -> usize {
         1
     }
 
@@ -58,6 +55,12 @@ impl Extremal for Line {
     fn time_cost(&self) -> f64 {
         self.time_cost
     }
+}
+
+impl BoundedControls for Line {
+    fn controls(&self) -> usize {
+        1
+    }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
         u[0] = z[1];
@@ -68,6 +71,8 @@ impl Extremal for Line {
         Ok(())
     }
 }
+
+impl Homotopy for Line {}
 
 fn solve(mut line: Line, time: FinalTime, points: usize) -> Motion {
     let to = line.to;

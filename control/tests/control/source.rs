@@ -4,8 +4,9 @@ use costate::codegen::Program;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, ControlLaw, Extremal, FinalTime, GeneratedExtremal, JacobianRoute, Penalty, Problem, ProgramOf,
-    RobotExtremal, RunningCost, SolverOptions, SourceError, UserTerm, pontryagin_program, solve_extremal,
+    BoundaryValueProblem, Bounds, ControlLaw, FinalTime, GeneratedExtremal, JacobianRoute, Penalty, Problem,
+    ProgramOf, RobotExtremal, RunningCost, SolverOptions, SourceError, UserTerm, pontryagin_program,
+    solve_extremal,
 };
 use std::cell::Cell;
 

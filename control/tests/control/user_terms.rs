@@ -6,8 +6,8 @@ use costate::dynamics::{AutomaticCost, Cost};
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
-    ControlLaw, Extremal, FinalTime, JacobianRoute, Problem, RobotExtremal, RunningCost, Solution, Solver,
-    SolverOptions, UserTerm,
+    BoundaryValueProblem, ControlLaw, FinalTime, JacobianRoute, Problem, RobotExtremal, RunningCost,
+    Solution, Solver, SolverOptions, UserTerm,
 };
 use std::convert::Infallible;
 

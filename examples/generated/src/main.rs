@@ -59,8 +59,8 @@ mod tests {
     use costate::num_dual::Dual64;
     use costate::robot::Robot;
     use costate_control::{
-        ControlLaw, Extremal, GeneratedExtremal, JacobianRoute, Problem, RobotExtremal, SolverOptions,
-        solve_extremal,
+        BoundaryValueProblem, ControlLaw, GeneratedExtremal, JacobianRoute, Problem, RobotExtremal,
+        SolverOptions, solve_extremal,
     };
     use std::array::from_fn;
     use std::path::{Path, PathBuf};

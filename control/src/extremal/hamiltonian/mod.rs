@@ -3,11 +3,14 @@
 pub(crate) mod ends;
 pub(crate) mod equations;
 
-use crate::extremal::actuation::{Actuation, price};
+use crate::extremal::actuation::Actuation;
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::ends::Ends;
 use crate::extremal::hamiltonian::equations::{Equations, Running};
-use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+use crate::extremal::relaxation::{Relaxable, RelaxedParts};
+use crate::extremal::{
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
+};
 use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use costate::EvalError;
@@ -28,13 +31,9 @@ use costate::hamiltonian::SecondOrder;
 pub struct RobotExtremal {
     pub(crate) equations: Equations<f64>,
     pub(crate) actuation: Actuation,
-    /// Actuation and weight of the penalties of the problem itself.
-    asked: (Actuation, f64),
+    relaxable: Relaxable,
     ends: Ends,
     jacobian: JacobianRoute,
-    ease: Relaxation,
-    /// Whether an easier problem has weaker user terms.
-    ease_terms: bool,
     differences: Differences,
 }
 
@@ -48,20 +47,17 @@ impl RobotExtremal {
         Ok(Self {
             equations: Equations::new(problem, SecondOrder::new(&problem.robot)),
             actuation: Actuation::new(problem),
-            asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
+            relaxable: Relaxable::new(problem),
             ends: Ends::new(problem)?,
             jacobian,
-            ease: Relaxation::NONE,
-            ease_terms: problem.terms_may_be_weaker(),
             differences: Differences::new(4 * n),
         })
     }
 
-    /// Makes controls that cost nothing cost so much, in parts of what matters, and takes that for the problem itself.
+    /// Smooths controls without effort by this [weight](Relaxation::effort), as a new original problem.
     pub(crate) fn smooth(&mut self, effort: f64) {
-        let asked = self.asked.0.clone();
-        self.asked.0.ease(&asked, self.time_cost(), Relaxation { effort, ..Relaxation::NONE });
-        self.actuation = self.asked.0.clone();
+        self.relaxable.smooth(effort);
+        self.actuation = self.relaxable.original().clone();
     }
 
     /// Momenta `p = M(q) v`.
@@ -82,13 +78,9 @@ impl Differenced for RobotExtremal {
     }
 }
 
-impl Extremal for RobotExtremal {
+impl BoundaryValueProblem for RobotExtremal {
     fn states(&self) -> usize {
         2 * self.equations.force.len()
-    }
-
-    fn controls(&self) -> usize {
-        self.equations.force.len()
     }
 
     fn evaluate(
@@ -136,32 +128,15 @@ impl Extremal for RobotExtremal {
         self.ends.are_fixed()
     }
 
-    fn relaxation(&self) -> Relaxation {
-        self.ease
-    }
-
-    fn set_relaxation(&mut self, ease: Relaxation) {
-        self.ease = ease;
-        self.ends.set_goal(ease.goal);
-        let price = price(self.equations.time_cost);
-        self.equations.penalties.set_weight(ease.penalty * self.asked.1);
-        self.equations.penalties.set_rounding(ease.effort * price);
-        self.equations.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
-        self.actuation.ease(&self.asked.0, self.equations.time_cost, ease);
-    }
-
-    fn easiest(&self) -> Relaxation {
-        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
-    }
-
-    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        stretch(z, factor);
-    }
-
     /// Positions, momenta, and the costates of each.
     fn group(&self, component: usize) -> usize {
         component / self.equations.force.len()
+    }
+}
+
+impl BoundedControls for RobotExtremal {
+    fn controls(&self) -> usize {
+        self.equations.force.len()
     }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
@@ -175,7 +150,7 @@ impl Extremal for RobotExtremal {
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.reached_bounds(&self.asked.0, control)
+        self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
     fn switching(
@@ -198,6 +173,27 @@ impl Extremal for RobotExtremal {
         force.iter_mut().zip(gain).zip(u).for_each(|((force, gain), u)| *force = *gain * u);
         f.copy_from_slice(second.first().phase_velocity(&x[..n], &x[n..], force)?);
         Ok(())
+    }
+}
+
+impl Homotopy for RobotExtremal {
+    fn relaxation(&self) -> Relaxation {
+        self.relaxable.current()
+    }
+
+    fn set_relaxation(&mut self, relaxation: Relaxation) {
+        let Equations { penalties, terms, .. } = &mut self.equations;
+        self.ends.set_goal(relaxation.goal);
+        self.relaxable.apply(relaxation, RelaxedParts { actuation: &mut self.actuation, penalties, terms });
+    }
+
+    fn easiest(&self) -> Relaxation {
+        self.relaxable.easiest()
+    }
+
+    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like $T^{-3}$.
+    fn stretch(&self, z: &mut [f64], factor: f64) {
+        stretch(z, factor);
     }
 }
 

@@ -3,14 +3,17 @@
 pub(crate) mod ends;
 pub(crate) mod jacobian;
 
-use crate::extremal::actuation::{Actuation, price};
+use crate::extremal::actuation::Actuation;
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
 use crate::extremal::lagrangian::ends::LagrangianEnds;
 use crate::extremal::penalty::Penalties;
+use crate::extremal::relaxation::{Relaxable, RelaxedParts};
 use crate::extremal::user_terms::UserTerms;
-use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, Relaxation};
+use crate::extremal::{
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
+};
 use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use costate::EvalError;
@@ -33,17 +36,13 @@ use costate::lagrangian::SecondOrder;
 pub struct LagrangianExtremal {
     pub(crate) second: SecondOrder<f64>,
     pub(crate) actuation: Actuation,
-    /// Actuation and weight of the penalties of the problem itself.
-    asked: (Actuation, f64),
+    relaxable: Relaxable,
     pub(crate) penalties: Penalties,
     pub(crate) terms: UserTerms<f64>,
     ends: LagrangianEnds,
     /// c_t.
     time_cost: f64,
     pub(crate) jacobian: JacobianRoute,
-    ease: Relaxation,
-    /// Whether an easier problem has weaker user terms.
-    ease_terms: bool,
     /// w.
     pub(crate) pull: Vec<f64>,
     /// B u.
@@ -70,14 +69,12 @@ impl LagrangianExtremal {
         Ok(Self {
             second,
             actuation: Actuation::new(problem),
-            asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
+            relaxable: Relaxable::new(problem),
             penalties: Penalties::new(n, problem.penalty.as_ref()),
             terms: UserTerms::new(n, &problem.terms),
             ends: LagrangianEnds::new(problem),
             time_cost: problem.cost.time,
             jacobian,
-            ease: Relaxation::NONE,
-            ease_terms: problem.terms_may_be_weaker(),
             pull: vec![0.0; n],
             force: vec![0.0; n],
             slopes: vec![0.0; n],
@@ -145,13 +142,9 @@ impl Differenced for LagrangianExtremal {
     }
 }
 
-impl Extremal for LagrangianExtremal {
+impl BoundaryValueProblem for LagrangianExtremal {
     fn states(&self) -> usize {
         2 * self.force.len()
-    }
-
-    fn controls(&self) -> usize {
-        self.force.len()
     }
 
     fn evaluate(
@@ -204,31 +197,15 @@ impl Extremal for LagrangianExtremal {
         self.ends.are_fixed()
     }
 
-    fn relaxation(&self) -> Relaxation {
-        self.ease
-    }
-
-    fn set_relaxation(&mut self, ease: Relaxation) {
-        self.ease = ease;
-        self.ends.set_goal(ease.goal);
-        self.penalties.set_weight(ease.penalty * self.asked.1);
-        self.penalties.set_rounding(ease.effort * price(self.time_cost));
-        self.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
-        self.actuation.ease(&self.asked.0, self.time_cost, ease);
-    }
-
-    fn easiest(&self) -> Relaxation {
-        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
-    }
-
-    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        stretch(z, factor);
-    }
-
     /// Positions, rates, and the costates of each.
     fn group(&self, component: usize) -> usize {
         component / self.force.len()
+    }
+}
+
+impl BoundedControls for LagrangianExtremal {
+    fn controls(&self) -> usize {
+        self.force.len()
     }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
@@ -242,7 +219,7 @@ impl Extremal for LagrangianExtremal {
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.reached_bounds(&self.asked.0, control)
+        self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
     /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.
@@ -274,5 +251,26 @@ impl Extremal for LagrangianExtremal {
         }
         f.copy_from_slice(self.second.first().state_equation(&x[..n], &x[n..], &self.force)?);
         Ok(())
+    }
+}
+
+impl Homotopy for LagrangianExtremal {
+    fn relaxation(&self) -> Relaxation {
+        self.relaxable.current()
+    }
+
+    fn set_relaxation(&mut self, relaxation: Relaxation) {
+        let Self { ends, relaxable, actuation, penalties, terms, .. } = self;
+        ends.set_goal(relaxation.goal);
+        relaxable.apply(relaxation, RelaxedParts { actuation, penalties, terms });
+    }
+
+    fn easiest(&self) -> Relaxation {
+        self.relaxable.easiest()
+    }
+
+    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like $T^{-3}$.
+    fn stretch(&self, z: &mut [f64], factor: f64) {
+        stretch(z, factor);
     }
 }
