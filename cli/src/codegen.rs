@@ -1,13 +1,12 @@
 //! `costate codegen`: straight-line source of a quantity.
 
-use crate::optimize::Task;
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
 use costate::codegen::{
     COptions, Coordinates, DEFAULT_LIMIT, Options, Program, Quantity, RustOptions, robot_program,
 };
 use costate::robot::Robot;
-use costate_control::{Problem, ProgramOf, pontryagin_program};
+use costate_control::{Problem, ProblemFile, ProgramOf, pontryagin_program};
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
@@ -124,7 +123,7 @@ fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Pro
             Problem::rest_to_rest(robot, &zeros, &zeros, 1.0)
         }
         Some(file) => {
-            let problem = Task::read(file, arguments.robot.options())?.problem;
+            let problem = ProblemFile::read(file, arguments.robot.options())?.problem;
             if problem.robot != robot {
                 let (asked, found) = (robot.name(), problem.robot.name());
                 let file = file.display();

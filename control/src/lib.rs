@@ -38,9 +38,14 @@ pub use extremal::{
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, Iteration, JacobianRoute, Method, SolverOptions, Ways};
+pub use problem::check::CheckedProblem;
 pub use problem::error::{ProblemError, SourceError};
+#[cfg(feature = "toml")]
+pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
+pub use problem::key::Key;
 pub use problem::running_cost::{RunningCost, UserTerm};
-pub use problem::{Bounds, End, FinalTime, Objective, Penalty, Problem, Start};
+pub use problem::warning::ProblemWarning;
+pub use problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
 pub use result::motion::{Certificate, Motion};
 pub use result::solution::{Solution, Trajectory};
 pub use search::solve_extremal;

@@ -5,6 +5,7 @@ use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::{Mapped, OfRobot};
 use crate::options::{Coordinates, Iteration, SolverOptions};
 use crate::problem::Problem;
+use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
 use crate::result::motion::Motion;
 use crate::result::solution::{Solution, Trajectory};
@@ -32,7 +33,7 @@ use costate::EvalError;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Solver<'a> {
-    problem: &'a Problem,
+    problem: CheckedProblem<'a>,
     options: SolverOptions,
     start: Option<Trajectory>,
     listener: Option<Listener<'a>>,
@@ -44,7 +45,7 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`ProblemError`].
     pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
-        problem.check()?;
+        let problem = problem.check()?;
         options.check()?;
         Ok(Self { problem, options, start: None, listener: None })
     }
@@ -71,7 +72,7 @@ impl<'a> Solver<'a> {
         for number in 0..self.options.starts {
             let solution = self
                 .solve_from(number)
-                .unwrap_or_else(|error| failed(self.problem, Status::EvaluationFailed(error.to_string())));
+                .unwrap_or_else(|error| failed(&self.problem, Status::EvaluationFailed(error.to_string())));
             steps += solution.newton_iterations;
             others.push((solution.total(), solution.status.clone()));
             let better = best.as_ref().is_none_or(|best| {
@@ -82,7 +83,7 @@ impl<'a> Solver<'a> {
                 best = Some(solution);
             }
         }
-        let mut best = best.unwrap_or_else(|| failed(self.problem, Status::NewtonFailed));
+        let mut best = best.unwrap_or_else(|| failed(&self.problem, Status::NewtonFailed));
         best.newton_iterations = steps;
         best.others = others;
         best
@@ -104,8 +105,8 @@ impl<'a> Solver<'a> {
     fn search<E: OfRobot>(&mut self, number: usize, extremal: &mut E, momenta: &RobotExtremal) -> Motion {
         let mut context = Context::new(&self.options, self.listener.take());
         let guess = RobotGuess {
-            problem: self.problem,
-            disturbance: Disturbance::draw(self.problem, self.options.seed, number),
+            problem: self.problem.problem(),
+            disturbance: Disturbance::draw(&self.problem, self.options.seed, number),
             saved: self.start.as_ref().filter(|_| number == 0),
             momenta: momenta.clone(),
             path: None,

@@ -51,8 +51,16 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
         };
         use costate_control::JacobianRoute::{Differences, Exact, WithoutHessian};
         for matrix in [Exact, Differences, WithoutHessian] {
-            assert_eq!(count(&mut RobotExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
-            assert_eq!(count(&mut LagrangianExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
+            assert_eq!(
+                count(&mut RobotExtremal::new(problem.check().unwrap(), matrix).unwrap()),
+                0,
+                "{file}"
+            );
+            assert_eq!(
+                count(&mut LagrangianExtremal::new(problem.check().unwrap(), matrix).unwrap()),
+                0,
+                "{file}"
+            );
         }
     }
 }

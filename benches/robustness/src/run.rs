@@ -27,12 +27,12 @@ pub fn options(search: &Search) -> SolverOptions {
 /// Solves one problem in one way.
 pub fn run(search: &Search) -> Result<Record, Box<dyn Error>> {
     let problem = problem(search.robot, search.variant, search.pair)?;
-    problem.check()?;
+    let checked = problem.check()?;
     match search.coordinates {
         Coordinates::Hamiltonian => {
             let mut momenta = Hamiltonian::<f64>::new(&problem.robot);
             let mut rates = momenta.clone();
-            let extremal = RobotExtremal::new(&problem, search.matrix)?;
+            let extremal = RobotExtremal::new(checked, search.matrix)?;
             solve(
                 (search, &problem, extremal),
                 |q, v| Ok(momenta.momentum(q, v)?.to_vec()),
@@ -40,7 +40,7 @@ pub fn run(search: &Search) -> Result<Record, Box<dyn Error>> {
             )
         }
         Coordinates::Lagrangian => {
-            let extremal = LagrangianExtremal::new(&problem, search.matrix)?;
+            let extremal = LagrangianExtremal::new(checked, search.matrix)?;
             solve((search, &problem, extremal), |_, v| Ok(v.to_vec()), |_, v| Ok(v.to_vec()))
         }
     }

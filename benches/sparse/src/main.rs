@@ -48,7 +48,7 @@ impl Matrix {
             problem.cost.effort = weights.iter().map(|limit| 1.0 / (limit * limit)).collect();
         }
         let motion = Solver::new(&problem, SolverOptions::default())?.solve().trajectory;
-        let mut extremal = RobotExtremal::new(&problem, SolverOptions::default().jacobian)?;
+        let mut extremal = RobotExtremal::new(problem.check()?, SolverOptions::default().jacobian)?;
         let first = extremal.states();
         let m = 2 * first;
         let mut jacobians = Vec::new();

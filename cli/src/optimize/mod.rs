@@ -2,23 +2,21 @@
 
 mod continuation;
 mod kinematics;
-mod lines;
-mod problem_file;
 mod progress;
 mod report;
 mod saved;
 mod summary;
-mod tables;
+mod task;
 
 use crate::Outcome;
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, Problem, Solution, Solver};
-pub use problem_file::Task;
 use saved::Saved;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
+use task::Task;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -57,6 +55,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
     let mut task = Task::read(&arguments.problem, load)?;
     task.problem.robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    task.problem.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
     let started = Instant::now();
     let branch = arguments.way.map(|way| continuation::follow(&mut task, way)).transpose()?;
     let solution = match &branch {

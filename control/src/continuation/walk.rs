@@ -283,7 +283,8 @@ pub(crate) fn extremal(
 ) -> Result<RobotExtremal, Failure> {
     let refused = |error: String| Failure::OutOfRange(error);
     let changed = parameter.apply(problem, value).map_err(|error| refused(error.to_string()))?;
-    let mut extremal = RobotExtremal::new(&changed, options.jacobian)?;
+    let changed = changed.check().map_err(|error| refused(error.to_string()))?;
+    let mut extremal = RobotExtremal::new(changed, options.jacobian)?;
     if parameter == Parameter::Smoothing {
         extremal.smooth(value);
     }

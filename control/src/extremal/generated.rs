@@ -64,8 +64,7 @@ where
     /// # Errors
     /// A problem that [cannot be posed](Problem::check), or a mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, rate: R, linear: L) -> Result<Self, SourceError> {
-        problem.check()?;
-        let inner = RobotExtremal::new(problem, JacobianRoute::Exact)?;
+        let inner = RobotExtremal::new(problem.check()?, JacobianRoute::Exact)?;
         Ok(Self { inner, hooks: GeneratedEquations { rate, linear } })
     }
 }

@@ -59,7 +59,7 @@ impl ProgramOf {
 /// # Errors
 /// A problem that [cannot be posed](Problem::check).
 pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, SourceError> {
-    problem.check()?;
+    let problem = problem.check()?.problem();
     let robot = &problem.robot;
     let n = robot.len();
     let name = name_from(&format!("{} {}", robot.name(), of.name()));

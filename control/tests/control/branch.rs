@@ -42,7 +42,8 @@ fn reach(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch 
 /// Newton's method from a motion, without a parameter among the unknowns.
 fn solve_from(start: &Solution, problem: &Problem) -> Motion {
     let trajectory = &start.trajectory;
-    let mut extremal = RobotExtremal::new(problem, SolverOptions::default().jacobian).unwrap();
+    let mut extremal =
+        RobotExtremal::new(problem.check().unwrap(), SolverOptions::default().jacobian).unwrap();
     solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), |s, z| {
         let t = s * start.final_time;
         let i = trajectory.t.partition_point(|&node| node < t).clamp(1, trajectory.t.len() - 1);
@@ -79,8 +80,8 @@ fn without_gravity_the_cost_falls_like_the_third_power_of_the_time() {
 
 #[test]
 fn penalties_rise_by_what_they_cost() {
-    let penalty = Some(Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
-    let branch = reach(&Problem { penalty, ..two_link() }, Parameter::PenaltyWeight, 0.0, 1e4);
+    let penalty = Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() };
+    let branch = reach(&two_link().with_penalty(penalty), Parameter::PenaltyWeight, 0.0, 1e4);
     close(branch.points[0].cost, 145.131_137_54, 1e-9);
     // d(cost + penalties)/d weight is the penalty of the weight 1, which falls along the branch.
     for pair in branch.points[1..].windows(2) {
@@ -102,8 +103,8 @@ fn armature_counts_as_mass() {
 
 #[test]
 fn bounds_close_in_on_the_control() {
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let branch = reach(&problem, Parameter::Bounds, 1.6, 0.9);
     for point in &branch.points {
         let bound = 5.0 * point.parameter;
@@ -117,12 +118,10 @@ fn bounds_close_in_on_the_control() {
 
 #[test]
 fn bounds_change_the_least_time() {
-    let problem = Problem {
-        time: FinalTime::Free { guess: 2.0 },
-        cost: Objective { time: 1.0, effort: vec![0.0] },
-        bounds: Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] }),
-        ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0)
-    };
+    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0)
+        .with_time(FinalTime::Free { guess: 2.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
+        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
     let branch = reach(&problem, Parameter::Bounds, 1.0, 4.0);
     for point in &branch.points {
         close(point.final_time, 2.0 / point.parameter.sqrt(), 1e-8);
@@ -197,8 +196,8 @@ fn shooting_can_solve_where_the_way_begins() {
 
 #[test]
 fn a_way_that_cannot_begin_says_so() {
-    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-3.0], u_max: vec![3.0] };
+    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     // More nodes would be spent on showing that there is nothing.
     let options = SolverOptions { max_nodes: 601, ..SolverOptions::default() };
     let follow = |from: f64, to: f64| {
@@ -228,12 +227,11 @@ fn parameters_that_a_problem_does_not_have_are_refused() {
     assert!(refused(&problem, Parameter::Smoothing, 1.0, 0.1).contains("effort"));
     assert!(refused(&problem, Parameter::Gravity, 1.0, 1.0).contains("elsewhere"));
     assert!(refused(&problem, Parameter::Gravity, f64::NAN, 1.0).contains("finite"));
-    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time.final"));
-    let free = Problem {
-        time: FinalTime::Free { guess: 1.0 },
-        cost: Objective { time: 1.0, effort: vec![1.0] },
-        ..problem.clone()
-    };
+    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time: must be positive"));
+    let free = problem
+        .clone()
+        .with_time(FinalTime::Free { guess: 1.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![1.0] });
     assert!(refused(&free, Parameter::FinalTime, 1.0, 2.0).contains("free"));
     let negative = Parameter::Armature.apply(&Problem::rest_to_rest(sledge(1.0), &[0.0], &[1.0], 1.0), -1.0);
     assert!(

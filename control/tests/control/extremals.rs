@@ -63,7 +63,7 @@ fn the_equations_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(5);
     for (problem, ease) in problems() {
         let n = problem.robot.len();
-        let mut extremal = RobotExtremal::new(&problem, JacobianRoute::Exact).unwrap();
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(ease);
         let z = point(n, &mut random);
         let mut g = vec![0.0; 4 * n];
@@ -95,7 +95,7 @@ fn the_exact_jacobian_agrees_with_differences() {
         let z = point(problem.robot.len(), &mut random);
         let mut found = Vec::new();
         for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
-            let mut extremal = RobotExtremal::new(&problem, kind).unwrap();
+            let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
             extremal.set_relaxation(ease);
             let (mut g, mut h, mut jacobian) = (vec![0.0; m], vec![0.0; m], vec![0.0; m * m]);
             let linear = extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();

@@ -80,11 +80,9 @@ fn all_three_matrices_lead_to_the_same_motion() {
 
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
-    let problem = Problem {
-        time: FinalTime::Free { guess: 2.0 },
-        cost: Objective { time: 1.0, effort: vec![1.0; 2] },
-        ..two_link(2.0)
-    };
+    let problem = two_link(2.0)
+        .with_time(FinalTime::Free { guess: 2.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![1.0; 2] });
     let solution = solve(&problem);
     let time = (3.0 * 145.131_137_54_f64).powf(0.25);
     close(solution.final_time, time, 1e-9);

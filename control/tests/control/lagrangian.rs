@@ -43,7 +43,7 @@ fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(15);
     for (problem, ease) in problems() {
         let n = problem.robot.len();
-        let mut extremal = LagrangianExtremal::new(&problem, JacobianRoute::Exact).unwrap();
+        let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(ease);
         let z = point(n, &mut random);
         let (hamiltonian, g) = at(&mut extremal, &z);
@@ -73,7 +73,7 @@ fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
         let z = point(problem.robot.len(), &mut random);
         let mut found = Vec::new();
         for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
-            let mut extremal = LagrangianExtremal::new(&problem, kind).unwrap();
+            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
             extremal.set_relaxation(ease);
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
             extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
@@ -101,7 +101,7 @@ fn without_second_derivatives_only_their_blocks_change() {
         let n = problem.robot.len();
         let (m, z) = (4 * n, point(n, &mut random));
         let matrix = |kind| {
-            let mut extremal = LagrangianExtremal::new(&problem, kind).unwrap();
+            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
             extremal.set_relaxation(ease);
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
             extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
@@ -141,7 +141,7 @@ fn what_vanishes_at_a_switch_has_its_gradient() {
     let n = robot.len();
     let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
     problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
-    let mut extremal = LagrangianExtremal::new(&problem, JacobianRoute::Exact).unwrap();
+    let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
     let z = point(n, &mut fastrand::Rng::with_seed(18));
     let (mut gradient, mut other) = (vec![0.0; 4 * n], vec![0.0; 4 * n]);
     let sides = (BoundSide::Inside, BoundSide::High);
@@ -222,17 +222,15 @@ fn both_coordinates_agree_about_the_puma() {
 
 #[test]
 fn both_coordinates_find_the_same_switches() {
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
-    let bounded = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
-    let fastest = Problem {
-        time: FinalTime::Free { guess: 1.0 },
-        cost: Objective { time: 1.0, effort: vec![0.0] },
-        bounds: Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] }),
-        ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0)
-    };
+    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let bounded = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
+    let fastest = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0)
+        .with_time(FinalTime::Free { guess: 1.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
+        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
     let arm = Robot::from_file("../robots/two_link.toml").unwrap();
-    let bounds = Some(Bounds { u_min: vec![-4.5; 2], u_max: vec![4.5; 2] });
-    let arm = Problem { bounds, ..Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0) };
+    let bounds = Bounds { u_min: vec![-4.5; 2], u_max: vec![4.5; 2] };
+    let arm = Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0).with_bounds(bounds);
     for problem in [bounded, fastest, arm] {
         let [a, b] = agree(&problem);
         assert!(a.switches.len() == b.switches.len(), "{:?} {:?}", a.switches, b.switches);

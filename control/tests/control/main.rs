@@ -12,6 +12,7 @@ mod known;
 mod lagrangian;
 mod linear_algebra;
 mod one_state;
+mod problem_file;
 mod problems;
 mod shooting;
 mod source;

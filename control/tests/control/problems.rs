@@ -9,11 +9,12 @@ fn problem() -> Problem {
 }
 
 #[test]
-fn what_is_wrong_is_named_by_its_key() {
+fn an_error_names_its_key() {
     let refused = |change: &dyn Fn(&mut Problem), key: &str| {
         let mut problem = problem();
         change(&mut problem);
-        let message = problem.check().unwrap_err().to_string();
+        let error = problem.check().unwrap_err();
+        let message = format!("{}: {}", error.key().unwrap(), error.reason());
         assert!(message.contains(key), "{key}: {message}");
     };
     refused(&|p| p.start.q = vec![0.0], "start.q");
@@ -28,12 +29,12 @@ fn what_is_wrong_is_named_by_its_key() {
     refused(&|p| p.time = FinalTime::Free { guess: -1.0 }, "time.guess");
     refused(&|p| p.time = FinalTime::Free { guess: 1.0 }, "cost.time");
     refused(&|p| p.cost.time = -1.0, "cost.time");
-    refused(&|p| p.cost.effort[0] = -1.0, "cost.effort of joint 'shoulder'");
+    refused(&|p| p.cost.effort[0] = -1.0, "cost.effort: the entry of joint 'shoulder'");
     refused(&|p| p.cost.effort[1] = 0.0, "'elbow'");
     refused(&|p| p.cost.effort = vec![1.0], "cost.effort");
     let bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0; 2] });
     refused(&|p| (p.cost.effort, p.bounds) = (vec![0.0; 2], bounds.clone()), "nothing is left to minimise");
-    refused(&|p| p.gain = vec![1.0, 0.0], "actuation.gain of joint 'elbow'");
+    refused(&|p| p.gain = vec![1.0, 0.0], "actuation.gain: the gain of joint 'elbow'");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0, 1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0] }), "bounds.u_max");
@@ -41,14 +42,14 @@ fn what_is_wrong_is_named_by_its_key() {
     let bounds = |u_min: f64, u_max: f64| Some(Bounds { u_min: vec![-1.0, u_min], u_max: vec![1.0, u_max] });
     refused(&|p| p.bounds = bounds(f64::NAN, 1.0), "bounds.u_min: the entry of joint 'elbow'");
     refused(&|p| p.bounds = bounds(-1.0, f64::NAN), "bounds.u_max: the entry of joint 'elbow'");
-    refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min = inf of joint 'elbow'");
+    refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min: the lower bound inf of joint 'elbow'");
     for (u_min, u_max) in [(-infinite, infinite), (-1.0, infinite), (-infinite, 1.0)] {
         let change = |p: &mut Problem| (p.cost.effort[1], p.bounds) = (0.0, bounds(u_min, u_max));
-        refused(&change, "cost.effort of joint 'elbow'");
+        refused(&change, "cost.effort: the weight of joint 'elbow'");
         let mut weighted = problem();
         weighted.bounds = bounds(u_min, u_max);
         weighted.cost.effort[0] = 0.0;
-        assert_eq!(weighted.check(), Ok(()));
+        assert!(weighted.check().is_ok());
     }
     let penalty = |q_min: f64| Penalty {
         weight: 1.0,
@@ -65,16 +66,27 @@ fn what_is_wrong_is_named_by_its_key() {
     };
     refused(&|p| p.penalty = limits(f64::NAN, 1.0, 1.0), "penalty.q_min: the entry of joint 'shoulder'");
     refused(&|p| p.penalty = limits(0.0, 1.0, f64::NAN), "penalty.v_max: the entry of joint 'shoulder'");
-    refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "penalty.q_min = inf");
-    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "penalty.q_max = -inf");
+    refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "lower limit inf of joint 'shoulder'");
+    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "upper limit -inf");
     let mut held = problem();
     held.penalty = limits(-infinite, infinite, infinite);
-    assert_eq!(held.check(), Ok(()));
-    assert_eq!(problem().check(), Ok(()));
+    assert!(held.check().is_ok());
+    assert!(problem().check().is_ok());
     let options = SolverOptions { tolerance: 0.0, ..SolverOptions::default() };
-    assert!(
-        Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("solver.tolerance"))
-    );
+    assert!(Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("tolerance")));
+}
+
+#[test]
+fn angles_in_degrees_are_a_warning() {
+    let mut problem = problem();
+    assert!(problem.warnings().is_empty());
+    problem.end.q[1] = 90.0;
+    let warnings = problem.warnings();
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(warnings[0].key().to_string(), "end.q");
+    let message = warnings[0].to_string();
+    assert!(message.contains("'elbow'") && message.contains("1.5708 rad"), "{message}");
+    assert!(problem.check().is_ok());
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn the_two_link_arm_moves_at_the_known_cost() {
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
     let cost = Objective { time: 1.0, effort: vec![1.0; 2] };
-    let problem = Problem { time: FinalTime::Free { guess: 2.0 }, cost, ..two_link(2.0) };
+    let problem = two_link(2.0).with_time(FinalTime::Free { guess: 2.0 }).with_cost(cost);
     let solution = both(&problem);
     close(solution.final_time, (3.0 * 145.131_137_54_f64).powf(0.25), 1e-9);
     assert!(solution.hamiltonian.abs() < 1e-9);
@@ -109,22 +109,20 @@ fn six_joints_move_alike() {
 
 #[test]
 fn penalties_are_integrated_too() {
-    let penalty = Some(Penalty { weight: 100.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
-    let solution = both(&Problem { penalty, ..two_link(1.0) });
+    let penalty = Penalty { weight: 100.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() };
+    let solution = both(&two_link(1.0).with_penalty(penalty));
     assert!(solution.penalty_cost > 1.0, "{}", solution.penalty_cost);
 }
 
 #[test]
 fn bounded_controls_switch_at_the_same_times() {
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
-    let solution = both(&Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) });
+    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let solution = both(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds));
     assert_eq!(solution.switches.len(), 2);
-    let least_time = Problem {
-        time: FinalTime::Free { guess: 3.0 },
-        cost: Objective { time: 1.0, effort: vec![0.0] },
-        bounds: Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] }),
-        ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 3.0)
-    };
+    let least_time = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 3.0)
+        .with_time(FinalTime::Free { guess: 3.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
+        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
     let solution = both(&least_time);
     close(solution.final_time, 2.0, 1e-9);
     close(solution.switches[0], 1.0, 1e-9);
@@ -132,8 +130,8 @@ fn bounded_controls_switch_at_the_same_times() {
 
 #[test]
 fn a_time_too_short_for_the_bounds_is_not_converged() {
-    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-3.0], u_max: vec![3.0] };
+    let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_ne!(solution.status, Status::Converged);

@@ -70,7 +70,7 @@ fn programs_of_extremals_agree_with_the_library() {
     for problem in robots().iter().flat_map(problems) {
         let m = 4 * problem.robot.len();
         let programs = ProgramOf::ALL.map(|of| pontryagin_program(&problem, of).unwrap());
-        let mut extremal = RobotExtremal::new(&problem, JacobianRoute::Exact).unwrap();
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         for _ in 0..3 {
             let z: Vec<f64> = (0..m).map(|_| 2.0 * random.f64() - 1.0).collect();
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);

@@ -122,11 +122,12 @@ fn costates_change_by_the_gradient_of_the_running_cost() {
     let mut random = fastrand::Rng::with_seed(11);
     for problem in problems() {
         let n = problem.robot.len();
-        let plain = Problem { terms: Vec::new(), ..problem.clone() };
-        let one = Problem { terms: vec![UserTerm::new(Hill)], ..problem.clone() };
+        let mut plain = problem.clone();
+        plain.terms.clear();
+        let one = plain.clone().with_term(UserTerm::new(Hill));
         let z = point(n, &mut random);
         let at = |problem: &Problem| {
-            let mut extremal = RobotExtremal::new(problem, JacobianRoute::Exact).unwrap();
+            let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
             let mut g = vec![0.0; 4 * n];
             let rate = extremal.evaluate(&z, ControlLaw::Maximal, &mut g).unwrap();
             (g, rate)
@@ -158,7 +159,7 @@ fn the_jacobian_with_user_terms_agrees_with_differences() {
         let m = 4 * problem.robot.len();
         let z = point(problem.robot.len(), &mut random);
         let found = [JacobianRoute::Exact, JacobianRoute::Differences].map(|kind| {
-            let mut extremal = RobotExtremal::new(&problem, kind).unwrap();
+            let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
             extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             jacobian
@@ -230,7 +231,7 @@ fn a_term_can_be_the_price_of_time() {
     problem.time = FinalTime::Free { guess: 1.5 };
     assert!(problem.check().is_err());
     problem.terms = vec![UserTerm::new(Constant(1.5)), UserTerm::new(Constant(0.5))];
-    assert_eq!(problem.check(), Ok(()));
+    assert!(problem.check().is_ok());
     let solution = solve(&problem);
     let time = 3.0_f64.sqrt();
     assert!((solution.final_time - time).abs() < 1e-8, "{}", solution.final_time);

@@ -165,7 +165,7 @@ mod tests {
 
     /// z', l and the Jacobian of z' by the library.
     fn of_the_library(problem: &Problem, z: &[f64]) -> (Vec<f64>, [f64; 2], Vec<f64>) {
-        let mut extremal = RobotExtremal::new(problem, JacobianRoute::Exact).unwrap();
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         let (mut g, mut jacobian) = (vec![0.0; z.len()], vec![0.0; z.len() * z.len()]);
         let rate = extremal.linearise(z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
         (g, [rate.cost, rate.penalty], jacobian)

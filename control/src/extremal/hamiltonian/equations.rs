@@ -45,7 +45,7 @@ pub(crate) struct Running<S> {
 }
 
 impl<S: ExtremalScalar> Equations<S> {
-    /// Those of a problem that was checked, for a model that was turned already.
+    /// The equations of a problem, with derivatives from an existing workspace.
     pub fn new(problem: &Problem, second: SecondOrder<S>) -> Self {
         let n = problem.robot.len();
         let zeros = vec![S::zero(); n];

@@ -12,11 +12,11 @@ use crate::extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
 };
 use crate::options::JacobianRoute;
-use crate::problem::Problem;
+use crate::problem::check::CheckedProblem;
 use costate::EvalError;
 use costate::hamiltonian::SecondOrder;
 
-/// The extremals of a [`Problem`]:
+/// The extremals of a [`Problem`](crate::Problem):
 ///
 /// ```text
 /// x' = F + (0, B u)      y' = -F_x'y + l_x      u = clip(R^-1 B y_p)
@@ -38,17 +38,17 @@ pub struct RobotExtremal {
 }
 
 impl RobotExtremal {
-    /// The extremals of a problem that was [checked](Problem::check).
+    /// The extremals of a problem.
     ///
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
-    pub fn new(problem: &Problem, jacobian: JacobianRoute) -> Result<Self, EvalError> {
+    pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         Ok(Self {
-            equations: Equations::new(problem, SecondOrder::new(&problem.robot)),
-            actuation: Actuation::new(problem),
-            relaxable: Relaxable::new(problem),
-            ends: Ends::new(problem)?,
+            equations: Equations::new(&problem, SecondOrder::new(&problem.robot)),
+            actuation: Actuation::new(&problem),
+            relaxable: Relaxable::new(&problem),
+            ends: Ends::new(&problem)?,
             jacobian,
             differences: Differences::new(4 * n),
         })

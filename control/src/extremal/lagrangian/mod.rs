@@ -15,11 +15,11 @@ use crate::extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
 };
 use crate::options::JacobianRoute;
-use crate::problem::Problem;
+use crate::problem::check::CheckedProblem;
 use costate::EvalError;
 use costate::lagrangian::SecondOrder;
 
-/// The extremals of a [`Problem`] with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
+/// The extremals of a [`Problem`](crate::Problem) with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
 ///
 /// ```text
 /// x' = (v, a(q, v, B u))      y' = -f_x'y + l_x      u = clip(R^-1 B w),  w = M^-1 y_v
@@ -56,11 +56,11 @@ pub struct LagrangianExtremal {
 }
 
 impl LagrangianExtremal {
-    /// The extremals of a problem that was [checked](Problem::check).
+    /// The extremals of a problem.
     ///
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
-    pub fn new(problem: &Problem, jacobian: JacobianRoute) -> Result<Self, EvalError> {
+    pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         let mut second = SecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
@@ -68,11 +68,11 @@ impl LagrangianExtremal {
         }
         Ok(Self {
             second,
-            actuation: Actuation::new(problem),
-            relaxable: Relaxable::new(problem),
+            actuation: Actuation::new(&problem),
+            relaxable: Relaxable::new(&problem),
             penalties: Penalties::new(n, problem.penalty.as_ref()),
             terms: UserTerms::new(n, &problem.terms),
-            ends: LagrangianEnds::new(problem),
+            ends: LagrangianEnds::new(&problem),
             time_cost: problem.cost.time,
             jacobian,
             pull: vec![0.0; n],
