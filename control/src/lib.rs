@@ -23,10 +23,13 @@ mod problem;
 mod result;
 mod search;
 mod solve;
+mod solve_dynamics;
 mod solver;
 mod status;
 
 pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
+pub use extremal::dynamics::DynamicsExtremal;
+pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
 pub use extremal::hamiltonian::RobotExtremal;
 pub use extremal::lagrangian::LagrangianExtremal;
@@ -49,5 +52,6 @@ pub use problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem}
 pub use result::motion::{Certificate, Motion};
 pub use result::solution::{Solution, Trajectory};
 pub use search::solve_extremal;
+pub use solve_dynamics::solve_dynamics;
 pub use solver::Solver;
 pub use status::Status;

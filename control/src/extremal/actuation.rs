@@ -2,7 +2,7 @@
 
 use crate::extremal::relaxation::smoothing_price;
 use crate::extremal::{BoundSide, ControlLaw, Relaxation};
-use crate::problem::Problem;
+use crate::problem::{Bounds, Problem};
 use costate::scalar::Scalar;
 
 /// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
@@ -48,14 +48,17 @@ pub(crate) struct Control<S> {
 impl Actuation {
     /// That of a problem.
     pub fn new(problem: &Problem) -> Self {
-        let n = problem.robot.len();
+        Self::of_parts(problem.gain.clone(), problem.cost.effort.clone(), problem.bounds.as_ref())
+    }
+
+    /// With these gains b_i, weights r_i and bounds.
+    pub fn of_parts(gain: Vec<f64>, effort: Vec<f64>, bounds: Option<&Bounds>) -> Self {
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let bounds = match &problem.bounds {
+        let bounds = match bounds {
             Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),
-            None => vec![free; n],
+            None => vec![free; effort.len()],
         };
-        let (gain, effort) = (problem.gain.clone(), problem.cost.effort.clone());
-        Self { gain, effort, bounds, smooth: vec![None; n] }
+        Self { smooth: vec![None; effort.len()], gain, effort, bounds }
     }
 
     /// Wider bounds than original for, and a cost for controls that have none: at `relaxation.effort = 1` that of staying at a bound

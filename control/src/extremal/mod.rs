@@ -1,8 +1,10 @@
 //! Extremals of Pontryagin's principle: a differential equation for state and costate with conditions at both ends.
 
 pub(crate) mod actuation;
+pub(crate) mod component_ends;
 pub(crate) mod controls;
 pub(crate) mod differences;
+pub(crate) mod dynamics;
 pub(crate) mod generated;
 pub(crate) mod hamiltonian;
 pub(crate) mod lagrangian;

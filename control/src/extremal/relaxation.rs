@@ -57,6 +57,12 @@ impl Relaxable {
         }
     }
 
+    /// For a problem with neither penalties nor user terms.
+    pub fn of_actuation(original: Actuation, time_cost: f64) -> Self {
+        let current = Relaxation::NONE;
+        Self { original, penalty_weight: 0.0, weakens_terms: false, time_cost, current }
+    }
+
     pub fn current(&self) -> Relaxation {
         self.current
     }
@@ -75,10 +81,15 @@ impl Relaxable {
     /// Relaxes actuation, penalties and user terms.
     pub fn apply(&mut self, relaxation: Relaxation, parts: RelaxedParts<'_>) {
         let RelaxedParts { actuation, penalties, terms } = parts;
-        self.current = relaxation;
+        self.relax_actuation(relaxation, actuation);
         penalties.set_weight(relaxation.penalty * self.penalty_weight);
         penalties.set_rounding(relaxation.effort * smoothing_price(self.time_cost));
         terms.factor = if self.weakens_terms { relaxation.penalty } else { 1.0 };
+    }
+
+    /// Relaxes the actuation alone.
+    pub fn relax_actuation(&mut self, relaxation: Relaxation, actuation: &mut Actuation) {
+        self.current = relaxation;
         actuation.relax(&self.original, self.time_cost, relaxation);
     }
 

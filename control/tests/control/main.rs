@@ -6,6 +6,7 @@ use costate::robot::{JointSpec, LinkInertia, Robot};
 
 mod bounded;
 mod branch;
+mod dynamics;
 mod extremals;
 mod free_start;
 mod known;

@@ -1,13 +1,12 @@
 //! Extremals of a robot in Lagrangian coordinates: `z = (q, v, y_q, y_v)`.
 
-pub(crate) mod ends;
 pub(crate) mod jacobian;
 
 use crate::extremal::actuation::Actuation;
+use crate::extremal::component_ends::{ComponentEnds, GivenComponents};
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
-use crate::extremal::lagrangian::ends::LagrangianEnds;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::relaxation::{Relaxable, RelaxedParts};
 use crate::extremal::user_terms::UserTerms;
@@ -39,7 +38,7 @@ pub struct LagrangianExtremal {
     relaxable: Relaxable,
     pub(crate) penalties: Penalties,
     pub(crate) terms: UserTerms<f64>,
-    ends: LagrangianEnds,
+    ends: ComponentEnds,
     /// c_t.
     time_cost: f64,
     pub(crate) jacobian: JacobianRoute,
@@ -72,7 +71,10 @@ impl LagrangianExtremal {
             relaxable: Relaxable::new(&problem),
             penalties: Penalties::new(n, problem.penalty.as_ref()),
             terms: UserTerms::new(n, &problem.terms),
-            ends: LagrangianEnds::new(&problem),
+            ends: ComponentEnds::new(
+                GivenComponents::of_robot(&problem.start),
+                GivenComponents::of_robot(&problem.end),
+            ),
             time_cost: problem.cost.time,
             jacobian,
             pull: vec![0.0; n],

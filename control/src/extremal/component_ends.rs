@@ -1,29 +1,27 @@
-//! Conditions at the two ends of a robot's motion in Lagrangian coordinates.
+//! Conditions at the ends that fix components of x one by one.
 
-use crate::problem::{BoundaryState, Problem};
+use crate::problem::BoundaryState;
 
-/// At each end every component of x = (q, v) as given, or its costate zero.
+/// At each end every component of x has its given value, or its costate is zero.
 #[derive(Clone, Debug)]
-pub(crate) struct LagrangianEnds {
-    start: Given,
-    /// The end that the current relaxation aims at.
-    end: Given,
+pub(crate) struct ComponentEnds {
+    start: GivenComponents,
+    /// The end of the current relaxation.
+    end: GivenComponents,
     /// x of the original end.
     original: Vec<f64>,
 }
 
-/// What is given at one end.
+/// The components of x at one end.
 #[derive(Clone, Debug)]
-struct Given {
-    x: Vec<f64>,
-    free: Vec<bool>,
+pub(crate) struct GivenComponents {
+    pub x: Vec<f64>,
+    pub free: Vec<bool>,
 }
 
-impl LagrangianEnds {
-    pub fn new(problem: &Problem) -> Self {
-        let Problem { start, end, .. } = problem;
-        let end = Given::new(end);
-        Self { start: Given::new(start), original: end.x.clone(), end }
+impl ComponentEnds {
+    pub fn new(start: GivenComponents, end: GivenComponents) -> Self {
+        Self { start, original: end.x.clone(), end }
     }
 
     /// Moves the end to a fraction of the distance from the start to the original end.
@@ -47,8 +45,9 @@ impl LagrangianEnds {
     }
 }
 
-impl Given {
-    fn new(BoundaryState { q, v, q_free, v_free }: &BoundaryState) -> Self {
+impl GivenComponents {
+    /// x = (q, v) of a robot.
+    pub fn of_robot(BoundaryState { q, v, q_free, v_free }: &BoundaryState) -> Self {
         let n = q.len();
         let free_q = (0..n).map(|j| q_free.contains(&j));
         let free = free_q.chain((0..n).map(|j| v_free.contains(&j))).collect();
