@@ -55,6 +55,12 @@ pub enum EvalError {
         /// The joint whose pivot vanished.
         joint: String,
     },
+    /// A model of a user cannot be evaluated.
+    #[error("the model cannot be evaluated: {reason}")]
+    Model {
+        /// The error of the model.
+        reason: String,
+    },
 }
 
 /// `slice` must have `expected` entries.

@@ -1,6 +1,5 @@
 //! `costate codegen`: straight-line source code of a quantity.
 
-use crate::optimize::Task;
 use crate::output::{Output, STANDARD};
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
@@ -8,7 +7,7 @@ use costate::codegen::{
     COptions, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, RustOptions, robot_program,
 };
 use costate::robot::Robot;
-use costate_control::{Problem, ProgramOf, pontryagin_program};
+use costate_control::{Problem, ProblemFile, ProgramOf, pontryagin_program};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -130,7 +129,7 @@ fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Pro
             Problem::rest_to_rest(robot, &zeros, &zeros, 1.0)
         }
         Some(file) => {
-            let problem = Task::read(file, arguments.robot.options())?.problem;
+            let problem = ProblemFile::read(file, arguments.robot.options())?.problem;
             if problem.robot != robot {
                 let (asked, found) = (robot.name(), problem.robot.name());
                 let file = file.display();

@@ -1,35 +1,32 @@
-//! Conditions at the two ends of a robot's motion in Lagrangian coordinates.
+//! Conditions at the ends that fix components of x one by one.
 
-use crate::problem::Problem;
+use crate::problem::BoundaryState;
 
-/// At each end every component of x = (q, v) as given, or its costate zero.
+/// At each end every component of x has its given value, or its costate is zero.
 #[derive(Clone, Debug)]
-pub(crate) struct LagrangianEnds {
-    start: Given,
-    /// That which is aimed at now.
-    end: Given,
-    /// x of the end asked for.
-    asked: Vec<f64>,
+pub(crate) struct ComponentEnds {
+    start: GivenComponents,
+    /// The end of the current relaxation.
+    end: GivenComponents,
+    /// x of the original end.
+    original: Vec<f64>,
 }
 
-/// What is given at one end.
+/// The components of x at one end.
 #[derive(Clone, Debug)]
-struct Given {
-    x: Vec<f64>,
-    free: Vec<bool>,
+pub(crate) struct GivenComponents {
+    pub x: Vec<f64>,
+    pub free: Vec<bool>,
 }
 
-impl LagrangianEnds {
-    pub fn new(problem: &Problem) -> Self {
-        let Problem { start, end, .. } = problem;
-        let end = Given::new((&end.q, &end.v), (&end.q_free, &end.v_free));
-        let start = Given::new((&start.q, &start.v), (&start.q_free, &start.v_free));
-        Self { start, asked: end.x.clone(), end }
+impl ComponentEnds {
+    pub fn new(start: GivenComponents, end: GivenComponents) -> Self {
+        Self { start, original: end.x.clone(), end }
     }
 
-    /// An end that lies a part of the way from the start to the one asked for.
+    /// Moves the end to a fraction of the distance from the start to the original end.
     pub fn set_goal(&mut self, goal: f64) {
-        for ((end, &to), &from) in self.end.x.iter_mut().zip(&self.asked).zip(&self.start.x) {
+        for ((end, &to), &from) in self.end.x.iter_mut().zip(&self.original).zip(&self.start.x) {
             *end = if goal == 1.0 { to } else { from + goal * (to - from) };
         }
     }
@@ -48,12 +45,13 @@ impl LagrangianEnds {
     }
 }
 
-impl Given {
-    fn new((q, v): (&[f64], &[f64]), (q_free, v_free): (&[usize], &[usize])) -> Self {
+impl GivenComponents {
+    /// x = (q, v) of a robot.
+    pub fn of_robot(BoundaryState { q, v, q_free, v_free }: &BoundaryState) -> Self {
         let n = q.len();
         let free_q = (0..n).map(|j| q_free.contains(&j));
         let free = free_q.chain((0..n).map(|j| v_free.contains(&j))).collect();
-        Self { x: [q, v].concat(), free }
+        Self { x: [q.as_slice(), v].concat(), free }
     }
 
     fn conditions(&self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) {
