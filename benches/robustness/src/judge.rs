@@ -87,7 +87,7 @@ pub fn successes(
 mod tests {
     use super::*;
     use crate::problems::{RobotName, Variant};
-    use costate_control::Jacobian;
+    use costate_control::JacobianRoute;
 
     fn record(pair: usize, matrix: JacobianRoute, change: impl Fn(&mut Record)) -> Record {
         let (robot, variant, coordinates) = (RobotName::Panda, Variant::Plain, Coordinates::Hamiltonian);
