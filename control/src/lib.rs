@@ -14,12 +14,14 @@
 //! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`. [`Continuation`] follows solutions while a parameter changes.
 
 mod bvp;
+mod constants;
 mod continuation;
 mod extremal;
 mod numerics;
 mod options;
 mod path;
 mod problem;
+mod progress;
 mod result;
 mod search;
 mod solve;
@@ -33,12 +35,13 @@ pub use extremal::lagrangian::LagrangianExtremal;
 pub use extremal::program::{ProgramOf, pontryagin_program};
 pub use extremal::{Ease, Extremal, Law, Rate, Side};
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, Iteration, Jacobian, Method, Options, Ways};
+pub use options::{Coordinates, Jacobian, Method, Options, Strategy};
 pub use problem::error::{ProblemError, SourceError};
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::{Bounds, Cost, End, Penalty, Problem, Start, Time};
+pub use progress::{Cancel, Iteration, Phase};
 pub use result::motion::{Certificate, Motion};
 pub use result::solution::{Solution, Trajectory};
-pub use search::solve_extremal;
-pub use solver::Solver;
-pub use status::Status;
+pub use search::guess::StartError;
+pub use solver::{Solver, solve_extremal};
+pub use status::{BoundViolation, EvaluationFailure, Status};

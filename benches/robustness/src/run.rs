@@ -5,7 +5,7 @@ use crate::problems::problem;
 use crate::record::{Record, Search};
 use costate::hamiltonian::Hamiltonian;
 use costate_control::{
-    Coordinates, Extremal, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem, RobotExtremal, Ways,
+    Coordinates, Extremal, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem, RobotExtremal, Strategy,
     solve_extremal,
 };
 use std::error::Error;
@@ -17,7 +17,7 @@ pub fn options(search: &Search) -> Options {
     Options {
         jacobian: search.matrix,
         coordinates: search.coordinates,
-        ways: Ways::Direct,
+        strategy: Strategy::Direct,
         max_iterations: 40,
         max_nodes: 1001,
         ..Options::default()

@@ -110,9 +110,13 @@ fn solve(task: &Task) -> Result<Solution, Box<dyn std::error::Error>> {
     let line = progress::Line::new(&task.problem.robot)?;
     let mut solver = Solver::new(&task.problem, task.options.clone())?;
     if let Some(start) = &task.start_from {
-        solver = solver.from(start);
+        solver = solver.with_start(&start.trajectory)?;
     }
-    let solution = solver.on_iteration(|iteration| line.show(iteration)).solve();
+    let shown = solver.on_iteration(|iteration| {
+        line.show(iteration);
+        std::ops::ControlFlow::Continue(())
+    });
+    let solution = shown.solve();
     line.clear();
     Ok(solution)
 }

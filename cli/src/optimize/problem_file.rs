@@ -140,6 +140,7 @@ fn options(table: &SolverTable) -> Options {
         jacobian: table.jacobian.unwrap_or(defaults.jacobian),
         method: table.method.unwrap_or(defaults.method),
         coordinates: table.coordinates.unwrap_or(defaults.coordinates),
+        time_limit: table.time_limit,
         ..defaults
     }
 }

@@ -1,8 +1,10 @@
 //! The tables and keys of a problem file; unknown ones are errors.
 
 use costate_control::{Coordinates, Jacobian, Method};
-use serde::Deserialize;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use std::path::PathBuf;
+use std::time::Duration;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -100,4 +102,14 @@ pub struct SolverTable {
     pub jacobian: Option<Jacobian>,
     pub method: Option<Method>,
     pub coordinates: Option<Coordinates>,
+    /// s.
+    #[serde(deserialize_with = "seconds")]
+    pub time_limit: Option<Duration>,
+}
+
+/// A duration from a number of seconds.
+fn seconds<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Duration>, D::Error> {
+    let seconds = f64::deserialize(deserializer)?;
+    let message = |error| D::Error::custom(format!("solver.time_limit = {seconds} s: {error}"));
+    Duration::try_from_secs_f64(seconds).map(Some).map_err(message)
 }

@@ -5,7 +5,7 @@ use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::numerics::lu;
 use crate::result::motion::Certificate;
-use crate::solve::Extremum;
+use crate::solve::Solved;
 
 /// N fields `(dx, dy)' = G (dx, dy)` with dx = 0 and dy = 1 at the start, column by column.
 struct Fields {
@@ -53,12 +53,12 @@ fn inner(a: &[f64], b: &[f64], scale: &[f64]) -> f64 {
     a.iter().zip(b).zip(scale).map(|((a, b), scale)| a * b / (scale * scale)).sum()
 }
 
-impl Extremum {
+impl Solved {
     /// The first conjugate time before T, where fields that vanish at the start vanish together again: the determinant of
     /// their dx part changes its sign (a root of even order is not seen). Only for ends that are fixed
     /// and controls that stay within their bounds.
     pub(crate) fn second_variation<E: Extremal>(&self, extremal: &mut E) -> (Option<f64>, Certificate) {
-        let bounded = self.arcs.sides.iter().any(Option::is_some) || self.excess(extremal) >= 1.0;
+        let bounded = self.found.arcs.sides.iter().any(Option::is_some) || self.found.excess(extremal) >= 1.0;
         if bounded || !extremal.ends_are_fixed() {
             return (None, Certificate::NotChecked);
         }
@@ -66,10 +66,10 @@ impl Extremum {
         let size = 2 * states;
         let mut fields = Fields { states, columns: vec![0.0; size * states] };
         (0..states).for_each(|j| fields.columns[j * size + states + j] = 1.0);
-        let durations = self.durations(size);
-        let scale = &self.equations.scale[..size];
+        let durations = self.found.durations(size);
+        let scale = &self.found.equations.scale[..size];
         let (mut now, mut seen) = (0.0, false);
-        for (k, span) in self.equations.mesh.spans.iter().enumerate() {
+        for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             let Span::Interval { arc, length } = *span else { continue };
             let h = length * durations[arc];
             let start = fields.columns.clone();
@@ -97,14 +97,14 @@ impl Extremum {
         columns: &mut [f64],
     ) -> Result<(), Stopped> {
         let size = 2 * extremal.states();
-        let Span::Interval { arc, length } = self.equations.mesh.spans[span] else { return Ok(()) };
-        let h = length * self.durations(size)[arc];
-        let law = self.arcs.law(arc);
-        let (mut w, mut g) = (vec![0.0; self.equations.m], vec![0.0; size]);
+        let Span::Interval { arc, length } = self.found.equations.mesh.spans[span] else { return Ok(()) };
+        let h = length * self.found.durations(size)[arc];
+        let law = self.found.arcs.law(arc);
+        let (mut w, mut g) = (vec![0.0; self.found.equations.m], vec![0.0; size]);
         let mut jacobian = vec![0.0; size * size];
         let mut integrator = DormandPrince::new(columns.len(), 1e-11);
         integrator.integrate(columns, times, |t, columns, rates| {
-            self.equations.polynomial(span, t / h, &mut w);
+            self.found.equations.polynomial(span, t / h, &mut w);
             extremal.linear(&w[..size], law, &mut g, &mut jacobian)?;
             for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {
                 for (rate, row) in rate.iter_mut().zip(jacobian.chunks_exact(size)) {

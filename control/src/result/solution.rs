@@ -1,10 +1,9 @@
 //! An optimal motion of a robot, as it is saved.
 
-use crate::options::Iteration;
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
+use crate::progress::{Iteration, Phase};
 use crate::result::motion::{Certificate, Motion};
-use crate::search::PATH;
 use crate::status::Status;
 use serde::{Deserialize, Serialize};
 
@@ -137,7 +136,7 @@ impl Solution {
             costate_start: (first(&y_q), first(&y_p)),
             end_defect,
             shooting_defect: motion.shooting_defect.unwrap_or(f64::INFINITY),
-            newton_iterations: motion.iterations.iter().filter(|step| step.phase != PATH).count(),
+            newton_iterations: motion.iterations.iter().filter(|step| step.phase != Phase::Path).count(),
             nodes: motion.t.len(),
             conjugate_time: motion.conjugate_time,
             certificate: motion.certificate,

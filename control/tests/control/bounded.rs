@@ -135,7 +135,8 @@ fn a_saved_motion_of_least_time_is_a_start_for_one_near_by() {
     let saved: Solution = serde_json::from_str(&text).unwrap();
     for to in [[1.0, 0.6], [1.02, 0.58]] {
         let problem = least_time(robot.clone(), &to, 1.0, 9.0);
-        let again = Solver::new(&problem, Options::default()).unwrap().from(&saved).solve();
+        let again =
+            Solver::new(&problem, Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
         let fresh = solve(&problem);
         assert!(
             (again.final_time - fresh.final_time).abs() < 1e-8,

@@ -148,7 +148,7 @@ fn the_swing_back_has_a_shortest_time() {
     let (problem, options) = (swing_up(3.0), Options::default());
     let from = |start: &Solution, to: f64| {
         let way = Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
-        way.from(start).follow()
+        way.with_start(&start.trajectory).unwrap().follow()
     };
     let branch = from(&long, 1.0);
     assert_eq!(branch.end, BranchEnd::TurnedBack);

@@ -245,7 +245,7 @@ fn a_motion_saved_in_one_kind_of_coordinates_starts_a_search_in_the_other() {
     let [a, b] = both(&problem);
     for (saved, coordinates) in [(&a, Coordinates::Lagrangian), (&b, Coordinates::Hamiltonian)] {
         let options = Options { coordinates, ..Options::default() };
-        let again = Solver::new(&problem, options).unwrap().from(saved).solve();
+        let again = Solver::new(&problem, options).unwrap().with_start(&saved.trajectory).unwrap().solve();
         assert!(again.status.is_converged() && again.newton_iterations <= 6, "{}", again.newton_iterations);
         assert!((again.cost - a.cost).abs() < 1e-8 * a.cost);
     }

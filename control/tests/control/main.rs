@@ -15,6 +15,7 @@ mod one_state;
 mod problems;
 mod shooting;
 mod source;
+mod stopping;
 mod user_terms;
 
 /// A mass of 1 kg that slides along x.

@@ -1,7 +1,8 @@
 //! What is refused, what is warned of, and what is saved.
 
 use costate::robot::Robot;
-use costate_control::{Bounds, Options, Penalty, Problem, Solution, Solver, Time};
+use costate_control::{Bounds, Options, Penalty, Phase, Problem, Solution, Solver, StartError, Time};
+use std::ops::ControlFlow;
 
 fn problem() -> Problem {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
@@ -86,10 +87,12 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
     assert_eq!(saved.status, first.status);
     let mut longer = problem();
     longer.time = Time::Fixed(1.1);
-    let again = Solver::new(&longer, Options::default()).unwrap().from(&saved).solve();
+    let again =
+        Solver::new(&longer, Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
     let fresh = Solver::new(&longer, Options::default()).unwrap().solve();
     assert!((again.cost - fresh.cost).abs() < 1e-9 * fresh.cost);
-    let same = Solver::new(&problem(), Options::default()).unwrap().from(&saved).solve();
+    let same =
+        Solver::new(&problem(), Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
     assert!(
         same.newton_iterations < first.newton_iterations,
         "{} {}",
@@ -99,6 +102,8 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
     let pendulum = Robot::from_file("../robots/pendulum.toml").unwrap();
     let other = Problem::rest_to_rest(pendulum, &[0.0], &[1.0], 1.0);
     assert!(other.check_start(&saved).unwrap_err().to_string().contains("start_from.file"));
+    let refused = Solver::new(&other, Options::default()).unwrap().with_start(&saved.trajectory).unwrap_err();
+    assert_eq!(refused, StartError::Joints { key: "q", node: 0, expected: 1, found: 2 });
 }
 
 #[test]
@@ -154,7 +159,10 @@ fn starts_are_tried_in_turn_and_the_best_is_kept() {
     let options = Options { starts: 3, seed: 7, ..Options::default() };
     let solution = Solver::new(&problem, options)
         .unwrap()
-        .on_iteration(|step| steps += usize::from(step.phase != "path"))
+        .on_iteration(|step| {
+            steps += usize::from(step.phase != Phase::Path);
+            ControlFlow::Continue(())
+        })
         .solve();
     assert_eq!(solution.others.len(), 3);
     assert_eq!(solution.newton_iterations, steps);
