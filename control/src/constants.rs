@@ -74,6 +74,8 @@ pub(crate) mod arcs {
     pub const UNDECIDED: f64 = 1e-6;
     /// How far a control may be on the wrong side of a bound, in half distances between its bounds.
     pub const SLACK: f64 = 2e-7;
+    /// A control this far beyond a bound, in half distances between its bounds, violates it.
+    pub const BEYOND: f64 = 1e-6;
     /// This many arcs or more are not tried.
     pub const MOST_ARCS: usize = 60;
     /// Fewest intervals on an arc.
@@ -84,7 +86,7 @@ pub(crate) mod arcs {
 
 /// Free final time ([`crate::solve::free_time`]).
 pub(crate) mod free_time {
-    /// Most fixed times that are solved on the way.
+    /// Most fixed times that are solved before the time becomes an unknown.
     pub const ROUNDS: usize = 12;
     /// Smallest and largest factor from one fixed time to the next.
     pub const FACTORS: (f64, f64) = (0.4, 2.5);
@@ -131,10 +133,10 @@ pub(crate) mod attempts {
     /// smoothing that matters as much as time does.
     pub const SMOOTHINGS: [f64; 13] =
         [0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7];
-    /// A smoothed problem stands for the problem itself when the last change of the smoothing changed the
+    /// A smoothed problem replaces the problem itself when the last change of the smoothing changed the
     /// cost by less than this part.
     pub const NEGLIGIBLE_CHANGE: f64 = 2e-5;
-    /// Tolerance of a smoothed problem that stands for the problem itself.
+    /// Tolerance of a smoothed problem that replaces the problem itself.
     pub const SMOOTHED_TOLERANCE: f64 = 1e-8;
     /// A smoothed problem with more nodes than this is not made sharper without need: on singular arcs meshes
     /// would grow without end.

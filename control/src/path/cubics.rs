@@ -15,7 +15,7 @@ pub(crate) struct JointState {
 pub(crate) struct Cubics<'a> {
     pub problem: &'a Problem,
     pub disturbance: &'a Disturbance,
-    /// Part of the way to the end: 1 for the end itself.
+    /// Part of the distance to the end: 1 for the end itself.
     pub goal: f64,
 }
 

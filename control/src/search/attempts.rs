@@ -67,6 +67,9 @@ impl<E: Extremal> Search<'_, '_, E> {
         let kept = best.as_ref().filter(|best| best.is_converged());
         let cost = kept.map(|kept| kept.found.total(self.extremal));
         for path in PATHS {
+            if self.recorder.interruption().is_some() {
+                break;
+            }
             let Some(lower) = self.guess.find_path(path, self.recorder) else { break };
             if cost.is_some_and(|cost| lower.cost >= cost - NOTICEABLE * cost.abs()) {
                 break;
@@ -80,9 +83,6 @@ impl<E: Extremal> Search<'_, '_, E> {
                 return found;
             }
             best = best.filter(Solved::is_converged).or(Some(found));
-            if self.recorder.interruption().is_some() {
-                break;
-            }
         }
 
         // 3. From relaxed problems.

@@ -9,7 +9,7 @@ use crate::solve::Recorder;
 
 /// Where a search begins: z at s = t/T.
 pub(crate) trait Guess {
-    /// A saved motion, or a simple one that goes the part `goal` of the way to the end.
+    /// A saved motion, or a simple one that covers the part `goal` of the distance to the end.
     fn simple(&mut self, goal: f64, s: f64, z: &mut [f64]);
 
     /// Duration of the saved motion (s), if the simple guess is one.

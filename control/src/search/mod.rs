@@ -24,8 +24,8 @@ pub(crate) struct Search<'s, 'r, E> {
 }
 
 impl<E: Extremal> Search<'_, '_, E> {
-    /// The equations of one arc at a fixed time, with the guess of a motion that goes this part of the way to
-    /// the end.
+    /// The equations of one arc at a fixed time, with the guess of a motion that covers the part `goal` of
+    /// the distance to the end.
     pub fn at_fixed_time(&mut self, time: Time, goal: f64, attempt: &Attempt) -> Discretisation {
         let layout = Layout {
             clock: Clock::Fixed(time.value()),

@@ -68,7 +68,7 @@ pub(crate) fn follow<E: Extremal>(
     at
 }
 
-/// A solution on the way.
+/// An intermediate solution.
 struct Point {
     found: Discretisation,
     position: f64,

@@ -62,7 +62,7 @@ impl Stop {
         self.interruption
     }
 
-    /// Stops because a listener asked for it.
+    /// Stops at the request of a listener.
     pub fn cancel(&mut self) {
         self.interruption.get_or_insert(Interruption::Cancelled);
     }

@@ -1,6 +1,7 @@
 //! By how much a motion exceeds the bounds of the problem.
 
 use crate::bvp::mesh::Span;
+use crate::constants::arcs::BEYOND;
 use crate::extremal::Extremal;
 use crate::extremal::actuation::half_width;
 use crate::solve::Solved;
@@ -25,7 +26,7 @@ impl Solved {
             for (control, (&u, &(low, high))) in u.iter().zip(&bounds).enumerate() {
                 // A bound on one side alone counts from zero, as where bounds are relaxed.
                 let factor = 1.0 + (low - u).max(u - high) / half_width((low, high));
-                if factor > 1.0 + TOLERANCE && worst.is_none_or(|worst| factor > worst.factor) {
+                if factor > 1.0 + BEYOND && worst.is_none_or(|worst| factor > worst.factor) {
                     worst = Some(BoundViolation { control, time: now, factor });
                 }
             }
@@ -37,6 +38,3 @@ impl Solved {
         worst
     }
 }
-
-/// Rounding errors beyond a bound that do not count.
-const TOLERANCE: f64 = 1e-6;

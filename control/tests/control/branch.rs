@@ -67,7 +67,7 @@ fn gravity_leads_to_the_cost_of_the_problem_itself() {
 }
 
 #[test]
-fn without_gravity_the_cost_falls_like_the_third_power_of_the_time() {
+fn without_gravity_the_cost_falls_like_the_cube_of_the_time() {
     let branch = reach(&two_link(), Parameter::FinalTime, 1.0, 2.5);
     assert!(branch.points.len() > 5);
     for point in &branch.points {
@@ -78,7 +78,7 @@ fn without_gravity_the_cost_falls_like_the_third_power_of_the_time() {
 }
 
 #[test]
-fn penalties_rise_by_what_they_cost() {
+fn the_slope_of_the_cost_in_the_weight_is_the_penalty() {
     let penalty = Some(Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
     let branch = reach(&Problem { penalty, ..two_link() }, Parameter::PenaltyWeight, 0.0, 1e4);
     close(branch.points[0].cost, 145.131_137_54, 1e-9);
@@ -92,7 +92,7 @@ fn penalties_rise_by_what_they_cost() {
 }
 
 #[test]
-fn armature_counts_as_mass() {
+fn armature_acts_as_mass() {
     let problem = Problem::rest_to_rest(sledge(1.0), &[0.0], &[1.0], 1.0);
     let branch = reach(&problem, Parameter::Armature, 0.0, 1.0);
     for point in &branch.points {
@@ -101,13 +101,13 @@ fn armature_counts_as_mass() {
 }
 
 #[test]
-fn bounds_close_in_on_the_control() {
+fn bounds_tighten_until_the_control_is_clipped() {
     let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
     let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0) };
     let branch = reach(&problem, Parameter::Bounds, 1.6, 0.9);
     for point in &branch.points {
         let bound = 5.0 * point.parameter;
-        // u runs straight from bound to bound, for a time of twice `inside`.
+        // u is linear from bound to bound, for a time of twice `inside`.
         let inside = if bound < 6.0 { (3.0 * (0.25 - 1.0 / bound)).sqrt() } else { 0.5 };
         let cost = if bound < 6.0 { bound * bound * (0.5 - 2.0 / 3.0 * inside) } else { 6.0 };
         assert_eq!(point.status, Status::Converged);
@@ -133,7 +133,7 @@ fn bounds_change_the_least_time() {
     assert!(smooth.solution.final_time > 2.0 && smooth.solution.final_time < 2.0 + 1e-4);
 }
 
-/// The extremal of the swing-up in 3 s that swings back first.
+/// The extremal of the swing-up in 3 s that first swings in the opposite direction.
 fn with_a_swing_back() -> Solution {
     let solutions = (0..30).map(|seed| {
         let options = Options { starts: 2, seed, ..Options::default() };
@@ -147,8 +147,9 @@ fn the_swing_back_has_a_shortest_time() {
     let long = with_a_swing_back();
     let (problem, options) = (swing_up(3.0), Options::default());
     let from = |start: &Solution, to: f64| {
-        let way = Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
-        way.with_start(&start.trajectory).unwrap().follow()
+        let continuation =
+            Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
+        continuation.with_start(&start.trajectory).unwrap().follow()
     };
     let branch = from(&long, 1.0);
     assert_eq!(branch.end, BranchEnd::TurnedBack);
@@ -157,14 +158,14 @@ fn the_swing_back_has_a_shortest_time() {
     let least = branch.points.iter().fold(f64::INFINITY, |least, point| least.min(point.parameter));
     assert!(turn.parameter <= least && turn.parameter > least - 0.02, "{turn:?} {least}");
 
-    // Behind it the branch comes back to another extremal of the same problem, found directly too.
+    // Beyond it the branch returns to another extremal of the same problem, which is also found directly.
     let back = &branch.solution;
     close(back.cost, 33.421_583_190, 1e-8);
     let direct = solve_from(back, &problem);
     assert!(direct.status.is_converged());
     close(direct.cost, back.cost, 1e-9);
 
-    // On this side of it there are two, nearer and nearer; H* parts like the square root of the distance.
+    // On this side of it there are two that approach each other; H* differs by the square root of the distance.
     let parted = |time: f64| {
         let [one, other] = [&long, back].map(|start| {
             let there = from(start, time);
@@ -187,7 +188,7 @@ fn the_swing_back_has_a_shortest_time() {
 }
 
 #[test]
-fn shooting_can_solve_where_the_way_begins() {
+fn shooting_can_solve_the_first_problem() {
     let options = Options { method: Method::Shooting, ..Options::default() };
     let problem = swing_up(1.0);
     let branch = Continuation::new(&problem, Parameter::Gravity, 0.5, 1.0, options).unwrap().follow();
@@ -196,10 +197,10 @@ fn shooting_can_solve_where_the_way_begins() {
 }
 
 #[test]
-fn a_way_that_cannot_begin_says_so() {
+fn a_continuation_that_cannot_start_or_finish_says_so() {
     let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
     let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0) };
-    // More nodes would be spent on showing that there is nothing.
+    // More nodes would only show that there is no solution.
     let options = Options { max_nodes: 601, ..Options::default() };
     let follow = |from: f64, to: f64| {
         Continuation::new(&problem, Parameter::Bounds, from, to, options.clone()).unwrap().follow()
@@ -207,7 +208,7 @@ fn a_way_that_cannot_begin_says_so() {
     let branch = follow(1.0, 2.0);
     assert_eq!(branch.end, BranchEnd::NotStarted);
     assert!(branch.points.is_empty() && !branch.solution.status.is_converged());
-    // The other way round it stops before the bounds are too narrow: a metre in a second takes 4 N.
+    // In the other direction it stops before the bounds are too tight: a metre in a second takes 4 N.
     let branch = follow(2.0, 1.0);
     assert!(matches!(branch.end, BranchEnd::Stuck | BranchEnd::TooManyPoints), "{:?}", branch.end);
     assert_eq!(branch.solution.status, Status::ContinuationFailed);

@@ -1,4 +1,4 @@
-//! Robots against values in closed form, published ones, and identities.
+//! Robots against values in closed form, published values and identities.
 
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
@@ -106,7 +106,7 @@ fn costates_are_the_slopes_of_the_cost() {
     };
     let slope = cost(&|problem, h| problem.time = Time::Fixed(problem.time.value() + h));
     close(slope, -solution.hamiltonian, 1e-6);
-    // The start is at rest, so moving q leaves p = 0, and moving v_j moves p by M e_j.
+    // The start is at rest: a change of q keeps p = 0, a change of v_j changes p by M e_j.
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&problem.robot);
     let mass = hamiltonian.mass_matrix(&problem.start.q).unwrap().clone();
     for j in 0..2 {

@@ -1,4 +1,4 @@
-//! What is refused, what is warned of, and what is saved.
+//! Refused problems, warnings and saved solutions.
 
 use costate::robot::Robot;
 use costate_control::{Bounds, Options, Penalty, Phase, Problem, Solution, Solver, StartError, Time};
@@ -10,7 +10,7 @@ fn problem() -> Problem {
 }
 
 #[test]
-fn what_is_wrong_is_named_by_its_key() {
+fn errors_name_the_key() {
     let refused = |change: &dyn Fn(&mut Problem), key: &str| {
         let mut problem = problem();
         change(&mut problem);
@@ -79,7 +79,7 @@ fn what_is_wrong_is_named_by_its_key() {
 }
 
 #[test]
-fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
+fn a_saved_solution_saves_newton_steps() {
     let first = Solver::new(&problem(), Options::default()).unwrap().solve();
     let text = serde_json::to_string(&first).unwrap();
     let saved: Solution = serde_json::from_str(&text).unwrap();
@@ -107,7 +107,7 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
 }
 
 #[test]
-fn limits_of_the_robot_are_a_warning() {
+fn exceeded_joint_limits_are_warnings() {
     let problem = problem();
     let solution = Solver::new(&problem, Options::default()).unwrap().solve();
     let warnings = problem.limit_warnings(&solution);
@@ -119,7 +119,7 @@ fn limits_of_the_robot_are_a_warning() {
 }
 
 #[test]
-fn penalties_push_a_motion_back_and_are_told_apart() {
+fn penalties_slow_a_motion_and_are_reported_apart_from_the_cost() {
     let free = Solver::new(&problem(), Options::default()).unwrap().solve();
     let fastest = |solution: &Solution| {
         solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()))
@@ -135,7 +135,7 @@ fn penalties_push_a_motion_back_and_are_told_apart() {
 }
 
 #[test]
-fn an_infinite_limit_is_none() {
+fn an_infinite_limit_is_no_limit() {
     let infinite = f64::INFINITY;
     let solve = |none: f64| {
         let mut held = problem();
@@ -153,7 +153,7 @@ fn an_infinite_limit_is_none() {
 }
 
 #[test]
-fn starts_are_tried_in_turn_and_the_best_is_kept() {
+fn the_best_of_several_starts_is_kept() {
     let mut steps = 0;
     let problem = problem();
     let options = Options { starts: 3, seed: 7, ..Options::default() };
