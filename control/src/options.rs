@@ -104,6 +104,87 @@ impl Default for Options {
     }
 }
 
+/// Options one by one, from [`Options::default`].
+///
+/// ```
+/// use costate_control::{Method, Options};
+/// let options = Options::default().with_method(Method::Shooting).with_tolerance(1e-8);
+/// assert!(options.check().is_ok());
+/// ```
+impl Options {
+    /// Sets [`tolerance`](Self#structfield.tolerance).
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// Sets [`method`](Self#structfield.method).
+    #[must_use]
+    pub fn with_method(self, method: Method) -> Self {
+        Self { method, ..self }
+    }
+
+    /// Sets [`nodes`](Self#structfield.nodes).
+    #[must_use]
+    pub fn with_nodes(self, nodes: usize) -> Self {
+        Self { nodes, ..self }
+    }
+
+    /// Sets [`max_nodes`](Self#structfield.max_nodes).
+    #[must_use]
+    pub fn with_max_nodes(self, max_nodes: usize) -> Self {
+        Self { max_nodes, ..self }
+    }
+
+    /// Sets [`max_iterations`](Self#structfield.max_iterations).
+    #[must_use]
+    pub fn with_max_iterations(self, max_iterations: usize) -> Self {
+        Self { max_iterations, ..self }
+    }
+
+    /// Sets [`jacobian`](Self#structfield.jacobian).
+    #[must_use]
+    pub fn with_jacobian(self, jacobian: Jacobian) -> Self {
+        Self { jacobian, ..self }
+    }
+
+    /// Sets [`coordinates`](Self#structfield.coordinates).
+    #[must_use]
+    pub fn with_coordinates(self, coordinates: Coordinates) -> Self {
+        Self { coordinates, ..self }
+    }
+
+    /// Sets [`strategy`](Self#structfield.strategy).
+    #[must_use]
+    pub fn with_strategy(self, strategy: Strategy) -> Self {
+        Self { strategy, ..self }
+    }
+
+    /// Sets [`points`](Self#structfield.points).
+    #[must_use]
+    pub fn with_points(self, points: usize) -> Self {
+        Self { points, ..self }
+    }
+
+    /// Sets [`starts`](Self#structfield.starts).
+    #[must_use]
+    pub fn with_starts(self, starts: usize) -> Self {
+        Self { starts, ..self }
+    }
+
+    /// Sets [`seed`](Self#structfield.seed).
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// Sets [`time_limit`](Self#structfield.time_limit).
+    #[must_use]
+    pub fn with_time_limit(self, time_limit: Duration) -> Self {
+        Self { time_limit: Some(time_limit), ..self }
+    }
+}
+
 impl Options {
     /// Whether all options are in range.
     ///
