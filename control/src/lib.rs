@@ -14,16 +14,18 @@
 //! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`. [`Continuation`] follows solutions while a parameter changes.
 
 mod bvp;
+mod constants;
 mod continuation;
 mod extremal;
 mod numerics;
 mod options;
 mod path;
 mod problem;
+mod progress;
 mod result;
 mod search;
 mod solve;
-mod solve_dynamics;
+mod solve_extremal;
 mod solver;
 mod status;
 
@@ -40,7 +42,7 @@ pub use extremal::{
     Relaxation,
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, Iteration, JacobianRoute, Method, SolverOptions, Ways};
+pub use options::{Coordinates, JacobianRoute, Method, SolverOptions, Strategy};
 pub use problem::check::CheckedProblem;
 pub use problem::error::{ProblemError, SourceError};
 #[cfg(feature = "toml")]
@@ -49,12 +51,12 @@ pub use problem::key::Key;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
+pub use progress::{Cancel, Iteration, Phase};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::solution::{RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
-pub use search::solve_extremal;
-pub use solve_dynamics::solve_dynamics;
+pub use solve_extremal::{solve_dynamics, solve_extremal};
 pub use solver::Solver;
-pub use status::Status;
+pub use status::{BoundViolation, EvaluationFailure, Status};

@@ -1,8 +1,9 @@
-//! How a problem is solved, and what is told meanwhile.
+//! Options of a solver.
 
 use crate::problem::error::ProblemError;
 pub use costate::Coordinates;
 use serde::{Deserialize, Serialize};
+use std::time::Duration;
 
 /// The matrix of Newton's method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,42 +14,43 @@ pub enum JacobianRoute {
     Exact,
     /// Central differences of the right-hand side; for comparison.
     Differences,
-    /// Exact but for the blocks y'F_xx, which are left out; for comparison.
+    /// Exact except for the blocks y'F_xx, which are dropped; for comparison.
     WithoutHessian,
 }
 
-/// How motions between nodes are found.
+/// How the boundary-value problem is discretised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Polynomials that satisfy the equations at Lobatto's points, on meshes that are refined.
+    /// Collocation at Lobatto points on refined meshes.
     #[default]
     Collocation,
-    /// Integration from node to node by an adaptive integrator, together with the variational equations.
+    /// Multiple shooting: adaptive integration from node to node, with the variational equations.
     Shooting,
 }
 
-/// What is tried.
+/// Which attempts a search makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Ways {
-    /// Newton's method from the guess, then from a path of low cost where that fails or costs more, then all ways by easier
-    /// problems where both fail.
+#[non_exhaustive]
+pub enum Strategy {
+    /// Newton's method from the guess; from paths of low cost, if that fails or if they cost less; by
+    /// continuation from relaxed problems, if both fail.
     #[default]
-    All,
-    /// Newton's method from the guess on finer and finer meshes, and nothing else; for comparison.
+    Full,
+    /// Newton's method from the guess alone; for comparison.
     Direct,
 }
 
-/// How to solve.
+/// How to solve a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SolverOptions {
-    /// Largest estimated error of a component, in parts of the largest value that it takes along the motion.
+    /// Largest estimated error of a component, relative to the largest value that it takes along the motion.
     pub tolerance: f64,
-    /// How motions between nodes are found.
+    /// How the boundary-value problem is discretised.
     pub method: Method,
-    /// Nodes of the first mesh; of all in multiple shooting.
+    /// Nodes of the first mesh; of every mesh in multiple shooting.
     pub nodes: usize,
     /// Most nodes.
     pub max_nodes: usize,
@@ -58,14 +60,19 @@ pub struct SolverOptions {
     pub jacobian: JacobianRoute,
     /// The coordinates of z.
     pub coordinates: Coordinates,
-    /// What is tried.
-    pub ways: Ways,
-    /// Points of Lobatto's quadrature in an interval: 3 (fourth order) or 4 (sixth).
+    /// Which attempts are made.
+    pub strategy: Strategy,
+    /// Lobatto points in an interval: 3 (order 4) or 4 (order 6).
     pub points: usize,
-    /// Number of guesses tried: the first as said in [`Solver`](crate::Solver), the others disturbed at random.
+    /// Number of guesses: the first as described in [`Solver`](crate::Solver), the others with random
+    /// disturbances.
     pub starts: usize,
     /// Seed of the disturbances.
     pub seed: u64,
+    /// Longest time that solving may take, all starts together; it is checked before each Newton step and
+    /// before each point of a continuation. The best iterate is kept, with
+    /// [`Status::TimeLimit`](crate::Status::TimeLimit).
+    pub time_limit: Option<Duration>,
 }
 
 impl Default for SolverOptions {
@@ -78,19 +85,101 @@ impl Default for SolverOptions {
             max_iterations: 60,
             jacobian: JacobianRoute::Exact,
             coordinates: Coordinates::Hamiltonian,
-            ways: Ways::All,
+            strategy: Strategy::Full,
             points: 4,
             starts: 1,
             seed: 0,
+            time_limit: None,
         }
     }
 }
 
+/// SolverOptions one by one, from [`SolverOptions::default`].
+///
+/// ```
+/// use costate_control::{Method, SolverOptions};
+/// let options = SolverOptions::default().with_method(Method::Shooting).with_tolerance(1e-8);
+/// assert!(options.check().is_ok());
+/// ```
 impl SolverOptions {
-    /// Whether all are in range.
+    /// Sets [`tolerance`](Self#structfield.tolerance).
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// Sets [`method`](Self#structfield.method).
+    #[must_use]
+    pub fn with_method(self, method: Method) -> Self {
+        Self { method, ..self }
+    }
+
+    /// Sets [`nodes`](Self#structfield.nodes).
+    #[must_use]
+    pub fn with_nodes(self, nodes: usize) -> Self {
+        Self { nodes, ..self }
+    }
+
+    /// Sets [`max_nodes`](Self#structfield.max_nodes).
+    #[must_use]
+    pub fn with_max_nodes(self, max_nodes: usize) -> Self {
+        Self { max_nodes, ..self }
+    }
+
+    /// Sets [`max_iterations`](Self#structfield.max_iterations).
+    #[must_use]
+    pub fn with_max_iterations(self, max_iterations: usize) -> Self {
+        Self { max_iterations, ..self }
+    }
+
+    /// Sets [`jacobian`](Self#structfield.jacobian).
+    #[must_use]
+    pub fn with_jacobian(self, jacobian: JacobianRoute) -> Self {
+        Self { jacobian, ..self }
+    }
+
+    /// Sets [`coordinates`](Self#structfield.coordinates).
+    #[must_use]
+    pub fn with_coordinates(self, coordinates: Coordinates) -> Self {
+        Self { coordinates, ..self }
+    }
+
+    /// Sets [`strategy`](Self#structfield.strategy).
+    #[must_use]
+    pub fn with_strategy(self, strategy: Strategy) -> Self {
+        Self { strategy, ..self }
+    }
+
+    /// Sets [`points`](Self#structfield.points).
+    #[must_use]
+    pub fn with_points(self, points: usize) -> Self {
+        Self { points, ..self }
+    }
+
+    /// Sets [`starts`](Self#structfield.starts).
+    #[must_use]
+    pub fn with_starts(self, starts: usize) -> Self {
+        Self { starts, ..self }
+    }
+
+    /// Sets [`seed`](Self#structfield.seed).
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// Sets [`time_limit`](Self#structfield.time_limit).
+    #[must_use]
+    pub fn with_time_limit(self, time_limit: Duration) -> Self {
+        Self { time_limit: Some(time_limit), ..self }
+    }
+}
+
+impl SolverOptions {
+    /// Whether all options are in range.
     ///
     /// # Errors
-    /// [`ProblemError::BadOption`].
+    /// [`ProblemError::BadOption`] names the first option that is not, as the key of a problem file.
     pub fn check(&self) -> Result<(), ProblemError> {
         let bad = |key, value, remedy| Err(ProblemError::BadOption { key, value, remedy });
         if !(1e-13..=0.1).contains(&self.tolerance) {
@@ -115,27 +204,9 @@ impl SolverOptions {
         if self.starts == 0 {
             return bad("starts", 0.0, "must be 1 or more");
         }
+        if self.time_limit == Some(Duration::ZERO) {
+            return bad("time_limit", 0.0, "must be more than 0 s; leave it out for no limit");
+        }
         Ok(())
     }
-}
-
-/// One Newton step, on the extremal or on the way down to the path that it is looked for from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Iteration {
-    /// What was being solved: "fixed time", "free time", "from path", "without limits", "nearer end", "penalties", "bounds",
-    /// "smoothing", "switches", "continuation"; "path" on the way down to a path of low cost.
-    pub phase: String,
-    /// Nodes of the mesh.
-    pub nodes: usize,
-    /// Number of the step on this mesh, from 1.
-    pub number: usize,
-    /// Length of the full correction, in parts of the size of the components (root mean square); of a path, the part
-    /// of the cost that was gained.
-    pub residual: f64,
-    /// Damping: the part of the correction that was taken; of a path, 1 / (1 + damping of Levenberg and Marquardt).
-    pub step: f64,
-    /// T (s).
-    pub final_time: f64,
-    /// Cost so far, penalties included.
-    pub cost: f64,
 }

@@ -1,9 +1,38 @@
 //! How a solve ended.
 
-use crate::bvp::Failure;
+use crate::problem::error::ProblemError;
 use costate::EvalError;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+
+/// Why an evaluation failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluationFailure {
+    /// The dynamics could not be evaluated.
+    #[error(transparent)]
+    Dynamics(#[from] EvalError),
+    /// A continuation led to a problem that cannot be posed.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The integration between two nodes took too many steps.
+    #[error("the motion between two nodes cannot be integrated: it grows without bound; use more nodes")]
+    Integration,
+    /// A failure that was read from a file.
+    #[error("{0}")]
+    Saved(String),
+}
+
+/// Where a motion exceeds the bounds of a control most.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoundViolation {
+    /// The control, counted from 0.
+    pub control: usize,
+    /// Time (s).
+    pub time: f64,
+    /// Distance from the middle of the bounds, relative to half the distance between them: 1 at a bound, more beyond.
+    pub factor: f64,
+}
 
 /// How a solve ended. [`Converged`](Self::Converged) and [`ConvergedSmoothed`](Self::ConvergedSmoothed) are solutions;
 /// with any other status the motion is the best iterate.
@@ -31,29 +60,20 @@ pub enum Status {
     /// The linearised equations are singular: at a conjugate point, or where the motion is not determined.
     Singular,
     /// The dynamics could not be evaluated.
-    EvaluationFailed {
-        /// What the evaluation said.
-        reason: String,
-        /// The error itself; `None` for a solution that was read from a file.
-        cause: Option<EvalError>,
-    },
+    EvaluationFailed(EvaluationFailure),
     /// A homotopy (in the final time, the bounds or the smoothing) stopped before its end.
     ContinuationFailed,
     /// The switching times belong to a smoothed problem: arcs read off from it did not solve the problem itself.
     SwitchesNotRefined,
+    /// A motion was found with wider bounds only: they could not be tightened to those of the problem.
+    BoundsNotReached(BoundViolation),
+    /// Cancelled by the caller.
+    Cancelled,
+    /// The time limit was reached.
+    TimeLimit,
 }
 
 impl Status {
-    /// The dynamics could not be evaluated.
-    pub fn evaluation_failed(error: EvalError) -> Self {
-        Self::EvaluationFailed { reason: error.to_string(), cause: Some(error) }
-    }
-
-    /// A problem that cannot be evaluated for a reason other than the dynamics.
-    pub(crate) fn refused(reason: impl fmt::Display) -> Self {
-        Self::EvaluationFailed { reason: reason.to_string(), cause: None }
-    }
-
     /// A name for files: "converged", "newton_failed" and so on.
     pub fn name(&self) -> &'static str {
         match self {
@@ -64,9 +84,12 @@ impl Status {
             Self::IterationLimit => "iteration_limit",
             Self::MeshLimit => "mesh_limit",
             Self::Singular => "singular",
-            Self::EvaluationFailed { .. } => "evaluation_failed",
+            Self::EvaluationFailed(_) => "evaluation_failed",
             Self::ContinuationFailed => "continuation_failed",
             Self::SwitchesNotRefined => "switches_not_refined",
+            Self::BoundsNotReached(_) => "bounds_not_reached",
+            Self::Cancelled => "cancelled",
+            Self::TimeLimit => "time_limit",
         }
     }
 
@@ -78,6 +101,11 @@ impl Status {
     /// Whether the motion is a solution: of the problem, or of its smoothed form.
     pub fn is_solved(&self) -> bool {
         matches!(self, Self::Converged | Self::ConvergedSmoothed)
+    }
+
+    /// Whether the search was stopped by the caller or by the time limit.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, Self::Cancelled | Self::TimeLimit)
     }
 }
 
@@ -103,8 +131,8 @@ impl fmt::Display for Status {
             Self::Singular => {
                 "the linearised equations are singular: a conjugate point, or a motion that is not determined"
             }
-            Self::EvaluationFailed { reason, .. } => {
-                return write!(f, "the dynamics could not be evaluated: {reason}");
+            Self::EvaluationFailed(failure) => {
+                return write!(f, "the dynamics could not be evaluated: {failure}");
             }
             Self::ContinuationFailed => {
                 "the homotopy from an easier problem stopped; check that the bounds allow the motion in this time"
@@ -112,25 +140,27 @@ impl fmt::Display for Status {
             Self::SwitchesNotRefined => {
                 "solved for a smoothed control only; the switching times read off from it were not confirmed"
             }
+            Self::BoundsNotReached(BoundViolation { control, time, factor }) => {
+                return write!(
+                    f,
+                    "no motion within the bounds was found: they would have to be {factor:.4} times as wide for \
+                     control {control} (at {time:.4} s); widen the bounds or allow more time"
+                );
+            }
+            Self::Cancelled => "cancelled; this is the best iterate so far",
+            Self::TimeLimit => "the time limit was reached; allow more time",
         };
         f.write_str(text)
-    }
-}
-
-impl From<Failure> for Status {
-    fn from(failure: Failure) -> Self {
-        match failure {
-            Failure::Singular(_) => Self::Singular,
-            Failure::Evaluation(error) => Self::evaluation_failed(error),
-            other => Self::refused(other),
-        }
     }
 }
 
 impl From<Status> for String {
     fn from(status: Status) -> Self {
         match status {
-            Status::EvaluationFailed { reason, .. } => format!("evaluation_failed: {reason}"),
+            Status::EvaluationFailed(failure) => format!("evaluation_failed: {failure}"),
+            Status::BoundsNotReached(BoundViolation { control, time, factor }) => {
+                format!("bounds_not_reached: {control} {time} {factor}")
+            }
             status => status.name().into(),
         }
     }
@@ -149,9 +179,22 @@ impl From<String> for Status {
             Self::Singular,
             Self::ContinuationFailed,
             Self::SwitchesNotRefined,
+            Self::Cancelled,
+            Self::TimeLimit,
         ];
-        let reason = name.strip_prefix("evaluation_failed: ").unwrap_or(&name).to_owned();
+        if let Some(violation) = name.strip_prefix("bounds_not_reached: ").and_then(violation) {
+            return Self::BoundsNotReached(violation);
+        }
+        let reason = name.strip_prefix("evaluation_failed: ").unwrap_or(&name).into();
         let known = all.into_iter().find(|status| status.name() == name);
-        known.unwrap_or(Self::EvaluationFailed { reason, cause: None })
+        known.unwrap_or(Self::EvaluationFailed(EvaluationFailure::Saved(reason)))
     }
+}
+
+/// Control, time and factor, separated by spaces.
+fn violation(text: &str) -> Option<BoundViolation> {
+    let mut parts = text.split(' ');
+    let control = parts.next()?.parse().ok()?;
+    let (time, factor) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+    Some(BoundViolation { control, time, factor })
 }

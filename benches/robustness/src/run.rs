@@ -6,7 +6,7 @@ use crate::record::{Record, Search};
 use costate::hamiltonian::Hamiltonian;
 use costate_control::{
     ControlLaw, Coordinates, Extremal, ExtremalSolution, JacobianRoute, LagrangianExtremal, Motion, Problem,
-    RobotExtremal, SolverOptions, Ways, solve_extremal,
+    RobotExtremal, SolverOptions, Strategy, solve_extremal,
 };
 use std::error::Error;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ pub fn options(search: &Search) -> SolverOptions {
     SolverOptions {
         jacobian: search.matrix,
         coordinates: search.coordinates,
-        ways: Ways::Direct,
+        strategy: Strategy::Direct,
         max_iterations: 40,
         max_nodes: 1001,
         ..SolverOptions::default()

@@ -36,7 +36,8 @@ pub fn follow(task: &mut Task, way: Way) -> Result<Branch, String> {
     let continuation = Continuation::new(&task.problem, parameter, from, to, task.options.clone());
     let mut continuation = continuation.map_err(|error| format!("--continue: {error}"))?;
     if let Some(start) = &task.start_from {
-        continuation = continuation.with_start(start).map_err(|error| format!("start_from.file: {error}"))?;
+        let refused = |error| format!("start_from.file: {error}");
+        continuation = continuation.with_start(start).map_err(refused)?;
     }
     let branch = continuation.follow();
     let last = branch.points.last().map_or(from, |point| point.parameter);
@@ -85,6 +86,7 @@ pub fn print(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
         BranchEnd::Reached => "the value asked for was reached",
         BranchEnd::TurnedBack => "the branch turned back to where it began, on another solution",
         BranchEnd::TooManyPoints => "more points than allowed",
+        BranchEnd::Interrupted => "stopped early, by the time limit or by request",
         BranchEnd::NotStarted => "the problem was not solved where the way begins",
         _ => "no step was small enough",
     };

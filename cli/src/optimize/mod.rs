@@ -118,7 +118,11 @@ fn solve(task: &Task) -> Result<Solution, Box<dyn std::error::Error>> {
     if let Some(start) = &task.start_from {
         solver = solver.with_start(start)?;
     }
-    let solution = solver.on_iteration(|iteration| line.show(iteration)).solve();
+    let shown = solver.on_iteration(|iteration| {
+        line.show(iteration);
+        std::ops::ControlFlow::Continue(())
+    });
+    let solution = shown.solve();
     line.clear();
     Ok(solution)
 }

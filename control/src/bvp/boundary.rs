@@ -1,14 +1,15 @@
-//! The equations that all discretisations share: conditions at the ends and at switches.
+//! The equations that all discretisations share: the conditions at the ends and at switches.
 
 use crate::bvp::mesh::{Mesh, Span};
+use crate::bvp::scales::{Scales, set_scales};
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::extremal::Extremal;
 use crate::numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 use costate::EvalError;
 
-/// Residuals and matrix of a boundary-value problem on a mesh, in scaled variables: those at the ends and at switches come
-/// from here, those of the intervals from who bridges them.
+/// Residuals and matrix of a boundary-value problem on a mesh, in scaled variables. The conditions at the
+/// ends and at switches are set here, the equations of the intervals by the discretisation.
 pub(crate) struct Borders {
     m: usize,
     at_start: usize,
@@ -18,6 +19,8 @@ pub(crate) struct Borders {
     /// Divisors of the conditions at start, end and of each switch.
     divisors: Vec<f64>,
     conditions: Vec<f64>,
+    /// Jacobian of dw/ds at the first node, once the scales need it.
+    coupling: Vec<f64>,
 }
 
 impl Borders {
@@ -30,6 +33,27 @@ impl Borders {
             residual: vec![0.0; nodes * m],
             divisors: vec![1.0; m + nodes],
             conditions: vec![0.0; m * m],
+            coupling: Vec::new(),
+        }
+    }
+
+    /// Sets `scale` from the values at the nodes and, if given, a correction `with`.
+    pub fn set_scales<E: Extremal>(
+        &self,
+        timed: &Timed<'_, E>,
+        nodes: &[f64],
+        scale: &mut [f64],
+        with: Option<&Values>,
+    ) -> Scales {
+        set_scales(timed, nodes, scale, &self.coupling, with)
+    }
+
+    /// Evaluates the coupling of the components at the first node. If that fails, there is none.
+    pub fn set_coupling<E: Extremal>(&mut self, timed: &mut Timed<'_, E>, nodes: &[f64]) {
+        let mut slope = vec![0.0; self.m];
+        self.coupling = vec![0.0; self.m * self.m];
+        if timed.linearise(&nodes[..self.m], 0, &mut slope, &mut self.coupling).is_err() {
+            self.coupling.fill(0.0);
         }
     }
 
@@ -66,7 +90,8 @@ impl Borders {
         }
         for (k, span) in mesh.spans.iter().enumerate() {
             if let Span::Switch { arc } = *span {
-                self.set_switch(timed, (k, arc), &nodes[k * m..(k + 2) * m], scale, matrix);
+                let nodes = nodes[k * m..(k + 2) * m].split_at(m);
+                self.set_switch(timed, Border { span: k, arc, nodes }, scale, matrix);
             }
         }
         Ok(())
@@ -75,13 +100,12 @@ impl Borders {
     fn set_switch<E: Extremal>(
         &mut self,
         timed: &mut Timed<'_, E>,
-        (k, arc): (usize, usize),
-        nodes: &[f64],
+        border: Border<'_>,
         scale: &[f64],
         matrix: bool,
     ) {
+        let Border { span: k, arc, nodes: (left, right) } = border;
         let (m, row) = (self.m, self.row(k));
-        let (left, right) = nodes.split_at(m);
         let target = &mut self.residual[row..row + m];
         for c in 0..m {
             target[c] = (right[c] - left[c]) / scale[c];
@@ -91,7 +115,7 @@ impl Borders {
                 (row[c], row[m + c]) = (-1.0, 1.0);
             }
         }
-        // In place of the continuity of the duration.
+        // The duration is not continuous; its row holds the switching condition.
         let z = timed.z_len();
         let (value, gradient) = timed.switching(arc, left);
         if matrix {
@@ -109,6 +133,13 @@ impl Borders {
     }
 }
 
+/// The border between `arc` and the next one: a span, and the nodes at its ends.
+struct Border<'a> {
+    span: usize,
+    arc: usize,
+    nodes: (&'a [f64], &'a [f64]),
+}
+
 /// Columns for scaled components, rows divided by their largest entry.
 fn set_divisors(rows: &mut [f64], scale: &[f64], divisors: &mut [f64]) {
     for (row, divisor) in rows.chunks_exact_mut(scale.len()).zip(divisors) {
@@ -117,30 +148,4 @@ fn set_divisors(rows: &mut [f64], scale: &[f64], divisors: &mut [f64]) {
         *divisor = if largest > 0.0 { largest } else { 1.0 };
         row.iter_mut().for_each(|entry| *entry /= *divisor);
     }
-}
-
-/// Scales: the largest size of each component at the nodes, but no less than a hundredth of that of its group. True where a
-/// group is all zero, and has the scale 1. `with`: a correction that counts too.
-pub(crate) fn set_scales<E: Extremal>(
-    timed: &Timed<'_, E>,
-    nodes: &[f64],
-    scale: &mut [f64],
-    with: Option<&Values>,
-) -> bool {
-    let m = scale.len();
-    let mut sizes = vec![0.0_f64; m];
-    for (i, value) in nodes.iter().enumerate() {
-        let moved = with.map_or(0.0, |with| with.nodes[i].abs() * scale[i % m]);
-        sizes[i % m] = sizes[i % m].max(value.abs()).max(moved);
-    }
-    let z = timed.z_len();
-    let group = |c: usize| if c < z { timed.extremal.group(c) } else { usize::MAX - c };
-    let mut unknown = false;
-    for c in 0..m {
-        let largest = (0..m).filter(|&d| group(d) == group(c)).map(|d| sizes[d]).fold(0.0_f64, f64::max);
-        let floor = if largest > 0.0 { 0.01 * largest } else { 1.0 };
-        scale[c] = sizes[c].max(floor);
-        unknown |= largest == 0.0;
-    }
-    unknown
 }

@@ -1,9 +1,11 @@
 //! Meshes: where the nodes lie.
 
+use crate::constants::refinement::{LEAST_DENSITY, LEAST_INTERVALS};
+
 /// What lies between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Span {
-    /// A part of an arc, of this length of the scaled time.
+    /// A part of an arc with this length in the scaled time.
     Interval { arc: usize, length: f64 },
     /// The border between `arc` and the next one, where both nodes are at the same time.
     Switch { arc: usize },
@@ -56,8 +58,8 @@ impl Mesh {
         }
     }
 
-    /// Neighbouring intervals taken together, so that no arc has more than `most`; and the lengths that each is made of, none
-    /// for a switch.
+    /// Merges neighbouring intervals so that no arc has more than `most`; also the lengths that each is made
+    /// of, none for a switch.
     pub fn coarsened(&self, most: usize) -> (Self, Vec<Vec<f64>>) {
         let mut arcs: Vec<Vec<f64>> = vec![Vec::new(); self.arcs()];
         for span in &self.spans {
@@ -77,7 +79,7 @@ impl Mesh {
         (Self::from_lengths(taken), parts)
     }
 
-    /// Intervals of these lengths in place of each one.
+    /// Replaces each interval by intervals of these lengths.
     pub fn cut(&self, parts: &[Vec<f64>]) -> Self {
         let mut arcs: Vec<Vec<f64>> = vec![Vec::new(); self.arcs()];
         for (span, parts) in self.spans.iter().zip(parts) {
@@ -88,10 +90,10 @@ impl Mesh {
         Self::from_lengths(arcs)
     }
 
-    /// A mesh with about `intervals` intervals on which the errors are alike, when `errors` (one for each span, zero for
-    /// a switch) grow with the power `order + 1` of the length.
+    /// A mesh with about `intervals` intervals on which the errors are equal, if `errors` (one for each span,
+    /// zero for a switch) grow with the power `order + 1` of the length.
     ///
-    /// Neighbours differ by no more than what a fifth of the mean density asks for.
+    /// The density of intervals is nowhere less than a fifth of its mean.
     pub fn equidistributed(&self, errors: &[f64], order: usize, intervals: usize) -> Self {
         let power = 1.0 / (order + 1) as f64;
         // Number of new intervals that fall into each old one, before scaling.
@@ -100,7 +102,7 @@ impl Mesh {
         let mean = if total > 0.0 { total / self.arcs() as f64 } else { 1.0 };
         for (share, span) in shares.iter_mut().zip(&self.spans) {
             if let Span::Interval { length, .. } = span {
-                *share = share.max(0.2 * mean * length);
+                *share = share.max(LEAST_DENSITY * mean * length);
             }
         }
         let scale = intervals as f64 / shares.iter().sum::<f64>();
@@ -114,10 +116,10 @@ impl Mesh {
     }
 }
 
-/// Cuts parts with (length, share) into pieces of equal shares; at least three.
+/// Cuts parts with (length, share) into pieces of equal shares.
 fn divide(parts: &[(f64, f64)]) -> Vec<f64> {
     let total: f64 = parts.iter().map(|part| part.1).sum();
-    let pieces = (total.round() as usize).max(3);
+    let pieces = (total.round() as usize).max(LEAST_INTERVALS);
     let (mut borders, mut before, mut position) = (vec![0.0], 0.0, 0.0);
     for &(length, share) in parts {
         while borders.len() < pieces {
@@ -142,7 +144,7 @@ mod tests {
     use super::{Mesh, Span};
 
     #[test]
-    fn what_is_taken_together_can_be_cut_again() {
+    fn merged_intervals_can_be_cut_again() {
         let mesh = Mesh::from_lengths([vec![0.1, 0.2, 0.3, 0.4], vec![0.5, 0.5]]);
         let (coarse, parts) = mesh.coarsened(3);
         assert_eq!((coarse.intervals(), coarse.arcs()), (4, 2));

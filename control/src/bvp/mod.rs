@@ -1,24 +1,27 @@
-//! What Newton's method asks of a discretised boundary-value problem.
+//! Discretised boundary-value problems: what Newton's method needs of them.
 
 pub(crate) mod boundary;
 pub(crate) mod collocation;
 pub(crate) mod mesh;
 pub(crate) mod newton;
+pub(crate) mod scales;
 pub(crate) mod shooting;
 pub(crate) mod timed;
 pub(crate) mod values;
 
 use crate::bvp::mesh::{Mesh, Span};
+use crate::bvp::scales::Scales;
 use crate::bvp::timed::{Clock, Timed};
 use crate::bvp::values::Values;
 use crate::extremal::Extremal;
 use crate::numerics::almost_block_diagonal::SingularMatrix;
 use crate::numerics::dormand_prince::Stopped;
+use crate::status::{EvaluationFailure, Status};
 use costate::EvalError;
 
-/// Values on a mesh, and the corrections that linearised equations ask for.
+/// Values on a mesh, and the Newton corrections of the linearised equations.
 ///
-/// Corrections are in scaled variables: component c of one is in parts of `scale[c]`.
+/// Corrections are in scaled variables: component c is relative to `scale[c]`.
 pub(crate) trait Discretised {
     /// Values of the same shape, zero.
     fn zeros(&self) -> Values;
@@ -44,8 +47,11 @@ pub(crate) trait Solvable<E: Extremal>: Discretised {
     /// Cost and penalties at the last evaluation.
     fn costs(&self, timed: &Timed<'_, E>) -> (f64, f64);
 
-    /// Sets the sizes by the current values, with those of a correction; true where some are still unknown.
-    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> bool;
+    /// Sets the scales from the current values and, if given, a correction.
+    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> Scales;
+
+    /// Evaluates the coupling of the components, where [`set_scales`](Self::set_scales) needs it.
+    fn set_coupling(&mut self, timed: &mut Timed<'_, E>);
 
     /// Residuals at `values`.
     fn evaluate(&mut self, timed: &mut Timed<'_, E>, values: &Values) -> Result<(), Failure>;
@@ -73,22 +79,31 @@ pub(crate) trait Solvable<E: Extremal>: Discretised {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
-    Evaluation(#[from] EvalError),
+    Evaluation(#[from] EvaluationFailure),
     #[error(transparent)]
     Singular(#[from] SingularMatrix),
-    #[error(
-        "the motion between two nodes cannot be integrated: it leaves all bounds; more nodes make that less likely"
-    )]
-    Integration,
-    #[error("{0}")]
-    OutOfRange(String),
+}
+
+impl From<EvalError> for Failure {
+    fn from(error: EvalError) -> Self {
+        Self::Evaluation(error.into())
+    }
 }
 
 impl From<Stopped> for Failure {
     fn from(stopped: Stopped) -> Self {
         match stopped {
-            Stopped::Evaluation(error) => Self::Evaluation(error),
-            Stopped::TooManySteps => Self::Integration,
+            Stopped::Evaluation(error) => error.into(),
+            Stopped::TooManySteps => Self::Evaluation(EvaluationFailure::Integration),
+        }
+    }
+}
+
+impl From<Failure> for Status {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Singular(_) => Self::Singular,
+            Failure::Evaluation(failure) => Self::EvaluationFailed(failure),
         }
     }
 }

@@ -1,8 +1,25 @@
 //! Damped Newton steps with the natural monotonicity test.
+//!
+//! With the matrix A of the linearised equations at z and the correction `s = -A^-1 r(z)`, a step `z + d s`
+//! with the damping `0 < d <= 1` is accepted when the *simplified* correction, with the same matrix, is
+//! shorter:
+//!
+//! $$ \lVert A^{-1} r(z + d s) \rVert < (1 - d/4) \lVert A^{-1} r(z) \rVert $$
+//!
+//! The test does not change when the equations are multiplied by a regular matrix. Without curvature the
+//! simplified correction `t = -A^-1 r(z + d s)` would be `(1 - d) s`. The distance from it predicts the
+//! damping:
+//!
+//! $$ d^+ = \frac{d^2 \lVert s \rVert}{2 \lVert t - (1 - d) s \rVert} $$
+//!
+//! The norm is the root mean square of scaled components. Source: P. Deuflhard, *Newton Methods for Nonlinear
+//! Problems*, Springer 2004, section 3.3 (algorithm NLEQ-ERR).
 
+use crate::bvp::scales::Scales;
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Failure, Solvable};
+use crate::constants::newton::{DECREASE, LEAST_PREDICTION, RAISE};
 use crate::extremal::Extremal;
 
 /// How Newton's method ended on one mesh.
@@ -13,10 +30,12 @@ pub(crate) enum Outcome {
     Stalled,
     /// Too many steps.
     Limit,
+    /// The observer asked to stop.
+    Interrupted,
     Failed(Failure),
 }
 
-/// One step, as it is told to whoever listens.
+/// One step, as it is reported.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub number: usize,
@@ -27,49 +46,62 @@ pub(crate) struct Step {
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
+    /// Length of the last correction.
     pub tolerance: f64,
-    pub steps: usize,
-    /// Smallest damping.
-    pub damping: f64,
+    pub max_steps: usize,
+    pub least_damping: f64,
 }
 
-/// Smallest damping tried, unless said otherwise.
-pub(crate) const LEAST_DAMPING: f64 = 1e-6;
+/// Watches the steps and may stop them.
+pub(crate) trait Observer<Q, E> {
+    /// Asked before each step: whether to stop.
+    fn interrupts(&mut self) -> bool;
 
-/// Values that steps go through: all that Newton's method allocates.
+    /// Called after each step.
+    fn step(&mut self, equations: &Q, timed: &Timed<'_, E>, step: Step);
+}
+
+/// Values that steps need: all that Newton's method allocates.
 struct Workspace {
     correction: Values,
     simplified: Values,
     trial: Values,
 }
 
-/// Newton's method on discretised equations from their current values.
-///
-/// A step `z + d s` with s = -A^-1 r is taken when the correction `-A^-1 r(z + d s)`, with the same matrix, is shorter by the
-/// factor `1 - d/4`: a test that does not change when equations are multiplied by a regular matrix. The damping d is
-/// predicted from how far that correction is from `(1 - d) s`, what it would be without curvature. Converged when the
-/// correction of a new linearisation is no longer than the tolerance, in parts of the size of the components.
+/// A step that passed the test.
+struct Accepted {
+    damping: f64,
+    /// Length of the simplified correction.
+    next: f64,
+}
+
+/// Newton's method on discretised equations from their current values; converged when the correction of a new
+/// linearisation is no longer than the tolerance.
 pub(crate) fn newton<Q: Solvable<E>, E: Extremal>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,
-    Limits { tolerance, steps, damping: least }: Limits,
-    mut listen: impl FnMut(&Q, &Timed<'_, E>, Step),
+    limits: Limits,
+    observer: &mut impl Observer<Q, E>,
 ) -> Outcome {
     let mut work =
         Workspace { correction: equations.zeros(), simplified: equations.zeros(), trial: equations.zeros() };
+    let tolerance = limits.tolerance;
     let mut predicted = 1.0;
     let mut last = None::<f64>;
-    if equations.set_scales(timed, None) {
+    if set_scales(equations, timed, None) == Scales::Unknown {
         // Costates that start at zero have no size yet; the first correction gives them one.
         if let Err(failure) = equations.linearise(timed) {
             return Outcome::Failed(failure);
         }
         equations.correction(&mut work.correction);
         if work.correction.norm().is_finite() {
-            equations.set_scales(timed, Some(&work.correction));
+            set_scales(equations, timed, Some(&work.correction));
         }
     }
-    for number in 1..=steps {
+    for number in 1..=limits.max_steps {
+        if observer.interrupts() {
+            return Outcome::Interrupted;
+        }
         if let Err(failure) = equations.linearise(timed) {
             return Outcome::Failed(failure);
         }
@@ -82,16 +114,15 @@ pub(crate) fn newton<Q: Solvable<E>, E: Extremal>(
             let change = work.simplified.norm_of_sum(-1.0, &work.correction);
             predicted = if change > 0.0 { (product / (change * length)).min(1.0) } else { 1.0 };
         }
-        let Some((damping, next)) =
-            damped(equations, timed, &mut work, predicted.max(1e-3), (tolerance, least))
-        else {
+        let first = predicted.max(LEAST_PREDICTION);
+        let Some(Accepted { damping, next }) = damped(equations, timed, &mut work, first, limits) else {
             return Outcome::Stalled;
         };
         last = Some(length * next * damping);
         std::mem::swap(equations.current_mut(), &mut work.trial);
-        listen(equations, timed, Step { number, correction: length, damping });
+        observer.step(equations, timed, Step { number, correction: length, damping });
         if damping == 1.0 && (next <= tolerance || length <= tolerance) {
-            equations.set_scales(timed, None);
+            set_scales(equations, timed, None);
             last = None;
             predicted = 1.0;
             if finished(equations, timed, &mut work, tolerance) {
@@ -102,17 +133,31 @@ pub(crate) fn newton<Q: Solvable<E>, E: Extremal>(
     Outcome::Limit
 }
 
-/// Finds a damping for which the step passes the test; leaves the new values in `trial`.
+/// Sets the scales, with the coupling where costates may be rounding errors around zero.
+pub(crate) fn set_scales<Q: Solvable<E>, E: Extremal>(
+    equations: &mut Q,
+    timed: &mut Timed<'_, E>,
+    with: Option<&Values>,
+) -> Scales {
+    let scales = equations.set_scales(timed, with);
+    if scales == Scales::Small {
+        equations.set_coupling(timed);
+        return equations.set_scales(timed, with);
+    }
+    scales
+}
+
+/// Finds a damping for which the step passes the test, from `first` on; leaves the new values in `trial`.
 fn damped<Q: Solvable<E>, E: Extremal>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,
     work: &mut Workspace,
-    predicted: f64,
-    (tolerance, least): (f64, f64),
-) -> Option<(f64, f64)> {
+    first: f64,
+    limits: Limits,
+) -> Option<Accepted> {
     let length = work.correction.norm();
-    let (mut damping, mut raised) = (predicted, false);
-    while damping >= least {
+    let (mut damping, mut raised) = (first, false);
+    while damping >= limits.least_damping {
         work.trial.set_sum(equations.current(), damping, equations.scale(), &work.correction);
         if equations.evaluate(timed, &work.trial).is_err() {
             damping *= 0.5;
@@ -126,18 +171,18 @@ fn damped<Q: Solvable<E>, E: Extremal>(
         }
         let curvature = work.simplified.norm_of_sum(damping - 1.0, &work.correction);
         let better = if curvature > 0.0 { 0.5 * length * damping * damping / curvature } else { 1.0 };
-        if next >= (1.0 - damping / 4.0) * length && length > tolerance {
+        if next >= (1.0 - damping * DECREASE) * length && length > limits.tolerance {
             damping = better.min(0.5 * damping);
-        } else if !raised && damping < 1.0 && better.min(1.0) >= 4.0 * damping {
+        } else if !raised && damping < 1.0 && better.min(1.0) >= RAISE * damping {
             (raised, damping) = (true, better.min(1.0));
         } else {
-            return Some((damping, next));
+            return Some(Accepted { damping, next });
         }
     }
     None
 }
 
-/// Whether the correction of a new linearisation is short enough; takes it then, and evaluates there.
+/// Whether the correction of a new linearisation is short enough; if so, takes it and evaluates there.
 fn finished<Q: Solvable<E>, E: Extremal>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,

@@ -1,22 +1,21 @@
 //! Multiple shooting: the equations, and their linearisation by the variational equations.
+//!
+//! $$ w_R - \phi(w_L) = 0, \qquad \phi(w_L) = w(s_R), \quad w' = g(w), \quad w(s_L) = w_L $$
+//! $$ \frac{\partial \phi}{\partial w_L} = W(s_R), \qquad W' = G(w)\, W, \quad W(s_L) = 1 $$
+//!
+//! w and W are integrated together, with error control of both; costs are integrated beside them. Source: J.
+//! Stoer, R. Bulirsch, *Introduction to Numerical Analysis*, Springer 2002, section 7.3.5.
 
-use crate::bvp::boundary::{Borders, set_scales};
+use crate::bvp::boundary::Borders;
 use crate::bvp::mesh::{Mesh, Span};
+use crate::bvp::scales::Scales;
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Discretised, Failure, Solvable};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 
-/// Continuity between segments:
-///
-/// ```text
-/// w_R - phi(w_L) = 0 ,      phi(w_L) = w(s_R) of   w' = g(w),  w(s_L) = w_L
-/// dphi/dw_L = W(s_R) of   W' = G(w) W,  W(s_L) = 1
-/// ```
-///
-/// and the conditions at the ends and at switches. w and W are integrated together, and the errors of both decide about the
-/// steps. Costs are integrated beside them.
+/// Continuity between segments, and the conditions at the ends and at switches.
 pub(crate) struct Shooting {
     pub mesh: Mesh,
     m: usize,
@@ -33,8 +32,8 @@ pub(crate) struct Shooting {
 }
 
 impl Shooting {
-    /// Buffers, and values from the nodes of a guess of w at each (arc, scaled time on it); `tolerance` of a step of the
-    /// integration, in parts of the size of each component.
+    /// Buffers, and values from the nodes of a guess of w at each (arc, scaled time on it); `tolerance` of a
+    /// step of the integration, in parts of the size of each component.
     pub fn new<E: Extremal>(
         timed: &Timed<'_, E>,
         mesh: Mesh,
@@ -79,7 +78,7 @@ impl Shooting {
         self.with.set_tolerance(tolerance);
     }
 
-    /// Takes w along a part of an arc; where it leads.
+    /// Integrates w along a part of an arc; returns its end.
     pub fn carry<E: Extremal>(
         &mut self,
         timed: &mut Timed<'_, E>,
@@ -100,7 +99,7 @@ impl Shooting {
         Ok(&self.state[..m])
     }
 
-    /// The same with W, which is 1 at first; the state is left in `self.state`.
+    /// The same with W, which is 1 at first; the result is in `self.state`.
     fn carry_with_variations<E: Extremal>(
         &mut self,
         timed: &mut Timed<'_, E>,
@@ -126,7 +125,8 @@ impl Shooting {
         })
     }
 
-    /// Residual and costs of span k from the state at its end; the right node from `nodes`, else from the current values.
+    /// Residual and costs of span k from the state at its end; the right node from `nodes`, else from the
+    /// current values.
     fn set_span(&mut self, k: usize, nodes: Option<&[f64]>) {
         let (m, row) = (self.m, self.borders.row(k));
         let right = &nodes.unwrap_or(&self.current.nodes)[(k + 1) * m..(k + 2) * m];
@@ -169,8 +169,9 @@ impl<E: Extremal> Solvable<E> for Shooting {
         self.costs.iter().fold((0.0, 0.0), |sum, cost| (sum.0 + cost.0, sum.1 + cost.1))
     }
 
-    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> bool {
-        let (m, unknown) = (self.m, set_scales(timed, &self.current.nodes, &mut self.scale, with));
+    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> Scales {
+        let m = self.m;
+        let known = self.borders.set_scales(timed, &self.current.nodes, &mut self.scale, with);
         for sizes in [self.without.sizes_mut(), self.with.sizes_mut()] {
             sizes[..m].copy_from_slice(&self.scale);
             sizes[m..m + 2].fill(f64::INFINITY);
@@ -178,7 +179,11 @@ impl<E: Extremal> Solvable<E> for Shooting {
                 *size = self.scale[e % m] / self.scale[e / m];
             }
         }
-        unknown
+        known
+    }
+
+    fn set_coupling(&mut self, timed: &mut Timed<'_, E>) {
+        self.borders.set_coupling(timed, &self.current.nodes);
     }
 
     fn evaluate(&mut self, timed: &mut Timed<'_, E>, values: &Values) -> Result<(), Failure> {

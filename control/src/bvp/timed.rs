@@ -1,30 +1,44 @@
-//! Extremals on a fixed range of a scaled time, durations among the unknowns.
+//! Extremals over a scaled time, with the durations of arcs as unknowns.
+//!
+//! $$ \frac{dw}{ds} = (\theta\, g(z),\; 0,\; \theta), \qquad w = (z, \theta, t), \qquad 0 \le s \le 1 $$
+//!
+//! on each arc; which of `theta` and `t` are among the unknowns depends on the [`Clock`]. Source: U. M.
+//! Ascher, R. M. M. Mattheij, R. D. Russell, *Numerical Solution of Boundary Value Problems for ODEs*, SIAM
+//! 1995, section 11.
 
 use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms};
 use costate::EvalError;
 
-/// What is known about the time.
+/// What is known about the final time and the durations of arcs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Clock {
-    /// One arc of a duration that is given.
+    /// One arc of a given duration (s).
     Fixed(f64),
     /// Durations are unknown: w = (z, theta), theta' = 0 on each arc, H* = 0 at the end.
     Free,
-    /// Durations are unknown, their sum is given: w = (z, theta, t), t' = theta, t = T at the end.
+    /// Durations are unknown, their sum T (s) is given: w = (z, theta, t), t' = theta, t = T at the end.
     Split(f64),
 }
 
 /// The arcs of an extremal: on each a scaled time runs through a range of length 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Arcs {
-    /// Where the controls stand on each arc; `None` where the maximum decides.
+    /// On each arc which controls are at a bound; `None` where the maximum of the Hamiltonian decides.
     pub sides: Vec<Option<Vec<BoundSide>>>,
-    /// Between two arcs: the control that leaves or reaches a bound, and its sides.
-    pub switches: Vec<(usize, (BoundSide, BoundSide))>,
+    /// Between two arcs.
+    pub switches: Vec<Switch>,
+}
+
+/// A control changes sides between two arcs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Switch {
+    pub control: usize,
+    /// Before and after.
+    pub sides: (BoundSide, BoundSide),
 }
 
 impl Arcs {
-    /// One arc, controls where the maximum of the Hamiltonian asks them to be.
+    /// One arc with controls that maximise the Hamiltonian.
     pub fn one() -> Self {
         Self { sides: vec![None], switches: Vec::new() }
     }
@@ -145,8 +159,7 @@ impl<'a, E: Extremal> Timed<'a, E> {
             Clock::Fixed(_) => {}
             Clock::Free => {
                 let last = self.arcs.sides.len() - 1;
-                let law = self.arcs.sides[last].as_deref().map_or(ControlLaw::Maximal, ControlLaw::Given);
-                let rate = self.extremal.evaluate(&w[..z], law, &mut self.gradient)?;
+                let rate = self.extremal.evaluate(&w[..z], self.arcs.law(last), &mut self.gradient)?;
                 residual[states] = rate.hamiltonian;
                 let row = &mut jacobian[states * m..(states + 1) * m];
                 for i in 0..states {
@@ -171,9 +184,9 @@ impl<'a, E: Extremal> Timed<'a, E> {
         }
     }
 
-    /// What vanishes between arc and arc + 1 and its gradient, z entries.
+    /// The switching function between arc and arc + 1 and its gradient, z entries.
     pub fn switching(&mut self, arc: usize, w: &[f64]) -> (f64, &[f64]) {
-        let (control, sides) = self.arcs.switches[arc];
+        let Switch { control, sides } = self.arcs.switches[arc];
         let z = self.gradient.len();
         let value = self.extremal.switching(control, sides, &w[..z], &mut self.gradient);
         (value, &self.gradient)

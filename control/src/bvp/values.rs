@@ -5,9 +5,9 @@
 pub(crate) struct Values {
     /// m for each node.
     pub nodes: Vec<f64>,
-    /// (s - 2) m for each span; those of a switch are not used.
+    /// (s - 2) m for each span with s Lobatto points; those of a switch are not used.
     pub inner: Vec<f64>,
-    /// Position on the way of a continuation, from 0 to 1; 0 where there is none.
+    /// Parameter of a continuation, from 0 to 1; 0 where there is none.
     pub position: f64,
 }
 
@@ -27,7 +27,7 @@ impl Values {
         self.position = a.position + factor * b.position;
     }
 
-    /// Root mean square of `self + factor other`, and the position as much as all others together.
+    /// Root mean square of `self + factor other`; the position counts as much as all others together.
     pub fn norm_of_sum(&self, factor: f64, other: &Self) -> f64 {
         let pairs = self.nodes.iter().zip(&other.nodes).chain(self.inner.iter().zip(&other.inner));
         let sum: f64 = pairs.map(|(a, b)| (a + factor * b).powi(2)).sum();

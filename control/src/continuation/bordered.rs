@@ -1,20 +1,21 @@
-//! Equations with the position on the way as one further unknown.
+//! Equations with the parameter s as one more unknown.
 
 use crate::bvp::collocation::Collocation;
 use crate::bvp::mesh::Mesh;
+use crate::bvp::scales::Scales;
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Discretised, Failure, Solvable};
+use crate::constants::branch::DIFFERENCE;
 use crate::extremal::Extremal;
 
-/// Collocation equations `r(x, s) = 0` whose problem depends on s, and one condition more:
+/// Collocation equations `r(x, s) = 0` whose problem depends on s, and one more condition
 ///
-/// ```text
-/// c'(x - x_0) + c_s (s - s_0) = 0
-/// ```
+/// $$ c^T (x - x_0) + c_s (s - s_0) = 0 $$
 ///
-/// With `a = -A^-1 r` and `b = dx/ds = -A^-1 r_s` a correction is `a + b ds`, `ds = -(c'a + residual) / (c_s + c'b)`. This is
-/// regular at a turning point, where A is not, when c lies along the branch. r_s is a central difference.
+/// With `a = -A^-1 r` and `b = dx/ds = -A^-1 r_s` a correction is `a + b ds`, `ds = -(c'a + residual) / (c_s
+/// + c'b)`. With c along the branch this is regular at a turning point, where A is not. r_s is a central
+/// difference.
 pub(crate) struct Bordered<F> {
     pub inner: Collocation,
     /// Makes the problem that of a position.
@@ -35,9 +36,6 @@ pub(crate) struct Border {
     along: Values,
 }
 
-/// Half the distance between the problems of which r_s is the difference.
-const BESIDE: f64 = 1e-5;
-
 impl<F> Bordered<F> {
     /// With s fixed where it is.
     pub fn new(inner: Collocation, position: f64, set: F) -> Self {
@@ -49,18 +47,18 @@ impl<F> Bordered<F> {
         Self { inner, set, border, residual: 0.0, beside: [zeros.clone(), zeros] }
     }
 
-    /// Moves along the branch to the position given, and fixes it there; the length of the way. After a linearisation.
+    /// Moves along the branch to a position, and fixes it there; returns the length. After a linearisation.
     pub fn aim_at(&mut self, position: f64) -> f64 {
-        let way = position - self.inner.current.position;
+        let length = position - self.inner.current.position;
         let from = self.inner.current.clone();
-        self.inner.current.set_sum(&from, way, &self.inner.scale, &self.border.along);
+        self.inner.current.set_sum(&from, length, &self.inner.scale, &self.border.along);
         self.inner.current.position = position;
         self.border.at = self.inner.current.clone();
-        way.abs() * self.border.along.norm()
+        length.abs() * self.border.along.norm()
     }
 
-    /// Moves by `step` along the unit tangent, whose part in s has the sign of `direction`, and asks for a solution in the
-    /// plane across it there. After a linearisation.
+    /// Moves by `step` along the unit tangent, whose part in s has the sign of `direction`; the solution is
+    /// then looked for in the plane across it. After a linearisation.
     pub fn step(&mut self, step: f64, direction: f64) {
         let Border { slope, along, at } = &mut self.border;
         let scale = &self.inner.scale;
@@ -77,7 +75,7 @@ impl<F> Bordered<F> {
         self.inner.current.clone_from(at);
     }
 
-    /// How far the current values are from where the last move led, in the measure of the length of the branch.
+    /// Distance of the current values from the last prediction, measured as the length of the branch.
     pub fn deviation(&self) -> f64 {
         let (now, then, scale) = (&self.inner.current, &self.border.at, &self.inner.scale);
         let pairs = [(&now.nodes, &then.nodes), (&now.inner, &then.inner)];
@@ -161,8 +159,12 @@ impl<E: Extremal, F: FnMut(&mut Timed<'_, E>, f64) -> Result<(), Failure>> Solva
         self.inner.costs(timed)
     }
 
-    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> bool {
+    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> Scales {
         self.inner.set_scales(timed, with)
+    }
+
+    fn set_coupling(&mut self, timed: &mut Timed<'_, E>) {
+        self.inner.set_coupling(timed);
     }
 
     fn evaluate(&mut self, timed: &mut Timed<'_, E>, values: &Values) -> Result<(), Failure> {
@@ -177,8 +179,8 @@ impl<E: Extremal, F: FnMut(&mut Timed<'_, E>, f64) -> Result<(), Failure>> Solva
         (self.set)(timed, s)?;
         self.inner.linearise(timed)?;
         let mut used = [s; 2];
-        for (i, beside) in [s - BESIDE, s + BESIDE].into_iter().enumerate() {
-            // A problem may end where the way does.
+        for (i, beside) in [s - DIFFERENCE, s + DIFFERENCE].into_iter().enumerate() {
+            // Beyond the ends of the continuation the problem may not exist.
             if (self.set)(timed, beside).is_ok() && self.inner.evaluate(timed, &values).is_ok() {
                 used[i] = beside;
             } else {

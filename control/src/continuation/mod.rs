@@ -1,31 +1,51 @@
-//! Solutions as a parameter of the problem changes.
+//! Branches of solutions as a parameter of the problem changes: pseudo-arclength continuation.
+//!
+//! The parameter `lambda` in [0, 1] is one more unknown, and the correction stays in the plane across the
+//! tangent:
+//!
+//! $$ r(x, \lambda) = 0, \qquad c^T (x - x_0) + c_\lambda\, (\lambda - \lambda_0) = 0 $$
+//!
+//! with `(c, c_lambda)` along the branch and `(x_0, lambda_0)` the prediction. These equations stay regular
+//! at a turning point, where the Jacobian of r in x is singular. Source: H. B. Keller, *Numerical solution of
+//! bifurcation and nonlinear eigenvalue problems*, in: P. H. Rabinowitz (ed.), Applications of Bifurcation
+//! Theory, Academic Press 1977.
 
 mod bordered;
+mod family;
 mod parameter;
 mod points;
 mod start;
+mod steps;
 mod walk;
 
 pub use parameter::Parameter;
 pub use points::{Branch, BranchEnd, BranchPoint, TurningPoint};
 
+use crate::constants::branch::{FIRST_STEP, LARGEST_STEP, LEAST_STEP, MOST_BEND, MOST_POINTS, STRAIGHT};
 use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
+use crate::progress::{Cancel, Iteration, Listener, Phase};
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
-use crate::solve::{Context, Extremum};
-use crate::solver::Solver;
+use crate::solve::recorder::Stop;
+use crate::solve::{Attempt, Discretisation, Recorder};
+use crate::solver::{Starts, solution};
 use crate::status::Status;
+use family::Family;
+use std::fmt;
+use std::ops::ControlFlow;
 use walk::{Aim, Found, Walker};
+
+/// A callback for each point; [`ControlFlow::Break`] cancels.
+type PointListener<'a> = Box<dyn FnMut(&BranchPoint) -> ControlFlow<()> + Send + 'a>;
 
 /// Follows the solutions of a [`Problem`] while one of its parameters changes.
 ///
-/// The branch is walked along its own length, predicted by its tangent: with one more unknown, the parameter, and one more
-/// condition, that Newton's corrections stay in the plane across the tangent, the equations stay regular where the branch turns
-/// back. Steps are doubled where the branch is straight and halved where it bends or Newton's method fails. A change of sign of d parameter/d length
-/// is a [`TurningPoint`], which is located before the walk goes on behind it.
+/// The step along the branch is doubled where the branch is straight, and halved where it bends or Newton's
+/// method fails. A change of sign of d parameter / d length is a [`TurningPoint`]; it is located before the
+/// next step.
 ///
 /// ```
 /// use costate_control::{BranchEnd, Continuation, SolverOptions, Parameter, Problem};
@@ -40,28 +60,22 @@ use walk::{Aim, Found, Walker};
 /// assert!((last.cost - 74.0616592202).abs() < 1e-7);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use = "a continuation does nothing until `follow` is called"]
 pub struct Continuation<'a> {
-    problem: &'a Problem,
-    parameter: Parameter,
-    ends: (f64, f64),
+    family: Family<'a>,
     options: SolverOptions,
     start: Option<Trajectory>,
+    listener: Option<Listener<'a>>,
+    point_listener: Option<PointListener<'a>>,
+    cancel: Option<Cancel>,
 }
-
-/// First step, and the largest.
-const STEP: (f64, f64) = (0.05, 0.4);
-/// How far a point may be from where it was expected, in parts of the step: what is farther may be on another branch.
-const MOST_BEND: f64 = 0.15;
-/// Smallest step.
-const LEAST_STEP: f64 = 1e-6;
-/// Most points.
-const MOST_POINTS: usize = 500;
 
 impl<'a> Continuation<'a> {
     /// From one value of a parameter to another.
     ///
     /// # Errors
-    /// [`ProblemError`]: of the problem at either end, of the options, or of a parameter that the problem does not have.
+    /// [`ProblemError`]: of the problem at either end, of the options, or of a parameter that the problem
+    /// does not have.
     pub fn new(
         problem: &'a Problem,
         parameter: Parameter,
@@ -74,69 +88,118 @@ impl<'a> Continuation<'a> {
             parameter.apply(problem, value)?;
         }
         if from == to {
-            let reason = "the way must end elsewhere than where it begins".into();
+            let reason = "the last value must be elsewhere than the first".into();
             return Err(ProblemError::Continuation { parameter: parameter.name(), value: to, reason });
         }
-        Ok(Self { problem, parameter, ends: (from, to), options, start: None })
+        let family = Family { problem, parameter, from, to, jacobian: options.jacobian };
+        Ok(Self { family, options, start: None, listener: None, point_listener: None, cancel: None })
     }
 
-    /// Begins with a solution of the problem at `from`, which is solved from there and nowhere else.
+    /// Begins with a saved motion of the problem at the first value, and tries no other guess.
     ///
     /// # Errors
-    /// [`TrajectoryError`] where its lists do not fit the robot.
+    /// [`TrajectoryError`] if the lists of the motion do not fit the robot.
     pub fn with_start(mut self, start: &Trajectory) -> Result<Self, TrajectoryError> {
-        start.check(&self.problem.robot)?;
+        start.check(&self.family.problem.robot)?;
         self.start = Some(start.clone());
         Ok(self)
     }
 
-    /// Solves at `from` and walks to `to`. Never fails: [`Branch::end`] says how it went.
+    /// Calls `listener` after each Newton step. If it returns [`ControlFlow::Break`], the continuation stops
+    /// with [`BranchEnd::Interrupted`] at the last point.
+    pub fn on_iteration(mut self, listener: impl FnMut(&Iteration) -> ControlFlow<()> + Send + 'a) -> Self {
+        self.listener = Some(Box::new(listener));
+        self
+    }
+
+    /// Calls `listener` after each point. If it returns [`ControlFlow::Break`], the continuation stops there
+    /// with [`BranchEnd::Interrupted`].
+    pub fn on_point(mut self, listener: impl FnMut(&BranchPoint) -> ControlFlow<()> + Send + 'a) -> Self {
+        self.point_listener = Some(Box::new(listener));
+        self
+    }
+
+    /// Stops when `cancel` says so, with [`BranchEnd::Interrupted`] at the last point.
+    pub fn with_cancel(mut self, cancel: Cancel) -> Self {
+        self.cancel = Some(cancel);
+        self
+    }
+
+    /// Solves at the first value and follows the branch to the last one. Never fails: [`Branch::end`] says
+    /// how it ended.
     pub fn follow(self) -> Branch {
+        let Self { family, options, start, listener, point_listener, cancel } = self;
         let mut branch = Branch {
-            parameter: self.parameter,
+            parameter: family.parameter,
             points: Vec::new(),
             turning_points: Vec::new(),
             end: BranchEnd::NotStarted,
-            solution: Solution::missing(&self.problem.robot, Status::NewtonFailed, self.problem.time.value()),
+            solution: Solution::missing(
+                &family.problem.robot,
+                Status::NewtonFailed,
+                family.problem.time.value(),
+            ),
         };
-        let found = self.walk(&mut branch);
-        if let Err(status) = found {
+        let recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
+        let run = Run { family, options: &options, start: start.as_ref(), point_listener };
+        if let Err(status) = run.walk(&mut branch, recorder) {
             branch.solution.motion.status = status;
         }
         branch
     }
+}
 
-    fn walk(&self, branch: &mut Branch) -> Result<(), Status> {
-        let problem = self.problem;
-        let refused = |error: ProblemError| Status::refused(error);
-        let first = self.parameter.apply(problem, self.ends.0).map_err(refused)?;
-        let extremal = walk::extremal(problem, (self.parameter, self.ends.0), &self.options);
-        let extremal = extremal.map_err(Status::from)?;
-        let options = SolverOptions { method: Method::Collocation, ..self.options.clone() };
-        let context = Context::new(&options, None);
-        let (parameter, ends) = (self.parameter, self.ends);
-        let mut walker = Walker { problem, parameter, ends, extremal, context };
-        let start = self.start(&first, &mut walker, branch)?;
-        walker.context.phase = "continuation";
+impl fmt::Debug for Continuation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Family { problem, parameter, from, to, .. } = self.family;
+        f.debug_struct("Continuation")
+            .field("robot", &problem.robot.name())
+            .field("parameter", &parameter)
+            .field("from", &from)
+            .field("to", &to)
+            .field("options", &self.options)
+            .field("start", &self.start.as_ref().map(|start| start.t.len()))
+            .finish_non_exhaustive()
+    }
+}
+
+/// A continuation that runs.
+struct Run<'a> {
+    family: Family<'a>,
+    options: &'a SolverOptions,
+    start: Option<&'a Trajectory>,
+    point_listener: Option<PointListener<'a>>,
+}
+
+impl Run<'_> {
+    fn walk(mut self, branch: &mut Branch, recorder: Recorder<'_>) -> Result<(), Status> {
+        let collocation = SolverOptions { method: Method::Collocation, ..self.options.clone() };
+        let attempt = Attempt::new(&collocation, Phase::Continuation);
+        let extremal = self.family.extremal(self.family.from)?;
+        let mut walker = Walker { family: self.family, extremal, attempt, recorder };
+        let start = self.first(&mut walker, branch)?;
         let mut at = walker.begun(start)?;
         branch.end = BranchEnd::Stuck;
-        let mut counted = walker.report(&at, branch, 0);
-        let mut step = STEP.0;
+        let mut counted = self.report(&mut walker, &at, branch, 0);
+        let mut step = FIRST_STEP;
         while branch.points.len() < MOST_POINTS {
+            if walker.recorder.interruption().is_some() {
+                return self.ended(branch, walker, at, BranchEnd::Interrupted);
+            }
             let ahead = at.position + step * at.slope;
             let border = match ahead {
                 ahead if ahead >= 1.0 => Some(1.0),
                 ahead if ahead <= 0.0 => Some(0.0),
                 _ => None,
             };
-            let aim = border.map_or(Aim::Along(step, at.slope), Aim::At);
+            let aim = border.map_or(Aim::Along { step, direction: at.slope }, Aim::At);
             let next = walker.go(&at, aim).and_then(|found| walker.on_its_arcs(found));
             let next = match next {
                 Ok(found) if found.bend < MOST_BEND && (0.0..=1.0).contains(&found.position) => found,
                 _ => {
                     step *= 0.5;
                     if step < LEAST_STEP {
-                        return self.ended(branch, &mut walker, at, BranchEnd::Stuck);
+                        return self.ended(branch, walker, at, BranchEnd::Stuck);
                     }
                     continue;
                 }
@@ -145,66 +208,87 @@ impl<'a> Continuation<'a> {
                 let turn = walker.turn(&at, &next, step);
                 branch.turning_points.push(TurningPoint { after: branch.points.len(), ..turn });
             }
-            let straight = next.bend < 0.25 * MOST_BEND;
+            let straight = next.bend < STRAIGHT * MOST_BEND;
             at = next;
-            counted = walker.report(&at, branch, counted);
+            counted = self.report(&mut walker, &at, branch, counted);
             match border {
-                Some(1.0) => return self.ended(branch, &mut walker, at, BranchEnd::Reached),
-                Some(_) => return self.ended(branch, &mut walker, at, BranchEnd::TurnedBack),
+                Some(1.0) => return self.ended(branch, walker, at, BranchEnd::Reached),
+                Some(_) => return self.ended(branch, walker, at, BranchEnd::TurnedBack),
                 None => {}
             }
             if straight {
-                step = (2.0 * step).min(STEP.1);
+                step = (2.0 * step).min(LARGEST_STEP);
             }
         }
-        self.ended(branch, &mut walker, at, BranchEnd::TooManyPoints)
+        self.ended(branch, walker, at, BranchEnd::TooManyPoints)
     }
 
-    /// A solution where the way begins.
-    fn start(
-        &self,
-        first: &Problem,
-        walker: &mut Walker<'_>,
+    /// A rough solution at the first value.
+    fn first(&self, walker: &mut Walker<'_, '_>, branch: &mut Branch) -> Result<Discretisation, Status> {
+        let first = self.family.problem_at(self.family.from)?;
+        if self.family.parameter == Parameter::Smoothing {
+            return walker.smoothed(&first);
+        }
+        if let Some(start) = self.start {
+            return Ok(walker.rough(start, first.time));
+        }
+        let starts = Starts {
+            problem: first.check().map_err(crate::bvp::Failure::from)?,
+            options: self.options,
+            saved: None,
+        };
+        branch.solution = starts.solve(&mut walker.recorder);
+        let status = branch.solution.motion.status.clone();
+        if status.is_solved() {
+            Ok(walker.rough(&branch.solution.trajectory, first.time))
+        } else {
+            Err(status)
+        }
+    }
+
+    /// Adds a point to the branch; `counted` iterations belong to the points before.
+    fn report(
+        &mut self,
+        walker: &mut Walker<'_, '_>,
+        found: &Found,
         branch: &mut Branch,
-    ) -> Result<Extremum, Status> {
-        if self.parameter == Parameter::Smoothing {
-            return walker.smoothed(first);
+        counted: usize,
+    ) -> usize {
+        let point = walker.point(found, counted);
+        if let Some(listener) = &mut self.point_listener
+            && let ControlFlow::Break(()) = listener(&point)
+        {
+            walker.recorder.cancel();
         }
-        if let Some(start) = &self.start {
-            return Ok(walker.extremum(start, first.time));
-        }
-        let refused = |error: ProblemError| Status::refused(error);
-        let solution = Solver::new(first, self.options.clone()).map_err(refused)?.solve();
-        let status = solution.motion.status.clone();
-        let rough = status.is_solved().then(|| walker.extremum(&solution.trajectory, first.time));
-        branch.solution = solution;
-        rough.ok_or(status)
+        branch.points.push(point);
+        walker.recorder.iterations.len()
     }
 
-    /// The last point in full.
+    /// The solution at the last point.
     fn ended(
         &self,
         branch: &mut Branch,
-        walker: &mut Walker<'_>,
+        mut walker: Walker<'_, '_>,
         at: Found,
         end: BranchEnd,
     ) -> Result<(), Status> {
-        let refused = |error: String| Status::refused(error);
-        let last = self.parameter.apply(self.problem, walker.value(at.position));
-        let last = last.map_err(|error| refused(error.to_string()))?;
-        let value = walker.value(at.position);
-        let extremal = walk::extremal(self.problem, (self.parameter, value), &walker.context.options);
-        let mut extremal = extremal.map_err(|failure| refused(failure.to_string()))?;
-        let iterations = std::mem::take(&mut walker.context.iterations);
+        let value = self.family.value(at.position);
+        let last = self.family.problem_at(value)?;
+        let mut extremal = self.family.extremal(value)?;
+        let iterations = std::mem::take(&mut walker.recorder.iterations);
         let tolerance = self.options.tolerance;
-        let mut found = at.extremum.into_solution(&mut extremal, iterations, tolerance);
-        found.motion.status = match end {
-            BranchEnd::Stuck | BranchEnd::TooManyPoints => Status::ContinuationFailed,
-            _ => found.motion.status,
-        };
+        let mut found = at.solved.into_solution(&mut extremal, iterations, tolerance);
+        let status = &mut found.motion.status;
+        match end {
+            BranchEnd::Stuck | BranchEnd::TooManyPoints => *status = Status::ContinuationFailed,
+            BranchEnd::Interrupted => {
+                let stopped = walker.recorder.interruption();
+                *status = stopped.map_or(Status::ContinuationFailed, Status::from);
+            }
+            _ => {}
+        }
         branch.end = end;
-        let solver = Solver::new(&last, self.options.clone()).map_err(|error| refused(error.to_string()))?;
-        branch.solution = solver.solution(found, &mut extremal);
+        branch.solution = solution(&last, self.options, found, &mut extremal);
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! What a continuation can change, by name.
+//! The parameters of a continuation, by name.
 
 use crate::problem::error::ProblemError;
 use crate::problem::{FinalTime, Problem};
@@ -14,10 +14,11 @@ use std::str::FromStr;
 pub enum Parameter {
     /// `penalty.weight`.
     PenaltyWeight,
-    /// Weight of an effort of the controls that cost nothing, in parts of one that makes it matter: 1 is smooth, 0 the problem
-    /// itself, which cannot be reached.
+    /// Smoothing of controls without effort, relative to one that matters as much as time does: 1 is smooth,
+    /// 0 the problem itself, which cannot be reached.
     Smoothing,
-    /// Factor of the distance between the bounds of each control, about its middle; a bound on one side alone stays.
+    /// Factor of the distance between the bounds of each control, about its middle; a bound on one side alone
+    /// stays.
     Bounds,
     /// T (s), where it is fixed.
     FinalTime,
@@ -44,7 +45,8 @@ impl Parameter {
         }
     }
 
-    /// The problem in which it has this value; smoothing is no part of a problem and leaves it as it is.
+    /// The problem with this value of the parameter. Smoothing is not part of a problem and leaves it
+    /// unchanged.
     ///
     /// # Errors
     /// [`ProblemError::Continuation`] where the problem has no such parameter or must not have this value.

@@ -1,4 +1,4 @@
-//! What following a branch gives.
+//! Branches of solutions: their points and how they ended.
 
 use super::Parameter;
 use crate::result::solution::Solution;
@@ -18,13 +18,13 @@ pub struct BranchPoint {
     pub final_time: f64,
     /// Mean of H*.
     pub hamiltonian: f64,
-    /// How solving it ended.
+    /// How it ended.
     pub status: Status,
     /// Newton steps since the last point, failed attempts among them.
     pub newton_steps: usize,
 }
 
-/// Where a branch turns back: beyond it there is no solution on this branch, and two before it.
+/// Where a branch turns back: on one side of it the branch has no solution nearby, on the other it has two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TurningPoint {
     /// Value of the parameter.
@@ -37,34 +37,36 @@ pub struct TurningPoint {
     pub after: usize,
 }
 
-/// How the walk along a branch ended.
+/// How following a branch ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum BranchEnd {
-    /// At the value asked for.
+    /// At the last value.
     Reached,
-    /// Back at the value where it began, past a turning point, on another solution.
+    /// Beyond a turning point, back at the first value with another solution.
     TurnedBack,
-    /// No step was small enough.
+    /// The step became too small.
     Stuck,
     /// More points than allowed.
     TooManyPoints,
-    /// The problem was not solved where the way begins.
+    /// The problem was not solved at the first value.
     NotStarted,
+    /// Stopped by the caller or by the time limit.
+    Interrupted,
 }
 
-/// What following a branch gave.
+/// A branch of solutions.
 #[derive(Clone, Debug)]
 pub struct Branch {
     /// The parameter.
     pub parameter: Parameter,
-    /// Points in their order along the branch.
+    /// Points in order along the branch.
     pub points: Vec<BranchPoint>,
-    /// Where it turned back.
+    /// Where the branch turns back.
     pub turning_points: Vec<TurningPoint>,
     /// How it ended.
     pub end: BranchEnd,
-    /// The last point in full; where the walk got stuck, with the status [`Status::ContinuationFailed`].
+    /// The solution at the last point; with [`Status::ContinuationFailed`] if the last value was not reached.
     pub solution: Solution,
 }

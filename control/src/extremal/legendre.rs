@@ -3,14 +3,9 @@
 use crate::extremal::Extremal;
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
-use crate::path::Wish;
-use crate::search::Guess;
-use crate::search::guess::RobotGuess;
-use crate::solve::Context;
 use costate::EvalError;
 use costate::lagrangian::LegendreTransform;
 use costate::robot::Robot;
-use std::marker::PhantomData;
 
 /// An extremal of a robot in coordinates of its own; guesses and saved motions are in z = (q, p, y_q, y_p).
 pub(crate) trait OfRobot: Extremal {
@@ -68,39 +63,5 @@ impl OfRobot for LagrangianExtremal {
         }
         x[n..].copy_from_slice(at.momentum());
         Ok(())
-    }
-}
-
-/// Guesses in the coordinates of E. Where these do not exist, what is left is no solution, and Newton's method, which meets the
-/// same pose, says what is wrong with it.
-pub(crate) struct Mapped<'a, E> {
-    guess: RobotGuess<'a>,
-    pub map: Legendre,
-    coordinates: PhantomData<E>,
-}
-
-impl<'a, E: OfRobot> Mapped<'a, E> {
-    pub fn new(guess: RobotGuess<'a>, robot: &Robot) -> Self {
-        Self { guess, map: Legendre::new(robot), coordinates: PhantomData }
-    }
-}
-
-impl<E: OfRobot> Guess for Mapped<'_, E> {
-    fn simple(&mut self, goal: f64, s: f64, z: &mut [f64]) {
-        self.guess.simple(goal, s, z);
-        let _ = E::take(&mut self.map, z);
-    }
-
-    fn saved(&self) -> Option<f64> {
-        self.guess.saved()
-    }
-
-    fn find_path(&mut self, wish: Wish, context: &mut Context<'_>) -> Option<(f64, f64)> {
-        self.guess.find_path(wish, context)
-    }
-
-    fn path(&mut self, s: f64, z: &mut [f64]) {
-        self.guess.path(s, z);
-        let _ = E::take(&mut self.map, z);
     }
 }

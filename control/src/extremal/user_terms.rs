@@ -89,8 +89,10 @@ impl UserTerms<f64> {
 
 #[cfg(test)]
 mod tests {
-    use crate::path::{Wish, lowest_path};
-    use crate::search::guess::Disturbance;
+    use crate::constants::attempts::PathAttempt;
+    use crate::path::cubics::Disturbance;
+    use crate::path::lowest_path;
+    use crate::solve::Recorder;
     use crate::{Problem, RunningCost, Solver, SolverOptions, UserTerm};
     use costate::robot::Robot;
     use costate::scalar::Scalar;
@@ -110,10 +112,11 @@ mod tests {
         let robot = Robot::from_file("../robots/two_link.toml").unwrap();
         let mut problem = Problem::rest_to_rest(robot, &[0.4, 0.2], &[1.0, -0.5], 1.2);
         problem.terms = vec![UserTerm::new(Springs)];
-        let wish = Wish { smoothing: 0.0, penalty: 1.0, halvings: 0 };
+        let attempt = PathAttempt { smoothing: 0.0, penalty: 1.0, halvings: 0 };
         for v_free in [vec![], vec![1]] {
             problem.start.v_free = v_free;
-            let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
+            let mut path =
+                lowest_path(&problem, &Disturbance::default(), attempt, &mut Recorder::default()).unwrap();
             let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
             assert!(solution.motion.status.is_converged());
             let cost = solution.motion.cost;

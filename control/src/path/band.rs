@@ -1,4 +1,4 @@
-//! Symmetric positive definite matrices with a band.
+//! Symmetric positive definite band matrices.
 
 /// Rows of the lower triangle: entry (i, i - k) of row i at `i (width + 1) + width - k`.
 #[derive(Clone, Debug)]
@@ -9,7 +9,7 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Zeros; `width` diagonals beside the main one.
+    /// Zeros, with `width` diagonals below the main one.
     pub fn zeros(size: usize, width: usize) -> Self {
         Self { size, width, entries: vec![0.0; size * (width + 1)] }
     }
@@ -35,7 +35,7 @@ impl Band {
         self.entry(i, i)
     }
 
-    /// `L L' = A` in place; false, and useless entries, where A is not positive definite.
+    /// `L L' = A` in place. Returns false if A is not positive definite; its entries are lost then.
     pub fn factor(&mut self) -> bool {
         for i in 0..self.size {
             let first = i.saturating_sub(self.width);
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_definite_is_told() {
+    fn matrices_that_are_not_positive_definite_are_refused() {
         let mut band = Band::zeros(2, 1);
         (*band.entry_mut(0, 0), *band.entry_mut(1, 0), *band.entry_mut(1, 1)) = (1.0, 2.0, 1.0);
         assert!(!band.factor());

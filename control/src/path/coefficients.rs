@@ -3,12 +3,19 @@
 use super::spline::Basis;
 use crate::problem::Problem;
 
-/// A coefficient of one joint: `constant + slope T`, or that beside an unknown.
+/// The coefficients of a path and its duration T (s).
+#[derive(Clone, Debug)]
+pub(crate) struct Unknowns {
+    pub theta: Vec<f64>,
+    pub time: f64,
+}
+
+/// A coefficient of one joint: `constant + slope T`, plus an unknown if there is one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub unknown: Option<usize>,
     constant: f64,
-    /// A rate that is given at an end moves the coefficient beside the end by `v T / (3 N)`.
+    /// A given rate v at an end moves the coefficient next to the end by `v T / (3 N)`.
     pub slope: f64,
 }
 
@@ -21,7 +28,7 @@ pub(crate) struct Coefficients {
 }
 
 impl Coefficients {
-    /// What the ends fix is no unknown: of each joint position and rate, where they are not free.
+    /// Positions and rates that the ends fix are not unknowns.
     pub fn new(problem: &Problem, basis: &Basis) -> Self {
         let (n, last) = (problem.robot.len(), basis.len() - 1);
         let mut places = vec![Place { unknown: None, constant: 0.0, slope: 0.0 }; basis.len() * n];
@@ -47,7 +54,7 @@ impl Coefficients {
                 places[here] = if (2..last - 1).contains(&k) {
                     Place { unknown: next(), constant: 0.0, slope: 0.0 }
                 } else if here == at {
-                    // With a given rate the two coefficients of a free position move as one.
+                    // With a given rate the two coefficients of a free position are one unknown.
                     let unknown = if !q_free {
                         None
                     } else if v_free || places[beside].unknown.is_none() {
@@ -75,7 +82,7 @@ impl Coefficients {
         unknown.map_or(0.0, |unknown| theta[unknown]) + constant + slope * time
     }
 
-    /// Unknowns for which the coefficients are as given, where they can be.
+    /// Unknowns for given coefficients.
     pub fn unknowns(&self, mut value: impl FnMut(usize) -> f64) -> Vec<f64> {
         let mut theta = vec![0.0; self.count];
         for (place, of) in self.places.iter().enumerate() {

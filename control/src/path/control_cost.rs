@@ -1,12 +1,13 @@
-//! What a control costs on a path, bounds included: a convex function of u.
+//! The cost of a control on a path, bounds included: a convex function of u.
 
+use crate::constants::path::EDGE;
 use crate::extremal::penalty::Term;
 
 /// `1/2 r u^2` and beyond a bound `1/2 stiffness (excess)^2`.
 ///
-/// A control between two bounds that costs nothing has `r w^2 ( s artanh s + 1/2 log(1 - s^2) )`, s = (u - middle)/w with w half
-/// the distance between the bounds, up to |s| = 0.98; beyond, its parabola there and the stiffness. The derivative of either
-/// is what `b y_p` is where u makes the Hamiltonian greatest.
+/// A control without effort between two bounds has `r w^2 ( s artanh s + 1/2 log(1 - s^2) )`, s = (u -
+/// middle)/w with w half the distance between the bounds, up to |s| = 0.98; beyond, its parabola there and
+/// the stiffness. Where u maximises the Hamiltonian, the derivative of either is `b y_p`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ControlCost {
     pub effort: f64,
@@ -15,9 +16,6 @@ pub(crate) struct ControlCost {
     pub smooth: Option<(f64, f64)>,
     pub stiffness: f64,
 }
-
-/// Where the smooth cost, whose slope is infinite at 1, is continued by a parabola.
-const EDGE: f64 = 0.98;
 
 impl ControlCost {
     /// Value and first two derivatives at u.

@@ -22,7 +22,7 @@ pub(crate) struct Path {
 
 impl Path {
     /// # Errors
-    /// What stands against an evaluation on the path.
+    /// Any error from evaluating the dynamics along the path.
     pub(crate) fn new(problem: &Problem, objective: Objective, lowest: Lowest) -> Result<Self, EvalError> {
         let (n, intervals) = (objective.joints(), objective.basis.intervals);
         let mut path = Self {
@@ -44,18 +44,18 @@ impl Path {
         Ok(path)
     }
 
-    /// J, penalties and what stands for bounds included.
+    /// J, with penalties, smoothing and the penalties that replace bounds.
     pub fn cost(&self) -> f64 {
         self.lowest.cost
     }
 
     /// T (s).
     pub fn time(&self) -> f64 {
-        self.lowest.time
+        self.lowest.at.time
     }
 
-    /// z = (q, p, y_q, y_p) at s = t/T. Where H is greatest, `b y_p = dphi/du`; and `y_p' = -M^-1 y_q - F^p_p' y_p + l_p`
-    /// gives `y_q = l_v - M (F^p_p' y_p + y_p')`.
+    /// z = (q, p, y_q, y_p) at s = t/T. Where H is greatest, `b y_p = dphi/du`; and `y_p' = -M^-1 y_q -
+    /// F^p_p' y_p + l_p` gives `y_q = l_v - M (F^p_p' y_p + y_p')`.
     ///
     /// # Errors
     /// A singular mass matrix.
@@ -78,7 +78,7 @@ impl Path {
             let sum = costate::matrix::dot(mass.row(i), &self.pull_rate);
             y_q[i] = self.objective.penalties.rate(i, v[i]).first - sum;
         }
-        self.objective.add_rate_price(y_q);
+        self.objective.add_rate_gradient(y_q);
         Ok(())
     }
 
@@ -86,7 +86,7 @@ impl Path {
     fn set_point(&mut self, interval: usize, s: f64) -> Result<(), EvalError> {
         let objective = &mut self.objective;
         let basis = objective.basis.at(interval, s);
-        objective.path(interval, &basis, &self.lowest.theta, self.lowest.time);
+        objective.path(interval, &basis, &self.lowest.at.theta, self.lowest.at.time);
         objective.torques(&mut self.force)?;
         for (i, pull) in self.pull.iter_mut().enumerate() {
             let gain = objective.gain[i];
@@ -95,13 +95,13 @@ impl Path {
         Ok(())
     }
 
-    /// y_p and its rate on the curve through the means, each in the middle of its interval (Catmull and Rom): on the path
-    /// itself y_p has the saw teeth of accelerations that are linear on each interval.
+    /// y_p and its rate on the Catmull-Rom curve through the means, each in the middle of its interval: on
+    /// the path itself accelerations are linear on each interval, and y_p has their kinks.
     fn smooth(&mut self, s: f64) {
         let (n, intervals) = (self.force.len(), self.objective.basis.intervals);
         let at = s * intervals as f64 - 0.5;
         let left = (at.max(0.0) as usize).min(intervals - 2);
-        let (c, h) = (at - left as f64, self.lowest.time / intervals as f64);
+        let (c, h) = (at - left as f64, self.lowest.at.time / intervals as f64);
         for i in 0..n {
             let mean = |k: usize| self.means[k * n + i];
             let slope = |k: usize| match k {

@@ -1,7 +1,8 @@
 //! The gradient and the second derivatives of the cost of a path.
 
 use super::band::Band;
-use super::objective::Objective;
+use super::coefficients::Unknowns;
+use super::objective::{Objective, Point};
 use super::spline::ACTIVE;
 use costate::EvalError;
 
@@ -16,7 +17,7 @@ pub(crate) struct Expansion {
 }
 
 impl Objective {
-    /// An expansion to be filled.
+    /// A workspace for an expansion.
     pub fn expansion(&self) -> Expansion {
         let count = self.coefficients.count;
         Expansion {
@@ -27,8 +28,8 @@ impl Objective {
         }
     }
 
-    /// L, dL/dz and d2L/dzdz at z; with `exact` the second derivatives of tau too, without them the last is positive
-    /// semidefinite.
+    /// L, dL/dz and d2L/dzdz at z. With `exact` the Hessian includes second derivatives of tau; without them
+    /// it is positive semidefinite (Gauss-Newton).
     fn expand_point(&mut self, exact: bool) -> Result<f64, EvalError> {
         let n = self.joints();
         let (q, rest) = self.z[0].split_at(n);
@@ -94,24 +95,18 @@ impl Objective {
     }
 
     /// J and its derivatives in theta and log T.
-    pub fn expand(
-        &mut self,
-        theta: &[f64],
-        time: f64,
-        exact: bool,
-        target: &mut Expansion,
-    ) -> Result<(), EvalError> {
-        let (n, count) = (self.joints(), self.coefficients.count);
+    pub fn expand(&mut self, at: &Unknowns, exact: bool, target: &mut Expansion) -> Result<(), EvalError> {
+        let (n, count, time) = (self.joints(), self.coefficients.count, at.time);
         target.gradient.fill(0.0);
         target.border.fill(0.0);
         target.hessian.clear();
         let (mut total, mut first_t, mut second_t) = (0.0, 0.0, 0.0);
-        for at in 0..self.points.len() {
-            let (interval, weight, basis) = self.points[at];
-            self.path(interval, &basis, theta, time);
+        for point in 0..self.points.len() {
+            let Point { interval, weight, basis } = self.points[point];
+            self.path(interval, &basis, &at.theta, time);
             let l = self.expand_point(exact)?;
             total += weight * l;
-            self.add_unknowns((interval, &basis), (weight, time), target);
+            self.add_unknowns(&Point { interval, weight, basis }, time, target);
             let [_, z_t, z_tt] = &self.z;
             let width = 3 * n;
             let l_t: f64 = (0..width).map(|r| self.first[r] * z_t[r]).sum();
@@ -132,13 +127,9 @@ impl Objective {
         Ok(())
     }
 
-    /// What one point adds in the unknowns: with `z_theta = B^(o) T^-o`.
-    fn add_unknowns(
-        &mut self,
-        (interval, basis): (usize, &[[f64; ACTIVE]; 4]),
-        (weight, time): (f64, f64),
-        target: &mut Expansion,
-    ) {
+    /// Adds the derivatives at one point in the unknowns: with `z_theta = B^(o) T^-o`.
+    fn add_unknowns(&mut self, point: &Point, time: f64, target: &mut Expansion) {
+        let Point { interval, weight, basis } = *point;
         let (n, width) = (self.joints(), 3 * self.joints());
         let powers = [1.0, 1.0 / time, 1.0 / (time * time)];
         let factor = |order: usize, k: usize| basis[order][k] * powers[order];

@@ -1,51 +1,61 @@
-//! Newton's method that only goes down.
+//! Damped Newton descent.
+//!
+//! A step d solves, with the Hessian H and the diagonal D of its positive semidefinite part,
+//!
+//! $$ (H + \lambda D)\, d = -\nabla J $$
+//!
+//! (Levenberg, Marquardt). H is exact where it is positive definite, else its positive semidefinite part is
+//! used. Source: J. Nocedal, S. J. Wright, *Numerical Optimization*, Springer 2006, sections 3.4 and 10.3.
 
 use super::band::Band;
+use super::coefficients::Unknowns;
 use super::expansion::Expansion;
 use super::objective::Objective;
-
-/// Most steps.
-const STEPS: usize = 200;
-/// Smallest step down, in parts of the cost.
-const LEAST_GAIN: f64 = 1e-7;
-/// Largest change of log T in a step.
-const LARGEST_STRETCH: f64 = 0.7;
+use crate::constants::path::{DAMPING, LARGEST_STRETCH, LEAST_GAIN, MOST_STEPS, SUFFICIENT_DECREASE};
 
 /// A path and its cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Lowest {
-    pub theta: Vec<f64>,
-    pub time: f64,
+    pub at: Unknowns,
     pub cost: f64,
 }
 
-/// Goes down from (theta, T) until steps gain nothing; `listen` hears what a step gained and its damping.
-///
-/// Steps solve `(H + damping D) d = -gradient` (Levenberg, Marquardt), D the diagonal of the positive semidefinite part of
-/// the Hessian; H is exact where that is positive definite, else that part. `None` where the cost is undefined at the start.
+/// One step.
+pub(crate) struct Descent<'a> {
+    pub number: usize,
+    pub at: &'a Lowest,
+    /// Decrease of the cost.
+    pub gain: f64,
+    /// lambda.
+    pub damping: f64,
+}
+
+/// Descends until steps gain nothing. `None` if the cost is undefined at the start, or if `listen` says not
+/// to go on.
 pub(crate) fn minimise(
     objective: &mut Objective,
-    (theta, time): (Vec<f64>, f64),
-    mut listen: impl FnMut(usize, &Lowest, (f64, f64)),
+    from: Unknowns,
+    mut listen: impl FnMut(Descent<'_>) -> bool,
 ) -> Option<Lowest> {
-    let mut at = Lowest { cost: objective.value(&theta, time).ok()?, theta, time };
+    let mut at = Lowest { cost: objective.value(&from.theta, from.time).ok()?, at: from };
     if !at.cost.is_finite() {
         return None;
     }
     let (mut exact, mut convex) = (objective.expansion(), objective.expansion());
-    let mut solver = Solver::new(&exact);
-    let mut damping = 1e-3;
-    for number in 1..=STEPS {
-        objective.expand(&at.theta, at.time, true, &mut exact).ok()?;
-        objective.expand(&at.theta, at.time, false, &mut convex).ok()?;
+    let mut solver = StepSolver::new(&exact);
+    let (first_damping, least_damping, most_damping) = DAMPING;
+    let mut damping = first_damping;
+    for number in 1..=MOST_STEPS {
+        objective.expand(&at.at, true, &mut exact).ok()?;
+        objective.expand(&at.at, false, &mut convex).ok()?;
         let mut gain = 0.0;
-        while damping < 1e12 {
+        while damping < most_damping {
             let solved = solver.solve(&exact, &convex, damping, objective.time_is_free)
                 || solver.solve(&convex, &convex, damping, objective.time_is_free);
             if solved {
-                let trial = at.moved(&solver.step);
-                let cost = objective.value(&trial.0, trial.1).unwrap_or(f64::INFINITY);
-                if cost < at.cost - 1e-4 * solver.predicted {
+                let trial = at.at.moved(&solver.step);
+                let cost = objective.value(&trial.theta, trial.time).unwrap_or(f64::INFINITY);
+                if cost < at.cost - SUFFICIENT_DECREASE * solver.predicted {
                     gain = at.cost - cost;
                     let ratio = gain / solver.predicted;
                     damping = (damping
@@ -56,8 +66,8 @@ pub(crate) fn minimise(
                         } else {
                             2.0
                         })
-                    .max(1e-9);
-                    (at.theta, at.time, at.cost) = (trial.0, trial.1, cost);
+                    .max(least_damping);
+                    at = Lowest { at: trial, cost };
                     break;
                 }
                 if solver.predicted <= LEAST_GAIN * at.cost.abs() {
@@ -66,7 +76,9 @@ pub(crate) fn minimise(
             }
             damping = (10.0 * damping).max(1e-6);
         }
-        listen(number, &at, (gain, damping));
+        if !listen(Descent { number, at: &at, gain, damping }) {
+            return None;
+        }
         if gain <= LEAST_GAIN * at.cost.abs() {
             break;
         }
@@ -74,27 +86,27 @@ pub(crate) fn minimise(
     Some(at)
 }
 
-impl Lowest {
-    /// Unknowns and duration a step away; what would change T too much is shortened.
-    fn moved(&self, step: &[f64]) -> (Vec<f64>, f64) {
+impl Unknowns {
+    /// A step away; one that changes T too much is shortened.
+    fn moved(&self, step: &[f64]) -> Self {
         let (last, of_theta) = step.split_last().unwrap_or((&0.0, &[]));
         let factor = (LARGEST_STRETCH / last.abs()).min(1.0);
         let theta = self.theta.iter().zip(of_theta).map(|(theta, step)| theta + factor * step).collect();
-        (theta, self.time * (factor * last).exp())
+        Self { theta, time: self.time * (factor * last).exp() }
     }
 }
 
 /// Solves for steps.
-struct Solver {
+struct StepSolver {
     matrix: Band,
     /// H^-1 border.
     border: Vec<f64>,
     pub step: Vec<f64>,
-    /// How much the quadratic model falls.
+    /// Decrease of the quadratic model.
     pub predicted: f64,
 }
 
-impl Solver {
+impl StepSolver {
     fn new(expansion: &Expansion) -> Self {
         let size = expansion.gradient.len();
         Self {
@@ -127,7 +139,7 @@ impl Solver {
             self.border.copy_from_slice(border);
             self.matrix.solve(&mut self.border);
             let pivot = corner[0] * (1.0 + damping) - costate::matrix::dot(border, &self.border);
-            // Where T would go up the hill, as far down as it is steep.
+            // With negative curvature in T, a descent step as long as the gradient is steep.
             let pivot =
                 if pivot > 1e-8 * corner[0].abs() { pivot } else { pivot.abs() + of.gradient[count].abs() };
             of_time[0] = (-of.gradient[count] - costate::matrix::dot(border, of_theta)) / pivot;

@@ -1,13 +1,17 @@
-//! Paths of low cost, where a search for an extremal begins.
+//! Paths of low cost: guesses for extremals.
 //!
-//! A robot with an actuator at every joint can follow any path that is smooth enough, and inverse dynamics says at what
-//! cost. Cubic splines in the joint coordinates that meet the ends are made cheaper, with exact second derivatives, until
-//! they are near a minimum: an extremal found from there is one that costs least among those near by.
+//! A robot with an actuator at every joint can follow any smooth path; inverse dynamics gives the controls.
+//! Cubic splines in the joint coordinates that meet the ends minimise
+//!
+//! $$ J(\theta, T) = c_t T + T \int_0^1 l(q, v, u)\, ds, \qquad u = B^{-1} \tau(q, v, a) $$
+//!
+//! with exact second derivatives. An extremal near such a path is a local minimum of low cost.
 
 mod band;
 mod coefficients;
 mod control_cost;
 mod costates;
+pub(crate) mod cubics;
 mod expansion;
 mod minimise;
 mod objective;
@@ -15,77 +19,66 @@ mod spline;
 
 pub(crate) use costates::Path;
 
+use crate::constants::attempts::PathAttempt;
+use crate::constants::path::{INTERVALS, ROUNDS, Round};
 use crate::extremal::relaxation::smoothing_price;
-use crate::options::Iteration;
 use crate::problem::Problem;
-use crate::search::PATH;
-use crate::search::guess::{Disturbance, disturbed_cubic};
+use crate::progress::{Iteration, Phase};
+use crate::solve::Recorder;
+use coefficients::Unknowns;
+use cubics::{Cubics, Disturbance};
+use minimise::{Descent, minimise};
 use objective::Objective;
 
-/// Intervals of the first splines.
-pub(crate) const INTERVALS: usize = 24;
-
-/// What stands for bounds and penalties, round by round: stiffness of bounds in parts of the weight of the effort, and part
-/// of the penalties.
-const ROUNDS: [(f64, f64); 3] = [(1.0, 1e-2), (10.0, 0.1), (100.0, 1.0)];
-
-/// For what a path is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Wish {
-    /// Weight of the effort of controls that cost nothing, as in [`Relaxation`](crate::Relaxation).
-    pub smoothing: f64,
-    /// Part of the penalties and of user terms.
-    pub penalty: f64,
-    /// How often the intervals of the splines are halved.
-    pub halvings: usize,
-}
-
-/// A path of low cost near the disturbed cubics; `None` where the cost of the cubics is undefined.
+/// A path of low cost near the disturbed cubics; `None` where their cost is undefined, or if the search was
+/// stopped.
 pub(crate) fn lowest_path(
     problem: &Problem,
     disturbance: &Disturbance,
-    wish: Wish,
-    mut listen: impl FnMut(Iteration),
+    attempt: PathAttempt,
+    recorder: &mut Recorder<'_>,
 ) -> Option<Path> {
     let n = problem.robot.len();
     let mut objective = Objective::new(problem, INTERVALS);
-    let weight = wish.penalty * problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
+    let weight = attempt.penalty * problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
     let limited = problem.bounds.is_some() || weight > 0.0;
+    let cubics = Cubics { problem, disturbance, goal: 1.0 };
     let theta = objective.coefficients.unknowns(|place| {
         let s = objective.basis.place(place / n);
-        disturbed_cubic(problem, (disturbance, 1.0), place % n, s).0
+        cubics.at(place % n, s).q
     });
-    let mut at = (theta, problem.time.value());
+    let mut at = Unknowns { theta, time: problem.time.value() };
     let mut lowest = None;
     let rounds = if limited { &ROUNDS[..] } else { &ROUNDS[2..] };
-    let halvings = (0..wish.halvings).map(|_| (ROUNDS[2], true));
-    for ((stiffness, part), halved) in rounds.iter().map(|&round| (round, false)).chain(halvings) {
+    let halvings = (0..attempt.halvings).map(|_| (ROUNDS[2], true));
+    for (Round { stiffness, penalty }, halved) in rounds.iter().map(|&round| (round, false)).chain(halvings) {
         if halved {
-            (objective, at.0) = objective.halved(problem, &at.0, at.1);
+            (objective, at.theta) = objective.halved(problem, &at);
         }
-        objective.penalties.set_weight(part * weight);
-        objective.terms.factor = if problem.terms_may_be_weaker() { wish.penalty } else { 1.0 };
-        objective.set_control_costs(problem, wish.smoothing, stiffness);
+        objective.penalties.set_weight(penalty * weight);
+        objective.terms.factor = if problem.terms_may_be_weaker() { attempt.penalty } else { 1.0 };
+        objective.set_control_costs(problem, attempt.smoothing, stiffness);
         let nodes = objective.basis.intervals + 1;
-        let found = minimise::minimise(&mut objective, at, |number, at, (gain, damping)| {
-            listen(Iteration {
-                phase: PATH.into(),
+        let found = minimise(&mut objective, at, |Descent { number, at, gain, damping }| {
+            recorder.record(Iteration {
+                phase: Phase::Path,
                 nodes,
                 number,
                 residual: gain / at.cost.abs(),
                 step: 1.0 / (1.0 + damping),
-                final_time: at.time,
+                final_time: at.at.time,
                 cost: at.cost,
             });
+            recorder.interruption().is_none()
         })?;
-        at = (found.theta.clone(), found.time);
+        at = found.at.clone();
         lowest = Some(found);
     }
     Path::new(problem, objective, lowest?).ok()
 }
 
 impl Objective {
-    /// Costs of the controls: those that cost nothing weighted by `smoothing`, bounds as stiff as said.
+    /// Costs of the controls: `smoothing` for those without effort, and the stiffness of bounds.
     fn set_control_costs(&mut self, problem: &Problem, smoothing: f64, stiffness: f64) {
         let price = smoothing_price(problem.cost.time);
         for (cost, &effort) in self.controls.iter_mut().zip(&problem.cost.effort) {
@@ -100,15 +93,15 @@ impl Objective {
         }
     }
 
-    /// The same path on intervals of half the length: objective and unknowns.
-    fn halved(&mut self, problem: &Problem, theta: &[f64], time: f64) -> (Self, Vec<f64>) {
+    /// The same path on intervals half as long: objective and unknowns.
+    fn halved(&mut self, problem: &Problem, at: &Unknowns) -> (Self, Vec<f64>) {
         let n = self.joints();
         let finer = Self::new(problem, 2 * self.basis.intervals);
         let unknowns = finer.coefficients.unknowns(|place| {
             let (k, joint) = (place / n, place % n);
             let s = finer.basis.middle(k);
             let interval = self.basis.interval(s);
-            let value = |k: usize| self.coefficients.value((interval + k) * n + joint, theta, time);
+            let value = |k: usize| self.coefficients.value((interval + k) * n + joint, &at.theta, at.time);
             let sums = self.basis.at(interval, s).map(|of| (0..4).map(|k| of[k] * value(k)).sum());
             finer.basis.coefficient(k, s, sums)
         });
@@ -125,8 +118,9 @@ mod tests {
     fn costates_along_a_path_are_near_those_of_the_extremal() {
         let robot = Robot::from_file("../robots/two_link.toml").unwrap();
         let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.5], 1.2);
-        let wish = Wish { smoothing: 0.0, penalty: 1.0, halvings: 0 };
-        let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
+        let attempt = PathAttempt { smoothing: 0.0, penalty: 1.0, halvings: 0 };
+        let mut path =
+            lowest_path(&problem, &Disturbance::default(), attempt, &mut Recorder::default()).unwrap();
         let solution = crate::Solver::new(&problem, crate::SolverOptions::default()).unwrap().solve();
         assert!(
             (path.cost() - solution.motion.cost).abs() < 1e-3 * solution.motion.cost,
@@ -135,7 +129,7 @@ mod tests {
             solution.motion.cost
         );
         let trajectory = &solution.trajectory;
-        // Means over intervals do not reach the last half of one.
+        // Means over intervals do not reach into the first and last half interval.
         for (i, t) in trajectory.t.iter().enumerate().filter(|(_, t)| (0.1..1.1).contains(*t)) {
             let mut z = [0.0; 8];
             path.sample(t / 1.2, &mut z).unwrap();

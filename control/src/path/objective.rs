@@ -10,17 +10,18 @@ use crate::problem::{FinalTime, Problem};
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 
-/// Points of Gauss's quadrature on [0, 1] and their weights.
+/// Points and weights of Gauss quadrature on [0, 1].
 pub(crate) const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
-/// ```text
-/// J(theta, T) = c_t T + T sum over Gauss points of  weight ( sum_i phi_i(u_i) + (terms + penalties)(q, v) )
-/// q(s) = sum_k c_k B_k(s),  v = q'/T,  a = q''/T^2,  u = B^-1 tau(q, v, a)
-/// ```
+/// The cost of a path with the spline coefficients theta and the duration T, by Gauss quadrature with the
+/// weights w_g:
 ///
-/// Every joint of a [`Problem`] has an actuator, so any path that meets the ends is a motion and its controls follow from
-/// inverse dynamics: no dynamics is left as a condition.
+/// $$ J(\theta, T) = c_t T + T \sum_g w_g \Bigl( \sum_i \phi_i(u_i) + l(q, v) \Bigr) $$
+/// $$ q(s) = \sum_k c_k B_k(s), \quad v = q'/T, \quad a = q''/T^2, \quad u = B^{-1} \tau(q, v, a) $$
+///
+/// Every joint of a [`Problem`] has an actuator, so any path that meets the ends is a motion and its controls
+/// follow from inverse dynamics: the dynamics is not a constraint.
 #[derive(Clone, Debug)]
 pub(crate) struct Objective {
     pub basis: Basis,
@@ -32,14 +33,23 @@ pub(crate) struct Objective {
     pub dynamics: LagrangianSecondOrder<f64>,
     pub time_cost: f64,
     pub time_is_free: bool,
-    /// Values and derivatives of the basis at each point, with the weight.
-    pub points: Vec<(usize, f64, [[f64; ACTIVE]; 4])>,
+    /// The points of the quadrature.
+    pub points: Vec<Point>,
     /// Position, rate, acceleration; their first and second derivatives in T.
     pub z: [Vec<f64>; 3],
     /// dL/dz and d2L/dzdz, rows of 3n.
     pub first: Vec<f64>,
     pub second: Vec<f64>,
     pub pull: Vec<f64>,
+}
+
+/// A point of the quadrature.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    pub interval: usize,
+    pub weight: f64,
+    /// Values and derivatives of the basis.
+    pub basis: [[f64; ACTIVE]; 4],
 }
 
 impl Objective {
@@ -54,7 +64,7 @@ impl Objective {
         let points = (0..intervals * GAUSS.len()).map(|point| {
             let (interval, (at, weight)) = (point / GAUSS.len(), GAUSS[point % GAUSS.len()]);
             let s = (interval as f64 + at) / intervals as f64;
-            (interval, weight / intervals as f64, basis.at(interval, s))
+            Point { interval, weight: weight / intervals as f64, basis: basis.at(interval, s) }
         });
         Self {
             points: points.collect(),
@@ -124,7 +134,7 @@ impl Objective {
     }
 
     /// Adds l_v of the user terms after [`Objective::path`].
-    pub fn add_rate_price(&mut self, target: &mut [f64]) {
+    pub fn add_rate_gradient(&mut self, target: &mut [f64]) {
         if self.terms.any() {
             let n = self.joints();
             self.terms.first(&self.z[0][..n], &self.z[0][n..2 * n]);
@@ -132,11 +142,11 @@ impl Objective {
         }
     }
 
-    /// J alone; infinite where it is undefined.
+    /// J; infinite where it is undefined.
     pub fn value(&mut self, theta: &[f64], time: f64) -> Result<f64, EvalError> {
         let mut sum = 0.0;
         for at in 0..self.points.len() {
-            let (interval, weight, basis) = self.points[at];
+            let Point { interval, weight, basis } = self.points[at];
             self.path(interval, &basis, theta, time);
             let n = self.joints();
             let (q, rest) = self.z[0].split_at(n);

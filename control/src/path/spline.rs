@@ -3,8 +3,9 @@
 /// Number of basis functions that are not zero on an interval.
 pub(crate) const ACTIVE: usize = 4;
 
-/// Basis of twice continuously differentiable piecewise cubics; at both ends the first two (last two) coefficients alone
-/// decide value and slope.
+/// Basis of twice continuously differentiable piecewise cubics. Value and slope at the start (end) depend on
+/// the first (last) two coefficients alone. Source: C. de Boor, *A Practical Guide to Splines*, Springer
+/// 2001, chapter IX.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
     pub intervals: usize,
@@ -23,13 +24,13 @@ impl Basis {
         self.intervals + 3
     }
 
-    /// Where on [0, 1] coefficient k has its place: a path that is linear in s has its own values there as coefficients.
+    /// The Greville point of coefficient k: a path that is linear in s has its values there as coefficients.
     pub fn place(&self, k: usize) -> f64 {
         self.knots[k + 1..k + 4].iter().sum::<f64>() / 3.0
     }
 
-    /// Coefficient k of a path that is one cubic around it, from value and derivatives of that cubic in s at `s`: its blossom
-    /// at the three knots inside the support.
+    /// Coefficient k of a path that is a single cubic on the support of function k, from its value and
+    /// derivatives at `s`: the blossom at the three knots inside the support.
     pub fn coefficient(&self, k: usize, s: f64, [value, first, second, third]: [f64; 4]) -> f64 {
         let [x, y, z] = [1, 2, 3].map(|i| self.knots[k + i] - s);
         value + first * (x + y + z) / 3.0 + second * (x * y + y * z + z * x) / 6.0 + third * x * y * z / 6.0
@@ -51,7 +52,8 @@ impl Basis {
         [0, 1, 2, 3].map(|order| [0, 1, 2, 3].map(|k| entry(order, k)))
     }
 
-    /// That of order `order` of function k of a degree: the difference of two of one degree less.
+    /// The derivative of this order of function k of a degree: the difference of two functions of one degree
+    /// less.
     fn derivative(&self, order: usize, degree: usize, k: usize, interval: usize, s: f64) -> f64 {
         if degree == 0 {
             return if k == interval + 3 && order == 0 { 1.0 } else { 0.0 };

@@ -16,7 +16,7 @@ use crate::bvp::mesh::Span;
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::DormandPrince;
 use crate::result::motion::Certificate;
-use crate::solve::Extremum;
+use crate::solve::Solved;
 use nalgebra::DMatrix;
 
 /// Parts of the motion over which conjugate times are counted; the count must be the same over half as many.
@@ -104,13 +104,13 @@ impl Fields {
     }
 }
 
-impl Extremum {
+impl Solved {
     /// The first conjugate time up to T, and what the count of all of them says about the motion.
     ///
     /// Only for ends that fix all states and controls that stay within their bounds; else
     /// [`Certificate::NotChecked`].
     pub(crate) fn second_variation<E: Extremal>(&self, extremal: &mut E) -> (Option<Conjugate>, Certificate) {
-        let bounded = self.arcs.sides.iter().any(Option::is_some) || self.excess(extremal) >= 1.0;
+        let bounded = self.found.arcs.sides.iter().any(Option::is_some) || self.found.excess(extremal) >= 1.0;
         if bounded || !extremal.ends_are_fixed() {
             return (None, Certificate::NotChecked);
         }
@@ -168,11 +168,11 @@ impl Extremum {
 
     fn fields<E: Extremal>(&self, extremal: &mut E) -> Result<Fields, Undecided> {
         let n = extremal.states();
-        let durations = self.durations(2 * n);
+        let durations = self.found.durations(2 * n);
         let mut start = DMatrix::zeros(2 * n, n);
         start.rows_mut(n, n).fill_with_identity();
         let mut fields = Fields { times: vec![0.0], at: vec![start], over: Vec::new() };
-        for (k, span) in self.equations.mesh.spans.iter().enumerate() {
+        for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             // Without bounds there is one arc, so every span is an interval.
             let Span::Interval { arc, length } = *span else { return Err(Undecided) };
             let h = length * durations[arc];
@@ -194,16 +194,18 @@ impl Extremum {
         to: f64,
     ) -> Result<DMatrix<f64>, Undecided> {
         let size = 2 * extremal.states();
-        let Span::Interval { arc, length } = self.equations.mesh.spans[span] else { return Err(Undecided) };
-        let h = length * self.durations(size)[arc];
-        let law = self.arcs.law(arc);
-        let (mut w, mut g) = (vec![0.0; self.equations.m], vec![0.0; size]);
+        let Span::Interval { arc, length } = self.found.equations.mesh.spans[span] else {
+            return Err(Undecided);
+        };
+        let h = length * self.found.durations(size)[arc];
+        let law = self.found.arcs.law(arc);
+        let (mut w, mut g) = (vec![0.0; self.found.equations.m], vec![0.0; size]);
         let mut jacobian = vec![0.0; size * size];
         let mut matrix = DMatrix::<f64>::identity(size, size);
         let mut integrator = DormandPrince::new(size * size, TOLERANCE);
         integrator
             .integrate(matrix.as_mut_slice(), (from, to), |t, columns, rates| {
-                self.equations.polynomial(span, t / h, &mut w);
+                self.found.equations.polynomial(span, t / h, &mut w);
                 extremal.linearise(&w[..size], law, &mut g, &mut jacobian)?;
                 for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {
                     for (rate, row) in rate.iter_mut().zip(jacobian.chunks_exact(size)) {

@@ -1,22 +1,21 @@
 //! How far a found motion is from one that is integrated.
 
 use crate::bvp::mesh::Span;
-use crate::bvp::timed::Timed;
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
-use crate::solve::Extremum;
+use crate::solve::Solved;
 
 /// Most segments of an arc.
 const SEGMENTS: usize = 20;
 /// Tolerance of a step of the integration, in parts of the size of each component.
 const TOLERANCE: f64 = 1e-12;
 
-impl Extremum {
+impl Solved {
     /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives the largest
     /// mismatch at the next border, in parts of the size of the component.
     pub(crate) fn shooting_defect<E: Extremal>(&self, extremal: &mut E) -> Result<f64, Stopped> {
-        let equations = &self.equations;
-        let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
+        let equations = &self.found.equations;
+        let mut timed = self.found.timed(extremal);
         let (m, (segments, parts)) = (equations.m, equations.mesh.coarsened(SEGMENTS));
         let mut integrator = DormandPrince::new(m, TOLERANCE);
         integrator.sizes_mut().copy_from_slice(&equations.scale);

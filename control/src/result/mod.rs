@@ -1,7 +1,6 @@
 //! What a solve gives: figures, values over time, and their JSON form.
 
 pub(crate) mod conjugate;
-pub(crate) mod crossings;
 pub(crate) mod defect;
 pub(crate) mod limits;
 pub(crate) mod motion;

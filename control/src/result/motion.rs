@@ -2,11 +2,10 @@
 
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Span;
-use crate::bvp::timed::Timed;
 use crate::extremal::{Extremal, Relaxation};
-use crate::options::Iteration;
+use crate::progress::Iteration;
 use crate::result::nodes::{Interpolant, Nodes};
-use crate::solve::Extremum;
+use crate::solve::Solved;
 use crate::status::Status;
 use serde::{Deserialize, Serialize};
 
@@ -132,7 +131,7 @@ impl ExtremalSolution {
     }
 }
 
-impl Extremum {
+impl Solved {
     /// The solution, verified by integration and checked for conjugate times where it converged.
     pub(crate) fn into_solution<E: Extremal>(
         mut self,
@@ -140,21 +139,22 @@ impl Extremum {
         iterations: Vec<Iteration>,
         tolerance: f64,
     ) -> ExtremalSolution {
-        extremal.set_relaxation(self.ease);
-        let values = self.equations.current.clone();
-        let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
-        if let Err(failure) = self.equations.evaluate(&mut timed, &values)
+        extremal.set_relaxation(self.relaxation);
+        let values = self.found.equations.current.clone();
+        let mut timed = self.found.timed(extremal);
+        if let Err(failure) = self.found.equations.evaluate(&mut timed, &values)
             && self.status.is_converged()
         {
             self.status = failure.into();
         }
-        let (final_time, (cost, penalty_cost)) = (self.final_time(extremal), self.costs(extremal));
+        let (final_time, (cost, penalty_cost)) =
+            (self.found.final_time(extremal), self.found.costs(extremal));
         let converged = self.status.is_converged();
         let verifiable = converged || self.status == Status::SwitchesNotRefined;
         let end_state = if verifiable { self.integrated_again(extremal).ok() } else { None };
         let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
         let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
-        let smoothed = self.ease != Relaxation::NONE;
+        let smoothed = self.relaxation != Relaxation::NONE;
         let (conjugate, certificate) = if converged && !smoothed {
             self.second_variation(extremal)
         } else {
@@ -167,14 +167,14 @@ impl Extremum {
         }
         let (hamiltonian, hamiltonian_drift) = self.drift();
         let (nodes, mut switches) = self.nodes(extremal);
-        if self.arcs.switches.is_empty() {
-            switches = self.crossings(extremal).into_iter().map(|crossing| crossing.time).collect();
+        if self.found.arcs.switches.is_empty() {
+            switches = self.found.crossings(extremal).into_iter().map(|crossing| crossing.time).collect();
         }
         let motion = Motion {
             status: self.status,
             cost,
             penalty_cost,
-            smoothing: self.ease.effort,
+            smoothing: self.relaxation.effort,
             final_time,
             hamiltonian,
             hamiltonian_drift,
@@ -192,32 +192,32 @@ impl Extremum {
 
     /// Values at the nodes with the collocation polynomial, and the times of the switches between arcs.
     fn nodes<E: Extremal>(&self, extremal: &mut E) -> (Nodes, Vec<f64>) {
-        let (z_len, m) = (2 * extremal.states(), self.equations.m);
-        let durations = self.durations(z_len);
-        let points = self.equations.method.len();
+        let (z_len, m) = (2 * extremal.states(), self.found.equations.m);
+        let durations = self.found.durations(z_len);
+        let points = self.found.equations.method.len();
         let (mut nodes, mut interpolant) = (Nodes::default(), Interpolant::new(points));
         let (mut switches, mut now) = (Vec::new(), 0.0);
         let mut controls = vec![0.0; extremal.controls()];
-        for i in 0..self.equations.mesh.nodes() {
-            let w = &self.equations.current.nodes[i * m..i * m + z_len];
-            let arc = self.equations.mesh.arc_of_node(i);
-            extremal.controls_at(w, self.arcs.law(arc), &mut controls);
+        for i in 0..self.found.equations.mesh.nodes() {
+            let w = &self.found.equations.current.nodes[i * m..i * m + z_len];
+            let arc = self.found.equations.mesh.arc_of_node(i);
+            extremal.controls_at(w, self.found.arcs.law(arc), &mut controls);
             nodes.t.push(now);
             nodes.z.push(w.to_vec());
             nodes.u.push(controls.clone());
-            nodes.hamiltonian.push(self.equations.rates.0[i].hamiltonian);
+            nodes.hamiltonian.push(self.found.equations.rates.nodes[i].hamiltonian);
             // Slopes are in the scaled time of an arc.
             let seconds = |slopes: &[f64], arc: usize| -> Vec<f64> {
                 slopes[..z_len].iter().map(|slope| slope / durations[arc]).collect()
             };
-            interpolant.slopes.push(seconds(&self.equations.slopes.nodes[i * m..], arc));
-            match self.equations.mesh.spans.get(i) {
+            interpolant.slopes.push(seconds(&self.found.equations.slopes.nodes[i * m..], arc));
+            match self.found.equations.mesh.spans.get(i) {
                 Some(&Span::Interval { arc, length }) => {
                     let (mut slopes, mut inner_controls) = (Vec::new(), Vec::new());
                     for k in i * (points - 2)..(i + 1) * (points - 2) {
-                        let w = &self.equations.current.inner[k * m..k * m + z_len];
-                        extremal.controls_at(w, self.arcs.law(arc), &mut controls);
-                        slopes.push(seconds(&self.equations.slopes.inner[k * m..], arc));
+                        let w = &self.found.equations.current.inner[k * m..k * m + z_len];
+                        extremal.controls_at(w, self.found.arcs.law(arc), &mut controls);
+                        slopes.push(seconds(&self.found.equations.slopes.inner[k * m..], arc));
                         inner_controls.push(controls.clone());
                     }
                     interpolant.inner.push(slopes);
@@ -238,11 +238,12 @@ impl Extremum {
 
     /// Mean of H*, and its largest distance from it in parts of the terms that it is made of.
     fn drift(&self) -> (f64, f64) {
-        let inner = self.equations.method.len() - 2;
-        let spans = self.equations.mesh.spans.iter().enumerate();
+        let inner = self.found.equations.method.len() - 2;
+        let spans = self.found.equations.mesh.spans.iter().enumerate();
         let of_spans = spans.filter(|(_, span)| matches!(span, Span::Interval { .. }));
-        let of_inner = of_spans.flat_map(|(k, _)| &self.equations.rates.1[k * inner..(k + 1) * inner]);
-        let all: Vec<_> = self.equations.rates.0.iter().chain(of_inner).collect();
+        let of_inner =
+            of_spans.flat_map(|(k, _)| &self.found.equations.rates.inner[k * inner..(k + 1) * inner]);
+        let all: Vec<_> = self.found.equations.rates.nodes.iter().chain(of_inner).collect();
         let mean = all.iter().map(|rate| rate.hamiltonian).sum::<f64>() / all.len() as f64;
         let size = all.iter().map(|rate| rate.magnitude()).fold(0.0, f64::max);
         let far = all.iter().map(|rate| (rate.hamiltonian - mean).abs()).fold(0.0, f64::max);

@@ -216,7 +216,7 @@ impl Rows {
     fn check(&self, n: usize) -> Result<(), TrajectoryError> {
         let count = self.t.len();
         let rising = self.t.windows(2).all(|pair| pair[0] <= pair[1]);
-        if count < 2 || !rising || self.t.iter().any(|t| !t.is_finite()) {
+        if count < 2 || !rising || self.t[count - 1] <= self.t[0] || self.t.iter().any(|t| !t.is_finite()) {
             return Err(TrajectoryError::BadTimes);
         }
         let lists = [("q", &self.q, n), ("v", &self.v, n), ("p", &self.p, n), ("u", &self.u, n)];

@@ -1,60 +1,60 @@
-//! A final time that is free.
+//! Free final time.
+//!
+//! At zero costates the condition `H* = 0` does not determine T. So the problem is solved for fixed times
+//! first. With
+//! $$ \frac{dJ}{dT} = -H^* $$
+//! and all of the cost but `c_t T` falling like `T^-3` (no gravity, no limits), `H* + c_t` falls like `T^-4`.
+//! This leads near the optimal time; then T is one more unknown, and `H*(T) = 0` one more condition.
 
 use crate::bvp::timed::Clock;
 use crate::bvp::values::Values;
+use crate::constants::free_time::{FACTORS, NEAR, POWER, ROUNDS};
 use crate::extremal::Extremal;
-use crate::search::LOOSE;
-use crate::solve::{Context, Extremum};
+use crate::progress::Phase;
+use crate::solve::{Attempt, Discretisation, Layout, Recorder, Solved};
 use crate::status::Status;
 
 /// From a solution for a fixed time to one with H* = 0.
-///
-/// `dJ/dT = -H*`. Where all of the cost but c_t T falls like T^-3 (no gravity, no limits), `H* + c_t` falls like T^-4: this
-/// leads near the right time; then T is one more unknown.
 pub(crate) fn free_time<E: Extremal>(
-    mut at: Extremum,
+    mut at: Solved,
     extremal: &mut E,
-    tolerance: f64,
-    context: &mut Context<'_>,
-) -> Extremum {
+    attempt: &Attempt,
+    recorder: &mut Recorder<'_>,
+) -> Solved {
     let price = extremal.time_cost();
-    for _ in 0..12 {
-        if !at.status.is_converged() {
+    for _ in 0..ROUNDS {
+        if !at.is_converged() {
             return at;
         }
-        let Clock::Fixed(time) = at.clock else { break };
-        let energy = at.mean_hamiltonian() + price;
-        let factor = if price > 0.0 && energy > 0.0 { (energy / price).powf(0.25) } else { 1.0 };
-        let factor = factor.clamp(0.4, 2.5);
-        if (factor - 1.0).abs() < 0.1 {
+        let Clock::Fixed(time) = at.found.clock else { break };
+        let energy = at.found.mean_hamiltonian() + price;
+        let factor = if price > 0.0 && energy > 0.0 { (energy / price).powf(POWER) } else { 1.0 };
+        let factor = factor.clamp(FACTORS.0, FACTORS.1);
+        if (factor - 1.0).abs() < NEAR {
             break;
         }
-        at = at.with_clock(extremal, Clock::Fixed(time * factor)).solve(
-            extremal,
-            LOOSE.max(tolerance),
-            context,
-        );
+        let next = at.found.with_clock(extremal, Clock::Fixed(time * factor));
+        at = next.solve(extremal, &attempt.loose(), recorder);
     }
-    if !at.status.is_converged() {
+    if !at.is_converged() {
         return at;
     }
-    context.phase = "free time";
-    let found = at.with_clock(extremal, Clock::Free).solve(extremal, tolerance, context);
-    let positive = found.final_time(extremal) > 0.0;
-    if positive { found } else { Extremum { status: Status::NewtonFailed, ..found } }
+    let free = at.found.with_clock(extremal, Clock::Free);
+    let free = free.solve(extremal, &attempt.in_phase(Phase::FreeTime), recorder);
+    let positive = free.found.final_time(extremal) > 0.0;
+    if positive { free } else { free.with_status(Status::NewtonFailed) }
 }
 
-impl Extremum {
-    /// The same values under another clock, not yet solved. A change of a fixed time stretches the motion.
-    pub(crate) fn with_clock<E: Extremal>(&self, extremal: &mut E, clock: Clock) -> Self {
+impl Discretisation {
+    /// The same values under another clock. A change of a fixed time stretches the motion.
+    pub fn with_clock<E: Extremal>(&self, extremal: &mut E, clock: Clock) -> Self {
         let z_len = 2 * extremal.states();
         let durations = self.durations(z_len);
-        let (mesh, points) = (self.equations.mesh.clone(), self.equations.method.len());
         let mut w = vec![0.0; self.equations.m];
         let mut starts = vec![0.0];
         durations.iter().for_each(|duration| starts.push(starts[starts.len() - 1] + duration));
-        let arcs = (clock, self.arcs.clone());
-        let mut found = Self::guess(extremal, arcs, mesh, points, |arc, s, target| {
+        let layout = Layout { clock, ..self.layout() };
+        let mut found = Self::new(extremal, layout, |arc, s, target| {
             self.equations.sample(arc, s, &mut w);
             target[..z_len].copy_from_slice(&w[..z_len]);
             match &mut target[z_len..] {
@@ -69,11 +69,5 @@ impl Extremum {
             all.for_each(|z| extremal.stretch(z, new / old));
         }
         found
-    }
-
-    /// Mean of H* over the nodes.
-    pub(crate) fn mean_hamiltonian(&self) -> f64 {
-        let rates = &self.equations.rates.0;
-        rates.iter().map(|rate| rate.hamiltonian).sum::<f64>() / rates.len() as f64
     }
 }

@@ -1,4 +1,4 @@
-//! Solving by multiple shooting, and the solution on a mesh as collocation leaves it.
+//! Solving by multiple shooting, and the solution on a mesh of collocation.
 
 use crate::bvp::collocation::Collocation;
 use crate::bvp::collocation::error::Estimate;
@@ -7,84 +7,102 @@ use crate::bvp::shooting::Shooting;
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Discretised, Failure, Solvable};
+use crate::constants::shooting::{MOST_PIECES, ROUNDS, SHARPER, SHARPEST};
 use crate::extremal::Extremal;
-use crate::solve::{Context, Extremum};
+use crate::solve::{Attempt, Discretisation, Recorder, Solved};
 use crate::status::Status;
 
-/// Tolerance of a step of the integration, in parts of that of the solution.
-const SHARPER: f64 = 0.01;
-/// Smallest tolerance of a step.
-const SHARPEST: f64 = 1e-14;
-/// How often the integration is made sharper.
-const ROUNDS: usize = 3;
-
-impl Extremum {
-    /// Solves to the tolerance by multiple shooting over at most `nodes - 1` segments of each arc, beginning with the values at
-    /// their borders.
+impl Discretisation {
+    /// Solves by multiple shooting over at most `nodes - 1` segments of each arc, from the values at their
+    /// borders.
     ///
-    /// The error is estimated by the correction that a sharper integration asks for. Then the motion is integrated once
-    /// more from segment to segment, onto a mesh on which polynomials represent it to the tolerance.
+    /// The error is estimated by the Newton correction with a sharper integration. Then the motion is
+    /// integrated once more from segment to segment, onto a mesh on which polynomials represent it to the
+    /// tolerance.
     pub(crate) fn shoot<E: Extremal>(
         mut self,
         extremal: &mut E,
-        tolerance: f64,
-        context: &mut Context<'_>,
-    ) -> Self {
-        let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
-        let (mesh, pieces) = self.equations.mesh.coarsened(context.options.nodes - 1);
-        let mut sharpness = (SHARPER * tolerance).max(SHARPEST);
-        let mut shooting =
-            Shooting::new(&timed, mesh, sharpness, |arc, s, w| self.equations.at_node(arc, s, w));
-        let mut correction = shooting.zeros();
-        for round in 0..ROUNDS {
-            self.status = context.newton(&mut shooting, &mut timed, 0.1 * tolerance);
-            if !self.status.is_converged() {
-                break;
+        attempt: &Attempt,
+        recorder: &mut Recorder<'_>,
+    ) -> Solved {
+        let relaxation = extremal.relaxation();
+        let mut timed = self.timed(extremal);
+        let tolerance = attempt.tolerance;
+        let (mesh, pieces) = self.equations.mesh.coarsened(attempt.nodes - 1);
+        let mut shooting = Shooting::new(&timed, mesh, (SHARPER * tolerance).max(SHARPEST), |arc, s, w| {
+            self.equations.at_node(arc, s, w);
+        });
+        let (mut status, estimate) = shooting.solve(&mut timed, attempt, recorder);
+        let points = self.equations.method.len();
+        if !status.is_converged() {
+            self.equations = shooting.joined(&timed, points);
+            return Solved { found: self, status, relaxation, estimate };
+        }
+        shooting.set_tolerance((SHARPER * tolerance).max(SHARPEST));
+        let limits = Representation { points, tolerance, max_intervals: attempt.max_intervals() };
+        match shooting.traced(&mut timed, pieces, limits) {
+            Ok((traced, fine)) => {
+                self.equations = traced;
+                if !fine {
+                    status = Status::MeshLimit;
+                }
+            }
+            Err(failure) => status = failure.into(),
+        }
+        Solved { found: self, status, relaxation, estimate }
+    }
+}
+
+/// How a motion is represented by polynomials.
+#[derive(Clone, Copy)]
+struct Representation {
+    /// Lobatto points of an interval.
+    points: usize,
+    tolerance: f64,
+    max_intervals: usize,
+}
+
+impl Shooting {
+    /// Newton's method with sharper and sharper integration until that changes nothing.
+    fn solve<E: Extremal>(
+        &mut self,
+        timed: &mut Timed<'_, E>,
+        attempt: &Attempt,
+        recorder: &mut Recorder<'_>,
+    ) -> (Status, Option<Estimate>) {
+        let mut sharpness = (SHARPER * attempt.tolerance).max(SHARPEST);
+        let mut correction = self.zeros();
+        let mut last = None;
+        for _ in 0..ROUNDS {
+            let status = recorder.newton(self, timed, attempt);
+            if !status.is_converged() {
+                return (status, last);
             }
             sharpness = (SHARPER * sharpness).max(SHARPEST);
-            shooting.set_tolerance(sharpness);
-            let values = shooting.current.clone();
-            if let Err(failure) = shooting.evaluate(&mut timed, &values) {
-                self.status = failure.into();
-                break;
+            self.set_tolerance(sharpness);
+            let values = self.current.clone();
+            if let Err(failure) = self.evaluate(timed, &values) {
+                return (failure.into(), last);
             }
-            shooting.correction(&mut correction);
-            let mut components = vec![0.0_f64; shooting.scale.len()];
+            self.correction(&mut correction);
+            let mut components = vec![0.0_f64; self.scale.len()];
             for (i, error) in correction.nodes.iter().enumerate() {
                 let c = i % components.len();
                 components[c] = components[c].max(error.abs());
             }
             let estimate = Estimate { components, local: Vec::new() };
             let largest = estimate.largest();
-            self.estimate = Some(estimate);
-            if largest <= tolerance {
-                break;
-            }
-            if round + 1 == ROUNDS {
-                self.status = Status::MeshLimit;
+            last = Some(estimate);
+            if largest <= attempt.tolerance {
+                return (Status::Converged, last);
             }
         }
-        if !self.status.is_converged() {
-            self.equations = shooting.joined(&timed, self.equations.method.len());
-            return self;
-        }
-        let most = context.options.max_nodes - 1;
-        shooting.set_tolerance((SHARPER * tolerance).max(SHARPEST));
-        match shooting.traced(&mut timed, pieces, (self.equations.method.len(), most), tolerance) {
-            Ok((traced, fine)) => {
-                self.equations = traced;
-                if !fine {
-                    self.status = Status::MeshLimit;
-                }
-            }
-            Err(failure) => self.status = failure.into(),
-        }
-        self
+        (Status::MeshLimit, last)
     }
 }
 
 impl Collocation {
-    /// w at a scaled time of an arc; at a node exactly what stands there.
+    /// w at a scaled time of an arc; at a node exactly its values.
     fn at_node(&self, arc: usize, s: f64, w: &mut [f64]) {
         let m = self.m;
         let mut at = 0.0;
@@ -106,7 +124,7 @@ impl Collocation {
 }
 
 impl Shooting {
-    /// The values at the nodes, joined by straight lines.
+    /// The values at the nodes, with linear interpolation between them.
     fn joined<E: Extremal>(&self, timed: &Timed<'_, E>, points: usize) -> Collocation {
         let mut found = Collocation::new(timed, self.mesh.clone(), points, |_, _, w| w.fill(0.0));
         let (m, inner) = (self.scale.len(), points - 2);
@@ -121,15 +139,16 @@ impl Shooting {
         found
     }
 
-    /// The motion, integrated from segment to segment, on a mesh that cuts each segment into pieces until the polynomials of
-    /// all of them satisfy the equations to the tolerance; false where that takes more than `most` intervals.
+    /// The motion, integrated from segment to segment, on a mesh that cuts each segment into pieces until the
+    /// polynomials of all of them satisfy the equations to the tolerance; false if that takes too many
+    /// intervals.
     fn traced<E: Extremal>(
         &mut self,
         timed: &mut Timed<'_, E>,
         mut pieces: Vec<Vec<f64>>,
-        (points, most): (usize, usize),
-        tolerance: f64,
+        limits: Representation,
     ) -> Result<(Collocation, bool), Failure> {
+        let Representation { points, tolerance, max_intervals } = limits;
         let power = 1.0 / (points + 1) as f64;
         loop {
             let mesh = self.mesh.cut(&pieces);
@@ -144,7 +163,7 @@ impl Shooting {
                 at += own.len().max(1);
                 let cut = |(&length, &defect): (&f64, &f64)| {
                     let count = match (defect / tolerance).powf(power).ceil() {
-                        count if count > 1.0 => count.min(4.0) as usize,
+                        count if count > 1.0 => count.min(MOST_PIECES as f64) as usize,
                         _ => 1,
                     };
                     std::iter::repeat_n(length / count as f64, count)
@@ -153,7 +172,7 @@ impl Shooting {
                 fine &= finer.len() == pieces.len();
                 *pieces = finer;
             }
-            if fine || pieces.iter().map(Vec::len).sum::<usize>() > most {
+            if fine || pieces.iter().map(Vec::len).sum::<usize>() > max_intervals {
                 return Ok((found, fine));
             }
         }

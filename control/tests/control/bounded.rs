@@ -32,11 +32,15 @@ fn a_metre_takes_two_seconds_and_one_switch() {
 
 #[test]
 fn bounded_effort_saturates_at_both_ends() {
-    // u = clip(a - b t), T = 1, |u| <= 5: at the bound for t < s, with 5 = b (1/2 - s) and the metre gone.
-    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
-    let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
+    // u = clip(a - b t), T = 1, |u| <= 5: at the bound for t < s, with 5 = b (1/2 - s) after 1 m.
+    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
+    let problem = {
+        let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
+        problem.bounds = bounds;
+        problem
+    };
     let solution = solve(&problem);
-    // Way: 5 (1/4 - (1/2 - s)^2 / 3) = 1.
+    // Distance: 5 (1/4 - (1/2 - s)^2 / 3) = 1.
     let inside = (3.0_f64 * (0.25 - 0.2)).sqrt();
     let cost = 25.0 * (0.5 - inside) + 25.0 * inside / 3.0;
     assert_eq!(solution.motion.switches.len(), 2);
@@ -52,7 +56,8 @@ fn bounded_effort_saturates_at_both_ends() {
 
 #[test]
 fn one_bound_saturates_on_its_side() {
-    // u = 5 for t < s, then 5 - b (t - s): at rest at T = 1 with b = 10 / (1 - s)^2, a metre on for 1 - s = 0.9.
+    // u = 5 for t < s, then 5 - b (t - s): at rest at T = 1 with b = 10 / (1 - s)^2;
+    // 1 m for 1 - s = 0.9.
     let cost = 12.5 * 0.1 + 0.5 * (25.0 * 0.9 - 50.0 + 100.0 / 2.7);
     let free = f64::INFINITY;
     for (u_min, u_max, switch) in [(-free, 5.0, 0.1), (-5.0, free, 0.9)] {
@@ -65,7 +70,7 @@ fn one_bound_saturates_on_its_side() {
 }
 
 #[test]
-fn bounds_on_one_joint_of_two_leave_the_other_free() {
+fn bounds_on_one_joint_do_not_bound_the_other() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let solve_with = |none: f64| {
         let bounds = Bounds { u_min: vec![-none, -1.0], u_max: vec![none, 1.0] };
@@ -136,7 +141,7 @@ fn published_optima_are_met() {
 }
 
 #[test]
-fn a_saved_motion_of_least_time_is_a_start_for_one_near_by() {
+fn a_saved_least_time_motion_starts_a_search_for_a_similar_one() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let problem = least_time(robot.clone(), &[1.0, 0.6], 1.0, 4.0);
     let first = solve(&problem);

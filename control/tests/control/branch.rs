@@ -69,7 +69,7 @@ fn gravity_leads_to_the_cost_of_the_problem_itself() {
 }
 
 #[test]
-fn without_gravity_the_cost_falls_like_the_third_power_of_the_time() {
+fn without_gravity_the_cost_falls_like_the_cube_of_the_time() {
     let branch = reach(&two_link(), Parameter::FinalTime, 1.0, 2.5);
     assert!(branch.points.len() > 5);
     for point in &branch.points {
@@ -80,9 +80,18 @@ fn without_gravity_the_cost_falls_like_the_third_power_of_the_time() {
 }
 
 #[test]
-fn penalties_rise_by_what_they_cost() {
-    let penalty = Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() };
-    let branch = reach(&two_link().with_penalty(penalty), Parameter::PenaltyWeight, 0.0, 1e4);
+fn the_slope_of_the_cost_in_the_weight_is_the_penalty() {
+    let penalty = Some(Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
+    let branch = reach(
+        &{
+            let mut problem = two_link();
+            problem.penalty = penalty;
+            problem
+        },
+        Parameter::PenaltyWeight,
+        0.0,
+        1e4,
+    );
     close(branch.points[0].cost, 145.131_137_54, 1e-9);
     // d(cost + penalties)/d weight is the penalty of the weight 1, which falls along the branch.
     for pair in branch.points[1..].windows(2) {
@@ -94,7 +103,7 @@ fn penalties_rise_by_what_they_cost() {
 }
 
 #[test]
-fn armature_counts_as_mass() {
+fn armature_acts_as_mass() {
     let problem = Problem::rest_to_rest(sledge(1.0), &[0.0], &[1.0], 1.0);
     let branch = reach(&problem, Parameter::Armature, 0.0, 1.0);
     for point in &branch.points {
@@ -103,13 +112,17 @@ fn armature_counts_as_mass() {
 }
 
 #[test]
-fn bounds_close_in_on_the_control() {
-    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
-    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0).with_bounds(bounds);
+fn bounds_tighten_until_the_control_is_clipped() {
+    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
+    let problem = {
+        let mut problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0);
+        problem.bounds = bounds;
+        problem
+    };
     let branch = reach(&problem, Parameter::Bounds, 1.6, 0.9);
     for point in &branch.points {
         let bound = 5.0 * point.parameter;
-        // u runs straight from bound to bound, for a time of twice `inside`.
+        // u is linear from bound to bound, for a time of twice `inside`.
         let inside = if bound < 6.0 { (3.0 * (0.25 - 1.0 / bound)).sqrt() } else { 0.5 };
         let cost = if bound < 6.0 { bound * bound * (0.5 - 2.0 / 3.0 * inside) } else { 6.0 };
         assert_eq!(point.status, Status::Converged);
@@ -119,10 +132,13 @@ fn bounds_close_in_on_the_control() {
 
 #[test]
 fn bounds_change_the_least_time() {
-    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0)
-        .with_time(FinalTime::Free { guess: 2.0 })
-        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
-        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+    let problem = {
+        let mut problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0);
+        problem.time = FinalTime::Free { guess: 2.0 };
+        problem.cost = Objective { time: 1.0, effort: vec![0.0] };
+        problem.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        problem
+    };
     let branch = reach(&problem, Parameter::Bounds, 1.0, 4.0);
     for point in &branch.points {
         close(point.final_time, 2.0 / point.parameter.sqrt(), 1e-8);
@@ -133,7 +149,7 @@ fn bounds_change_the_least_time() {
     assert!(smooth.solution.motion.final_time > 2.0 && smooth.solution.motion.final_time < 2.0 + 1e-4);
 }
 
-/// The extremal of the swing-up in 3 s that swings back first.
+/// The extremal of the swing-up in 3 s that first swings in the opposite direction.
 fn with_a_swing_back() -> Solution {
     let solutions = (0..30).map(|seed| {
         let options = SolverOptions { starts: 2, seed, ..SolverOptions::default() };
@@ -147,8 +163,9 @@ fn the_swing_back_has_a_shortest_time() {
     let long = with_a_swing_back();
     let (problem, options) = (swing_up(3.0), SolverOptions::default());
     let from = |start: &Solution, to: f64| {
-        let way = Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
-        way.with_start(&start.trajectory).unwrap().follow()
+        let continuation =
+            Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
+        continuation.with_start(&start.trajectory).unwrap().follow()
     };
     let branch = from(&long, 1.0);
     assert_eq!(branch.end, BranchEnd::TurnedBack);
@@ -157,14 +174,15 @@ fn the_swing_back_has_a_shortest_time() {
     let least = branch.points.iter().fold(f64::INFINITY, |least, point| least.min(point.parameter));
     assert!(turn.parameter <= least && turn.parameter > least - 0.02, "{turn:?} {least}");
 
-    // Behind it the branch comes back to another extremal of the same problem, found directly too.
+    // Beyond it the branch returns to another extremal of the same problem, which is also found directly.
     let back = &branch.solution;
     close(back.motion.cost, 33.421_583_190, 1e-8);
     let direct = solve_from(back, &problem);
     assert!(direct.status.is_converged());
     close(direct.cost, back.motion.cost, 1e-9);
 
-    // On this side of it there are two, nearer and nearer; H* parts like the square root of the distance.
+    // On this side of it there are two that approach each other; H* differs by the square root of the
+    // distance.
     let parted = |time: f64| {
         let [one, other] = [&long, back].map(|start| {
             let there = from(start, time);
@@ -187,7 +205,7 @@ fn the_swing_back_has_a_shortest_time() {
 }
 
 #[test]
-fn shooting_can_solve_where_the_way_begins() {
+fn shooting_can_solve_the_first_problem() {
     let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
     let problem = swing_up(1.0);
     let branch = Continuation::new(&problem, Parameter::Gravity, 0.5, 1.0, options).unwrap().follow();
@@ -196,10 +214,14 @@ fn shooting_can_solve_where_the_way_begins() {
 }
 
 #[test]
-fn a_way_that_cannot_begin_says_so() {
-    let bounds = Bounds { u_min: vec![-3.0], u_max: vec![3.0] };
-    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0).with_bounds(bounds);
-    // More nodes would be spent on showing that there is nothing.
+fn a_continuation_that_cannot_start_or_finish_says_so() {
+    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
+    let problem = {
+        let mut problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0);
+        problem.bounds = bounds;
+        problem
+    };
+    // More nodes would only show that there is no solution.
     let options = SolverOptions { max_nodes: 601, ..SolverOptions::default() };
     let follow = |from: f64, to: f64| {
         Continuation::new(&problem, Parameter::Bounds, from, to, options.clone()).unwrap().follow()
@@ -207,7 +229,7 @@ fn a_way_that_cannot_begin_says_so() {
     let branch = follow(1.0, 2.0);
     assert_eq!(branch.end, BranchEnd::NotStarted);
     assert!(branch.points.is_empty() && !branch.solution.motion.status.is_converged());
-    // The other way round it stops before the bounds are too narrow: a metre in a second takes 4 N.
+    // In the other direction it stops before the bounds are too tight: a metre in a second takes 4 N.
     let branch = follow(2.0, 1.0);
     assert!(matches!(branch.end, BranchEnd::Stuck | BranchEnd::TooManyPoints), "{:?}", branch.end);
     assert_eq!(branch.solution.motion.status, Status::ContinuationFailed);
@@ -228,11 +250,13 @@ fn parameters_that_a_problem_does_not_have_are_refused() {
     assert!(refused(&problem, Parameter::Smoothing, 1.0, 0.1).contains("effort"));
     assert!(refused(&problem, Parameter::Gravity, 1.0, 1.0).contains("elsewhere"));
     assert!(refused(&problem, Parameter::Gravity, f64::NAN, 1.0).contains("finite"));
-    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time: must be positive"));
-    let free = problem
-        .clone()
-        .with_time(FinalTime::Free { guess: 1.0 })
-        .with_cost(Objective { time: 1.0, effort: vec![1.0] });
+    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time.final"));
+    let free = {
+        let mut problem = problem.clone();
+        problem.time = FinalTime::Free { guess: 1.0 };
+        problem.cost = Objective { time: 1.0, effort: vec![1.0] };
+        problem
+    };
     assert!(refused(&free, Parameter::FinalTime, 1.0, 2.0).contains("free"));
     let negative = Parameter::Armature.apply(&Problem::rest_to_rest(sledge(1.0), &[0.0], &[1.0], 1.0), -1.0);
     assert!(

@@ -1,9 +1,9 @@
-//! Robots against values in closed form, published ones, and identities.
+//! Robots against values in closed form, published values and identities.
 
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::{
-    Certificate, FinalTime, JacobianRoute, Objective, Problem, Solution, Solver, SolverOptions,
+    Certificate, FinalTime, JacobianRoute, Method, Objective, Problem, Solution, Solver, SolverOptions,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -116,7 +116,7 @@ fn costates_are_the_slopes_of_the_cost() {
     };
     let slope = cost(&|problem, h| problem.time = FinalTime::Fixed(problem.time.value() + h));
     close(slope, -solution.motion.hamiltonian, 1e-6);
-    // The start is at rest, so moving q leaves p = 0, and moving v_j moves p by M e_j.
+    // The start is at rest: a change of q keeps p = 0, a change of v_j changes p by M e_j.
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&problem.robot);
     let mass = hamiltonian.mass_matrix(&problem.start.q).unwrap().clone();
     for j in 0..2 {
@@ -195,4 +195,27 @@ fn the_motion_between_nodes_satisfies_the_state_equation() {
     let i = trajectory.t.len() / 2;
     let at_node = trajectory.at(trajectory.t[i]).unwrap();
     assert_eq!((&at_node.q, &at_node.p), (&trajectory.q[i], &trajectory.p[i]));
+}
+
+#[test]
+fn a_motion_that_needs_no_control_costs_nothing() {
+    // The end is free, so the robot falls: all costates vanish.
+    for (name, q, v) in [("pendulum", vec![0.4], vec![0.3]), ("two_link", vec![0.3, -0.2], vec![0.5, 1.0])] {
+        let robot = Robot::from_file(format!("../robots/{name}.toml")).unwrap();
+        let all: Vec<usize> = (0..q.len()).collect();
+        let mut problem = Problem::rest_to_rest(robot, &q, &q, 1.0);
+        problem.start.v = v;
+        (problem.end.q_free, problem.end.v_free) = (all.clone(), all);
+        for method in [Method::Collocation, Method::Shooting] {
+            let options = SolverOptions { method, ..SolverOptions::default() };
+            let solution = Solver::new(&problem, options).unwrap().solve();
+            assert!(
+                solution.motion.status.is_converged(),
+                "{name}: {} {:?}",
+                solution.motion.status,
+                solution.motion.iterations
+            );
+            assert!(solution.motion.cost < 1e-20, "{name}: {}", solution.motion.cost);
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The elimination on almost block diagonal matrices against a dense one.
+//! Almost block diagonal elimination against dense elimination.
 
 use costate_control::{AlmostBlockDiagonal, SingularMatrix};
 use nalgebra::{DMatrix, DVector};
@@ -35,7 +35,7 @@ fn random(m: usize, first: usize, blocks: usize, seed: u64) -> (AlmostBlockDiago
 }
 
 #[test]
-fn solutions_are_those_of_a_dense_elimination() {
+fn solutions_agree_with_dense_elimination() {
     for (m, first, blocks) in
         [(1, 0, 3), (1, 1, 2), (2, 1, 1), (5, 2, 7), (4, 4, 6), (8, 0, 5), (9, 4, 20), (3, 2, 0)]
     {

@@ -17,6 +17,7 @@ mod problem_file;
 mod problems;
 mod shooting;
 mod source;
+mod stopping;
 mod user_terms;
 
 /// A mass of 1 kg that slides along x.

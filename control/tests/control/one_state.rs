@@ -1,4 +1,4 @@
-//! Systems that are not robots, through the same solver: `dx/dt = u`, `l = c_t + u^2/2 + k x^2/2`.
+//! A system that is not a robot: `dx/dt = u`, `l = c_t + u^2/2 + k x^2/2`.
 
 use costate::EvalError;
 use costate_control::{

@@ -1,7 +1,10 @@
-//! What is refused, what is warned of, and what is saved.
+//! Refused problems, warnings and saved solutions.
 
 use costate::robot::Robot;
-use costate_control::{Bounds, FinalTime, Penalty, Problem, Solution, Solver, SolverOptions};
+use costate_control::{
+    Bounds, FinalTime, Penalty, Phase, Problem, Solution, Solver, SolverOptions, TrajectoryError,
+};
+use std::ops::ControlFlow;
 
 fn problem() -> Problem {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
@@ -9,7 +12,7 @@ fn problem() -> Problem {
 }
 
 #[test]
-fn an_error_names_its_key() {
+fn errors_name_the_key() {
     let refused = |change: &dyn Fn(&mut Problem), key: &str| {
         let mut problem = problem();
         change(&mut problem);
@@ -90,7 +93,7 @@ fn angles_in_degrees_are_a_warning() {
 }
 
 #[test]
-fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
+fn a_saved_solution_saves_newton_steps() {
     let first = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
     let text = serde_json::to_string(&first).unwrap();
     let saved: Solution = serde_json::from_str(&text).unwrap();
@@ -119,12 +122,12 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
     let pendulum = Robot::from_file("../robots/pendulum.toml").unwrap();
     let other = Problem::rest_to_rest(pendulum, &[0.0], &[1.0], 1.0);
     let solver = Solver::new(&other, SolverOptions::default()).unwrap();
-    let error = solver.with_start(&saved.trajectory).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("needs 1"), "{error}");
+    let error = solver.with_start(&saved.trajectory).unwrap_err().to_string();
+    assert!(error.contains("`q`") && error.contains("needs 1"), "{error}");
 }
 
 #[test]
-fn limits_of_the_robot_are_a_warning() {
+fn exceeded_joint_limits_are_warnings() {
     let problem = problem();
     let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     let warnings = problem.limit_warnings(&solution.trajectory);
@@ -139,7 +142,7 @@ fn limits_of_the_robot_are_a_warning() {
 }
 
 #[test]
-fn penalties_push_a_motion_back_and_are_told_apart() {
+fn penalties_slow_a_motion_and_are_reported_apart_from_the_cost() {
     let free = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
     let fastest = |solution: &Solution| {
         solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()))
@@ -159,7 +162,7 @@ fn penalties_push_a_motion_back_and_are_told_apart() {
 }
 
 #[test]
-fn an_infinite_limit_is_none() {
+fn an_infinite_limit_is_no_limit() {
     let infinite = f64::INFINITY;
     let solve = |none: f64| {
         let mut held = problem();
@@ -177,13 +180,16 @@ fn an_infinite_limit_is_none() {
 }
 
 #[test]
-fn starts_are_tried_in_turn_and_the_best_is_kept() {
+fn the_best_of_several_starts_is_kept() {
     let mut steps = 0;
     let problem = problem();
     let options = SolverOptions { starts: 3, seed: 7, ..SolverOptions::default() };
     let solution = Solver::new(&problem, options)
         .unwrap()
-        .on_iteration(|step| steps += usize::from(step.phase != "path"))
+        .on_iteration(|step| {
+            steps += usize::from(step.phase != Phase::Path);
+            ControlFlow::Continue(())
+        })
         .solve();
     assert_eq!(solution.starts.len(), 3);
     assert_eq!(solution.newton_iterations, steps);

@@ -41,7 +41,7 @@ fn close(found: f64, expected: f64, digits: f64) {
     assert!((found - expected).abs() <= digits * expected.abs().max(1.0), "{found}, not {expected}");
 }
 
-/// Solves by both methods; the solution of shooting, which must be that of collocation.
+/// Solves by both methods, compares them, and returns the solution of multiple shooting.
 fn both(problem: &Problem) -> Solution {
     let [collocation, shooting] =
         [Method::Collocation, Method::Shooting].map(|method| solve(problem, method));
@@ -104,7 +104,7 @@ fn free_ends_are_the_same() {
 }
 
 #[test]
-fn six_joints_move_alike() {
+fn six_joints_move_as_with_collocation() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let limits: Vec<f64> = robot.joints().iter().map(|joint| joint.limits.effort).collect();
     let (from, to) = ([0.0, -0.8, 2.4, 0.0, 0.6, 0.0], [1.2, -0.2, 1.9, 0.4, 0.9, -0.5]);

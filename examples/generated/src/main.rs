@@ -222,8 +222,8 @@ mod tests {
             z[..2].iter_mut().zip(&problem.end.q).for_each(|(z, q)| *z = q * s * s * (3.0 - 2.0 * s));
         };
         let motion = solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), guess);
-        assert!(motion.status.is_converged(), "{}", motion.status);
-        assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
+        assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
+        assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     }
 
     /// What the sine and cosine of generated code differ by from those of the standard library, in units of

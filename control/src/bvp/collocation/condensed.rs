@@ -5,6 +5,15 @@ use crate::numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix
 use crate::numerics::lu;
 use costate::matrix::add_scaled;
 
+/// An interval: its length, the Jacobians of the slopes at its nodes, and its block in the matrix.
+#[derive(Clone, Copy)]
+pub(crate) struct Interval<'a> {
+    pub length: f64,
+    pub left: &'a [f64],
+    pub right: &'a [f64],
+    pub block: usize,
+}
+
 /// The linear equations of one interval, those of its inner points solved.
 ///
 /// With G the Jacobians of the slopes, inner corrections `d_j` satisfy
@@ -13,7 +22,8 @@ use costate::matrix::add_scaled;
 /// d_j - h sum_inner a_jl G_l d_l = (1 + h a_j0 G_L) d_L + h a_j,s-1 G_R d_R - r_j
 /// ```
 ///
-/// so `d = U_L d_L + U_R d_R + d_0`; what is left is `[ -1 - h b_0 G_L - h sum b_l G_l U_L,l ] d_L + ... = -r + h sum b_l G_l d_0,l`.
+/// so `d = U_L d_L + U_R d_R + d_0`, and for the nodes there remains
+/// `[ -1 - h b_0 G_L - h sum b_l G_l U_L,l ] d_L + ... = -r + h sum b_l G_l d_0,l`.
 #[derive(Clone, Debug)]
 pub(crate) struct Condensed {
     m: usize,
@@ -46,14 +56,14 @@ impl Condensed {
         &mut self.jacobians[j * size..(j + 1) * size]
     }
 
-    /// Eliminates the inner points; writes the rows that are left into a block of the matrix.
+    /// Eliminates the inner points; writes the remaining rows into a block of the matrix.
     pub fn condense(
         &mut self,
         method: &Lobatto,
-        h: f64,
-        (left, right): (&[f64], &[f64]),
-        (matrix, block): (&mut AlmostBlockDiagonal, usize),
+        interval: Interval<'_>,
+        matrix: &mut AlmostBlockDiagonal,
     ) -> Result<(), SingularMatrix> {
+        let Interval { length: h, left, right, block } = interval;
         let (m, inner, s) = (self.m, self.inner, method.len());
         let (size, width) = (m * inner, 2 * m);
         for j in 0..inner {

@@ -1,17 +1,18 @@
-//! How wrong a converged solution is, and the next mesh.
+//! The estimated error of a converged solution, and the next mesh.
 
 use crate::bvp::collocation::Collocation;
 use crate::bvp::collocation::lobatto::Lobatto;
 use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
+use crate::constants::refinement::{EXPECTED_GAIN, LEAST_GROWTH, MOST_GROWTH, SAFETY, SLOW_GROWTH};
 use crate::extremal::Extremal;
 use costate::EvalError;
 
 /// Estimated errors of a solution.
 #[derive(Clone, Debug)]
 pub(crate) struct Estimate {
-    /// Largest error of each component, at nodes and between them, in parts of its scale.
+    /// Largest error of each component, at nodes and between them, relative to its scale.
     pub components: Vec<f64>,
     /// Defect of each span (root mean square, scaled), zero for a switch.
     pub local: Vec<f64>,
@@ -24,13 +25,16 @@ impl Estimate {
     }
 }
 
-/// The defect of the solution in the method with one more point, and what the linearised equations make of it.
+/// The error from the defect of the solution in the method with one more point:
 ///
-/// Values at the points of that method come from the collocation polynomial, made better by two Picard iterations; its order
-/// is higher by two, so that `-A^-1 (defect)` is the error at the nodes to leading order. Between them the polynomial is
-/// compared with the values made better. After the last Newton step, whose matrix is used.
+/// $$ e = -A^{-1} \, \delta $$
 ///
-/// `respond` writes `-A^-1 (defect)`: that of [`Collocation::response`], or with further equations.
+/// Values at the points of that method come from the collocation polynomial, improved by two Picard
+/// iterations. Its order is higher by two, so e is the error at the nodes to leading order. Between the nodes
+/// the polynomial is compared with the improved values. To be called after the last Newton step, whose matrix
+/// is used.
+///
+/// `respond` writes `-A^-1 defect`: [`Collocation::response`], or the response with further equations.
 pub(crate) fn estimate<E: Extremal>(
     equations: &mut Collocation,
     timed: &mut Timed<'_, E>,
@@ -87,39 +91,48 @@ pub(crate) fn estimate<E: Extremal>(
     Ok(Estimate { components, local })
 }
 
-/// The size of an error; infinite where it is undefined.
+/// The absolute value of an error; infinite where it is undefined.
 fn defined(error: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error.abs() }
 }
 
-/// A mesh on which the error should come below the tolerance; at most four times as many intervals and no more than `most`.
+/// What a refined mesh must respect.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeshLimits {
+    pub tolerance: f64,
+    pub max_intervals: usize,
+}
+
+/// A mesh on which the error should fall below the tolerance.
 ///
-/// On the first mesh fewer intervals may do, at least half. Later ones only grow, by half where the error `before` was not
-/// much larger: there the solution is not as smooth as the order asks for.
+/// From the first mesh to the second the number of intervals may fall to half. Later meshes only grow, by
+/// half at least if the error `before` was not much larger: then the solution is less smooth than the order
+/// of the method requires.
 pub(crate) fn next_mesh(
-    mesh: &Mesh,
+    equations: &Collocation,
     estimate: &Estimate,
     before: Option<f64>,
-    (order, most): (usize, usize),
-    tolerance: f64,
+    limits: MeshLimits,
 ) -> Mesh {
+    let (mesh, order) = (&equations.mesh, equations.method.order());
     let present = mesh.intervals() as f64;
     let power = 1.0 / (order + 1) as f64;
     let total: f64 = estimate.local.iter().sum();
     let shares: f64 = estimate.local.iter().map(|error| error.powf(power)).sum();
     let error = estimate.largest();
     let wanted = if total > 0.0 && total.is_finite() && error.is_finite() {
-        (error / total * shares.powi(order as i32 + 1) / (0.3 * tolerance)).powf(1.0 / order as f64)
+        let ratio = error / total * shares.powi(order as i32 + 1) / (SAFETY * limits.tolerance);
+        ratio.powf(1.0 / order as f64)
     } else {
         2.0 * present
     };
     let least = match before {
-        None => 1.1 * present.min(1.5 * wanted),
-        Some(before) if error > 0.1 * before => 1.5 * present,
-        Some(_) => 1.1 * present,
+        None => LEAST_GROWTH * present.min(1.5 * wanted),
+        Some(before) if error > EXPECTED_GAIN * before => SLOW_GROWTH * present,
+        Some(_) => LEAST_GROWTH * present,
     };
-    let count = wanted.clamp(least, 4.0 * present).ceil() as usize;
-    let count = count.min(most);
+    let count = wanted.clamp(least, MOST_GROWTH * present).ceil() as usize;
+    let count = count.min(limits.max_intervals);
     if total.is_finite() {
         mesh.equidistributed(&estimate.local, order, count)
     } else {

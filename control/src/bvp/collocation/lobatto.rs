@@ -1,19 +1,24 @@
-//! Lobatto's quadrature as a collocation method (IIIA).
+//! Lobatto quadrature as a collocation method (Lobatto IIIA).
+//!
+//! $$ z(c_i) = z(0) + h \sum_j a_{ij}\, g_j, \qquad a_{ij} = \int_0^{c_i} \ell_j(c)\, dc $$
+//!
+//! with the Lagrange polynomials `l_j` of the points. Source: E. Hairer, G. Wanner, *Solving Ordinary
+//! Differential Equations II*, Springer 1996, section IV.5.
 
 use crate::numerics::lu;
 
-/// Collocation at the s points c_j of Lobatto's quadrature on [0, 1], both ends among them.
+/// Collocation at the s Lobatto points c_j on [0, 1], which include both ends.
 ///
-/// On an interval of length h the polynomial of degree s with `z' = g(z)` at all c_j satisfies
-/// `z(c_i) = z(0) + h sum_j a_ij g_j`, `a_ij` being the integral of the j-th Lagrange polynomial from 0 to c_i; its end
-/// value is the quadrature, of order 2s - 2. s = 3 is Simpson's rule.
+/// On an interval of length h the polynomial of degree s with `z' = g(z)` at all c_j satisfies `z(c_i) = z(0)
+/// + h sum_j a_ij g_j`. Its end value is the quadrature, of order 2s - 2. s = 3 is Simpson's rule.
 #[derive(Clone, Debug)]
 pub(crate) struct Lobatto {
     /// c_j, rising from 0 to 1.
     pub points: Vec<f64>,
     /// a_ij, s x s; the last row has the weights of the quadrature.
     pub a: Vec<f64>,
-    /// `integrals[j][k]`: coefficient of `c^(k+1)` in the integral of the j-th Lagrange polynomial from 0 to c.
+    /// `integrals[j][k]`: coefficient of `c^(k+1)` in the integral of the j-th Lagrange polynomial from 0 to
+    /// c.
     integrals: Vec<f64>,
 }
 

@@ -1,4 +1,14 @@
-//! Collocation on a mesh: the equations, and the correction that their linearisation asks for.
+//! Collocation at Lobatto points on a mesh: the equations and their Newton correction.
+//!
+//! On an interval of length h with the nodes L and R and the slopes `g_l = g(z_l)` at the s Lobatto points,
+//!
+//! $$ z_j - z_L - h \sum_l a_{jl}\, g_l = 0 \quad \text{at inner points,} $$
+//! $$ z_R - z_L - h \sum_l b_l\, g_l = 0 $$
+//!
+//! (Lobatto IIIA, order 2s - 2), and the conditions at the ends and at switches. Source: E. Hairer, G.
+//! Wanner, *Solving Ordinary Differential Equations II*, Springer 1996, section IV.5; for boundary-value
+//! problems Ascher, Mattheij, Russell, *Numerical Solution of Boundary Value Problems for ODEs*, SIAM 1995,
+//! section 5.
 
 pub(crate) mod condensed;
 pub(crate) mod error;
@@ -6,23 +16,20 @@ pub(crate) mod lobatto;
 pub(crate) mod polynomial;
 pub(crate) mod residuals;
 
-use crate::bvp::boundary::{Borders, set_scales};
-use crate::bvp::collocation::condensed::Condensed;
+use crate::bvp::boundary::Borders;
+use crate::bvp::collocation::condensed::{Condensed, Interval};
 use crate::bvp::collocation::lobatto::Lobatto;
 use crate::bvp::mesh::{Mesh, Span};
+use crate::bvp::scales::Scales;
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Discretised, Failure, Solvable};
 use crate::extremal::{Extremal, HamiltonianTerms};
 
-/// The collocation equations on one mesh: all that is ever allocated for it.
+/// The collocation equations on one mesh, with all that is ever allocated for it.
 ///
-/// ```text
-/// z_j - z_L - h sum_l a_jl g_l = 0  at inner points,     z_R - z_L - h sum_l b_l g_l = 0
-/// ```
-///
-/// and the conditions at the ends and at switches. Residuals and corrections are in scaled variables: component c of a
-/// correction, and equation c of an interval, are in parts of `scale[c]`.
+/// Residuals and corrections are in scaled variables: component c of a correction, and equation c of an
+/// interval, are relative to `scale[c]`.
 pub(crate) struct Collocation {
     pub method: Lobatto,
     pub mesh: Mesh,
@@ -30,14 +37,20 @@ pub(crate) struct Collocation {
     pub current: Values,
     /// dw/ds at the last evaluation.
     pub slopes: Values,
-    /// H* and cost at the last evaluation: nodes, inner points.
-    pub rates: (Vec<HamiltonianTerms>, Vec<HamiltonianTerms>),
+    /// H* and cost at the last evaluation.
+    pub rates: Rates,
     pub scale: Vec<f64>,
     node_jacobians: Vec<f64>,
     condensed: Vec<Condensed>,
     pub(crate) borders: Borders,
     /// Residuals of the inner points.
     pub(crate) inner_residual: Vec<f64>,
+}
+
+/// H* and cost at the points of a mesh.
+pub(crate) struct Rates {
+    pub nodes: Vec<HamiltonianTerms>,
+    pub inner: Vec<HamiltonianTerms>,
 }
 
 impl Collocation {
@@ -74,7 +87,10 @@ impl Collocation {
             condensed: vec![Condensed::new(m, points - 2); nodes - 1],
             borders: Borders::new(m, timed.at_start(), nodes),
             slopes: Values::zeros(nodes, m, points),
-            rates: (vec![HamiltonianTerms::default(); nodes], vec![HamiltonianTerms::default(); inner]),
+            rates: Rates {
+                nodes: vec![HamiltonianTerms::default(); nodes],
+                inner: vec![HamiltonianTerms::default(); inner],
+            },
             scale: vec![1.0; m],
             node_jacobians: vec![0.0; nodes * m * m],
             inner_residual: vec![0.0; inner * m],
@@ -149,9 +165,9 @@ impl<E: Extremal> Solvable<E> for Collocation {
                 let h = length * timed.duration(&self.current.nodes[k * m..(k + 1) * m]);
                 for (j, weight) in weights.iter().enumerate() {
                     let rate = match j {
-                        0 => &self.rates.0[k],
-                        j if j == inner + 1 => &self.rates.0[k + 1],
-                        j => &self.rates.1[k * inner + j - 1],
+                        0 => &self.rates.nodes[k],
+                        j if j == inner + 1 => &self.rates.nodes[k + 1],
+                        j => &self.rates.inner[k * inner + j - 1],
                     };
                     cost += h * weight * rate.cost;
                     penalty += h * weight * rate.penalty;
@@ -161,8 +177,12 @@ impl<E: Extremal> Solvable<E> for Collocation {
         (cost, penalty)
     }
 
-    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> bool {
-        set_scales(timed, &self.current.nodes, &mut self.scale, with)
+    fn set_scales(&mut self, timed: &Timed<'_, E>, with: Option<&Values>) -> Scales {
+        self.borders.set_scales(timed, &self.current.nodes, &mut self.scale, with)
+    }
+
+    fn set_coupling(&mut self, timed: &mut Timed<'_, E>) {
+        self.borders.set_coupling(timed, &self.current.nodes);
     }
 
     fn evaluate(&mut self, timed: &mut Timed<'_, E>, values: &Values) -> Result<(), Failure> {
@@ -170,14 +190,14 @@ impl<E: Extremal> Solvable<E> for Collocation {
         for i in 0..self.mesh.nodes() {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
             let slope = &mut self.slopes.nodes[range.clone()];
-            self.rates.0[i] = timed.evaluate(&values.nodes[range], arc, slope)?;
+            self.rates.nodes[i] = timed.evaluate(&values.nodes[range], arc, slope)?;
         }
         for (k, span) in self.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, .. } = *span {
                 for point in k * inner..(k + 1) * inner {
                     let range = point * m..(point + 1) * m;
                     let slope = &mut self.slopes.inner[range.clone()];
-                    self.rates.1[point] = timed.evaluate(&values.inner[range], arc, slope)?;
+                    self.rates.inner[point] = timed.evaluate(&values.inner[range], arc, slope)?;
                 }
             }
         }
@@ -190,7 +210,7 @@ impl<E: Extremal> Solvable<E> for Collocation {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
             let jacobian = &mut self.node_jacobians[i * m * m..(i + 1) * m * m];
             let slope = &mut self.slopes.nodes[range.clone()];
-            self.rates.0[i] = timed.linearise(&self.current.nodes[range], arc, slope, jacobian)?;
+            self.rates.nodes[i] = timed.linearise(&self.current.nodes[range], arc, slope, jacobian)?;
             to_scaled(jacobian, &self.scale);
         }
         for (k, span) in self.mesh.spans.iter().enumerate() {
@@ -201,12 +221,13 @@ impl<E: Extremal> Solvable<E> for Collocation {
                     let range = point * m..(point + 1) * m;
                     let (slope, jacobian) =
                         (&mut self.slopes.inner[range.clone()], condensed.jacobian_mut(j));
-                    self.rates.1[point] =
+                    self.rates.inner[point] =
                         timed.linearise(&self.current.inner[range], arc, slope, jacobian)?;
                     to_scaled(jacobian, &self.scale);
                 }
-                let ends = self.node_jacobians[k * m * m..(k + 2) * m * m].split_at(m * m);
-                condensed.condense(&self.method, length, ends, (&mut self.borders.matrix, k))?;
+                let (left, right) = self.node_jacobians[k * m * m..(k + 2) * m * m].split_at(m * m);
+                let interval = Interval { length, left, right, block: k };
+                condensed.condense(&self.method, interval, &mut self.borders.matrix)?;
             }
         }
         let current = std::mem::replace(
@@ -220,7 +241,7 @@ impl<E: Extremal> Solvable<E> for Collocation {
     }
 }
 
-/// Rows in parts of the scale of their component, columns for components in parts of theirs.
+/// Rows relative to the scale of their component, columns for scaled components.
 fn to_scaled(jacobian: &mut [f64], scale: &[f64]) {
     for (row, of_row) in jacobian.chunks_exact_mut(scale.len()).zip(scale) {
         row.iter_mut().zip(scale).for_each(|(entry, of_column)| *entry *= of_column / of_row);

@@ -4,7 +4,8 @@ use crate::bvp::collocation::Collocation;
 use crate::bvp::mesh::Span;
 
 impl Collocation {
-    /// w at c in [0, 1] of an interval, by the collocation polynomial; slopes must be those of the current values.
+    /// w at c in [0, 1] of an interval, by the collocation polynomial; slopes must be those of the current
+    /// values.
     pub fn polynomial(&self, span: usize, c: f64, w: &mut [f64]) {
         let (m, inner) = (self.m, self.method.len() - 2);
         w.copy_from_slice(&self.current.nodes[span * m..(span + 1) * m]);

@@ -9,7 +9,8 @@ use crate::extremal::Extremal;
 use costate::EvalError;
 
 impl Collocation {
-    /// Residuals from the slopes; with `matrix`, also the conditions at the ends and switches into the matrix.
+    /// Residuals from the slopes; with `matrix`, also the conditions at the ends and switches into the
+    /// matrix.
     pub(crate) fn set_residuals<E: Extremal>(
         &mut self,
         timed: &mut Timed<'_, E>,
@@ -40,7 +41,7 @@ impl Collocation {
         Ok(())
     }
 
-    /// The largest residual in each span at the last evaluation, in parts of the scales.
+    /// The largest residual in each span at the last evaluation, relative to the scales.
     pub(crate) fn defects(&self) -> Vec<f64> {
         let (m, inner) = (self.m, self.method.len() - 2);
         let size = |residuals: &[f64]| residuals.iter().fold(0.0_f64, |largest, r| largest.max(r.abs()));

@@ -1,0 +1,160 @@
+//! Which attempts a search makes, in which order, and when it accepts what they found.
+//!
+//! [`Strategy::Direct`] makes the first attempt only. [`Strategy::Full`] goes through this list:
+//!
+//! 1. *From the guess* ([`Search::from_guess`]): Newton's method from the saved motion or the cubics. If
+//!    there are controls without effort, only a saved motion is tried, on the arcs that it shows
+//!    ([`Search::from_saved_arcs`]). Accepted at once if it converged from a saved motion. Otherwise a
+//!    converged result is kept, and its cost must be undercut from here on.
+//! 2. *From paths of low cost* ([`Search::from_path`]), one for each entry of [`PATHS`]. The loop ends when
+//!    no path is found, or when the path is not noticeably cheaper than the solution that is kept. A result
+//!    is accepted if it converged and costs less than what is kept; if nothing is kept, an almost converged
+//!    one will do ([`Solved::is_nearly_solved`]).
+//! 3. *From relaxed problems* ([`Search::from_relaxed_problems`]), if nothing converged so far and the
+//!    problem can be relaxed. The result is returned as it is.
+//!
+//! If the search is stopped, the best result so far is returned. All numbers are in [`crate::constants`].
+
+use crate::bvp::mesh::Mesh;
+use crate::bvp::timed::{Arcs, Clock};
+use crate::constants::attempts::{FEW_STEPS, NOTICEABLE, PATHS, PathAttempt};
+use crate::constants::path::INTERVALS;
+use crate::extremal::{Extremal, Relaxation};
+use crate::options::{SolverOptions, Strategy};
+use crate::problem::FinalTime;
+use crate::progress::Phase;
+use crate::search::Search;
+use crate::search::guess::FoundPath;
+use crate::solve::arcs::solve_arcs;
+use crate::solve::free_time::free_time;
+use crate::solve::homotopy::follow;
+use crate::solve::{Attempt, Discretisation, Layout, Solved};
+use crate::status::Status;
+
+impl<E: Extremal> Search<'_, '_, E> {
+    /// Makes the attempts that the options ask for.
+    pub fn run(mut self, options: &SolverOptions) -> Solved {
+        let attempt = Attempt::new(options, Phase::FixedTime);
+        match options.strategy {
+            Strategy::Direct => self.from_guess(self.time, attempt.max_steps, &attempt),
+            Strategy::Full => self.full(&attempt),
+        }
+    }
+
+    fn full(&mut self, attempt: &Attempt) -> Solved {
+        let easiest = self.extremal.easiest();
+        let saved = self.guess.saved_duration();
+        // A saved motion brings its own duration.
+        let begin = match (self.time, saved) {
+            (FinalTime::Free { .. }, Some(guess)) => FinalTime::Free { guess },
+            _ => self.time,
+        };
+
+        // 1. From the guess.
+        let first = if easiest.effort == 0.0 {
+            Some(self.from_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
+        } else if saved.is_some() {
+            self.from_saved_arcs(begin, attempt)
+        } else {
+            None
+        };
+        let mut best = match first {
+            Some(found) if saved.is_some() && found.is_converged() => return found,
+            first => first,
+        };
+
+        // 2. From paths of low cost.
+        let kept = best.as_ref().filter(|best| best.is_converged());
+        let cost = kept.map(|kept| kept.found.total(self.extremal));
+        for path in PATHS {
+            if self.recorder.interruption().is_some() {
+                break;
+            }
+            let Some(lower) = self.guess.find_path(path, self.recorder) else { break };
+            if cost.is_some_and(|cost| lower.cost >= cost - NOTICEABLE * cost.abs()) {
+                break;
+            }
+            let found = self.from_path(path, lower, attempt);
+            let accepted = match cost {
+                Some(cost) => found.is_converged() && found.found.total(self.extremal) < cost,
+                None => found.is_nearly_solved(),
+            };
+            if accepted {
+                return found;
+            }
+            best = best.filter(Solved::is_converged).or(Some(found));
+        }
+
+        // 3. From relaxed problems.
+        match (best, self.recorder.interruption()) {
+            (Some(best), _) if best.is_converged() || easiest == Relaxation::NONE => best,
+            (Some(best), Some(stopped)) => best.with_status(stopped.into()),
+            _ => {
+                self.extremal.set_relaxation(Relaxation::NONE);
+                self.from_relaxed_problems(attempt)
+            }
+        }
+    }
+
+    /// Newton's method from the simple guess: at first roughly and at a fixed time, with at most `max_steps`
+    /// on a mesh.
+    fn from_guess(&mut self, time: FinalTime, max_steps: usize, attempt: &Attempt) -> Solved {
+        let guess = self.at_fixed_time(time, 1.0, attempt);
+        let first = self.solve(guess, &Attempt { max_steps, ..attempt.loose() });
+        self.finish(first, time, attempt)
+    }
+
+    /// From a saved motion with controls at their bounds to a solution with the arcs that it shows.
+    fn from_saved_arcs(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
+        let guess = self.at_fixed_time(time, 1.0, attempt);
+        let mut rough = guess.evaluated(self.extremal).ok()?;
+        if let FinalTime::Free { .. } = time {
+            rough = rough.with_clock(self.extremal, Clock::Free).evaluated(self.extremal).ok()?;
+        }
+        solve_arcs(&rough, self.extremal, attempt, self.recorder)
+    }
+
+    /// From a path of low cost to a solution: with the smoothing and the penalties of the path first.
+    fn from_path(&mut self, path: PathAttempt, found: FoundPath, attempt: &Attempt) -> Solved {
+        let easiest = self.extremal.easiest();
+        let mut ease = Relaxation {
+            effort: if easiest.effort > 0.0 { path.smoothing } else { 0.0 },
+            penalty: if easiest.penalty < 1.0 { path.penalty } else { 1.0 },
+            ..Relaxation::NONE
+        };
+        self.extremal.set_relaxation(ease);
+        let rough = attempt.in_phase(Phase::FromPath).loose();
+        let intervals = (2 * (attempt.nodes - 1)).max(INTERVALS << path.halvings);
+        let layout = Layout {
+            clock: Clock::Fixed(found.duration),
+            arcs: Arcs::one(),
+            mesh: Mesh::uniform(&[intervals]),
+            points: attempt.points,
+        };
+        let guess = &mut *self.guess;
+        let first = Discretisation::new(self.extremal, layout, |_, s, z| guess.path(s, z));
+        let mut at = self.solve(first, &rough);
+        if let (FinalTime::Free { .. }, true) = (self.time, at.is_converged()) {
+            // The duration of the path is nearly optimal already.
+            let free = at.found.with_clock(self.extremal, Clock::Free);
+            let free = self.solve(free, &rough);
+            let found = free.is_converged() && free.found.final_time(self.extremal) > 0.0;
+            at = if found { free } else { free_time(at, self.extremal, &rough, self.recorder) };
+        }
+        if ease.penalty < 1.0 {
+            let rising = attempt.in_phase(Phase::Penalties);
+            at = follow(at, self.extremal, &rising, self.recorder, |extremal, s| {
+                extremal.set_relaxation(Relaxation { penalty: path.penalty.powf(1.0 - s), ..ease });
+            });
+            ease.penalty = 1.0;
+        }
+        self.without_smoothing(at, ease, attempt)
+    }
+}
+
+impl Solved {
+    /// Whether this is so near to a solution that no further attempt is made if there is no other.
+    pub fn is_nearly_solved(&self) -> bool {
+        matches!(self.status, Status::Converged | Status::MeshLimit | Status::SwitchesNotRefined)
+    }
+}

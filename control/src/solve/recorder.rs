@@ -1,0 +1,137 @@
+//! The log of a search, who listens to it, and what may stop it.
+
+use crate::bvp::Solvable;
+use crate::bvp::newton::{Observer, Outcome, Step, newton};
+use crate::bvp::timed::Timed;
+use crate::extremal::Extremal;
+use crate::progress::{Cancel, Iteration, Listener, Phase};
+use crate::solve::attempt::Attempt;
+use crate::status::Status;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Why a search stopped early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Interruption {
+    Cancelled,
+    TimeLimit,
+}
+
+impl From<Interruption> for Status {
+    fn from(interruption: Interruption) -> Self {
+        match interruption {
+            Interruption::Cancelled => Self::Cancelled,
+            Interruption::TimeLimit => Self::TimeLimit,
+        }
+    }
+}
+
+/// What all attempts of a search share.
+#[derive(Default)]
+pub(crate) struct Recorder<'a> {
+    pub iterations: Vec<Iteration>,
+    listener: Option<Listener<'a>>,
+    stop: Stop,
+}
+
+/// What may stop a search.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stop {
+    cancel: Option<Cancel>,
+    deadline: Option<Instant>,
+    interruption: Option<Interruption>,
+}
+
+impl Stop {
+    /// With the clock running from now.
+    pub fn new(cancel: Option<Cancel>, time_limit: Option<Duration>) -> Self {
+        // A limit beyond the range of the clock is none.
+        let deadline = time_limit.and_then(|limit| Instant::now().checked_add(limit));
+        Self { cancel, deadline, interruption: None }
+    }
+
+    /// Whether to stop, and why.
+    pub fn check(&mut self) -> Option<Interruption> {
+        if self.interruption.is_none() {
+            if self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
+                self.interruption = Some(Interruption::Cancelled);
+            } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                self.interruption = Some(Interruption::TimeLimit);
+            }
+        }
+        self.interruption
+    }
+
+    /// Stops at the request of a listener.
+    pub fn cancel(&mut self) {
+        self.interruption.get_or_insert(Interruption::Cancelled);
+    }
+}
+
+impl<'a> Recorder<'a> {
+    pub fn new(listener: Option<Listener<'a>>, stop: Stop) -> Self {
+        Self { iterations: Vec::new(), listener, stop }
+    }
+
+    /// Whether to stop, and why.
+    pub fn interruption(&mut self) -> Option<Interruption> {
+        self.stop.check()
+    }
+
+    /// Stops the search.
+    pub fn cancel(&mut self) {
+        self.stop.cancel();
+    }
+
+    /// Adds a step to the log and reports it.
+    pub fn record(&mut self, iteration: Iteration) {
+        if let Some(listener) = &mut self.listener
+            && let ControlFlow::Break(()) = listener(&iteration)
+        {
+            self.stop.cancel();
+        }
+        self.iterations.push(iteration);
+    }
+
+    /// Newton's method on one mesh, its steps in the log.
+    pub fn newton<Q: Solvable<E>, E: Extremal>(
+        &mut self,
+        equations: &mut Q,
+        timed: &mut Timed<'_, E>,
+        attempt: &Attempt,
+    ) -> Status {
+        let mut log = Log { recorder: self, phase: attempt.phase };
+        match newton(equations, timed, attempt.limits(), &mut log) {
+            Outcome::Converged => Status::Converged,
+            Outcome::Stalled => Status::NewtonFailed,
+            Outcome::Limit => Status::IterationLimit,
+            Outcome::Interrupted => self.interruption().unwrap_or(Interruption::Cancelled).into(),
+            Outcome::Failed(failure) => failure.into(),
+        }
+    }
+}
+
+/// Newton steps of one phase.
+struct Log<'r, 'a> {
+    recorder: &'r mut Recorder<'a>,
+    phase: Phase,
+}
+
+impl<Q: Solvable<E>, E: Extremal> Observer<Q, E> for Log<'_, '_> {
+    fn interrupts(&mut self) -> bool {
+        self.recorder.interruption().is_some()
+    }
+
+    fn step(&mut self, equations: &Q, timed: &Timed<'_, E>, step: Step) {
+        let (cost, penalty) = equations.costs(timed);
+        self.recorder.record(Iteration {
+            phase: self.phase,
+            nodes: equations.mesh().nodes(),
+            number: step.number,
+            residual: step.correction,
+            step: step.damping,
+            final_time: equations.final_time(timed),
+            cost: cost + penalty,
+        });
+    }
+}

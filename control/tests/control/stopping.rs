@@ -1,0 +1,129 @@
+//! Solvers that are stopped, and problems that have no solution.
+
+use crate::sledge;
+use costate::robot::Robot;
+use costate_control::{
+    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Objective, Parameter,
+    Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
+};
+use std::fmt::Debug;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+fn two_link() -> Problem {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.5], 1.2)
+}
+
+fn stopped(solution: &Solution, status: Status) {
+    assert_eq!(solution.motion.status, status);
+    assert!(solution.trajectory.t.len() > 1, "the best iterate is kept");
+}
+
+#[test]
+fn solvers_can_be_sent_and_printed() {
+    fn both<T: Send + Debug>(_: &T) {}
+    let problem = two_link();
+    let solver =
+        Solver::new(&problem, SolverOptions::default()).unwrap().on_iteration(|_| ControlFlow::Continue(()));
+    both(&solver);
+    assert!(format!("{solver:?}").contains("two_link"), "{solver:?}");
+    let continuation =
+        Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, SolverOptions::default()).unwrap();
+    both(&continuation);
+    assert!(format!("{continuation:?}").contains("Gravity"), "{continuation:?}");
+    both(&Cancel::new());
+    both(&TrajectoryError::BadTimes);
+}
+
+#[test]
+fn a_listener_stops_a_search() {
+    let problem = two_link();
+    let mut steps = 0;
+    let solver = Solver::new(&problem, SolverOptions::default()).unwrap();
+    let solution = solver.on_iteration(|step: &Iteration| {
+        steps += 1;
+        assert_eq!(step.phase, Phase::FixedTime);
+        if steps == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    stopped(&solution.solve(), Status::Cancelled);
+    assert_eq!(steps, 2);
+}
+
+#[test]
+fn a_token_and_a_time_limit_stop_a_search() {
+    let problem = two_link();
+    let cancel = Cancel::new();
+    cancel.cancel();
+    let solver = || Solver::new(&problem, SolverOptions { starts: 3, ..SolverOptions::default() }).unwrap();
+    let solution = solver().with_cancel(cancel.clone()).solve();
+    stopped(&solution, Status::Cancelled);
+    assert!(solution.motion.iterations.is_empty() && solution.starts.len() == 1);
+    let time_limit = Some(Duration::from_nanos(1));
+    let late =
+        Solver::new(&problem, SolverOptions { time_limit, ..SolverOptions::default() }).unwrap().solve();
+    stopped(&late, Status::TimeLimit);
+    // Controls without effort take the other attempts.
+    let least = {
+        let mut problem = two_link();
+        problem.time = FinalTime::Free { guess: 2.0 };
+        problem.cost = Objective { time: 1.0, effort: vec![0.0; 2] };
+        problem.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0; 2] });
+        problem
+    };
+    stopped(
+        &Solver::new(&least, SolverOptions::default()).unwrap().with_cancel(cancel).solve(),
+        Status::Cancelled,
+    );
+    let zero = SolverOptions { time_limit: Some(Duration::ZERO), ..SolverOptions::default() };
+    assert!(Solver::new(&problem, zero).unwrap_err().to_string().contains("solver.time_limit"));
+}
+
+#[test]
+fn a_continuation_stops_at_a_point() {
+    let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
+    let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
+    let follow =
+        || Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, SolverOptions::default()).unwrap();
+    let mut points = 0;
+    let branch = follow().on_point(|point| {
+        points += 1;
+        if point.parameter > 0.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let branch = branch.follow();
+    assert_eq!((points, branch.points.len()), (2, 2));
+    assert_eq!(branch.end, BranchEnd::Interrupted);
+    stopped(&branch.solution, Status::Cancelled);
+    let cancel = Cancel::new();
+    cancel.cancel();
+    let branch = follow().with_cancel(cancel).follow();
+    assert!(branch.end == BranchEnd::NotStarted && branch.points.is_empty());
+    assert_eq!(branch.solution.motion.status, Status::Cancelled);
+}
+
+#[test]
+fn bounds_that_are_too_tight_are_reported() {
+    // A metre in a second from rest to rest takes 4 N.
+    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
+    let problem = {
+        let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
+        problem.bounds = bounds;
+        problem
+    };
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    let Status::BoundsNotReached(violation) = solution.motion.status else {
+        panic!("{}", solution.motion.status)
+    };
+    let BoundViolation { control, factor, .. } = violation;
+    assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{violation:?}");
+    assert!(solution.motion.status.to_string().contains("times as wide"), "{}", solution.motion.status);
+    let text: String = solution.motion.status.clone().into();
+    assert_eq!(Status::from(text), solution.motion.status);
+}
+
+#[test]
+fn phases_have_the_same_names_everywhere() {
+    for phase in [Phase::FixedTime, Phase::FromPath, Phase::Path, Phase::WithoutLimits, Phase::Switches] {
+        assert_eq!(serde_json::to_value(phase).unwrap(), phase.to_string());
+    }
+}
