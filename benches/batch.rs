@@ -1,5 +1,5 @@
 //! Throughput of batches in nodes per second, by number and threads:
-//! `cargo bench --bench batch --features wide,rayon`. With `COSTATE_WRITE=1` in the environment the tables
+//! `cargo bench -p costate-benches --bench batch`. With `COSTATE_WRITE=1` in the environment the tables
 //! are also written to `docs/batch.md`: those for the instruction set that the bench is compiled for.
 //!
 //! Inside the timed region: one call for all nodes, from node-major arrays to node-major arrays.
@@ -31,7 +31,7 @@ fn main() {
         .output_directory(&figures())
         .configure_from_args();
     for file in ROBOTS {
-        let robot = Robot::from_file(format!("{}/robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let robot = Robot::from_file(format!("{}/../robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let mut group = criterion.benchmark_group(format!("{} {INSTRUCTIONS}", robot.name()));
         models(&robot, &mut group);
         group.finish();
@@ -266,7 +266,7 @@ fn report() {
     }
     println!("\n{table}");
     if std::env::var_os("COSTATE_WRITE").is_some() {
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/batch.md");
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/batch.md");
         let text = std::fs::read_to_string(page).unwrap();
         let (before, rest) = text.split_once(BEGIN).unwrap();
         let (_, after) = rest.split_once(END).unwrap();

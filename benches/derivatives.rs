@@ -1,4 +1,4 @@
-//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench --bench derivatives`.
+//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench -p costate-benches --bench derivatives`.
 //! With `COSTATE_WRITE=1` in the environment the table is also written to `docs/times.md`.
 //!
 //! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state,
@@ -23,7 +23,7 @@ fn main() {
         .output_directory(&figures())
         .configure_from_args();
     for file in ROBOTS {
-        let robot = Robot::from_file(format!("{}/robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let robot = Robot::from_file(format!("{}/../robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let mut group = criterion.benchmark_group(robot.name());
         measure(&robot, &mut group);
         group.finish();
@@ -179,7 +179,7 @@ fn report() {
     }
     println!("\n{table}");
     if std::env::var_os("COSTATE_WRITE").is_some() {
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/times.md");
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/times.md");
         let text = std::fs::read_to_string(page).unwrap();
         let (before, rest) = text.split_once(BEGIN).unwrap();
         let (_, after) = rest.split_once(END).unwrap();

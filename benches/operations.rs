@@ -1,7 +1,7 @@
 //! Operations of M, F, F_x and y'F_xx by every route, compared with the figures of the paper.
 //!
-//! `cargo bench --bench operations` prints the table, `cargo bench --bench operations -- --write` also writes
-//! it into `docs/operations.md`; `cargo test --bench operations` fails if the table there is out of date.
+//! `cargo bench -p costate-benches --bench operations` prints the table, with `-- --write` it also writes it into
+//! `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails if the table there is out of date.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -9,16 +9,14 @@
     reason = "a bench may stop on what a library may not"
 )]
 
-#[path = "frames/robots.rs"]
-mod robots;
-
 use costate::derivative::OperationTable;
 use costate::lagrangian::Lagrangian;
 use costate::robot::{Joint, JointFrame, Robot, Tree};
 use costate::scalar::{Constants, Count, Operations, count};
+use costate_test_support::robots;
 use std::fmt::Write;
 
-const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/operations.md");
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/operations.md");
 const BEGIN: &str = "<!-- table: begin -->";
 const END: &str = "<!-- table: end -->";
 
@@ -154,7 +152,7 @@ fn main() {
     } else if !asked("--bench") {
         assert!(
             renewed == page,
-            "docs/operations.md is out of date: cargo bench --bench operations -- --write\n{table}"
+            "docs/operations.md is out of date: cargo bench -p costate-benches --bench operations -- --write\n{table}"
         );
         println!("docs/operations.md holds the operations counted now");
         return;

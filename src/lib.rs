@@ -22,8 +22,8 @@
 //! and costate-contracted Hessian), `adjoint` and `hessian_product` (products without the matrix).
 //!
 //! A module uses only modules before it in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
-//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`], [`dynamics`], [`step`], [`batch`],
-//! then [`control`]. Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal dynamics of actuated kinematic chains.
+//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`], [`dynamics`], [`step`], [`batch`].
+//! Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal dynamics of actuated kinematic chains.
 //! Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
 
 #![deny(unsafe_code)]
@@ -32,8 +32,6 @@
 
 pub mod batch;
 pub mod codegen;
-#[allow(missing_debug_implementations)]
-pub mod control;
 mod coordinates;
 pub mod derivative;
 pub mod dynamics;

@@ -2,56 +2,24 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+use costate_test_support::allocations::{Counting, allocations};
+
 #[cfg(feature = "rayon")]
 use costate::batch::Native;
 use costate::batch::{Batch, FirstOrderArrays, Model, SecondOrderArrays, StepArrays, StepMap};
-use costate::control::{
-    Bounds, Extremal, LagrangianExtremal, Law, Penalty, Problem, RobotExtremal, RunningCost, Side, UserTerm,
-};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
-use costate::scalar::Scalar;
 use costate::step::{
     AutomaticStep, HamiltonianRobot, ImplicitMidpoint, OneStep, RungeKutta4, SemiImplicitEuler, Step,
     StoermerVerlet, Verlet,
 };
 use costate::tensors::{Christoffel, MassMatrixDerivatives};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// Counts what this thread asks of the system's allocator.
-struct Counting;
-
-#[expect(unsafe_code, reason = "an allocator is unsafe by nature; this one only counts and forwards")]
-// SAFETY: every call is forwarded to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
-
-/// How often `work` allocates.
-fn allocations(work: impl FnOnce()) -> usize {
-    let before = ALLOCATIONS.get();
-    work();
-    ALLOCATIONS.get() - before
-}
 
 fn robot(name: &str) -> Robot {
     Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -244,44 +212,4 @@ fn batches_over_threads_do_not_allocate() {
         allocations(|| assert!(batch.evaluate(&x, &u, &mut f).unwrap().is_empty()))
     });
     assert_eq!(count, 0);
-}
-
-/// A running cost of positions and rates.
-struct Swing;
-
-impl RunningCost for Swing {
-    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
-        q.iter().zip(v).fold(S::zero(), |sum, (&q, &v)| sum + q.sin_cos().1 * v * v)
-    }
-}
-
-#[test]
-fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
-    for file in ["two_link.toml", "puma560.toml"] {
-        let robot = robot(file);
-        let n = robot.len();
-        let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.5; n], 1.0);
-        (problem.start.v_free, problem.end.q_free) = (vec![0], vec![1]);
-        problem.terms = vec![UserTerm::new(Swing)];
-        problem.bounds = Some(Bounds { u_min: vec![-0.5; n], u_max: vec![f64::INFINITY; n] });
-        problem.penalty =
-            Some(Penalty { weight: 10.0, q_min: None, q_max: Some(vec![0.1; n]), v_max: Some(vec![0.1; n]) });
-        let z: Vec<f64> = (0..4 * n).map(|i| 0.7 * (1.3 * i as f64).sin()).collect();
-        let (mut g, mut jacobian, mut u) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n], vec![0.0; n]);
-        let mut count = |extremal: &mut dyn Extremal| {
-            allocations(|| {
-                extremal.rate(&z, Law::Maximal, &mut g).unwrap();
-                extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
-                extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-                extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-                extremal.controls_at(&z, Law::Maximal, &mut u);
-                extremal.switching(0, (Side::Inside, Side::High), &z, &mut g);
-            })
-        };
-        use costate::control::Jacobian::{Differences, Exact, WithoutHessian};
-        for matrix in [Exact, Differences, WithoutHessian] {
-            assert_eq!(count(&mut RobotExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
-            assert_eq!(count(&mut LagrangianExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
-        }
-    }
 }

@@ -1,10 +1,11 @@
 //! `costate count`: operations of each quantity by each route.
 
-use crate::report::{Table, joints};
+use crate::report::{Table, title};
 use crate::{Outcome, RobotArguments};
 use costate::derivative::{OperationRow, OperationTable};
 use costate::robot::Robot;
 use costate::scalar::Constants;
+use costate_comparison::operation_table;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::process::ExitCode;
@@ -24,7 +25,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
     let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
-    let table = OperationTable::new(&robot, constants)?;
+    let table = operation_table(&robot, constants)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", as_json(&robot, constants, &table))?;
@@ -60,7 +61,7 @@ fn print(
         Constants::Folded => "products with 0 and 1, sums with 0 and operations between constants are free",
         Constants::Kept => "as f64 executes them, those between constants too",
     };
-    writeln!(out, "{}, {}: operations of one evaluation,\n{how}\n", robot.name(), joints(robot))?;
+    writeln!(out, "{}: operations of one evaluation,\n{how}\n", title(robot))?;
     let mut printed = Table::new(
         &["quantity", "route", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
         2,

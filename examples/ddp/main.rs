@@ -1,8 +1,8 @@
 //! Differential dynamic programming with exact second derivatives, compared with iLQR, its Gauss-Newton
 //! variant.
 //!
-//! `cargo run --release --example ddp` solves six tasks by both methods, prints the iterations side by side,
-//! and summarises the effect of exact second derivatives; `-- --write` writes the same into `docs/ddp.md`.
+//! `cargo run --release -p costate-examples --example ddp` solves six tasks by both methods, prints the iterations side
+//! by side, and summarises the effect of exact second derivatives; `-- --write` writes the same into `docs/ddp.md`.
 //!
 //! - `solver.rs`: the algorithm; `sweep.rs`: its recursion; `trajectory.rs`: roll-outs; `box_qp.rs`: bounds;
 //!   `problem.rs`: its input and output. These five files use the traits `Step` and `Cost` only, and no
@@ -18,6 +18,8 @@ mod reach;
 mod solver;
 mod sweep;
 mod table;
+#[cfg(test)]
+mod tests;
 mod trajectory;
 mod verdict;
 
@@ -61,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Writes the report between the markers of `docs/ddp.md`.
 fn write(report: &str) -> Result<(), Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ddp.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ddp.md");
     let old = std::fs::read_to_string(&path)?;
     let (before, rest) = old.split_once(BEGIN).ok_or("docs/ddp.md has lost its marker of the beginning")?;
     let (_, after) = rest.split_once(END).ok_or("docs/ddp.md has lost its marker of the end")?;

@@ -32,7 +32,7 @@ pub type WithVelocities = RungeKutta4<f64, LagrangianSecondOrder<f64>>;
 pub type Quadratic = QuadraticCost<f64>;
 
 fn robot(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(file)
 }
 
 /// The two-link arm from `from` to rest at `to` (rad) in two seconds, in 100 steps, from zero controls.

@@ -32,7 +32,7 @@ impl Motion {
     /// The two-link arm unfolds and turns within 3 s, its torques at most 1 Nm.
     pub fn two_link() -> Result<Self, RobotError> {
         Ok(Self {
-            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/two_link.toml"))?,
+            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/two_link.toml"))?,
             from: vec![0.0, 2.0],
             to: vec![1.5, -0.4],
             duration: 3.0,
@@ -48,7 +48,7 @@ impl Motion {
     /// rated torques.
     pub fn ur5() -> Result<Self, RobotError> {
         Ok(Self {
-            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/ur5.urdf"))?,
+            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/ur5.urdf"))?,
             from: vec![0.0, -0.3, 0.6, -0.3, 0.0, 0.0],
             to: vec![1.8, -1.6, 1.4, 0.4, 1.2, 1.0],
             duration: 1.0,

@@ -1,5 +1,8 @@
 //! Comparison of analytic and automatic derivatives of forward dynamics.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::function::DerivativeError;
 use super::report::{Figure, largest, relative_difference};
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
@@ -18,6 +21,7 @@ pub(super) struct LagrangianRoutes {
 
 impl LagrangianRoutes {
     /// Builds every workspace.
+    #[inline]
     pub fn new(robot: &Robot) -> Self {
         let function = || ForwardDynamics::new(robot);
         Self {
@@ -29,6 +33,7 @@ impl LagrangianRoutes {
     }
 
     /// Compares a_z and y'a_zz, z = (q, v, u), with hyper-dual numbers; appends the differences to `figures`.
+    #[inline]
     pub fn compare(
         &mut self,
         [q, v, u, y]: [&[f64]; 4],

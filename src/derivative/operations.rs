@@ -1,5 +1,8 @@
 //! How many operations each quantity takes by each route.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
@@ -93,10 +96,27 @@ impl OperationTable {
     ///
     /// # Errors
     /// None that a valid robot gives rise to: numbers that count are not checked.
+    #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.len(), |i| (1.0 + i as f64).sqrt()))
+        Self::counted_at(robot, constants, &|i| (1.0 + i as f64).sqrt())
     }
 
+    /// The same at another state: `number(i)` for entry i of (q, p, u, y). For tests, which want the counts of all
+    /// states to be the same.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    #[doc(hidden)]
+    #[inline]
+    pub fn counted_at(
+        robot: &Robot,
+        constants: Constants,
+        number: &dyn Fn(usize) -> f64,
+    ) -> Result<Self, DerivativeError<EvalError>> {
+        Self::at(robot, constants, &State::new(robot.len(), number))
+    }
+
+    #[inline]
     fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
         let tree = Tree::from(robot);
         let tensors = by_dual_pass(&tree, Christoffel, constants, state)?;
@@ -150,6 +170,7 @@ fn by_dual_pass<R: Route>(
 }
 
 /// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor.
+#[inline]
 fn by_rule(
     tree: &Tree,
     constants: Constants,
@@ -167,6 +188,7 @@ fn by_rule(
 }
 
 /// F_x and y'F_xx by dual numbers, then by hyper-dual numbers.
+#[inline]
 fn automatic(
     robot: &Robot,
     constants: Constants,
@@ -187,71 +209,4 @@ fn automatic(
 fn counted<E>(constants: Constants, evaluate: impl FnOnce() -> Result<(), E>) -> Result<Operations, E> {
     let (outcome, operations) = count_with(constants, evaluate);
     outcome.map(|()| operations)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{OperationTable, State};
-    use crate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
-    use crate::scalar::Constants::{Folded, Kept};
-    use nalgebra::Matrix3;
-
-    /// Three joints, one of them sliding, one with friction, in general directions.
-    fn robot() -> Robot {
-        let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.1 };
-        let link = || LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity() * 0.2);
-        let place = |turn: f64| Placement::from_xyz_rpy([0.3, 0.1, 0.2], [0.4, turn, 0.6]);
-        let joints = [
-            JointSpec::revolute("a"),
-            JointSpec::prismatic("b").on("a"),
-            JointSpec::revolute("c").on("b").friction(friction),
-        ];
-        let mut builder = Robot::builder("three");
-        for (i, joint) in joints.into_iter().enumerate() {
-            builder = builder.joint(joint.axis([0.2, -0.4, 0.7]).placed(place(i as f64)).carrying(link()));
-        }
-        builder.build().unwrap()
-    }
-
-    #[test]
-    fn counts_do_not_depend_on_the_state() {
-        let robot = robot();
-        for constants in [Folded, Kept] {
-            let table = OperationTable::new(&robot, constants).unwrap();
-            let states: [fn(usize) -> f64; 3] =
-                [|_| 0.0, |i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
-            for number in states {
-                let state = State::new(robot.len(), number);
-                assert_eq!(OperationTable::at(&robot, constants, &state).unwrap(), table);
-            }
-        }
-    }
-
-    #[test]
-    fn more_takes_more() {
-        let [folded, kept] =
-            [Folded, Kept].map(|constants| OperationTable::new(&robot(), constants).unwrap());
-        for table in [&folded, &kept] {
-            for pair in table.counts.windows(2) {
-                assert!(pair[0].iter().zip(&pair[1]).all(|(less, more)| less.mul < more.mul), "{pair:?}");
-            }
-        }
-        for (few, all) in folded.rows().zip(kept.rows()) {
-            let (few, all) = (few.operations, all.operations);
-            assert!(few.mul <= all.mul && few.add <= all.add && few.less <= all.less);
-            assert_eq!((few.sincos, few.exp, few.sqrt, few.other), (all.sincos, all.exp, all.sqrt, 0));
-        }
-    }
-
-    #[test]
-    fn rows_are_found_by_name() {
-        let table = OperationTable::new(&robot(), Folded).unwrap();
-        assert_eq!(table.rows().count(), 16 + OperationTable::MORE.len());
-        for row in table.rows() {
-            assert_eq!(table.get(row.quantity, row.route), Some(row.operations));
-        }
-        assert_eq!(table.get("f_x", "by magic"), None);
-        assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
-        assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
-    }
 }

@@ -1,5 +1,8 @@
 //! The library's own derivatives beside automatic ones: every route against hyper-dual numbers.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::function::{DerivativeError, Function, check_length};
 use super::lagrangian_routes::LagrangianRoutes;
 use super::report::{
@@ -87,6 +90,7 @@ type Conserved = (f64, [(&'static str, f64); 2]);
 
 impl Routes {
     /// Builds every workspace.
+    #[inline]
     pub fn new(robot: &Robot) -> Self {
         let (conservative, tree) = (robot.without_friction(), Tree::from(robot));
         let n = robot.len();
@@ -116,6 +120,7 @@ impl Routes {
     ///
     /// # Errors
     /// Those of [`Hamiltonian`].
+    #[inline]
     pub fn compare(
         &mut self,
         x: &[f64],
@@ -143,6 +148,7 @@ impl Routes {
     }
 
     /// Natural sizes; the condition of M; symmetry of J F_x and drift of energy without friction and actuation.
+    #[inline]
     fn compare_conservative(&mut self, x: &[f64]) -> Result<Conserved, DerivativeError<EvalError>> {
         let n = self.conservative.dof();
         let (q, p) = x.split_at(n);
@@ -159,6 +165,7 @@ impl Routes {
     }
 
     /// F_x by every route, and y'F_x.
+    #[inline]
     fn compare_first(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
         let (q, p) = x.split_at(u.len());
         let expected = self.hyperdual.last().jacobian();
@@ -180,6 +187,7 @@ impl Routes {
     }
 
     /// y'F_xx by every route, and its product with y.
+    #[inline]
     fn compare_second(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
         let (q, p) = x.split_at(u.len());
         let expected = self.hyperdual.last_contraction();

@@ -1,5 +1,8 @@
 //! Comparison of the derivatives of every scheme with hyper-dual numbers.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::error::check;
 use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
@@ -33,6 +36,7 @@ impl fmt::Debug for StepRoutes {
 
 impl StepRoutes {
     /// Builds every workspace.
+    #[inline]
     pub fn new(robot: &Robot) -> Self {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
@@ -49,6 +53,7 @@ impl StepRoutes {
     ///
     /// # Errors
     /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
+    #[inline]
     pub fn compare(
         &mut self,
         x: &[f64],

@@ -1,8 +1,13 @@
 //! What is compared: each quantity as one call on a built workspace.
 
 use costate::EvalError;
-use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianLinearisation, HamiltonianSecondOrder, HamiltonianContraction};
-use costate::lagrangian::{ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian, LagrangianSecondOrder, LagrangianContraction};
+use costate::hamiltonian::{
+    DualPass, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
+};
+use costate::lagrangian::{
+    ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction,
+    LagrangianSecondOrder,
+};
 use costate::matrix::{Block, Matrix};
 use costate::robot::{Robot, RobotError, Tree};
 use std::ffi::CStr;

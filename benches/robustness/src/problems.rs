@@ -1,7 +1,7 @@
 //! The problems of the study, drawn from the number of the pair.
 
-use costate::control::{Penalty, Problem};
 use costate::robot::{LoadOptions, Robot, RobotError, file};
+use costate_control::{Penalty, Problem};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 

@@ -1,10 +1,10 @@
-//! Machine code: one state with all checks, four states at once with their guards, which nobody looks at.
+//! Machine code: one state with all checks, and four states at once, whose guards are not checked.
 
 use super::FOUR;
 use super::routes::{ADJOINT, Candidate, F, FIRST, Failure, SECOND, State};
 use costate::codegen::{CodegenError, Coordinates, Quantity, guarded_program};
 use costate::robot::Robot;
-use costate_jit::{Compiled, Evaluator, JitError, LANES_LIMIT, OPERATIONS_PER_STEP, Shape, Status};
+use costate_jit::{Compiled, Evaluator, JitError, LANES_LIMIT, Shape, Status};
 use std::hint::black_box;
 
 const QUANTITIES: [(&str, Quantity); 4] =
@@ -30,12 +30,13 @@ pub fn candidates<'a>(
             Status::Generic { reason } => notes.push(format!("No machine code for {label}: {reason}.")),
             _ => list.push(one_state(label, evaluator, state, last)),
         }
-        let most = OPERATIONS_PER_STEP * LANES_LIMIT;
-        let program = match guarded_program(robot, quantity, Coordinates::Hamiltonian, most) {
-            Err(CodegenError::LongRecording { limit }) => {
-                let reason =
-                    format!("more than {limit} operations, which makes more than {LANES_LIMIT} steps");
-                notes.push(format!("No machine code for {label} at 4 states at once: {reason}."));
+        let program = match guarded_program(robot, quantity, Coordinates::Hamiltonian, LANES_LIMIT) {
+            Err(
+                error @ (CodegenError::LargeRobot { .. }
+                | CodegenError::LongRecording { .. }
+                | CodegenError::TooLarge { .. }),
+            ) => {
+                notes.push(format!("No machine code for {label} at 4 states at once: {error}."));
                 continue;
             }
             program => program?,
@@ -48,7 +49,7 @@ pub fn candidates<'a>(
     Ok(())
 }
 
-/// q, p, u and, where there is room for it, y.
+/// q, p, u and y, as many as the program takes.
 fn inputs(state: &State, count: usize) -> Vec<f64> {
     state.x.iter().chain(&state.u).chain(&state.y).copied().take(count).collect()
 }
@@ -84,7 +85,7 @@ fn four_states<'a>(
     let work = move |to: Option<&mut Vec<f64>>| {
         compiled.call(black_box(&inputs), black_box(&mut outputs))?;
         if let Some(to) = to {
-            // Behind the last result stands the guard.
+            // The last output is the guard.
             let end = outputs.len() - 1;
             to.extend(outputs[end - last..end].iter().map(|lanes| lanes[0]));
         }

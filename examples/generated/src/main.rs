@@ -52,15 +52,15 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
     use super::{cart_pole, panda, problems, two_link, ur5};
-    use costate::control::{
-        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
-    };
     use costate::derivative::largest;
     use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
     use costate::lagrangian::Lagrangian;
     use costate::matrix::Block;
     use costate::num_dual::Dual64;
     use costate::robot::Robot;
+    use costate_control::{
+        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
+    };
     use std::array::from_fn;
     use std::path::{Path, PathBuf};
 
@@ -221,11 +221,12 @@ mod tests {
             z[..2].iter_mut().zip(&problem.end.q).for_each(|(z, q)| *z = q * s * s * (3.0 - 2.0 * s));
         };
         let motion = solve_extremal(&mut extremal, problem.time, &Options::default(), guess);
-        assert!(motion.status.is_converged(), "{}", motion.status);
-        assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
+        assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
+        assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     }
 
-    /// What the sine and cosine of generated code differ by from those of the standard library, in units of the last place.
+    /// What the sine and cosine of generated code differ by from those of the standard library, in units of
+    /// the last place.
     #[test]
     fn sine_and_cosine_are_right_to_two_units_in_the_last_place() {
         let quarter = std::f64::consts::FRAC_PI_2;

@@ -22,7 +22,7 @@ use super::real::real_tanh_and_slope;
 ///
 /// An error concerns all lanes: if one state is not finite, or its mass matrix is singular, the whole call
 /// fails. A [`Batch`](crate::batch::Batch) then evaluates the states one by one. In
-/// [`sin_cos`](Scalar::sin_cos) one lane beyond 1e6 rad, or NaN, makes all of them use the standard library
+/// [`sin_cos`](Scalar::sin_cos) one lane beyond 1e5 rad, or NaN, makes all of them use the standard library
 /// one by one: equally exact, but slower.
 ///
 /// The number of registers depends on the compile target: eight lanes are one register with AVX-512, two with
