@@ -1,5 +1,5 @@
 //! Throughput of batches in nodes per second, by number and threads:
-//! `cargo bench --bench batch --features wide,rayon`. With `COSTATE_WRITE=1` in the environment the tables
+//! `cargo bench -p costate-benches --bench batch`. With `COSTATE_WRITE=1` in the environment the tables
 //! are also written to `docs/batch.md`: those for the instruction set that the bench is compiled for.
 //!
 //! Inside the timed region: one call for all nodes, from node-major arrays to node-major arrays.
