@@ -6,8 +6,8 @@ use crate::result::motion::Motion;
 use crate::search::solve_extremal;
 use costate::dynamics::{Cost, Dynamics};
 
-/// Solves the problem of `extremal` from a straight line between its ends with costates of zero. Another first guess can be
-/// given to [`solve_extremal`].
+/// Solves the problem of `extremal` from a straight line between its ends with costates of zero. Another
+/// first guess can be given to [`solve_extremal`].
 pub fn solve_dynamics<D: Dynamics<f64>, C: Cost<f64>>(
     extremal: &mut DynamicsExtremal<D, C>,
     options: &SolverOptions,
