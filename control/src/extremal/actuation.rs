@@ -23,8 +23,17 @@ pub(crate) struct Actuation {
     pub effort: Vec<f64>,
     /// Lower and upper bounds; infinite for none.
     pub bounds: Vec<(f64, f64)>,
-    /// Middle and w of the controls that have the smooth cost now.
-    smooth: Vec<Option<(f64, f64)>>,
+    /// Ranges of the controls that have the smooth cost now.
+    smooth: Vec<Option<SmoothRange>>,
+}
+
+/// The range of a control with the smooth cost.
+#[derive(Clone, Copy, Debug)]
+struct SmoothRange {
+    /// m.
+    middle: f64,
+    /// w; infinite without bounds.
+    width: f64,
 }
 
 /// Half the distance between two bounds. With one bound only, its absolute value, or 1 where that is zero.
@@ -77,11 +86,13 @@ impl Actuation {
             (self.effort[i], self.smooth[i]) = match original.effort[i] {
                 0.0 if relaxation.effort > 0.0 => (
                     relaxation.effort * 2.0 * price / (half * half),
-                    Some((middle, relaxation.bounds * half)),
+                    Some(SmoothRange { middle, width: relaxation.bounds * half }),
                 ),
-                effort => {
-                    (effort, original.smooth[i].map(|(middle, width)| (middle, relaxation.bounds * width)))
-                }
+                effort => (
+                    effort,
+                    original.smooth[i]
+                        .map(|range| SmoothRange { width: relaxation.bounds * range.width, ..range }),
+                ),
             };
         }
     }
@@ -95,7 +106,7 @@ impl Actuation {
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
     pub fn unbounded(&self, i: usize, y_p: f64) -> f64 {
         let pull = self.gain[i] * y_p;
-        let middle = self.smooth[i].map_or(0.0, |(middle, _)| middle);
+        let middle = self.smooth[i].map_or(0.0, |range| range.middle);
         if pull == 0.0 { middle } else { middle + pull / self.effort[i] }
     }
 
@@ -103,8 +114,8 @@ impl Actuation {
     pub fn control(&self, i: usize, y_p: f64, law: ControlLaw<'_>) -> Control<f64> {
         let sides = match (law, self.smooth[i]) {
             (ControlLaw::Maximal, None) => return self.maximal(i, y_p),
-            (ControlLaw::Maximal, Some((middle, width))) => {
-                return self.smoothed(i, self.unbounded(i, y_p) - middle, (middle, width));
+            (ControlLaw::Maximal, Some(range)) => {
+                return self.smoothed(i, self.unbounded(i, y_p) - range.middle, range);
             }
             (ControlLaw::Given(sides), _) => sides,
         };
@@ -136,7 +147,7 @@ impl Actuation {
     }
 
     /// The smooth control for `free = b y_p / r`.
-    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control<f64> {
+    fn smoothed(&self, i: usize, free: f64, SmoothRange { middle, width }: SmoothRange) -> Control<f64> {
         let r = self.effort[i];
         if width.is_infinite() {
             let smoothing = 0.5 * r * free * free;

@@ -1,7 +1,7 @@
 //! The equations of an extremal as a program.
 
 use crate::extremal::actuation::Actuation;
-use crate::extremal::hamiltonian::equations::Equations;
+use crate::extremal::hamiltonian::equations::{Equations, Outputs};
 use crate::problem::error::SourceError;
 use crate::problem::{Bounds, Penalty, Problem};
 use costate::codegen::{CodegenError, Expr, Program, name_from};
@@ -75,7 +75,8 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
             ProgramOf::Rate => equations.evaluate(&z, control, &mut rate),
             ProgramOf::Jacobian => {
                 matrix.resize(16 * n * n, Expr::zero());
-                equations.linearise(&z, control, true, (&mut rate, &mut matrix))
+                let outputs = Outputs { g: &mut rate, jacobian: &mut matrix };
+                equations.linearise(&z, control, true, outputs)
             }
         };
         let l = l.map_err(CodegenError::Eval)?;

@@ -31,6 +31,12 @@ struct Given {
     v_free: Vec<bool>,
 }
 
+/// Residuals (2n) and their Jacobian (2n x 4n).
+struct Conditions<'a> {
+    residual: &'a mut [f64],
+    jacobian: &'a mut [f64],
+}
+
 /// Workspace of the dual pass.
 #[derive(Clone, Debug)]
 struct Work {
@@ -113,7 +119,8 @@ impl Given {
             }
             return Ok(());
         }
-        (0..self.x.len()).try_for_each(|direction| self.along(work, z, direction, (residual, jacobian)))
+        (0..self.x.len())
+            .try_for_each(|direction| self.along(work, z, direction, Conditions { residual, jacobian }))
     }
 
     /// Residuals and the column of the Jacobian of one component of x; the first component also writes the
@@ -123,7 +130,7 @@ impl Given {
         Work { dual, q, p, rates }: &mut Work,
         z: &[f64],
         direction: usize,
-        (residual, jacobian): (&mut [f64], &mut [f64]),
+        Conditions { residual, jacobian }: Conditions<'_>,
     ) -> Result<(), EvalError> {
         let n = self.v.len();
         let (y_q, y_p) = (&z[2 * n..3 * n], &z[3 * n..]);

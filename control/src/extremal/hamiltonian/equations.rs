@@ -33,6 +33,12 @@ pub(crate) struct Equations<S: Scalar> {
     pub pull: Vec<S>,
 }
 
+/// What a linearisation writes: z' (4n) and its Jacobian (4n x 4n).
+pub(crate) struct Outputs<'a, S> {
+    pub g: &'a mut [S],
+    pub jacobian: &'a mut [S],
+}
+
 /// The running cost l.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Running<S> {
@@ -140,7 +146,7 @@ impl<S: ExtremalScalar> Equations<S> {
         z: &[S],
         control: impl Fn(usize, S) -> Control<S>,
         hessian: bool,
-        (g, jacobian): (&mut [S], &mut [S]),
+        Outputs { g, jacobian }: Outputs<'_, S>,
     ) -> Result<Running<S>, EvalError> {
         let l = self.prepare(z, control, true)?;
         let n = self.force.len();

@@ -6,7 +6,7 @@ pub(crate) mod equations;
 use crate::extremal::actuation::Actuation;
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::ends::Ends;
-use crate::extremal::hamiltonian::equations::{Equations, Running};
+use crate::extremal::hamiltonian::equations::{Equations, Outputs, Running};
 use crate::extremal::relaxable::{Relaxable, RelaxedParts};
 use crate::extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
@@ -109,7 +109,7 @@ impl BoundaryValueProblem for RobotExtremal {
         let hessian = self.jacobian == JacobianRoute::Exact;
         let actuation = &self.actuation;
         let control = |i, y_p| actuation.control(i, y_p, law);
-        let l = self.equations.linearise(z, control, hessian, (g, jacobian))?;
+        let l = self.equations.linearise(z, control, hessian, Outputs { g, jacobian })?;
         Ok(with_hamiltonian(z, g, l))
     }
 
