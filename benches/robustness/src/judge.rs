@@ -87,9 +87,9 @@ pub fn successes(
 mod tests {
     use super::*;
     use crate::problems::{RobotName, Variant};
-    use costate_control::Jacobian;
+    use costate_control::JacobianRoute;
 
-    fn record(pair: usize, matrix: Jacobian, change: impl Fn(&mut Record)) -> Record {
+    fn record(pair: usize, matrix: JacobianRoute, change: impl Fn(&mut Record)) -> Record {
         let (robot, variant, coordinates) = (RobotName::Panda, Variant::Plain, Coordinates::Hamiltonian);
         let mut record = Record {
             search: Search { robot, variant, pair, coordinates, matrix },

@@ -16,7 +16,7 @@ pub struct Search {
     /// Number of the pair of start and end, and seed of all that is drawn for it.
     pub pair: usize,
     pub coordinates: Coordinates,
-    pub matrix: Jacobian,
+    pub matrix: JacobianRoute,
 }
 
 impl fmt::Display for Search {

@@ -10,7 +10,7 @@ use std::fmt::{self, Write};
 /// The others, beside the exact matrix.
 const OTHERS: [JacobianRoute; 2] = [JacobianRoute::Differences, JacobianRoute::WithoutHessian];
 
-fn name(matrix: Jacobian) -> &'static str {
+fn name(matrix: JacobianRoute) -> &'static str {
     match matrix {
         JacobianRoute::Exact => "exact",
         JacobianRoute::Differences => "differences",
@@ -180,7 +180,7 @@ fn failures(text: &mut String, records: &[Record]) -> fmt::Result {
 }
 
 /// Coordinates, variants (`None` for all together) and other matrices.
-fn for_each(mut row: impl FnMut(Coordinates, Option<Variant>, Jacobian) -> fmt::Result) -> fmt::Result {
+fn for_each(mut row: impl FnMut(Coordinates, Option<Variant>, JacobianRoute) -> fmt::Result) -> fmt::Result {
     for coordinates in COORDINATES {
         for matrix in OTHERS {
             for variant in Variant::ALL.map(Some).into_iter().chain([None]) {
@@ -196,7 +196,7 @@ fn paired(
     records: &[Record],
     coordinates: Coordinates,
     variant: Option<Variant>,
-    matrix: Jacobian,
+    matrix: JacobianRoute,
 ) -> Paired {
     let keep = |search: &Search| {
         let asked = search.coordinates == coordinates && search.matrix == JacobianRoute::Exact;
