@@ -80,7 +80,8 @@ impl Problem {
         }
     }
 
-    /// Bounds are numbers with something between them, and finite on both sides where the control costs nothing.
+    /// Bounds are numbers with something between them, and finite on both sides where the control costs
+    /// nothing.
     fn check_bounds(&self) -> Result<(), ProblemError> {
         if let Some(Bounds { u_min, u_max }) = &self.bounds {
             self.numbers(Key::U_MIN, u_min)?;

@@ -5,7 +5,8 @@ use costate::EvalError;
 use costate::codegen::CodegenError;
 use std::fmt;
 
-/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason) give each.
+/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
+/// give each.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ProblemError {
