@@ -165,7 +165,8 @@ fn the_swing_back_has_a_shortest_time() {
     assert!(direct.status.is_converged());
     close(direct.cost, back.cost, 1e-9);
 
-    // On this side of it there are two that approach each other; H* differs by the square root of the distance.
+    // On this side of it there are two that approach each other; H* differs by the square root of the
+    // distance.
     let parted = |time: f64| {
         let [one, other] = [&long, back].map(|start| {
             let there = from(start, time);
