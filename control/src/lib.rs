@@ -26,6 +26,7 @@ mod result;
 mod search;
 mod solve;
 mod solver;
+mod starts;
 mod status;
 
 pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};

@@ -30,7 +30,7 @@ use crate::result::solution::Trajectory;
 use crate::search::guess::StartError;
 use crate::solve::recorder::Stop;
 use crate::solve::{Attempt, Discretisation, Recorder};
-use crate::solver::{Starts, failed, saved, solution};
+use crate::starts::{Starts, failed, saved, solution};
 use crate::status::Status;
 use family::Family;
 use std::fmt;

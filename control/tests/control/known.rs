@@ -2,7 +2,7 @@
 
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
-use costate_control::{Certificate, Cost, Jacobian, Method, Options, Problem, Solution, Solver, Time};
+use costate_control::{Certificate, Cost, Jacobian, Options, Problem, Solution, Solver, Time};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn pendulum() -> Robot {
@@ -160,19 +160,27 @@ fn six_joints_take_a_few_steps() {
     assert!(solution.newton_iterations <= 20, "{:?}", solution.iterations);
 }
 
+/// Both ends are free, or the end alone, so the robot moves without control and all costates vanish.
 #[test]
 fn a_motion_that_needs_no_control_costs_nothing() {
-    // The end is free, so the robot falls: all costates vanish.
-    for (name, q, v) in [("pendulum", vec![0.4], vec![0.3]), ("two_link", vec![0.3, -0.2], vec![0.5, 1.0])] {
+    for (name, q, v) in [
+        ("pendulum", vec![0.4], vec![0.3]),
+        ("two_link", vec![0.3, -0.2], vec![0.5, 1.0]),
+        ("two_link", vec![0.3, -0.2], vec![0.0; 2]),
+        ("two_link", vec![0.0; 2], vec![0.0; 2]),
+    ] {
         let robot = Robot::from_file(format!("../robots/{name}.toml")).unwrap();
         let all: Vec<usize> = (0..q.len()).collect();
-        let mut problem = Problem::rest_to_rest(robot, &q, &q, 1.0);
+        let to: Vec<f64> = q.iter().map(|q| q + 0.2).collect();
+        let mut problem = Problem::rest_to_rest(robot, &q, &to, 1.0);
         problem.start.v = v;
-        (problem.end.q_free, problem.end.v_free) = (all.clone(), all);
-        for method in [Method::Collocation, Method::Shooting] {
-            let options = Options { method, ..Options::default() };
-            let solution = Solver::new(&problem, options).unwrap().solve();
-            assert!(solution.status.is_converged(), "{name}: {} {:?}", solution.status, solution.iterations);
+        (problem.end.q_free, problem.end.v_free) = (all.clone(), all.clone());
+        for start_is_free in [false, true] {
+            if start_is_free {
+                (problem.start.q_free, problem.start.v_free) = (all.clone(), all.clone());
+            }
+            let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+            assert!(solution.status.is_converged(), "{name} {problem:?}: {}", solution.status);
             assert!(solution.cost < 1e-20, "{name}: {}", solution.cost);
         }
     }
