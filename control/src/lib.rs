@@ -34,6 +34,7 @@ mod search;
 mod solve;
 mod solve_extremal;
 mod solver;
+mod starts;
 mod status;
 
 pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};

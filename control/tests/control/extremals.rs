@@ -122,7 +122,7 @@ fn extremals_and_errors_can_change_threads() {
     fn is_send<T: Send>() {}
     is_send::<RobotExtremal>();
     is_send::<costate_control::LagrangianExtremal>();
-    is_send::<costate_control::DynamicsExtremal<costate::hamiltonian::SecondOrder<f64>>>();
+    is_send::<costate_control::DynamicsExtremal<costate::hamiltonian::HamiltonianSecondOrder<f64>>>();
     is_send::<costate_control::ProblemFile>();
     is_send::<costate_control::ProblemFileError>();
     is_send::<costate_control::DynamicsProblemError>();

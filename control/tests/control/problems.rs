@@ -1,9 +1,7 @@
 //! Refused problems, warnings and saved solutions.
 
 use costate::robot::Robot;
-use costate_control::{
-    Bounds, FinalTime, Penalty, Phase, Problem, Solution, Solver, SolverOptions, TrajectoryError,
-};
+use costate_control::{Bounds, FinalTime, Penalty, Phase, Problem, Solution, Solver, SolverOptions};
 use std::ops::ControlFlow;
 
 fn problem() -> Problem {
