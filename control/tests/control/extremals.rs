@@ -33,7 +33,7 @@ pub fn problems() -> Vec<(Problem, Relaxation)> {
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
         problem.cost.time = 0.3;
         problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
-        problem.gain = (0..n).map(|i| 1.5 - 0.3 * i as f64).collect();
+        problem.gain = (0..n).map(|i| 1.6 - 0.3 * i as f64).collect();
         problems.push((problem.clone(), Relaxation::NONE));
         problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
         problem.penalty = Some(Penalty {
