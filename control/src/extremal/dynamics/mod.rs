@@ -1,6 +1,7 @@
 //! Extremals of any model that is affine in its controls.
 
 mod controls;
+mod guess;
 pub(crate) mod problem;
 mod response;
 

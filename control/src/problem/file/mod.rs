@@ -90,6 +90,6 @@ impl ProblemFile {
     pub fn refuse(&self, key: Key, cause: impl Into<Box<dyn Error + Send + Sync>>) -> ProblemFileError {
         let line = Document::parse(&self.text).ok().and_then(|document| document.line_of(key));
         let cause = ProblemFileCause::Other(cause.into());
-        Fault { line, key: Some(key.to_string()), cause }.in_file(self.path.as_deref())
+        Fault { line, key: Some(key.to_string()), cause: Box::new(cause) }.in_file(self.path.as_deref())
     }
 }
