@@ -66,7 +66,7 @@ fn the_counter_counts() {
 fn analytic_derivatives_do_not_allocate() {
     for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
         let mut second = SecondOrder::<f64>::new(&robot);
@@ -96,7 +96,7 @@ fn analytic_derivatives_do_not_allocate() {
 fn christoffel_coefficients_do_not_allocate() {
     for name in ["panda.urdf", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let (tree, n) = (Tree::from(&robot), robot.len());
+        let (tree, n) = (Tree::from(&robot), robot.dof());
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
         let mut second = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
@@ -115,7 +115,7 @@ fn christoffel_coefficients_do_not_allocate() {
 fn lagrangian_derivatives_do_not_allocate() {
     for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let (q, v, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; n]);
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
         let mut second = lagrangian::SecondOrder::<f64>::new(&robot);
@@ -173,7 +173,7 @@ fn automatic_derivatives_do_not_allocate() {
 fn steps_do_not_allocate() {
     for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let (x, u, y) = (vec![0.3; 2 * n], vec![0.1; n], vec![0.4; 2 * n]);
         let momenta = || SecondOrder::<f64>::new(&robot);
         let mut rk4 = RungeKutta4::new(momenta());
@@ -259,7 +259,7 @@ impl RunningCost for Swing {
 fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
     for file in ["two_link.toml", "puma560.toml"] {
         let robot = robot(file);
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.5; n], 1.0);
         (problem.start.v_free, problem.end.q_free) = (vec![0], vec![1]);
         problem.terms = vec![UserTerm::new(Swing)];

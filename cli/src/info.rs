@@ -42,7 +42,7 @@ fn as_json(robot: &Robot) -> serde_json::Value {
     };
     json!({
         "robot": robot.name(),
-        "n": robot.len(),
+        "n": robot.dof(),
         "joints": robot.joints().iter().map(joint).collect::<Vec<_>>(),
         "warnings": robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
     })

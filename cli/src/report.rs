@@ -4,7 +4,7 @@ use costate::robot::Robot;
 
 /// `1 joint`, `6 joints`.
 pub fn joints(robot: &Robot) -> String {
-    format!("{} joint{}", robot.len(), if robot.len() == 1 { "" } else { "s" })
+    format!("{} joint{}", robot.dof(), if robot.dof() == 1 { "" } else { "s" })
 }
 
 /// A table with a header and columns as wide as their widest cell: the first few hold text, the others numbers.

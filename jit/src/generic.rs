@@ -102,7 +102,7 @@ impl Generic {
 }
 
 fn in_q_p(robot: &Robot, quantity: Quantity) -> Option<Generic> {
-    let (n, n2) = (robot.len(), 2 * robot.len());
+    let (n, n2) = (robot.dof(), 2 * robot.dof());
     let (q, p, u, y, d) = (("q", n), ("p", n), ("u", n), ("y", n2), ("d", n2));
     let (f, f_x) = (("f", n2, 1), ("f_x", n2, n2));
     let mut first = Hamiltonian::<f64>::new(robot);
@@ -152,7 +152,7 @@ fn in_q_p(robot: &Robot, quantity: Quantity) -> Option<Generic> {
 }
 
 fn in_q_v(robot: &Robot, quantity: Quantity) -> Option<Generic> {
-    let (n, n2) = (robot.len(), 2 * robot.len());
+    let (n, n2) = (robot.dof(), 2 * robot.dof());
     let (q, v, u, a, y) = (("q", n), ("v", n), ("u", n), ("a", n), ("y", n));
     let (qdd, qdd_z) = (("qdd", n, 1), ("qdd_z", n, 3 * n));
     let mut first = Lagrangian::<f64>::new(robot);
@@ -198,7 +198,7 @@ const ENERGIES: [(&str, usize, usize); 2] = [("kinetic", 1, 1), ("potential", 1,
 
 /// M, the same in both coordinates.
 fn mass_matrix(robot: &Robot) -> Generic {
-    let (n, mut hamiltonian) = (robot.len(), Hamiltonian::<f64>::new(robot));
+    let (n, mut hamiltonian) = (robot.dof(), Hamiltonian::<f64>::new(robot));
     Generic::of([("q", n)], [("m", n, n)], move |[q], results| {
         results.push(hamiltonian.mass_matrix(q)?.as_slice());
         Ok(())

@@ -47,7 +47,7 @@ pub(super) fn program_with(
 ) -> Result<Program, CodegenError> {
     let names = quantity.arguments(coordinates, options.only);
     let names = names.ok_or_else(|| quantity.undefined(coordinates))?;
-    let n = robot.len();
+    let n = robot.dof();
     let size = |name: &str| match (name, coordinates) {
         ("y" | "d", Coordinates::Hamiltonian) => 2 * n,
         _ => n,

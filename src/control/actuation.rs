@@ -52,7 +52,7 @@ pub(super) struct Control<S> {
 impl Actuation {
     /// That of a problem.
     pub fn new(problem: &Problem) -> Self {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let bounds = match &problem.bounds {
             Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),

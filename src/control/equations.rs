@@ -47,7 +47,7 @@ pub(super) struct Running<S> {
 impl<S: ExtremalScalar> Equations<S> {
     /// Those of a problem that was checked, for a model that was turned already.
     pub fn new(problem: &Problem, second: SecondOrder<S>) -> Self {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let zeros = vec![S::zero(); n];
         Self {
             second,

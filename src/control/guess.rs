@@ -79,7 +79,7 @@ pub(super) fn cubics(
     s: f64,
     z: &mut [f64],
 ) {
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     let mut v = vec![0.0; n];
     for i in 0..n {
         (z[i], v[i]) = disturbed_cubic(problem, (disturbance, goal), i, s);

@@ -59,7 +59,7 @@ impl LagrangianExtremal {
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut second = SecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
             second.first().pull(q, &mut vec![0.0; n])?;

@@ -35,7 +35,7 @@ pub(super) struct Legendre {
 
 impl Legendre {
     pub fn new(robot: &Robot) -> Self {
-        Self { map: Coordinates::new(robot), none: vec![0.0; robot.len()] }
+        Self { map: Coordinates::new(robot), none: vec![0.0; robot.dof()] }
     }
 }
 

@@ -122,7 +122,7 @@ pub struct Penalty {
 impl Problem {
     /// From rest to rest in the time T, criterion `1/2 |u|^2`, no bounds.
     pub fn rest_to_rest(robot: Robot, from: &[f64], to: &[f64], time: f64) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         Self {
             robot,
             start: Start::fixed(from, &vec![0.0; n]),
@@ -141,7 +141,7 @@ impl Problem {
     /// # Errors
     /// The first [`ProblemError`] met; it names the key as in a problem file, and the joint.
     pub fn check(&self) -> Result<(), ProblemError> {
-        let n = self.robot.len();
+        let n = self.robot.dof();
         self.vector("start.q", &self.start.q)?;
         self.vector("start.v", &self.start.v)?;
         self.vector("end.q", &self.end.q)?;
@@ -201,7 +201,7 @@ impl Problem {
                 .as_ref()
                 .is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
         };
-        match (0..self.robot.len()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
+        match (0..self.robot.dof()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
             Some(joint) => Err(ProblemError::UnboundedEffort { joint: self.name(joint) }),
             None => Ok(()),
         }
@@ -223,7 +223,7 @@ impl Problem {
         }
         let entry = |list: &Option<Vec<f64>>, j: usize, none: f64| list.as_ref().map_or(none, |list| list[j]);
         let range = |j: usize| (entry(q_min, j, f64::NEG_INFINITY), entry(q_max, j, f64::INFINITY));
-        match (0..self.robot.len()).map(range).enumerate().find(|(_, (q_min, q_max))| q_min >= q_max) {
+        match (0..self.robot.dof()).map(range).enumerate().find(|(_, (q_min, q_max))| q_min >= q_max) {
             Some((joint, (q_min, q_max))) => {
                 Err(ProblemError::EmptyRange { joint: self.name(joint), q_min, q_max })
             }
@@ -233,7 +233,7 @@ impl Problem {
 
     /// n entries, each a number or infinite.
     fn limits(&self, key: &'static str, values: &[f64]) -> Result<(), ProblemError> {
-        let n = self.robot.len();
+        let n = self.robot.dof();
         if values.len() != n {
             return Err(ProblemError::WrongLength { key, expected: n, found: values.len() });
         }
@@ -245,7 +245,7 @@ impl Problem {
 
     /// n finite entries.
     fn vector(&self, key: &'static str, values: &[f64]) -> Result<(), ProblemError> {
-        let n = self.robot.len();
+        let n = self.robot.dof();
         if values.len() != n {
             return Err(ProblemError::WrongLength { key, expected: n, found: values.len() });
         }

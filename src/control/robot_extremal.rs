@@ -41,7 +41,7 @@ impl RobotExtremal {
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         Ok(Self {
             equations: Equations::new(problem, SecondOrder::new(&problem.robot)),
             actuation: Actuation::new(problem),

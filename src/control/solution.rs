@@ -165,7 +165,7 @@ impl Problem {
     /// # Errors
     /// [`ProblemError::OtherRobot`] where its trajectory is that of another robot, or not whole.
     pub fn check_start(&self, start: &Solution) -> Result<(), ProblemError> {
-        let (expected, found) = (self.robot.len(), start.trajectory.joints().unwrap_or(0));
+        let (expected, found) = (self.robot.dof(), start.trajectory.joints().unwrap_or(0));
         if found == expected { Ok(()) } else { Err(ProblemError::OtherRobot { expected, found }) }
     }
 

@@ -124,7 +124,7 @@ impl<'a> Solver<'a> {
 
     /// Rates at the nodes, and the miss at the end.
     pub(super) fn solution(&self, motion: Motion, extremal: &mut RobotExtremal) -> Solution {
-        let n = self.problem.robot.len();
+        let n = self.problem.robot.dof();
         let mut rates = |x: &[f64]| extremal.velocity(x).map_or_else(|_| vec![f64::NAN; n], <[f64]>::to_vec);
         let v = motion.z.iter().map(|z| rates(&z[..2 * n])).collect();
         let end = &self.problem.end;
@@ -143,7 +143,7 @@ impl<'a> Solver<'a> {
 
 /// A solution without a motion.
 pub(super) fn failed(problem: &Problem, status: Status) -> Solution {
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     Solution {
         status,
         cost: f64::INFINITY,

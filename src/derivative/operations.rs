@@ -94,7 +94,7 @@ impl OperationTable {
     /// # Errors
     /// None that a valid robot gives rise to: numbers that count are not checked.
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.len(), |i| (1.0 + i as f64).sqrt()))
+        Self::at(robot, constants, &State::new(robot.dof(), |i| (1.0 + i as f64).sqrt()))
     }
 
     fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
@@ -138,7 +138,7 @@ fn by_dual_pass<R: Route>(
     constants: Constants,
     State { x, u, y }: &State,
 ) -> Result<[Operations; 4], EvalError> {
-    let (q, p) = x.split_at(tree.len());
+    let (q, p) = x.split_at(tree.dof());
     let mut first = Hamiltonian::with_route(tree.clone(), route.clone());
     let mut second = DualPass::with_route(tree.clone(), route);
     Ok([
@@ -155,7 +155,7 @@ fn by_rule(
     constants: Constants,
     State { x, u, y }: &State,
 ) -> Result<[Operations; 4], EvalError> {
-    let (q, p) = x.split_at(tree.len());
+    let (q, p) = x.split_at(tree.dof());
     let mut second = SecondOrder::from_tree(tree.clone());
     let mut full = FullHessian::from_tree(tree.clone());
     Ok([
@@ -172,7 +172,7 @@ fn automatic(
     constants: Constants,
     State { x, y, .. }: &State,
 ) -> Result<[[Operations; 2]; 2], DerivativeError<EvalError>> {
-    let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]);
+    let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.dof()]);
     let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
     let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
     let mut hessian = Hessian::<_, Count>::over(function());
@@ -221,7 +221,7 @@ mod tests {
             let states: [fn(usize) -> f64; 3] =
                 [|_| 0.0, |i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
             for number in states {
-                let state = State::new(robot.len(), number);
+                let state = State::new(robot.dof(), number);
                 assert_eq!(OperationTable::at(&robot, constants, &state).unwrap(), table);
             }
         }

@@ -22,7 +22,7 @@ impl Function for TotalEnergy {
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        2 * self.0.len()
+        2 * self.0.dof()
     }
 
     fn outputs(&self) -> usize {
@@ -39,7 +39,7 @@ impl Function for TotalEnergy {
         x: &[S],
         h: &mut [S],
     ) -> Result<(), EvalError> {
-        let (q, p) = x.split_at(self.0.len());
+        let (q, p) = x.split_at(self.0.dof());
         h[0] = energy.hamiltonian(q, p)?;
         Ok(())
     }
@@ -88,7 +88,7 @@ impl Routes {
     /// Builds every workspace.
     pub fn new(robot: &Robot) -> Self {
         let (conservative, tree) = (robot.without_friction(), Tree::from(robot));
-        let n = robot.len();
+        let n = robot.dof();
         let function = || PhaseVelocity::new(robot);
         Self {
             analytic: SecondOrder::from_tree(tree.clone()),

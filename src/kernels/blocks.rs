@@ -34,7 +34,7 @@ pub(super) enum Source {
 impl Blocks {
     /// For blocks of this many lanes.
     pub fn new(tree: &Tree, lanes: usize) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         // Joints of the lanes and source of each block, joint by joint; those at the tips come first.
         let mut blocks: Vec<Vec<(Vec<usize>, Source)>> = vec![Vec::new(); n];
         let mut own = vec![(0, 0); n];

@@ -54,7 +54,7 @@ impl<S: Scalar> Coordinates<S> {
 
     /// As [`new`](Self::new), from a model that was turned already.
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
         Self {

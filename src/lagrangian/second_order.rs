@@ -105,7 +105,7 @@ impl<S: Scalar> SecondOrder<S> {
 
     /// As [`new`](Self::new), from a model that was turned already.
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let zero = Tangent::zero();
         Self {
             kernel: KernelOne::new(&tree),

@@ -53,8 +53,8 @@ impl JointFrame {
     pub fn position<S: Scalar>(&self, q: S) -> JointPosition<S> {
         let q = self.shifted(q);
         match self.kind {
-            JointKind::Revolute => JointPosition::Turned(Turn::by(q)),
-            JointKind::Prismatic => JointPosition::Slid(q),
+            JointKind::Revolute => JointPosition::Rotated(Turn::by(q)),
+            JointKind::Prismatic => JointPosition::Translated(q),
         }
     }
 

@@ -76,7 +76,7 @@ impl LoadOptions {
 /// let pendulum = Robot::builder("pendulum")
 ///     .joint(JointSpec::revolute("hinge").axis([0.0, 1.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0, 0.0, -1.0])))
 ///     .build()?;
-/// assert_eq!(pendulum.len(), 1);
+/// assert_eq!(pendulum.dof(), 1);
 /// # Ok::<(), costate::robot::RobotError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -99,9 +99,8 @@ impl Robot {
         &self.name
     }
 
-    /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
+    /// Number of joints and degrees of freedom, n.
+    pub fn dof(&self) -> usize {
         self.joints.len()
     }
 
@@ -161,7 +160,7 @@ impl Robot {
     /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has
     /// none.
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
-        let n = self.len();
+        let n = self.dof();
         if armature.shape() != (n, n) {
             let problem = format!("is {} x {}", armature.nrows(), armature.ncols());
             return Err(RobotError::BadArmature { problem, n });

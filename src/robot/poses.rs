@@ -40,8 +40,8 @@ impl Robot {
     /// # Errors
     /// [`EvalError::WrongLength`].
     pub fn poses(&self, q: &[f64]) -> Result<Vec<Placement>, EvalError> {
-        check_length("q", q, self.len())?;
-        let mut poses: Vec<Placement> = Vec::with_capacity(self.len());
+        check_length("q", q, self.dof())?;
+        let mut poses: Vec<Placement> = Vec::with_capacity(self.dof());
         for (joint, &q) in self.joints().iter().zip(q) {
             let standing = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
             poses.push(standing.then(&joint.motion(q)));

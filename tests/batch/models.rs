@@ -15,7 +15,7 @@ use proptest::prelude::*;
 fn every_number_of_nodes<S: Packed<Lane = f64>>(allowed: f64) {
     for name in ["two_link.toml", "cart_pole.toml", "panda.urdf"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let mut of_phase = Batch::<S, _>::new(Model(SecondOrder::new(&robot)));
         let mut of_velocity = Batch::<S, _>::new(Model(lagrangian::SecondOrder::new(&robot)));
         for nodes in 0..=17 {

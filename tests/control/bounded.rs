@@ -13,7 +13,7 @@ fn solve(problem: &Problem) -> Solution {
 }
 
 fn least_time(robot: Robot, to: &[f64], bound: f64, guess: f64) -> Problem {
-    let n = robot.len();
+    let n = robot.dof();
     Problem {
         time: Time::Free { guess },
         cost: Cost { time: 1.0, effort: vec![0.0; n] },

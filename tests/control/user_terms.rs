@@ -99,7 +99,7 @@ fn problems() -> Vec<Problem> {
         ["robots/two_link.toml", "robots/cart_pole.toml", "robots/manutec_r3.toml", "robots/puma560.toml"];
     let problem = |file: &&str| {
         let robot = Robot::from_file(file).unwrap();
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
         problem.terms = vec![UserTerm::new(Hill), UserTerm::new(Quadratic)];
         problem
@@ -116,7 +116,7 @@ fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
 fn costates_change_by_the_gradient_of_the_running_cost() {
     let mut random = fastrand::Rng::with_seed(11);
     for problem in problems() {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let plain = Problem { terms: Vec::new(), ..problem.clone() };
         let one = Problem { terms: vec![UserTerm::new(Hill)], ..problem.clone() };
         let z = point(n, &mut random);
@@ -150,8 +150,8 @@ fn costates_change_by_the_gradient_of_the_running_cost() {
 fn the_jacobian_with_user_terms_agrees_with_differences() {
     let mut random = fastrand::Rng::with_seed(12);
     for problem in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let found = [Jacobian::Exact, Jacobian::Differences].map(|kind| {
             let mut extremal = RobotExtremal::new(&problem, kind).unwrap();
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);

@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         if line.iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        match answer(evaluator.as_mut(), &line, robot.len(), arguments.coordinates) {
+        match answer(evaluator.as_mut(), &line, robot.dof(), arguments.coordinates) {
             Ok(answer) => writeln!(out, "{answer}")?,
             Err(error) => {
                 bad += 1;

@@ -48,7 +48,7 @@ impl Task {
             problem.check().map_err(|error| error.to_string())?;
             let options = options(&file.solver);
             options.check().map_err(|error| error.to_string())?;
-            let saved = |table: &StartFromTable| Saved::read(&folder.join(&table.file), problem.robot.len());
+            let saved = |table: &StartFromTable| Saved::read(&folder.join(&table.file), problem.robot.dof());
             let start_from = file.start_from.as_ref().map(saved).transpose();
             Ok((start_from.map_err(|error| format!("start_from.file: {error}"))?, problem, options))
         };
@@ -59,7 +59,7 @@ impl Task {
 }
 
 fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
-    let n = robot.len();
+    let n = robot.dof();
     let or = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
     let EndTable { q, v, q_free, v_free } = &file.start;
     let start = Start {

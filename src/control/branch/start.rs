@@ -32,7 +32,7 @@ impl Walker<'_> {
             Time::Fixed(time) => Clock::Fixed(time),
             Time::Free { .. } => Clock::Free,
         };
-        let (points, z) = (self.context.options.points, 4 * self.problem.robot.len());
+        let (points, z) = (self.context.options.points, 4 * self.problem.robot.dof());
         Extremum::guess(&mut self.extremal, (clock, Arcs::one()), mesh, points, |_, s, w| {
             saved(trajectory, s, &mut w[..z]);
             w[z..].fill(duration);

@@ -23,7 +23,7 @@ pub(super) struct Coefficients {
 impl Coefficients {
     /// What the ends fix is no unknown: of each joint position and rate, where they are not free.
     pub fn new(problem: &Problem, basis: &Basis) -> Self {
-        let (n, last) = (problem.robot.len(), basis.len() - 1);
+        let (n, last) = (problem.robot.dof(), basis.len() - 1);
         let mut places = vec![Place { unknown: None, constant: 0.0, slope: 0.0 }; basis.len() * n];
         let mut count = 0;
         let mut next = || {

@@ -47,7 +47,7 @@ pub(super) fn lowest_path(
     wish: Wish,
     mut listen: impl FnMut(Iteration),
 ) -> Option<Path> {
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     let mut objective = Objective::new(problem, INTERVALS);
     let weight = wish.penalty * problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
     let limited = problem.bounds.is_some() || weight > 0.0;

@@ -44,7 +44,7 @@ pub(super) struct Objective {
 
 impl Objective {
     pub fn new(problem: &Problem, intervals: usize) -> Self {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let basis = Basis::new(intervals);
         let actuation = Actuation::new(problem);
         let controls = actuation.effort.iter().zip(&actuation.bounds);
