@@ -1,8 +1,11 @@
 //! Rotates the frames of a robot so that every placement becomes a fixed screw.
 
+use super::joint::JointKind;
+use super::joint_frame::JointFrame;
+use super::link::LinkInertia;
 use super::link::snap;
+use super::model::Robot;
 use super::origins::{LEAST_SINE, origins};
-use super::{JointFrame, JointKind, LinkInertia, Robot};
 use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
 use nalgebra::{Matrix3, Vector3};
 

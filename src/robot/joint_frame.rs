@@ -1,6 +1,6 @@
 //! Constants of one joint and its link, in the frames of a [`Tree`](super::Tree).
 
-use super::{Friction, JointKind, Spring};
+use super::joint::{Friction, JointKind, Spring};
 use crate::scalar::Scalar;
 use crate::spatial::{ConstantInertia, FixedScrew, JointPosition, Transform, Turn};
 use nalgebra::Vector3;

@@ -1,7 +1,8 @@
 //! The constants of a robot as a list of numbers, and frames that do not depend on them.
 
 use super::frames::AlignedFrames;
-use super::{JointFrame, Robot};
+use super::joint_frame::JointFrame;
+use super::model::Robot;
 use nalgebra::Matrix3;
 
 /// The names of ten inertial and three geometric parameters, those of every joint.

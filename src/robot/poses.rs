@@ -1,6 +1,8 @@
 //! `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world.
 
-use super::{Joint, JointKind, Placement, Robot};
+use super::joint::{Joint, JointKind};
+use super::link::Placement;
+use super::model::Robot;
 use crate::EvalError;
 use crate::error::check_length;
 use nalgebra::{Matrix3, Rotation3, Unit};

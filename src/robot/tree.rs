@@ -8,9 +8,10 @@
 //! original frames.
 
 use super::frames::AlignedFrames;
+use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
+use super::model::Robot;
 use super::regroup::regroup;
-use super::{Friction, JointKind, Robot};
 use std::ops::Range;
 
 /// The model that the kernels run on; built from a [`Robot`] once.
