@@ -210,7 +210,11 @@ fn quaternions_since_version_1_1() {
     let text = elbow("continuous", "<origin quat_xyzw=\"0 0 0.6 0.8\"/>");
     let old = load(&text);
     assert_eq!(old.joints()[0].placement, Placement::identity());
-    assert!(notes(&old).contains("quat_xyzw of <origin> of joint 'elbow' is ignored"), "{}", notes(&old));
+    assert!(
+        notes(&old).contains("quat_xyzw of <origin> of joint 'elbow' (line 8) was ignored"),
+        "{}",
+        notes(&old)
+    );
     let new = load(&text.replace("bench\"", "bench\" version=\"1.1\""));
     let expected = Matrix3::new(0.28, -0.96, 0.0, 0.96, 0.28, 0.0, 0.0, 0.0, 1.0);
     assert!((new.joints()[0].placement.rotation - expected).amax() < 1e-15 && new.warnings().is_empty());
