@@ -151,7 +151,7 @@ pub(crate) fn solution(
     extremal: &mut RobotExtremal,
 ) -> Solution {
     let ExtremalSolution { motion, nodes, .. } = found;
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     let mut velocities = |x: &[f64]| extremal.velocity(x).map_or_else(|_| vec![f64::NAN; n], <[f64]>::to_vec);
     let v = nodes.z.iter().map(|z| velocities(&z[..2 * n])).collect();
     let end = &problem.end;

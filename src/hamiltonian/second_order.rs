@@ -54,7 +54,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         Self {
             along: KernelTwo::new(&tree),
             congruence: Congruence::new(n),
@@ -92,7 +92,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.differentiate(y)?;
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
         let Hamiltonian { tree, flow, state, .. } = &self.first;
-        state.add_curvature(tree, &y[tree.len()..], &mut self.y_f_xx);
+        state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
         let linearisation = state.linearisation(flow.kernel.mass_matrix());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }

@@ -56,7 +56,7 @@ impl<S: Scalar> LegendreTransform<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
         Self {

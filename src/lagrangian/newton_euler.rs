@@ -28,7 +28,7 @@ pub(super) struct NewtonEuler<S> {
 
 impl<S: Scalar> NewtonEuler<S> {
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         Self {
             positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             velocities: vec![Motion::zero(); n],

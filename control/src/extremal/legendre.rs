@@ -30,7 +30,7 @@ pub(crate) struct Legendre {
 
 impl Legendre {
     pub fn new(robot: &Robot) -> Self {
-        Self { map: LegendreTransform::new(robot), none: vec![0.0; robot.len()] }
+        Self { map: LegendreTransform::new(robot), none: vec![0.0; robot.dof()] }
     }
 }
 

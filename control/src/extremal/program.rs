@@ -62,7 +62,7 @@ impl ProgramOf {
 pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, SourceError> {
     let problem = problem.check()?.problem();
     let robot = &problem.robot;
-    let n = robot.len();
+    let n = robot.dof();
     let name = name_from(&format!("{} {}", robot.name(), of.name()));
     let actuation = Actuation::new(problem);
     let program = Program::try_record(&name, &[("q", n), ("p", n), ("y", 2 * n)], |arguments| {

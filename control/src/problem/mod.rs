@@ -62,7 +62,7 @@ impl Problem {
     /// From rest to rest in the time T (s), with cost $\frac12 |u|^2$ per second and no bounds. `from` and
     /// `to` are positions (rad, m), one per joint.
     pub fn rest_to_rest(robot: Robot, from: &[f64], to: &[f64], time: f64) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         Self {
             robot,
             start: BoundaryState::fixed(from, &vec![0.0; n]),

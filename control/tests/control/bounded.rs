@@ -13,7 +13,7 @@ fn solve(problem: &Problem) -> Solution {
 }
 
 fn least_time(robot: Robot, to: &[f64], bound: f64, guess: f64) -> Problem {
-    let n = robot.len();
+    let n = robot.dof();
     Problem::rest_to_rest(robot, &vec![0.0; n], to, guess)
         .with_time(FinalTime::Free { guess })
         .with_cost(Objective { time: 1.0, effort: vec![0.0; n] })

@@ -29,7 +29,7 @@ pub fn problems() -> Vec<(Problem, Relaxation)> {
     ];
     let robots = files.iter().map(|file| Robot::from_file(file).unwrap());
     for robot in robots.chain([arm_with_friction()]) {
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
         problem.cost.time = 0.3;
         problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
@@ -62,7 +62,7 @@ pub fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
 fn the_equations_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(5);
     for (problem, relaxation) in problems() {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(relaxation);
         let z = point(n, &mut random);
@@ -91,8 +91,8 @@ fn the_equations_are_those_of_the_maximised_hamiltonian() {
 fn the_exact_jacobian_agrees_with_differences() {
     let mut random = fastrand::Rng::with_seed(6);
     for (problem, relaxation) in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let mut found = Vec::new();
         for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
             let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();

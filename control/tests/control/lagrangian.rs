@@ -42,7 +42,7 @@ fn at(extremal: &mut LagrangianExtremal, z: &[f64]) -> (f64, Vec<f64>) {
 fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(15);
     for (problem, relaxation) in problems() {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(relaxation);
         let z = point(n, &mut random);
@@ -69,8 +69,8 @@ fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
 fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
     let mut random = fastrand::Rng::with_seed(16);
     for (problem, relaxation) in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let mut found = Vec::new();
         for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
             let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
@@ -98,7 +98,7 @@ fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
 fn without_second_derivatives_only_their_blocks_change() {
     let mut random = fastrand::Rng::with_seed(17);
     for (problem, relaxation) in problems() {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let (m, z) = (4 * n, point(n, &mut random));
         let matrix = |kind| {
             let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
@@ -138,7 +138,7 @@ fn without_second_derivatives_only_their_blocks_change() {
 #[test]
 fn the_switching_function_has_an_exact_gradient() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
-    let n = robot.len();
+    let n = robot.dof();
     let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
     problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
     let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();

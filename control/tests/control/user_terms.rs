@@ -104,7 +104,7 @@ fn problems() -> Vec<Problem> {
     ];
     let problem = |file: &&str| {
         let robot = Robot::from_file(file).unwrap();
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
         problem.terms = vec![UserTerm::new(Hill), UserTerm::new(Quadratic)];
         problem
@@ -121,7 +121,7 @@ fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
 fn costates_change_by_the_gradient_of_the_running_cost() {
     let mut random = fastrand::Rng::with_seed(11);
     for problem in problems() {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut plain = problem.clone();
         plain.terms.clear();
         let one = plain.clone().with_term(UserTerm::new(Hill));
@@ -156,8 +156,8 @@ fn costates_change_by_the_gradient_of_the_running_cost() {
 fn the_jacobian_with_user_terms_agrees_with_differences() {
     let mut random = fastrand::Rng::with_seed(12);
     for problem in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let found = [JacobianRoute::Exact, JacobianRoute::Differences].map(|kind| {
             let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);

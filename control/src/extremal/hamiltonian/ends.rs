@@ -49,7 +49,7 @@ struct Work {
 impl Ends {
     pub fn new(problem: &Problem) -> Result<Self, EvalError> {
         let Problem { robot, start, end, .. } = problem;
-        let n = robot.len();
+        let n = robot.dof();
         let zero = Tangent::new(0.0, 0.0);
         let dual = Hamiltonian::new(robot);
         Ok(Self {
@@ -96,7 +96,7 @@ impl Given {
         let mut hamiltonian = Hamiltonian::<f64>::new(robot);
         hamiltonian.inverse_mass_matrix(q)?;
         let x = q.iter().chain(hamiltonian.momentum(q, v)?).copied().collect();
-        let marked = |joints: &[usize]| (0..robot.len()).map(|j| joints.contains(&j)).collect();
+        let marked = |joints: &[usize]| (0..robot.dof()).map(|j| joints.contains(&j)).collect();
         Ok(Self { x, v: v.clone(), q_free: marked(q_free), v_free: marked(v_free) })
     }
 

@@ -53,7 +53,7 @@ pub(crate) struct Running<S> {
 impl<S: ExtremalScalar> Equations<S> {
     /// The equations of a problem, with derivatives from an existing workspace.
     pub fn new(problem: &Problem, second: HamiltonianSecondOrder<S>) -> Self {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let zeros = vec![S::zero(); n];
         Self {
             second,

@@ -44,7 +44,7 @@ impl RobotExtremal {
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         Ok(Self {
             equations: Equations::new(&problem, HamiltonianSecondOrder::new(&problem.robot)),
             actuation: Actuation::new(&problem),

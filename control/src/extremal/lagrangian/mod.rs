@@ -63,7 +63,7 @@ impl LagrangianExtremal {
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut second = LagrangianSecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
             second.first().solve_mass_matrix(q, &mut vec![0.0; n])?;
