@@ -1,7 +1,8 @@
 //! Derivatives of forward dynamics by hand beside automatic ones.
 
 use super::function::DerivativeError;
-use super::report::{Figure, largest, relative_difference};
+use super::bounds::StateBounds;
+use super::report::Figure;
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use crate::error::EvalError;
 use crate::lagrangian::SecondOrder;
@@ -27,30 +28,39 @@ impl LagrangianRoutes {
         }
     }
 
-    /// a_z and y'a_zz, z = (q, v, u), beside hyper-dual numbers; appended to `figures`.
+    /// The reference: hyper-dual numbers through a.
+    pub fn evaluate(&mut self, [q, v, u, y]: [&[f64]; 4]) -> Result<(), DerivativeError<EvalError>> {
+        self.hyperdual.contracted(&[q, v, u].concat(), y)?;
+        Ok(())
+    }
+
+    /// The acceleration evaluated last.
+    pub fn acceleration(&self) -> &[f64] {
+        self.hyperdual.last().value()
+    }
+
+    /// Compares a_z and y'a_zz, z = (q, v, u), with the reference evaluated last; appends to `figures`.
     pub fn compare(
         &mut self,
         [q, v, u, y]: [&[f64]; 4],
+        bounds: &StateBounds,
         figures: &mut Vec<Figure>,
     ) -> Result<(), DerivativeError<EvalError>> {
         let z = [q, v, u].concat();
-        self.hyperdual.contracted(&z, y)?;
         let (expected, contracted) = (self.hyperdual.last().jacobian(), self.hyperdual.last_contracted());
         let second = self.analytic.contracted_hessian(q, v, u, y)?;
-        let natural = 1e-3 * largest(y) * largest(expected.as_slice());
         let dual = self.dual.evaluate(&z)?;
         let nested = self.nested.contracted(&z, y)?;
-        let off_first = |found| relative_difference(found, expected.view(), 0.0);
-        let off_second = |found| relative_difference(found, contracted.view(), natural);
-        // By hand, y'a_zz rounds M in another way than (hyper-)dual numbers do, and M^-1 enters three times.
-        for (quantity, route, value, sensitivity) in [
-            ("a_z, z = (q, v, u)", "analytic", off_first(second.linearisation().matrix()), 1.0),
-            ("a_z, z = (q, v, u)", "dual", off_first(dual.jacobian.view()), 1.0),
-            ("y'a_zz", "analytic", off_second(second.to_matrix().view()), 10.0),
-            ("y'a_zz", "dual", off_second(nested.view()), 1.0),
-        ] {
-            figures.push(Figure { quantity, route, value, sensitivity });
-        }
+        let (by_hand, hessian) = (second.linearisation().matrix(), second.to_matrix());
+        let first = "a_z, z = (q, v, u)";
+        let off = |i: usize, j: usize| by_hand.row(i)[j] - expected[(i, j)];
+        figures.push(Figure::judge(first, "analytic", off, &bounds.a_z));
+        let off = |i, j| dual.jacobian[(i, j)] - expected[(i, j)];
+        figures.push(Figure::judge(first, "dual", off, &bounds.a_z));
+        let off = |i, j| hessian[(i, j)] - contracted[(i, j)];
+        figures.push(Figure::judge("y'a_zz", "analytic", off, &bounds.y_a_zz));
+        let off = |i, j| nested[(i, j)] - contracted[(i, j)];
+        figures.push(Figure::judge("y'a_zz", "dual", off, &bounds.y_a_zz));
         Ok(())
     }
 }

@@ -10,6 +10,7 @@
 //! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] sets the library's
 //! own derivatives beside these, [`OperationTable`] what they all cost.
 
+mod bounds;
 mod directional;
 mod forward_dynamics;
 mod function;
@@ -20,8 +21,10 @@ mod nested;
 mod operations;
 mod phase_velocity;
 mod report;
+mod rounded;
 mod routes;
 
+pub(crate) use bounds::{Bound, Bounds, State, StateBounds};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
 pub(crate) use function::check_length;

@@ -1,22 +1,62 @@
-//! How far routes to the same numbers differ.
+//! How far methods for the same numbers differ, and how far rounding lets them.
 
+use super::bounds::Bound;
+use super::rounded::UNIT;
 use crate::matrix::Block;
-use nalgebra::DMatrix;
 
 /// One comparison at one state, see [`StateReport`].
+///
+/// Every entry is judged by a bound of its own; this is the entry that comes closest to it. Both numbers are relative to
+/// the size of the terms that the entry is the sum of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// What is compared.
     pub quantity: &'static str,
-    /// By which route it was computed.
+    /// By which method it was computed.
     pub route: &'static str,
-    /// Relative difference from what judges it.
-    pub value: f64,
-    /// How much more than usual the condition of M may spoil it, see [`StateReport::excess`].
-    pub sensitivity: f64,
+    /// Relative difference from the reference.
+    pub difference: f64,
+    /// Relative difference that rounding may cause.
+    pub bound: f64,
 }
 
-/// What the routes say of each other at one state; made by [`Routes`](super::Routes).
+impl Figure {
+    /// Difference in units of the bound: agreement where it is at most 1. Not-a-number is no agreement.
+    pub fn ratio(&self) -> f64 {
+        if self.difference == 0.0 { 0.0 } else { self.difference / self.bound }
+    }
+
+    /// Compares entry by entry, `|a_ij - b_ij|` with [`SAFETY`] u times the error of the bound.
+    pub(crate) fn judge(
+        quantity: &'static str,
+        route: &'static str,
+        difference: impl Fn(usize, usize) -> f64,
+        bound: &Bound,
+    ) -> Self {
+        let mut worst = Self { quantity, route, difference: 0.0, bound: 0.0 };
+        for j in 0..bound.size.ncols() {
+            for i in 0..bound.size.nrows() {
+                let (difference, size) = (difference(i, j).abs(), bound.size[(i, j)]);
+                let size = if difference == 0.0 { 1.0 } else { size };
+                let bound = SAFETY * UNIT * bound.error[(i, j)] / size;
+                worst = worst.or_worse(&Self { quantity, route, difference: difference / size, bound });
+            }
+        }
+        worst
+    }
+
+    /// The one with the larger ratio; of two that agree exactly the one with the larger bound.
+    fn or_worse(self, other: &Self) -> Self {
+        let rank = |figure: &Self| if figure.ratio().is_nan() { f64::INFINITY } else { figure.ratio() };
+        let (ours, theirs) = (rank(&self), rank(other));
+        if theirs > ours || (theirs == ours && other.bound > self.bound) { *other } else { self }
+    }
+}
+
+/// By how much a difference may exceed the standard deviation that bounds start from.
+pub const SAFETY: f64 = 1.0;
+
+/// What the methods say of each other at one state; made by [`Routes`](super::Routes).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateReport {
     /// Condition number of M in the 2-norm.
@@ -26,28 +66,22 @@ pub struct StateReport {
 }
 
 impl StateReport {
-    /// The figure of one quantity by one route, `None` if there is no such comparison.
-    pub fn get(&self, quantity: &str, route: &str) -> Option<f64> {
-        let same = |figure: &&Figure| figure.quantity == quantity && figure.route == route;
-        self.figures.iter().find(same).map(|figure| figure.value)
+    /// The figure of one quantity by one method, `None` if there is no such comparison.
+    pub fn get(&self, quantity: &str, route: &str) -> Option<&Figure> {
+        self.figures.iter().find(|figure| figure.quantity == quantity && figure.route == route)
     }
 
-    /// The largest of all figures.
+    /// The largest ratio of a difference to its bound.
     pub fn worst(&self) -> f64 {
-        self.figures.iter().map(|figure| figure.value).fold(0.0, worse)
+        self.figures.iter().map(Figure::ratio).fold(0.0, worse)
     }
 
-    /// The largest figure in units of what double precision allows: `tolerance max(1, sensitivity condition / 1000)`.
-    pub fn excess(&self, tolerance: f64) -> f64 {
-        let allowed = |figure: &Figure| tolerance * (figure.sensitivity * self.condition / 1000.0).max(1.0);
-        self.figures.iter().map(|figure| figure.value / allowed(figure)).fold(0.0, worse)
-    }
-
-    /// The larger of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
+    /// The worse of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
+    #[must_use]
     pub fn with_worse_of(mut self, other: &Self) -> Self {
         self.condition = worse(self.condition, other.condition);
         for (ours, theirs) in self.figures.iter_mut().zip(&other.figures) {
-            ours.value = worse(ours.value, theirs.value);
+            *ours = ours.or_worse(theirs);
         }
         self.figures.extend(other.figures.iter().skip(self.figures.len()));
         self
@@ -66,24 +100,13 @@ pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -
     in_relation(largest(&(a - b)), largest(b), natural)
 }
 
-/// The same for vectors.
-pub(super) fn vector_difference(a: &[f64], b: &[f64], natural: f64) -> f64 {
-    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    in_relation(largest(&differences), largest(b), natural)
-}
-
 /// The largest absolute value; not-a-number if one is (which nalgebra's `amax` and `f64::max` would pass over).
 pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().fold(0.0, |largest, value| worse(largest, value.abs()))
 }
 
-/// `max |a - a'| / max |a|`, see [`relative_difference`].
-pub(super) fn asymmetry(a: &DMatrix<f64>, natural: f64) -> f64 {
-    in_relation(largest(&(a - a.transpose())), largest(a), natural)
-}
-
 /// A difference relative to the size of what is compared.
-pub(super) fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
+fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / worse(size, natural) }
 }
 
@@ -94,7 +117,7 @@ pub fn worse(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Figure, StateReport, relative_difference};
+    use super::relative_difference;
     use crate::matrix::Matrix;
 
     /// A figure that is not a number must never look like agreement.
@@ -109,16 +132,5 @@ mod tests {
             assert!(relative_difference(bad.view(), good.view(), 1.0).is_nan(), "entry {at}");
         }
         assert_eq!(relative_difference(good.view(), good.view(), 0.0), 0.0);
-    }
-
-    #[test]
-    fn figures_are_judged_by_their_own_sensitivity() {
-        let figure = |value, sensitivity| Figure { quantity: "F", route: "a", value, sensitivity };
-        let report = |figures: &[Figure]| StateReport { condition: 2000.0, figures: figures.to_vec() };
-        assert_eq!(report(&[figure(4e-12, 1.0), figure(4e-12, 10.0)]).excess(1e-12), 2.0);
-        assert_eq!(report(&[figure(4e-12, 0.0)]).excess(1e-12), 4.0);
-        let both = report(&[figure(1.0, 1.0)]).with_worse_of(&report(&[figure(f64::NAN, 1.0)]));
-        assert!(both.worst().is_nan() && both.excess(1.0).is_nan() && both.get("F", "a").unwrap().is_nan());
-        assert_eq!(both.get("F", "b"), None);
     }
 }

@@ -2,9 +2,8 @@
 
 use super::function::{DerivativeError, Function, check_length};
 use super::lagrangian_routes::LagrangianRoutes;
-use super::report::{
-    Figure, StateReport, asymmetry, in_relation, largest, relative_difference, vector_difference, worse,
-};
+use super::bounds::{Bound, Bounds, State, StateBounds};
+use super::report::{Figure, StateReport};
 use super::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
@@ -68,21 +67,9 @@ pub struct Routes {
     conservative: Hamiltonian<f64>,
     energy: Jacobian<TotalEnergy>,
     contracted: Matrix<f64>,
-    natural: Natural,
+    bounds: Bounds,
     figures: Vec<Figure>,
 }
-
-/// Sizes of the terms that a quantity is the sum of.
-#[derive(Clone, Copy, Debug, Default)]
-struct Natural {
-    /// `e = sum |p_i v_i| + max |L_q|`, for F_x.
-    energy: f64,
-    /// e or a thousandth of `max |F_x|`: times `max |y|` for y'F_xx, times `max |v|` for dH/dt.
-    along: f64,
-}
-
-/// Condition of M, and what friction and actuation would spoil.
-type Conserved = (f64, [(&'static str, f64); 2]);
 
 impl Routes {
     /// Builds every workspace.
@@ -102,7 +89,7 @@ impl Routes {
             conservative: Hamiltonian::new(&conservative),
             energy: Jacobian::new(TotalEnergy(conservative)),
             contracted: Matrix::zeros(2 * n, 2 * n),
-            natural: Natural::default(),
+            bounds: Bounds::new(Tree::from(robot)),
             figures: Vec::new(),
         }
     }
@@ -131,91 +118,105 @@ impl Routes {
         }
         self.figures.clear();
         self.hyperdual.contracted(x, y)?;
-        let (condition, conservative) = self.compare_conservative(x)?;
-        self.compare_first(x, u, y)?;
-        self.compare_second(x, u, y)?;
         let (q, p) = x.split_at(n);
-        let v = self.conservative.velocity(q, p)?;
-        self.lagrangian.compare([q, v, u, &y[n..]], &mut self.figures)?;
-        conservative.into_iter().for_each(|(quantity, value)| self.push(quantity, "analytic", value));
+        let v = self.conservative.velocity(q, p)?.to_vec();
+        self.lagrangian.evaluate([q, &v, u, &y[n..]])?;
+        let a = self.lagrangian.acceleration();
+        let bounds = self.bounds.at(&State { q, p, v: &v, a, u, input: 0.0 }, y)?;
+        self.compare_first(x, u, y, &bounds)?;
+        self.compare_second(x, u, y, &bounds)?;
+        self.lagrangian.compare([q, &v, u, &y[n..]], &bounds, &mut self.figures)?;
+        let condition = self.compare_conservative(x, &bounds)?;
         Ok(StateReport { condition, figures: self.figures.clone() })
     }
 
-    /// Natural sizes; the condition of M; symmetry of J F_x and drift of energy without friction and actuation.
-    fn compare_conservative(&mut self, x: &[f64]) -> Result<Conserved, DerivativeError<EvalError>> {
+    /// Symmetry of J F_x and drift of energy without friction and actuation; the condition of M.
+    fn compare_conservative(
+        &mut self,
+        x: &[f64],
+        bounds: &StateBounds,
+    ) -> Result<f64, DerivativeError<EvalError>> {
         let n = self.conservative.len();
         let (q, p) = x.split_at(n);
         let conservative = self.conservative.jacobian(q, p, &vec![0.0; n])?;
-        let rate = conservative.f().to_vec();
-        let f_x = conservative.matrix().to_nalgebra();
+        let j_f_x = times_j(&conservative.matrix().to_nalgebra());
         let condition = condition(conservative.mass_matrix().view().to_nalgebra());
-        let energy = p.iter().zip(&rate).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&rate[n..]);
-        self.natural = Natural { energy, along: worse(energy, 1e-3 * largest(&f_x)) };
         let gradient = self.energy.evaluate(x)?.gradient();
-        let drift = drift(gradient, &rate, largest(&rate[..n]) * self.natural.along);
-        let asymmetry = asymmetry(&times_j(&f_x), energy);
-        Ok((condition, [("asymmetry of J F_x, D = 0", asymmetry), ("energy drift dH/dt, u = D = 0", drift)]))
+        let drift: f64 = gradient.iter().zip(conservative.f()).map(|(g, f)| g * f).sum();
+        let bound = Bound { size: times_j(&bounds.f_x.size).abs(), error: times_j(&bounds.f_x.error).abs() };
+        let off = |i, j| j_f_x[(i, j)] - j_f_x[(j, i)];
+        self.push("asymmetry of J F_x, D = 0", "analytic", off, &bound.asymmetry());
+        self.push("energy drift dH/dt, u = D = 0", "analytic", |_, _| drift, &bounds.drift);
+        Ok(condition)
     }
 
-    /// F_x by every route, and y'F_x.
-    fn compare_first(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
+    /// F_x by every method, and y'F_x.
+    fn compare_first(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+        bounds: &StateBounds,
+    ) -> Result<(), DerivativeError<EvalError>> {
+        let Self { analytic, tensors, dual, hyperdual, figures, .. } = self;
         let (q, p) = x.split_at(u.len());
-        let expected = self.hyperdual.last().jacobian();
-        let energy = self.natural.energy;
-        let off = |f_x: Block<'_, f64>| relative_difference(f_x, expected.view(), energy);
-        let by_hand = off(self.analytic.first().jacobian(q, p, u)?.matrix());
-        let tensors = off(self.tensors.first().jacobian(q, p, u)?.matrix());
-        let dual = off(self.dual.evaluate(x)?.jacobian.view());
+        let expected = hyperdual.last().jacobian();
+        let mut judge = |route, f_x: Block<'_, f64>| {
+            let off = |i, j| f_x.row(i)[j] - expected[(i, j)];
+            figures.push(Figure::judge("F_x", route, off, &bounds.f_x));
+        };
+        judge("analytic", analytic.first().jacobian(q, p, u)?.matrix());
+        judge("tensors", tensors.first().jacobian(q, p, u)?.matrix());
+        judge("dual", dual.evaluate(x)?.jacobian.view());
         let product: Vec<f64> =
             (0..x.len()).map(|j| y.iter().enumerate().map(|(k, y)| y * expected[(k, j)]).sum()).collect();
-        let found = self.analytic.first().adjoint(q, p, u, y)?.y_f_x;
-        let natural = worse(energy, largest(expected.as_slice())) * largest(y);
-        let adjoint = vector_difference(found, &product, natural);
-        for (route, value) in [("analytic", by_hand), ("tensors", tensors), ("dual", dual)] {
-            self.push("F_x", route, value);
-        }
-        self.push("y'F_x", "analytic", adjoint);
+        let found = analytic.first().adjoint(q, p, u, y)?.y_f_x;
+        let off = |_, j: usize| found[j] - product[j];
+        figures.push(Figure::judge("y'F_x", "analytic", off, &bounds.f_x.row_product(y)));
         Ok(())
     }
 
-    /// y'F_xx by every route, and its product with y.
-    fn compare_second(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), DerivativeError<EvalError>> {
+    /// y'F_xx by every method, and its product with y.
+    fn compare_second(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+        bounds: &StateBounds,
+    ) -> Result<(), DerivativeError<EvalError>> {
+        let Self { analytic, dual_pass, tensors, full, nested, hyperdual, contracted, figures, .. } = self;
         let (q, p) = x.split_at(u.len());
-        let expected = self.hyperdual.last_contracted();
-        let natural = largest(y) * self.natural.along;
-        let off = |y_f_xx: Block<'_, f64>| relative_difference(y_f_xx, expected.view(), natural);
-        let analytic = off(self.analytic.contracted_hessian(q, p, u, y)?.matrix());
-        let dual_pass = off(self.dual_pass.contracted_hessian(q, p, u, y)?.matrix());
-        let tensors = off(self.tensors.contracted_hessian(q, p, u, y)?.matrix());
-        self.full.evaluate(q, p)?.contract(y, &mut self.contracted)?;
-        let packed = off(self.contracted.view());
-        let by_dual = self.nested.contracted(x, y)?;
-        let nested = off(by_dual.view());
-        let asymmetry = asymmetry(&by_dual.view().to_nalgebra(), natural);
+        let expected = hyperdual.last_contracted();
+        let bound = &bounds.y_f_xx;
+        let mut judge = |route, y_f_xx: Block<'_, f64>| {
+            let off = |i, j| y_f_xx.row(i)[j] - expected[(i, j)];
+            figures.push(Figure::judge("y'F_xx", route, off, bound));
+        };
+        judge("analytic", analytic.contracted_hessian(q, p, u, y)?.matrix());
+        judge("dual pass", dual_pass.contracted_hessian(q, p, u, y)?.matrix());
+        full.evaluate(q, p)?.contract(y, contracted)?;
+        judge("packed tensor", contracted.view());
+        judge("tensors", tensors.contracted_hessian(q, p, u, y)?.matrix());
+        let nested = nested.contracted(x, y)?;
+        judge("dual", nested.view());
+        let off = |i, j| nested[(i, j)] - nested[(j, i)];
+        figures.push(Figure::judge("asymmetry of y'F_xx", "dual", off, &bound.asymmetry()));
         let product: Vec<f64> = (0..x.len()).map(|i| dot(expected.row(i), y)).collect();
-        let found = self.analytic.hessian_product(q, p, y, y)?;
-        let along = worse(natural, largest(expected.as_slice())) * largest(y);
-        let product = vector_difference(found, &product, along);
-        for (route, value) in [("analytic", analytic), ("dual pass", dual_pass), ("packed tensor", packed)] {
-            self.push("y'F_xx", route, value);
-        }
-        // They round M in another way, and M^-1 enters three times.
-        self.figures.push(Figure { quantity: "y'F_xx", route: "tensors", value: tensors, sensitivity: 10.0 });
-        self.push("y'F_xx", "dual", nested);
-        self.push("asymmetry of y'F_xx", "dual", asymmetry);
-        self.push("y'F_xx y", "analytic", product);
+        let found = analytic.hessian_product(q, p, y, y)?;
+        let off = |i: usize, _| found[i] - product[i];
+        figures.push(Figure::judge("y'F_xx y", "analytic", off, &bound.column_product(y)));
         Ok(())
     }
 
-    fn push(&mut self, quantity: &'static str, route: &'static str, value: f64) {
-        self.figures.push(Figure { quantity, route, value, sensitivity: 1.0 });
+    fn push(
+        &mut self,
+        quantity: &'static str,
+        route: &'static str,
+        off: impl Fn(usize, usize) -> f64,
+        bound: &Bound,
+    ) {
+        self.figures.push(Figure::judge(quantity, route, off, bound));
     }
-}
-
-/// `|sum_i g_i f_i| / sum_i |g_i f_i|`, see [`relative_difference`].
-fn drift(gradient: &[f64], rate: &[f64], natural: f64) -> f64 {
-    let terms = || gradient.iter().zip(rate).map(|(g, f)| g * f);
-    in_relation(terms().sum::<f64>().abs(), terms().map(f64::abs).sum(), natural)
 }
 
 /// `J F_x` with `J = [0 1; -1 0]`.

@@ -5,11 +5,12 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Figure, largest, relative_difference, worse};
+use crate::derivative::{Bound, Bounds, Figure, State, StateBounds};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
+use crate::lagrangian::Lagrangian;
 use crate::matrix::Matrix;
-use crate::robot::Robot;
+use crate::robot::{Robot, Tree};
 use num_dual::HyperDual64;
 
 /// The derivatives of one step of a robot, every scheme set beside hyper-dual numbers through the step itself, the
@@ -18,6 +19,8 @@ use num_dual::HyperDual64;
 /// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction.
 pub struct StepRoutes {
     momenta: Hamiltonian<f64>,
+    lagrangian: Lagrangian<f64>,
+    bounds: Bounds,
     runge_kutta: Compared<HamiltonianRobot, Classical>,
     verlet: Compared<HamiltonianRobot, Verlet>,
     midpoint: Compared<HamiltonianRobot, Midpoint>,
@@ -30,6 +33,8 @@ impl StepRoutes {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
             momenta: Hamiltonian::new(robot),
+            lagrangian: Lagrangian::new(robot),
+            bounds: Bounds::new(Tree::from(robot)),
             runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian),
             verlet: Compared::new("Verlet (q, p)", &hamiltonian),
             midpoint: Compared::new("midpoint (q, p)", &hamiltonian),
@@ -52,16 +57,30 @@ impl StepRoutes {
     ) -> Result<(), StepError<EvalError>> {
         let n = self.momenta.len();
         check([2 * n, n], [x, u], h, Some(y))?;
+        let end = self.runge_kutta.step.advance(x, u, h)?.to_vec();
+        let here = self.bounds_at(x, u, y)?;
+        let bounds = here.larger(&self.bounds_at(&end, u, y)?);
         let (q, p) = x.split_at(n);
-        let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
+        let v = self.momenta.velocity(q, p)?;
+        let in_velocities = [q, v].concat();
+        let hamiltonian = bounds.hamiltonian_step(h, [y, u]);
+        let lagrangian = bounds.lagrangian_step(h, [y, u], v);
         let mut found = Vec::new();
-        self.runge_kutta.compare(x, u, h, y, &mut found)?;
-        self.verlet.compare(x, u, h, y, &mut found)?;
-        self.midpoint.compare(x, u, h, y, &mut found)?;
-        self.semi_implicit.compare(&in_velocities, u, h, y, &mut found)?;
+        self.runge_kutta.compare(x, u, h, y, &hamiltonian, &mut found)?;
+        self.verlet.compare(x, u, h, y, &hamiltonian, &mut found)?;
+        self.midpoint.compare(x, u, h, y, &hamiltonian, &mut found)?;
+        self.semi_implicit.compare(&in_velocities, u, h, y, &lagrangian, &mut found)?;
         found.sort_by_key(|figure| figure.quantity);
         figures.append(&mut found);
         Ok(())
+    }
+
+    /// Bounds at a state that is computed, not given.
+    fn bounds_at(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<StateBounds, EvalError> {
+        let (q, p) = x.split_at(u.len());
+        let v = self.momenta.velocity(q, p)?;
+        let a = self.lagrangian.forward_dynamics(q, v, u)?;
+        self.bounds.at(&State { q, p, v, a, u, input: 1.0 }, y)
     }
 }
 
@@ -86,12 +105,14 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         u: &[f64],
         h: f64,
         y: &[f64],
+        [first_bound, second_bound]: &[Bound; 2],
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<F::Error>> {
         let (states, inputs) = (x.len(), self.z.len());
         let direction = [y, u, &[0.0]].concat();
         let values = [x, u, &[h]].concat();
-        let (mut phi_z, mut product) = (Matrix::zeros(states, inputs), Matrix::zeros(1, inputs - 1));
+        let (mut phi_z, mut product) =
+            (Matrix::<f64>::zeros(states, inputs), Matrix::<f64>::zeros(1, inputs - 1));
         for j in 0..inputs {
             for (l, z) in self.z.iter_mut().enumerate() {
                 *z = HyperDual64::new(values[l], direction[l], f64::from(u8::from(l == j)), 0.0);
@@ -109,15 +130,10 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         let mut by_hand = Matrix::zeros(1, inputs - 1);
         let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(states);
         found.times([y, u], [in_x, in_u]);
-        let largest_first = largest(phi_z.as_slice());
-        let largest_second = found.xx.iter_rows().map(largest).fold(1e-3 * largest(y) * largest_first, worse);
-        let natural = largest_second * worse(largest(y), largest(u));
-        for (quantity, value) in [
-            ("Phi_z, z = (x, u, h)", relative_difference(first.view(), phi_z.view(), 0.0)),
-            ("y'Phi_zz d, z = (x, u)", relative_difference(by_hand.view(), product.view(), natural)),
-        ] {
-            figures.push(Figure { quantity, route: self.name, value, sensitivity: 1.0 });
-        }
+        let off = |i, j| first[(i, j)] - phi_z[(i, j)];
+        figures.push(Figure::judge("Phi_z, z = (x, u, h)", self.name, off, first_bound));
+        let off = |_, j| by_hand[(0, j)] - product[(0, j)];
+        figures.push(Figure::judge("y'Phi_zz d, z = (x, u)", self.name, off, second_bound));
         Ok(())
     }
 }

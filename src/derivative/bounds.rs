@@ -1,0 +1,410 @@
+//! What rounding may make of the derivatives of one robot, at one state.
+
+use super::report::worse;
+use super::rounded::Rounded;
+use crate::error::EvalError;
+use crate::kernels::{FrictionDerivatives, KernelOne, KernelTwo, friction};
+use crate::lagrangian;
+use crate::matrix::Matrix;
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+
+/// A matrix of sizes (sums of the absolute values of what is added up) and one of errors in units of u.
+#[derive(Clone, Debug)]
+pub(crate) struct Bound {
+    pub size: DMatrix<f64>,
+    pub error: DMatrix<f64>,
+}
+
+/// The same for a vector.
+#[derive(Clone, Debug)]
+struct Vector {
+    size: DVector<f64>,
+    error: DVector<f64>,
+}
+
+impl Bound {
+    fn new(size: DMatrix<f64>, error: DMatrix<f64>) -> Self {
+        Self { size, error }
+    }
+
+    fn zeros(rows: usize, columns: usize) -> Self {
+        Self::new(DMatrix::zeros(rows, columns), DMatrix::zeros(rows, columns))
+    }
+
+    fn of(matrix: &Matrix<Rounded>) -> Self {
+        let part = |part: fn(Rounded) -> f64| {
+            DMatrix::from_fn(matrix.rows(), matrix.columns(), |i, j| part(matrix[(i, j)]))
+        };
+        Self::new(part(|entry| entry.value.abs()), part(Rounded::error))
+    }
+
+    /// A sum: sizes and errors add up.
+    fn plus(&self, other: &Self) -> Self {
+        Self::new(&self.size + &other.size, &self.error + &other.error)
+    }
+
+    /// `|A| |B|`; the error is `E_A |B| + |A| E_B + sqrt(k) |A| |B|` for sums of k products.
+    fn times(&self, other: &Self) -> Self {
+        let size = &self.size * &other.size;
+        let own = (self.size.ncols() as f64).sqrt();
+        let error = &self.error * &other.size + &self.size * &other.error + &size * own;
+        Self::new(size, error)
+    }
+
+    fn identity(n: usize) -> Self {
+        Self::new(DMatrix::identity(n, n), DMatrix::zeros(n, n))
+    }
+
+    /// With the error of one more rounding.
+    fn rounded(self) -> Self {
+        Self { error: self.error + &self.size, size: self.size }
+    }
+
+    fn larger(&self, other: &Self) -> Self {
+        let larger = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, worse);
+        Self::new(larger(&self.size, &other.size), larger(&self.error, &other.error))
+    }
+
+    fn transpose(&self) -> Self {
+        Self::new(self.size.transpose(), self.error.transpose())
+    }
+
+    /// `A + A'`.
+    fn with_transpose(&self) -> Self {
+        self.plus(&self.transpose())
+    }
+
+    fn scaled_rows(&self, by: &Vector) -> Self {
+        let scaled = |a: &DMatrix<f64>, by: &DVector<f64>| DMatrix::from_diagonal(by) * a;
+        let size = scaled(&self.size, &by.size);
+        let error = scaled(&self.error, &by.size) + scaled(&self.size, &by.error) + &size;
+        Self::new(size, error)
+    }
+
+    fn block(&mut self, (row, column): (usize, usize), block: &Self) {
+        let shape = block.size.shape();
+        self.size.view_mut((row, column), shape).copy_from(&block.size);
+        self.error.view_mut((row, column), shape).copy_from(&block.error);
+    }
+
+    fn top_left(&self, rows: usize, columns: usize, at: (usize, usize)) -> Self {
+        let part = |of: &DMatrix<f64>| of.view(at, (rows, columns)).into_owned();
+        Self::new(part(&self.size), part(&self.error))
+    }
+
+    /// Of `y'A`, as a row.
+    pub fn row_product(&self, y: &[f64]) -> Self {
+        Self::exact_row(y).times(self)
+    }
+
+    /// Of `A d`, as a column.
+    pub fn column_product(&self, d: &[f64]) -> Self {
+        self.times(&Self::exact_row(d).transpose())
+    }
+
+    fn exact_row(y: &[f64]) -> Self {
+        Self::new(DMatrix::from_fn(1, y.len(), |_, j| y[j].abs()), DMatrix::zeros(1, y.len()))
+    }
+
+    /// Of `A - A'` for what should be symmetric.
+    pub fn asymmetry(&self) -> Self {
+        self.with_transpose()
+    }
+}
+
+impl Vector {
+    fn exact(values: &[f64]) -> Self {
+        Self { size: DVector::from_iterator(values.len(), values.iter().map(|x| x.abs())), error: DVector::zeros(values.len()) }
+    }
+
+    fn of<'a>(values: impl ExactSizeIterator<Item = &'a Rounded> + Clone) -> Self {
+        let n = values.len();
+        Self {
+            size: DVector::from_iterator(n, values.clone().map(|x| x.value.abs())),
+            error: DVector::from_iterator(n, values.map(|x| x.error())),
+        }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self { size: &self.size + &other.size, error: &self.error + &other.error }
+    }
+
+    fn as_column(&self) -> Bound {
+        let column = |x: &DVector<f64>| DMatrix::from_column_slice(x.len(), 1, x.as_slice());
+        Bound::new(column(&self.size), column(&self.error))
+    }
+
+    fn from_column(column: &Bound) -> Self {
+        Self { size: column.size.column(0).into_owned(), error: column.error.column(0).into_owned() }
+    }
+
+    /// With the error of one more rounding.
+    fn rounded(self) -> Self {
+        Self { error: self.error + &self.size, size: self.size }
+    }
+
+    /// These values, with these errors.
+    fn around(&self, values: &[f64]) -> Vec<Rounded> {
+        values.iter().zip(self.error.iter()).map(|(&value, &error)| Rounded::new(value, error)).collect()
+    }
+}
+
+/// Where bounds are evaluated.
+#[derive(Clone, Copy)]
+pub(crate) struct State<'a> {
+    pub q: &'a [f64],
+    pub p: &'a [f64],
+    pub v: &'a [f64],
+    /// Acceleration under u.
+    pub a: &'a [f64],
+    pub u: &'a [f64],
+    /// Relative error of q, p and v, in units of u: 0 for a state that is given, 1 for one that is computed.
+    pub input: f64,
+}
+
+/// First-order bounds of rounding errors.
+pub(crate) struct Bounds {
+    tree: Tree,
+    kernel: KernelOne<Rounded>,
+    along: KernelTwo<Rounded>,
+    lagrangian: lagrangian::SecondOrder<Rounded>,
+}
+
+/// Bounds at one state.
+pub(crate) struct StateBounds {
+    /// Of F, a column.
+    pub f: Bound,
+    pub f_x: Bound,
+    pub y_f_xx: Bound,
+    /// Of a, a column.
+    pub acceleration: Bound,
+    pub a_z: Bound,
+    pub y_a_zz: Bound,
+    /// Of dH/dt, one entry.
+    pub drift: Bound,
+}
+
+impl StateBounds {
+    /// The larger of each entry of two states.
+    pub fn larger(self, other: &Self) -> Self {
+        Self {
+            f: self.f.larger(&other.f),
+            f_x: self.f_x.larger(&other.f_x),
+            y_f_xx: self.y_f_xx.larger(&other.y_f_xx),
+            acceleration: self.acceleration.larger(&other.acceleration),
+            a_z: self.a_z.larger(&other.a_z),
+            y_a_zz: self.y_a_zz.larger(&other.y_a_zz),
+            drift: self.drift.larger(&other.drift),
+        }
+    }
+
+    /// Of a step of duration h in (q, p) with the weights and the direction that y'F_xx was bounded for.
+    pub fn hamiltonian_step(&self, h: f64, [y, d_u]: [&[f64]; 2]) -> [Bound; 2] {
+        let n = d_u.len();
+        let mut f_z = Bound::zeros(2 * n, 3 * n);
+        f_z.block((0, 0), &self.f_x);
+        f_z.block((n, 2 * n), &Bound::identity(n));
+        let mut y_f_zz = Bound::zeros(3 * n, 3 * n);
+        y_f_zz.block((0, 0), &self.y_f_xx);
+        step(h, [y, d_u], &self.f, &f_z, &y_f_zz)
+    }
+
+    /// Of a step of duration h in (q, v), likewise.
+    pub fn lagrangian_step(&self, h: f64, [y, d_u]: [&[f64]; 2], v: &[f64]) -> [Bound; 2] {
+        let n = d_u.len();
+        let (mut f, mut f_z) = (Bound::zeros(2 * n, 1), Bound::zeros(2 * n, 3 * n));
+        f.block((0, 0), &Vector::exact(v).as_column());
+        f.block((n, 0), &self.acceleration);
+        f_z.block((0, n), &Bound::identity(n));
+        f_z.block((n, 0), &self.a_z);
+        step(h, [y, d_u], &f, &f_z, &self.y_a_zz)
+    }
+}
+
+/// Phi_z, z = (x, u, h), and `y'Phi_zz d`, a row, of one step of four stages.
+///
+/// With `G = 1 + h f_x` and `Z = [G^3, h G^2 f_u; 0, 1]`, `Phi_z = 1 + G^3 h f_z Z` and `y'Phi_zz = Z' h y'f_zz Z` in sizes.
+fn step(h: f64, [y, d_u]: [&[f64]; 2], f: &Bound, f_z: &Bound, y_f_zz: &Bound) -> [Bound; 2] {
+    let n = d_u.len();
+    let scaled = |bound: &Bound| Bound::new(&bound.size * h, (&bound.error + &bound.size) * h);
+    let (a, s) = (scaled(f_z), scaled(y_f_zz));
+    let growth = Bound::identity(2 * n).plus(&a.top_left(2 * n, 2 * n, (0, 0))).rounded();
+    let square = growth.times(&growth);
+    let cube = square.times(&growth);
+    let mut lift = Bound::zeros(3 * n, 3 * n);
+    lift.block((0, 0), &cube);
+    lift.block((0, 2 * n), &square.times(&a.top_left(2 * n, n, (0, 2 * n))));
+    lift.block((2 * n, 2 * n), &Bound::identity(n));
+    let mut phi_z = Bound::zeros(2 * n, 3 * n + 1);
+    let mut first = cube.times(&a).times(&lift);
+    first.block((0, 0), &first.top_left(2 * n, 2 * n, (0, 0)).plus(&Bound::identity(2 * n)).rounded());
+    phi_z.block((0, 0), &first);
+    phi_z.block((0, 3 * n), &cube.times(&growth).times(f));
+    let second = lift.transpose().times(&s).times(&lift);
+    let product = second.column_product(&[y, d_u].concat()).transpose();
+    [phi_z, product]
+}
+
+impl Bounds {
+    pub fn new(tree: Tree) -> Self {
+        Self {
+            kernel: KernelOne::new(&tree),
+            along: KernelTwo::new(&tree),
+            lagrangian: lagrangian::SecondOrder::from_tree(tree.clone()),
+            tree,
+        }
+    }
+
+    pub fn at(&mut self, state: &State<'_>, y: &[f64]) -> Result<StateBounds, EvalError> {
+        let State { q, p, v, a, u, input } = *state;
+        let n = self.tree.len();
+        let q: Vec<Rounded> = q.iter().map(|&q| Rounded::new(q, input * q)).collect();
+        self.kernel.set_position(&self.tree, &q)?;
+        let mut m = Bound::of(self.kernel.mass_matrix());
+        let values = DMatrix::from_fn(n, n, |i, j| self.kernel.mass_matrix()[(i, j)].value);
+        let (factors, inverse) = factor_sizes(values);
+        m.error += factors * ((3 * n + 1) as f64).sqrt();
+        // M^-1: the error of M on both sides, and that of the product of the factors.
+        let inverse = Bound::new(inverse.clone(), &inverse * &m.error * &inverse + &inverse * (n as f64).sqrt());
+        let solved = |right: &Bound| inverse.times(right);
+        let solve = |right: &Vector| Vector::from_column(&solved(&right.as_column()));
+        // v = M^-1 p, P, L_qq.
+        let mut momentum = Vector::exact(p);
+        momentum.error = &momentum.size * input;
+        let velocity = solve(&momentum);
+        let rounded_v = velocity.around(v);
+        self.kernel.set_velocity(&self.tree, &rounded_v)?;
+        self.kernel.second_order(&self.tree);
+        let (coupling, l_qq) = (Bound::of(self.kernel.l_vq()), Bound::of(self.kernel.l_qq()));
+        let l_q = Vector::of(self.kernel.l_q().iter());
+        let mut f = Bound::zeros(2 * n, 1);
+        let rubs: Vec<FrictionDerivatives<Rounded>> =
+            self.tree.joints().iter().zip(&rounded_v).map(|(joint, &v)| friction(&joint.friction, v)).collect();
+        let slope = Vector::of(rubs.iter().map(|rub| &rub.first).collect::<Vec<_>>().into_iter());
+        let curvature = Vector::of(rubs.iter().map(|rub| &rub.second).collect::<Vec<_>>().into_iter());
+        let drag = Vector::of(rubs.iter().map(|rub| &rub.value).collect::<Vec<_>>().into_iter());
+        f.block((0, 0), &velocity.as_column());
+        f.block((n, 0), &l_q.plus(&drag).plus(&Vector::exact(u)).rounded().as_column());
+        let w = solved(&coupling);
+        let reduced = l_qq.plus(&coupling.transpose().times(&w));
+        let mut f_x = Bound::zeros(2 * n, 2 * n);
+        f_x.block((0, 0), &w);
+        f_x.block((0, n), &inverse);
+        f_x.block((n, 0), &reduced.plus(&w.scaled_rows(&slope)));
+        f_x.block((n, n), &w.transpose().plus(&inverse.scaled_rows(&slope)));
+        // Kernel two along w, which the costate defines.
+        let (y_q, y_p) = y.split_at(n);
+        let shift: Vec<Rounded> = rubs.iter().zip(y_p).map(|(rub, &y)| rub.first.times(y)).collect();
+        let along_q = Vector::exact(y_p);
+        let along_p = Vector::exact(y_q).plus(&Vector::of(shift.iter()));
+        let pull = coupling.times(&along_q.as_column()).plus(&along_p.as_column());
+        let along_v = Vector::from_column(&solved(&pull));
+        let (v_values, direction_q): (Vec<f64>, Vec<Rounded>) =
+            (self.change(y_q, y_p, &rubs), y_p.iter().map(|&y| Rounded::exact(-y)).collect());
+        self.along.differentiate(&self.tree, &self.kernel, &direction_q, &along_v.around(&v_values))?;
+        let [c, b, a_block] = [self.along.mass_matrix(), self.along.l_vq(), self.along.l_qq()].map(Bound::of);
+        let mut v_x = Bound::zeros(n, 2 * n);
+        v_x.block((0, 0), &w);
+        v_x.block((0, n), &inverse);
+        let mut inner = Bound::zeros(n, 2 * n);
+        inner.block((0, 0), &b);
+        // V' C V + B' V + V' B + A, and the curvature of friction.
+        let mut y_f_xx = v_x.transpose().times(&c.times(&v_x)).plus(&v_x.transpose().times(&inner).with_transpose());
+        let mut corner = Bound::zeros(2 * n, 2 * n);
+        corner.block((0, 0), &a_block);
+        y_f_xx = y_f_xx.plus(&corner);
+        let bent = v_x.scaled_rows(&Vector { size: curvature.size.component_mul(&along_q.size), error: curvature.error.component_mul(&along_q.size) });
+        y_f_xx = y_f_xx.plus(&v_x.transpose().times(&bent));
+        // dH/dt: gradient (by half of p' dv/dx) times rate.
+        let half_p: Vec<f64> = p.iter().map(|p| 0.5 * p).collect();
+        let mut gradient = v_x.row_product(&half_p);
+        gradient.block((0, 0), &gradient.top_left(1, n, (0, 0)).plus(&l_q.as_column().transpose()));
+        gradient.block((0, n), &gradient.top_left(1, n, (0, n)).plus(&velocity.as_column().transpose()));
+        let mut rate = Bound::zeros(2 * n, 1);
+        rate.block((0, 0), &velocity.as_column());
+        rate.block((n, 0), &l_q.as_column());
+        let drift = gradient.times(&rate);
+        let rounded_v: Vec<Rounded> = v.iter().map(|&v| Rounded::new(v, input * v)).collect();
+        let (acceleration, a_z, y_a_zz) = self.forward(&q, &rounded_v, a, u, y_p, &inverse)?;
+        Ok(StateBounds { f, f_x, y_f_xx, acceleration, a_z, y_a_zz, drift })
+    }
+
+    /// `V w` in values.
+    fn change(&self, y_q: &[f64], y_p: &[f64], rubs: &[FrictionDerivatives<Rounded>]) -> Vec<f64> {
+        let n = y_q.len();
+        let value = |m: &Matrix<Rounded>| DMatrix::from_fn(n, n, |i, j| m[(i, j)].value);
+        let (m, p) = (value(self.kernel.mass_matrix()), value(self.kernel.l_vq()));
+        let w_p = DVector::from_fn(n, |i, _| y_q[i] + rubs[i].first.value * y_p[i]);
+        let right = w_p + p * DVector::from_column_slice(y_p);
+        m.cholesky().map_or_else(|| vec![f64::NAN; n], |factor| factor.solve(&right).as_slice().to_vec())
+    }
+
+    /// a_z and y'a_zz, z = (q, v, u).
+    fn forward(
+        &mut self,
+        q: &[Rounded],
+        v: &[Rounded],
+        a: &[f64],
+        u: &[f64],
+        y: &[f64],
+        inverse: &Bound,
+    ) -> Result<(Bound, Bound, Bound), EvalError> {
+        let n = v.len();
+        let exact = |x: &[f64]| x.iter().map(|&x| Rounded::exact(x)).collect::<Vec<_>>();
+        let bias = Vector::of(self.lagrangian.first().inverse_dynamics(q, v, &exact(&vec![0.0; n]))?.iter());
+        let tau = Vector::of(self.lagrangian.first().inverse_dynamics(q, v, &exact(a))?.iter());
+        let bias = Vector { error: tau.error, ..bias };
+        let solve = |right: &Vector| Vector::from_column(&inverse.times(&right.as_column()));
+        let acceleration = solve(&bias.plus(&Vector::exact(u)));
+        let rounded_a = acceleration.around(a);
+        let tau = self.lagrangian.first().inverse_dynamics_jacobian(q, v, &rounded_a)?;
+        let mut a_z = Bound::zeros(n, 3 * n);
+        a_z.block((0, 0), &inverse.times(&Bound::of(tau.tau_q)));
+        a_z.block((0, n), &inverse.times(&Bound::of(tau.tau_v)));
+        a_z.block((0, 2 * n), inverse);
+        let values = DMatrix::from_fn(n, n, |i, j| tau.tau_a[(i, j)].value);
+        let weights = solve(&Vector::exact(y));
+        let w = values.cholesky().map_or_else(
+            || vec![f64::NAN; n],
+            |factor| factor.solve(&DVector::from_column_slice(y)).as_slice().to_vec(),
+        );
+        let hessian =
+            Bound::of(self.lagrangian.inverse_dynamics_hessian(q, v, &rounded_a, &weights.around(&w))?);
+        let mut y_a_zz = Bound::zeros(3 * n, 3 * n);
+        y_a_zz.block((0, 0), &hessian.top_left(2 * n, 2 * n, (0, 0)));
+        let mut mixed = Bound::zeros(3 * n, 3 * n);
+        mixed.block((0, 0), &a_z.transpose().times(&hessian.top_left(n, n, (2 * n, 0))));
+        y_a_zz = y_a_zz.plus(&mixed.with_transpose());
+        Ok((acceleration.as_column(), a_z, y_a_zz))
+    }
+}
+
+/// `|L'| D |L|` and `|U| D^-1 |U'|`, U = L^-1, for `M = L' D L`: what the rounding of a factorisation and of the inverse are in
+/// proportion to. Both are at least |M| and |M^-1|, and their entries at most `sqrt(M_ii M_jj)`, `sqrt(M^-1_ii M^-1_jj)`.
+fn factor_sizes(mut m: DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    let n = m.nrows();
+    let mut l = DMatrix::identity(n, n);
+    let mut pivots = DVector::zeros(n);
+    for k in (0..n).rev() {
+        pivots[k] = m[(k, k)];
+        for i in 0..k {
+            l[(k, i)] = m[(k, i)] / pivots[k];
+        }
+        for i in 0..k {
+            for j in 0..k {
+                m[(i, j)] -= l[(k, i)] * m[(k, j)];
+            }
+        }
+    }
+    let mut u: DMatrix<f64> = DMatrix::identity(n, n);
+    for i in 0..n {
+        for j in 0..i {
+            u[(i, j)] = -(j..i).map(|k| l[(i, k)] * u[(k, j)]).sum::<f64>();
+        }
+    }
+    let d = DMatrix::from_diagonal(&pivots.abs());
+    let inverse = DMatrix::from_diagonal(&pivots.map(|pivot| pivot.abs().recip()));
+    (l.abs().transpose() * d * l.abs(), u.abs() * inverse * u.abs().transpose())
+}
