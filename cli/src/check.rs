@@ -1,14 +1,15 @@
 //! `costate check`: every route against every other.
 
-use crate::report::{Table, joints};
-use crate::{Outcome, RobotArguments};
+use crate::arguments::positive;
+use crate::report::{Table, title};
+use crate::terminal::{bad, good};
+use crate::{Outcome, RobotArguments, terminal};
 use costate::EvalError;
 use costate::derivative::{DerivativeError, Routes, StateReport, worse};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Joint, JointKind, Robot};
 use costate::step::{StepError, StepRoutes};
 use fastrand::Rng;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -23,7 +24,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Largest relative difference allowed; scaled by cond(M)/1000 where that exceeds 1
-    #[arg(long, default_value = "1e-12")]
+    #[arg(long, default_value = "1e-12", value_parser = positive)]
     tolerance: f64,
 }
 
@@ -46,16 +47,12 @@ struct Worst {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    if !(arguments.tolerance > 0.0 && arguments.tolerance.is_finite()) {
-        return Err("--tolerance must be a positive number".into());
-    }
     let robot = arguments.robot.load_and_warn()?;
     let mut rng = Rng::with_seed(arguments.seed);
     let mut routes = Routes::new(&robot);
     let mut steps = StepRoutes::new(&robot);
     let mut hamiltonian = Hamiltonian::new(&robot);
-    let bar = ProgressBar::new(arguments.samples as u64 + 1);
-    bar.set_style(ProgressStyle::with_template("{bar:40} {pos}/{len} states, {eta} left")?);
+    let bar = terminal::progress_bar(arguments.samples as u64 + 1, "states");
     let (mut at_zero, mut at_random, mut left_out) = (Worst::default(), Worst::default(), Vec::new());
     let mut steps_left_out = 0;
     for k in 0..=arguments.samples {
@@ -73,12 +70,13 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     bar.finish_and_clear();
     if let Some(first) = left_out.first() {
-        eprintln!("warning: {} of {} states are left out: {first}", left_out.len(), arguments.samples + 1);
+        let (count, samples) = (left_out.len(), arguments.samples + 1);
+        terminal::warning(format!("{count} of {samples} states are left out: {first}"));
     }
     if left_out.len() > arguments.samples {
         return Err("no state could be evaluated".into());
     }
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::stdout();
     if steps_left_out > 0 {
         writeln!(
             out,
@@ -168,13 +166,7 @@ fn print(
     out: &mut impl Write,
 ) -> Outcome {
     let (samples, tolerance) = (arguments.samples, arguments.tolerance);
-    writeln!(
-        out,
-        "{}, {}: {samples} random states (seed {}) and q = 0\n",
-        robot.name(),
-        joints(robot),
-        arguments.seed
-    )?;
+    writeln!(out, "{}: {samples} random states (seed {}) and q = 0\n", title(robot), arguments.seed)?;
     writeln!(out, "Largest relative difference, max |a - b| / max |b|:\n")?;
     let mut table = Table::new(&["quantity", "route", "at q = 0", "random states"], 2);
     let mut above = "";
@@ -205,10 +197,15 @@ fn print(
     let excess = worse(zero.excess, random.excess);
     let allowed = format!("{tolerance:.0e} max(1, cond(M)/1000)");
     if excess <= 1.0 {
-        writeln!(out, "PASS: every figure is below {allowed}; the largest is {} of it.", scientific(excess))?;
+        writeln!(
+            out,
+            "{}: every figure is below {allowed}; the largest is {} of it.",
+            good("PASS"),
+            scientific(excess)
+        )?;
         return Ok(ExitCode::SUCCESS);
     }
-    writeln!(out, "FAIL: a figure exceeds {allowed} by the factor {}.", scientific(excess))?;
+    writeln!(out, "{}: a figure exceeds {allowed} by the factor {}.", bad("FAIL"), scientific(excess))?;
     Ok(ExitCode::FAILURE)
 }
 

@@ -1,6 +1,7 @@
 //! `costate codegen`: straight-line source of a quantity.
 
 use crate::optimize::Task;
+use crate::output::{Output, STANDARD};
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
 use costate::codegen::{
@@ -9,8 +10,7 @@ use costate::codegen::{
 use costate::control::{Problem, ProgramOf, pontryagin_program};
 use costate::robot::Robot;
 use std::error::Error;
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
@@ -78,6 +78,9 @@ fn quantity(name: &str) -> Result<Computed, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
+    let inputs: Vec<_> =
+        std::iter::once(arguments.robot.path()).chain(arguments.problem.as_deref()).collect();
+    let output = Output::prepare(arguments.output.as_deref().unwrap_or(Path::new(STANDARD)), &inputs)?;
     let robot = arguments.robot.load_and_warn()?;
     let program = match arguments.quantity {
         Computed::Model(quantity) => of_model(&robot, quantity, arguments)?,
@@ -88,12 +91,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         Language::Rust => program.to_rust(&RustOptions { number: arguments.number.clone(), limit })?,
         Language::C => program.to_c(&COptions { limit })?,
     };
-    match &arguments.output {
-        Some(file) => {
-            std::fs::write(file, text).map_err(|error| format!("{}: {error}", file.display()))?;
-        }
-        None => std::io::stdout().lock().write_all(text.as_bytes())?,
-    }
+    output.write(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,6 +1,6 @@
 //! `costate count`: operations of each quantity by each route.
 
-use crate::report::{Table, joints};
+use crate::report::{Table, title};
 use crate::{Outcome, RobotArguments};
 use costate::derivative::{OperationRow, OperationTable};
 use costate::robot::Robot;
@@ -60,7 +60,7 @@ fn print(
         Constants::Folded => "products with 0 and 1, sums with 0 and operations between constants are free",
         Constants::Kept => "as f64 executes them, those between constants too",
     };
-    writeln!(out, "{}, {}: operations of one evaluation,\n{how}\n", robot.name(), joints(robot))?;
+    writeln!(out, "{}: operations of one evaluation,\n{how}\n", title(robot))?;
     let mut printed = Table::new(
         &["quantity", "route", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
         2,

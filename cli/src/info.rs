@@ -1,28 +1,29 @@
-//! `costate info`: what was read from a robot file.
+//! `costate info`: the robot that was read from a file.
 
-use crate::report::{Table, joints};
-use crate::{Outcome, RobotArguments};
+use crate::arguments::RobotArguments;
+use crate::report::{Table, fixed, title};
+use crate::{Outcome, terminal};
 use costate::robot::{Joint, Robot};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::io::Write;
+use std::ops::Index;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// Print one JSON object and nothing else
+    /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load()?;
-    let mut out = std::io::stdout().lock();
     if arguments.json {
-        writeln!(out, "{}", as_json(&robot))?;
+        writeln!(std::io::stdout().lock(), "{}", as_json(&robot))?;
     } else {
-        print(&robot, &mut out)?;
+        print(&robot, &mut terminal::stdout())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -31,60 +32,105 @@ fn parent<'a>(robot: &'a Robot, joint: &Joint) -> Option<&'a str> {
     joint.parent.map(|p| robot.joints()[p].name.as_str())
 }
 
-fn as_json(robot: &Robot) -> serde_json::Value {
-    let joint = |joint: &Joint| {
+/// The mass of all moving links (kg).
+fn mass(robot: &Robot) -> f64 {
+    robot.joints().iter().map(|joint| joint.inertia.mass).sum()
+}
+
+/// Infinite limits are null.
+fn as_json(robot: &Robot) -> Value {
+    let joint = |(i, joint): (usize, &Joint)| {
+        let (link, limits) = (&joint.inertia, joint.limits);
         json!({
+            "index": i,
             "name": joint.name,
             "type": joint.kind.name(),
             "parent": parent(robot, joint),
             "axis": joint.axis.as_slice(),
+            "placement": {
+                "xyz": joint.placement.translation.as_slice(),
+                "rotation": rows(&joint.placement.rotation),
+            },
+            "link": joint.link,
+            "mass": link.mass,
+            "com": link.com.as_slice(),
+            "inertia": rows(&link.inertia),
+            "armature": robot.armature()[(i, i)],
+            "spring": { "stiffness": joint.spring.stiffness, "rest": joint.spring.rest },
+            "friction": {
+                "viscous": joint.friction.viscous,
+                "coulomb": joint.friction.coulomb,
+                "coulomb_velocity": joint.friction.coulomb_velocity,
+            },
+            "limits": {
+                "lower": limits.lower, "upper": limits.upper, "velocity": limits.velocity, "effort": limits.effort,
+            },
         })
     };
     json!({
         "robot": robot.name(),
         "n": robot.len(),
-        "joints": robot.joints().iter().map(joint).collect::<Vec<_>>(),
+        "gravity": robot.gravity().as_slice(),
+        "mass": mass(robot),
+        "joints": robot.joints().iter().enumerate().map(joint).collect::<Vec<_>>(),
+        "armature_couplings": couplings(robot),
         "warnings": robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 
+/// A 3 x 3 matrix as nested arrays.
+fn rows(matrix: &impl Index<(usize, usize), Output = f64>) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
+}
+
+/// The entries of the armature matrix above its diagonal that are not zero.
+fn couplings(robot: &Robot) -> Vec<Value> {
+    let (armature, joints) = (robot.armature(), robot.joints());
+    let pairs = (0..joints.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+    pairs
+        .filter(|&pair| armature[pair] != 0.0)
+        .map(|(i, j)| json!({ "joints": [joints[i].name, joints[j].name], "armature": armature[(i, j)] }))
+        .collect()
+}
+
 fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
-    let [gx, gy, gz]: [f64; 3] = robot.gravity().into();
-    let mass: f64 = robot.joints().iter().map(|joint| joint.inertia.mass).sum();
+    let [gx, gy, gz] = <[f64; 3]>::from(robot.gravity()).map(|g| g + 0.0);
     writeln!(
         out,
-        "{}: {}, moving mass {mass:.4} kg, gravity ({gx}, {gy}, {gz}) m/s^2\n",
-        robot.name(),
-        joints(robot)
+        "{}, moving mass {} kg, gravity ({gx}, {gy}, {gz}) m/s^2\n",
+        title(robot),
+        fixed(mass(robot), 4)
     )?;
-    let mut table = Table::new(
-        &["joint", "name", "type", "parent", "axis", "mass kg", "armature", "friction", "limits"],
-        5,
-    );
+    let header = ["index", "name", "type", "parent", "axis", "mass", "armature", "friction", "limits"];
+    let mut table = Table::new(&header, 5);
     for (i, joint) in robot.joints().iter().enumerate() {
         let [x, y, z]: [f64; 3] = joint.axis.into();
-        let limits = joint.limits;
-        let finite = |x: f64, digits: usize| if x.is_finite() { format!("{x:.digits$}") } else { "-".into() };
+        let limit = |x: f64| if x.is_finite() { fixed(x, 3) } else { "-".into() };
         table.row(vec![
-            (i + 1).to_string(),
+            i.to_string(),
             joint.name.clone(),
             joint.kind.name().into(),
             parent(robot, joint).unwrap_or("world").into(),
             format!("({}, {}, {})", short(x), short(y), short(z)),
-            format!("{:.4}", joint.inertia.mass),
-            format!("{:.4}", robot.armature()[(i, i)]),
+            fixed(joint.inertia.mass, 4),
+            fixed(robot.armature()[(i, i)], 4),
             if joint.friction.is_none() { "-".into() } else { "yes".into() },
-            format!("{} .. {}", finite(limits.lower, 3), finite(limits.upper, 3)),
+            format!("{} .. {}", limit(joint.limits.lower), limit(joint.limits.upper)),
         ]);
     }
-    write!(out, "{table}")?;
+    writeln!(out, "{table}")?;
+    writeln!(
+        out,
+        "  Mass in kg; revolute joints: limits in rad, armature in kg m^2; prismatic joints: in m and kg."
+    )?;
     if !robot.warnings().is_empty() {
         writeln!(out)?;
     }
-    robot.warnings().iter().try_for_each(|warning| writeln!(out, "warning: {warning}"))
+    let mut warnings = robot.warnings().iter().map(ToString::to_string);
+    warnings.try_for_each(|warning| writeln!(out, "warning: {}", terminal::printable(&warning)))
 }
 
-/// A component of an axis in few digits: 0, 1 and -1 as such.
+/// A component of an axis: whole numbers without decimals.
 fn short(x: f64) -> String {
-    if x == x.round() { format!("{x:.0}") } else { format!("{x:.3}") }
+    fixed(x, if x == x.round() { 0 } else { 3 })
 }

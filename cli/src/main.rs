@@ -1,93 +1,114 @@
 //! `costate`: exact derivatives of robot dynamics from a robot file.
 
+// `println!` and `eprintln!` panic when the stream is closed; the module `terminal` does not.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
+mod arguments;
 mod bench;
 mod check;
 mod codegen;
 mod count;
 mod eval;
+mod generate;
 mod info;
+mod interrupt;
 mod optimize;
+mod output;
 mod report;
+mod terminal;
+mod work;
 
-use clap::{Args, Parser, Subcommand};
-use costate::robot::{LoadOptions, Robot, RobotError};
-use std::path::PathBuf;
+use arguments::RobotArguments;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use interrupt::Interrupted;
+use std::error::Error;
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
-/// Exact first and second derivatives of robot dynamics.
+/// Exact first and second derivatives of robot dynamics, and optimal motions
+///
+/// Units are rad, m, kg, s, N and N m. Joints are numbered from 0, in the order of `costate info`.
 #[derive(Parser)]
-#[command(name = "costate", version, about, max_term_width = 100)]
+#[command(name = "costate", version, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
+/// The last lines of every help text.
+const EXIT_CODES: &str = "\
+Exit status:
+  0    success
+  1    `check`: a figure exceeds its tolerance
+  2    bad arguments or bad input
+  3    `optimize`: the problem was not solved
+  130  interrupted by SIGINT (Ctrl-C) or SIGTERM";
+
 #[derive(Subcommand)]
 enum Command {
-    /// List the joints, masses and warnings of a robot
+    /// List the joints of a robot: types, masses, limits, warnings
+    ///
+    /// `--json` adds centres of mass, inertia matrices, springs, friction, velocity and force limits. `com`
+    /// and `inertia` (about the centre of mass) are given in the joint frame; `placement` is the joint frame
+    /// in the parent's joint frame at q = 0. A limit that does not exist is null.
     Info(info::Arguments),
-    /// Evaluate states: JSON lines in, JSON lines out
+    /// Evaluate the dynamics and their derivatives at states, from JSON lines to JSON lines
     ///
-    /// In, one object a line: `q` and `p` or `v` (n numbers each), optional `u` (n, zeros) and
-    /// `y` (2n, the costate). Out: `q`, `v`, `M`, `energy`; in Hamiltonian coordinates `p`, `f`, `f_x`, and `y_f_xx` where `y`
-    /// was given; in Lagrangian ones `qdd`, `qdd_z` and `yv_qdd_zz`, z = (q, v, u), for the last n of `y`. Where both
-    /// `p` and `v` stand, `p` wins in Hamiltonian, `v` in Lagrangian coordinates.
-    /// A bad line gives `{"line":k,"error":…}` in its place and exit status 2 at the end.
+    /// Each input line is an object with the n joint positions `q` and either the n momenta `p` or the n
+    /// velocities `v`. Optional: the n joint forces `u` (zeros by default) and the costate `y` (2n numbers),
+    /// which asks for second derivatives. If a line has both `p` and `v`, Hamiltonian coordinates use `p` and
+    /// Lagrangian ones `v`.
+    ///
+    /// Each output line is an object with `q`, `v`, the mass matrix `M` and `energy` (kinetic, potential).
+    /// Hamiltonian coordinates add `p`, `f`, `f_x` and, for a given `y`, `y_f_xx`. Lagrangian coordinates add
+    /// `qdd`, `qdd_z` and, for a given `y`, `yv_qdd_zz`; here z = (q, v, u), and the last n numbers of `y`
+    /// are used. An output line can serve as an input line: its results are ignored. All other keys are
+    /// errors.
+    ///
+    /// For a bad line the output is {"line": K, "error": "..."}. The other lines are still evaluated, and the
+    /// exit status is 2.
     Eval(eval::Arguments),
-    /// Set every route to the derivatives beside every other
+    /// Compare all derivative methods with each other at random states
     ///
-    /// Exit status 1 where a figure exceeds its tolerance.
+    /// Prints the largest relative differences. The exit status is 1 if one exceeds its tolerance.
     Check(check::Arguments),
-    /// Count the operations of each quantity by each route
+    /// Count the arithmetic operations of each quantity by each method
     Count(count::Arguments),
-    /// Time each quantity by each route on this machine
+    /// Measure the time of each quantity by each method on this machine
     Bench(bench::Arguments),
-    /// Write straight-line source of one quantity, in Rust or C
+    /// Generate straight-line source code of one quantity, in Rust or C
     ///
-    /// The text depends on nothing but the robot and what is asked for; its head says what arguments and results are.
+    /// The header of the generated text documents its arguments and results.
     Codegen(codegen::Arguments),
-    /// Find an optimal motion, by the maximum principle
+    /// Find an optimal motion by the maximum principle
     ///
-    /// The problem file names a robot and says where to start, where to end, how long, and what it costs:
-    /// docs/optimize.md. Exit status 3 where it was not solved; what is written then is the best iterate.
+    /// The problem file names the robot, the start, the end, the duration and the cost; docs/optimize.md
+    /// describes it. If the problem cannot be solved, the best iterate is written and the exit status is 3.
     Optimize(optimize::Arguments),
+    /// Print the completion script of a shell
+    Completions(generate::CompletionArguments),
+    /// Print the manual page, or write the pages of all commands to a folder
+    Man(generate::ManArguments),
 }
 
-/// The robot, and how to read it.
-#[derive(Args)]
-struct RobotArguments {
-    /// Robot file: .urdf or .toml
-    robot: PathBuf,
-    /// Refuse robots that are not physical (massless links, violated triangle inequality)
-    #[arg(long)]
-    strict: bool,
-    /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction
-    #[arg(long)]
-    friction: bool,
+/// The exit status of a command, or the error that stopped it.
+type Outcome = Result<ExitCode, Box<dyn Error>>;
+
+/// All commands and their arguments.
+fn command() -> clap::Command {
+    // Without this, `--tolerance -1` would be an unknown argument instead of a number out of range.
+    let with_negative_numbers = |argument: clap::Arg| {
+        let takes_value = !argument.is_positional() && argument.get_action().takes_values();
+        if takes_value { argument.allow_negative_numbers(true) } else { argument }
+    };
+    Cli::command()
+        .after_help(EXIT_CODES)
+        .mut_subcommands(|command| command.after_help(EXIT_CODES).mut_args(with_negative_numbers))
 }
-
-impl RobotArguments {
-    fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict, friction: self.friction }
-    }
-
-    fn load(&self) -> Result<Robot, RobotError> {
-        Robot::from_file_with(&self.robot, self.options())
-    }
-
-    /// Loads the robot and says on stderr what is odd about it.
-    fn load_and_warn(&self) -> Result<Robot, RobotError> {
-        let robot = self.load()?;
-        robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
-        Ok(robot)
-    }
-}
-
-/// Exit status of a command that ran but has bad news.
-type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let cli = Cli::from_arg_matches(&command().get_matches()).unwrap_or_else(|error| error.exit());
+    let outcome = match cli.command {
         Command::Info(arguments) => info::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
@@ -95,18 +116,20 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Codegen(arguments) => codegen::run(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),
+        Command::Completions(arguments) => generate::completions(command(), &arguments),
+        Command::Man(arguments) => generate::man(command(), &arguments),
     };
     match outcome {
         Ok(code) => code,
         Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
+            terminal::error(&error);
+            ExitCode::from(if error.is::<Interrupted>() { interrupt::EXIT_CODE } else { 2 })
         }
     }
 }
 
-/// The reader of our output went away, which is its right.
-fn is_broken_pipe(error: &(dyn std::error::Error + 'static)) -> bool {
-    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+/// Whether the reader of standard output closed it, as `head` does; that is no error.
+fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == ErrorKind::BrokenPipe)
 }

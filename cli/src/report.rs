@@ -1,27 +1,48 @@
-//! Tables for people.
+//! Tables and phrases of reports.
 
+use crate::terminal::printable;
 use costate::robot::Robot;
 
 /// `1 joint`, `6 joints`.
-pub fn joints(robot: &Robot) -> String {
-    format!("{} joint{}", robot.len(), if robot.len() == 1 { "" } else { "s" })
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// A table with a header and columns as wide as their widest cell: the first few hold text, the others numbers.
+/// The number of joints, as `6 joints`.
+pub fn joints(robot: &Robot) -> String {
+    counted(robot.len(), "joint")
+}
+
+/// The name of the robot and the number of its joints, to start a report.
+pub fn title(robot: &Robot) -> String {
+    format!("{}, {}", printable(robot.name()), joints(robot))
+}
+
+/// A number with a fixed count of decimals; zero has no sign.
+pub fn fixed(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.into(),
+        _ => text,
+    }
+}
+
+/// A table with a header and columns as wide as their widest cell. The first columns hold text, the others
+/// numbers. Control characters in cells are escaped.
 pub struct Table {
     text_columns: usize,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table with this header, whose first `text_columns` columns are set to the left, the others to the right.
+    /// A table with this header. The first `text_columns` columns are left-aligned, the others right-aligned.
     pub fn new(header: &[&str], text_columns: usize) -> Self {
         Self { text_columns, rows: vec![header.iter().map(ToString::to_string).collect()] }
     }
 
     /// Adds a row.
     pub fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells);
+        self.rows.push(cells.iter().map(|cell| printable(cell).into_owned()).collect());
     }
 }
 
@@ -53,7 +74,13 @@ impl std::fmt::Display for Table {
 
 #[cfg(test)]
 mod tests {
-    use super::Table;
+    use super::{Table, counted, fixed};
+
+    #[test]
+    fn numbers_and_nouns() {
+        assert_eq!((counted(1, "joint"), counted(2, "joint")), ("1 joint".into(), "2 joints".into()));
+        assert_eq!([fixed(-0.00001, 3), fixed(-0.0, 0), fixed(-0.05, 1)], ["0.000", "0", "-0.1"]);
+    }
 
     #[test]
     fn columns_line_up() {

@@ -1,4 +1,4 @@
-//! Batches: many states from node-major arrays to node-major arrays, in lanes and over threads.
+//! Batches: many states at once, from and to node-major arrays, by vector lanes and threads.
 
 use super::routes::{Candidate, F, FIRST, Failure, SECOND, State};
 use super::{LANES_4, LANES_8, states};
@@ -19,7 +19,7 @@ pub fn candidates(robot: &Robot, state: &State, list: &mut Vec<Candidate<'_>>, n
     }
     notes.push(match cfg!(feature = "rayon") {
         true => {
-            "Batches over threads: all threads of the machine, the time of one state is that of all together."
+            "Batches over threads use all threads of the machine; the time per state is that of all threads together."
                 .into()
         }
         false => "No batches over threads: built without the feature rayon.".into(),
@@ -32,7 +32,7 @@ fn over_threads(robot: &Robot, quantity: &'static str, state: &State) -> Candida
     candidate([quantity, super::THREADS], batch, state)
 }
 
-/// As many states as the route takes, the first of them that of all other routes.
+/// As many states as one call of the route computes; the first is the state of all other routes.
 fn candidate<S: Packed<Lane = f64>>(
     [quantity, route]: [&'static str; 2],
     mut batch: Batch<S, Model<SecondOrder<S>>>,

@@ -1,9 +1,11 @@
-//! Times of several pieces of work, measured in turn.
+//! Times of several candidates, measured alternately.
 
 use super::routes::{Candidate, Failure};
+use crate::interrupt::Interrupt;
+use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 
-/// How long one call takes (ns).
+/// Median and quartiles of the time of one call (ns).
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
     pub median: f64,
@@ -12,26 +14,37 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// That of one of so many.
+    /// The time per state if one call computes `count` states.
     pub fn divided_by(self, count: usize) -> Self {
         let [median, q25, q75] = [self.median, self.q25, self.q75].map(|time| time / count as f64);
         Self { median, q25, q75 }
     }
 }
 
-/// A batch lasts at least this long, so that reading the clock is nothing beside it.
+/// Shortest batch: long enough that reading the clock costs nothing in comparison.
 const BATCH: Duration = Duration::from_micros(300);
 
-/// Runs every candidate in turn, batch after batch, so that what the machine does meanwhile meets them alike.
-pub fn measure(candidates: &mut [Candidate<'_>], batches: usize) -> Result<Vec<Spread>, Failure> {
+/// Times all candidates, one batch of each after the other, so that other loads of the machine affect all
+/// alike.
+///
+/// The bar counts batches; the first of each candidate sets its number of calls.
+pub fn measure(
+    candidates: &mut [Candidate<'_>],
+    batches: usize,
+    bar: &ProgressBar,
+    interrupt: &Interrupt,
+) -> Result<Vec<Spread>, Failure> {
     let mut calls = Vec::new();
     for candidate in candidates.iter_mut() {
-        calls.push(calls_per_batch(candidate)?);
+        calls.push(calls_per_batch(candidate, interrupt)?);
+        bar.inc(1);
     }
     let mut times = vec![Vec::with_capacity(batches); candidates.len()];
     for _ in 0..batches {
         for ((candidate, &calls), times) in candidates.iter_mut().zip(&calls).zip(&mut times) {
+            interrupt.check()?;
             times.push(batch(candidate, calls)?.as_nanos() as f64 / f64::from(calls));
+            bar.inc(1);
         }
     }
     Ok(times.into_iter().map(spread).collect())
@@ -45,10 +58,11 @@ fn batch(candidate: &mut Candidate<'_>, calls: u32) -> Result<Duration, Failure>
     Ok(start.elapsed())
 }
 
-/// Doubles the number of calls until they last long enough; the first ones warm up what is not timed.
-fn calls_per_batch(candidate: &mut Candidate<'_>) -> Result<u32, Failure> {
+/// Doubles the number of calls until they last long enough, which also warms up the caches.
+fn calls_per_batch(candidate: &mut Candidate<'_>, interrupt: &Interrupt) -> Result<u32, Failure> {
     let mut calls = 1;
     while batch(candidate, calls)? < BATCH && calls < 1 << 24 {
+        interrupt.check()?;
         calls *= 2;
     }
     Ok(calls)

@@ -1,4 +1,4 @@
-//! Machine code: one state with all checks, four states at once with their guards, which nobody looks at.
+//! Machine code: one state with all checks, and four states at once, whose guards are not checked.
 
 use super::FOUR;
 use super::routes::{ADJOINT, Candidate, F, FIRST, Failure, SECOND, State};
@@ -48,7 +48,7 @@ pub fn candidates<'a>(
     Ok(())
 }
 
-/// q, p, u and, where there is room for it, y.
+/// q, p, u and y, as many as the program takes.
 fn inputs(state: &State, count: usize) -> Vec<f64> {
     state.x.iter().chain(&state.u).chain(&state.y).copied().take(count).collect()
 }
@@ -84,7 +84,7 @@ fn four_states<'a>(
     let work = move |to: Option<&mut Vec<f64>>| {
         compiled.call(black_box(&inputs), black_box(&mut outputs))?;
         if let Some(to) = to {
-            // Behind the last result stands the guard.
+            // The last output is the guard.
             let end = outputs.len() - 1;
             to.extend(outputs[end - last..end].iter().map(|lanes| lanes[0]));
         }

@@ -1,4 +1,4 @@
-//! `costate bench`: times of each quantity by each route, on this machine.
+//! `costate bench`: the time of each quantity by each route on this machine.
 
 mod batches;
 mod clock;
@@ -6,8 +6,10 @@ mod clock;
 mod machine;
 mod routes;
 
-use crate::report::{Table, joints};
-use crate::{Outcome, RobotArguments};
+use crate::arguments::RobotArguments;
+use crate::interrupt::Interrupt;
+use crate::report::{Table, title};
+use crate::{Outcome, terminal};
 use clock::{Spread, measure};
 use costate::robot::Robot;
 use routes::{Candidate, Failure, State, candidates};
@@ -19,13 +21,13 @@ use std::process::ExitCode;
 pub struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// Batches of which the median is taken
-    #[arg(long, default_value_t = 31, value_parser = clap::value_parser!(u32).range(3..=10_000))]
+    /// Batches of calls to time; the median is reported
+    #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(3..=10_000))]
     batches: u32,
     /// Seed of the random state
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Print one JSON object and nothing else
+    /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
 }
@@ -34,21 +36,23 @@ pub struct Arguments {
 struct Row {
     quantity: &'static str,
     route: &'static str,
-    /// How many states one call computes; the time is that of one of them.
+    /// States computed by one call; the time is per state.
     states: usize,
     time: Spread,
-    /// Greatest difference from the figures of the first route to the quantity, relative to its greatest entry.
+    /// Largest difference from the first route to the quantity, relative to its largest entry.
     error: f64,
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
+    let interrupt = Interrupt::listen()?;
     let state = State::random(&robot, arguments.seed)?;
     let (mut candidates, notes) = all(&robot, &state)?;
     let mut errors = Vec::new();
     let mut judge: Vec<f64> = Vec::new();
     let mut judged = "";
     for candidate in &mut candidates {
+        interrupt.check()?;
         let mut figures = Vec::new();
         (candidate.work)(Some(&mut figures))?;
         if candidate.quantity != judged {
@@ -56,8 +60,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
         errors.push(difference(&figures, &judge));
     }
-    let mut out = std::io::stdout().lock();
-    let times = measure(&mut candidates, arguments.batches as usize)?;
+    let batches = arguments.batches as usize;
+    let bar = terminal::progress_bar((candidates.len() * (batches + 1)) as u64, "batches");
+    let times = measure(&mut candidates, batches, &bar, &interrupt);
+    bar.finish_and_clear();
+    let times = times?;
     let rows = candidates.iter().zip(times).zip(errors).map(|((candidate, time), error)| {
         let Candidate { quantity, route, .. } = *candidate;
         let states = states(route);
@@ -65,9 +72,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     });
     let rows: Vec<Row> = rows.collect();
     if arguments.json {
-        writeln!(out, "{}", as_json(&robot, arguments, &rows, &notes))?;
+        writeln!(std::io::stdout().lock(), "{}", as_json(&robot, arguments, &rows, &notes))?;
     } else {
-        print(&robot, arguments, &rows, &notes, &mut out)?;
+        print(&robot, arguments, &rows, &notes, &mut terminal::stdout())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -77,10 +84,10 @@ const FOUR: &str = "machine code, 4 states at once";
 /// Batches on one thread.
 const LANES_4: &str = "batch over F64x4";
 const LANES_8: &str = "batch over F64x8";
-/// Batches over lanes as wide as pay on this processor, and over all threads.
+/// Batches over the widest lanes that pay on this processor, and over all threads.
 const THREADS: &str = "batch over lanes and threads";
 
-/// How many states one call of a route computes.
+/// States computed by one call of a route.
 fn states(route: &str) -> usize {
     match route {
         FOUR => 4,
@@ -90,9 +97,10 @@ fn states(route: &str) -> usize {
     }
 }
 
-/// All that is timed, quantity by quantity, and which routes are not there, and why.
+/// All candidates, grouped by quantity, and notes on missing routes.
 fn all<'a>(robot: &Robot, state: &'a State) -> Result<(Vec<Candidate<'a>>, Vec<String>), Failure> {
-    let (mut list, mut notes) = (candidates(robot, state), Vec::new());
+    let mut notes = Vec::new();
+    let mut list = candidates(robot, state, &mut notes);
     #[cfg(feature = "jit")]
     machine::candidates(robot, state, &mut list, &mut notes)?;
     #[cfg(not(feature = "jit"))]
@@ -103,7 +111,7 @@ fn all<'a>(robot: &Robot, state: &'a State) -> Result<(Vec<Candidate<'a>>, Vec<S
     Ok((list, notes))
 }
 
-/// `max |a - b| / max |b|`; not a number where one of them holds one.
+/// `max |a - b| / max |b|`; NaN if a or b contains NaN.
 fn difference(a: &[f64], b: &[f64]) -> f64 {
     let scale = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
     let worst = a
@@ -114,7 +122,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     if scale > 0.0 { worst / scale } else { worst }
 }
 
-/// Instructions that the program was compiled for.
+/// Vector instructions for which this program was compiled.
 fn instructions() -> &'static str {
     if cfg!(target_feature = "avx512f") {
         "AVX-512"
@@ -151,9 +159,8 @@ fn print(
 ) -> std::io::Result<()> {
     writeln!(
         out,
-        "{}, {}: time of one state in f64, on one thread unless said; medians of {} batches, all routes in turn;\ncompiled for {}\n",
-        robot.name(),
-        joints(robot),
+        "{}: time per state in f64, on one thread unless stated; medians of {} batches, routes alternating;\ncompiled for {}\n",
+        title(robot),
         arguments.batches,
         instructions()
     )?;
@@ -174,15 +181,21 @@ fn print(
         ]);
     }
     writeln!(out, "{table}")?;
-    writeln!(out, "  Timed: one call on a built workspace, from q, p, u (and y) to the filled arrays.")?;
-    writeln!(out, "  Relative error: max |a - b| / max |b|, b by the first route to the same quantity.")?;
     writeln!(
         out,
-        "  Several states in one call: its time by their number. Batches: from and to node-major arrays."
+        "  Timed: one call with an existing workspace, from q, p, u (and y) to the filled arrays."
     )?;
     writeln!(
         out,
-        "  Machine code for one state checks what the generic code checks, that for 4 states nothing."
+        "  Relative error: max |a - b| / max |b|, where b is the result of the first route to the same quantity."
+    )?;
+    writeln!(
+        out,
+        "  If one call computes several states, its time is divided by their number. Batches use node-major arrays."
+    )?;
+    writeln!(
+        out,
+        "  Machine code for one state makes the same checks as the generic code; for 4 states it makes none."
     )?;
     notes.iter().try_for_each(|note| writeln!(out, "  {note}"))
 }
@@ -192,7 +205,7 @@ mod tests {
     use super::difference;
 
     #[test]
-    fn a_difference_is_relative_and_never_hides_what_is_no_number() {
+    fn a_difference_is_relative_and_keeps_nan() {
         assert_eq!(difference(&[1.0, 4.0], &[1.0, 2.0]), 1.0);
         assert_eq!(difference(&[0.0], &[0.0]), 0.0);
         assert!(difference(&[f64::NAN, 1.0], &[1.0, 1.0]).is_nan());

@@ -1,5 +1,6 @@
-//! What is timed.
+//! The quantities that are timed, and the routes to them.
 
+use crate::work::{Method, Work};
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
 use costate::lagrangian::{self, Lagrangian};
@@ -14,20 +15,20 @@ pub const FIRST: &str = "F, F_x";
 pub const ADJOINT: &str = "F, y'F_x";
 pub const SECOND: &str = "F, F_x, y'F_xx";
 
-/// Why a piece of work stopped.
+/// Why a candidate failed.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// One call; where a list is given, the figures are put into it, else they are only computed.
-pub type Work<'a> = Box<dyn FnMut(Option<&mut Vec<f64>>) -> Result<(), Failure> + 'a>;
+/// One call. It appends its figures to the list if one is given.
+pub type Call<'a> = Box<dyn FnMut(Option<&mut Vec<f64>>) -> Result<(), Failure> + 'a>;
 
-/// A quantity, a route to it, and the work it takes.
+/// A quantity, a route to it, and the call that is timed.
 pub struct Candidate<'a> {
     pub quantity: &'static str,
     pub route: &'static str,
-    pub work: Work<'a>,
+    pub work: Call<'a>,
 }
 
-/// Where everything is evaluated.
+/// The state at which everything is evaluated.
 pub struct State {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
@@ -39,7 +40,7 @@ pub struct State {
 }
 
 impl State {
-    /// Angles up to pi, rates, forces and costates up to 1.
+    /// Uniformly random: q within +-pi, v, u, y and d within +-1.
     pub fn random(robot: &Robot, seed: u64) -> Result<Self, Failure> {
         let n = robot.len();
         let mut random = fastrand::Rng::with_seed(seed);
@@ -68,11 +69,12 @@ fn give_slice(to: Option<&mut Vec<f64>>, figures: &[f64]) {
     black_box(figures[0]);
 }
 
-/// All that is timed for a robot, quantity by quantity; the first route to each is the one that others are compared with.
-pub fn candidates<'a>(robot: &Robot, state: &'a State) -> Vec<Candidate<'a>> {
+/// All candidates, grouped by quantity; other routes are compared with the first one to the same quantity.
+pub fn candidates<'a>(robot: &Robot, state: &'a State, notes: &mut Vec<String>) -> Vec<Candidate<'a>> {
     let mut list = Vec::new();
     first_order(robot, state, &mut list);
     second_order(robot, state, &mut list);
+    automatic_second_order(robot, state, &mut list, notes);
     in_velocities(robot, state, &mut list);
     list
 }
@@ -147,16 +149,6 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
         give(to, tensors.contracted_hessian(black_box(q), p, u, y)?.matrix());
         Ok(())
     });
-    let mut nested = NestedHessian::new(PhaseVelocity::new(robot).under(u));
-    add(list, [quantity, "dual in dual numbers through F"], move |to| {
-        give(to, nested.contracted(black_box(x), y)?.view());
-        Ok(())
-    });
-    let mut hyperdual = Hessian::new(PhaseVelocity::new(robot).under(u));
-    add(list, [quantity, "hyper-dual pairs through F"], move |to| {
-        give(to, hyperdual.contracted(black_box(x), y)?.view());
-        Ok(())
-    });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
     let mut differences = Differences::new(2 * n);
     add(list, [quantity, "central differences of F_x"], move |to| {
@@ -180,6 +172,39 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
         give_slice(to, full.evaluate(black_box(q), p)?.packed());
         Ok(())
     });
+}
+
+/// Skipped with a note where they would take minutes for each call.
+fn automatic_second_order<'a>(
+    robot: &Robot,
+    state: &'a State,
+    list: &mut Vec<Candidate<'a>>,
+    notes: &mut Vec<String>,
+) {
+    let State { x, u, y, .. } = state;
+    let mut is_feasible = |route: &str, method| {
+        let work = Work::hamiltonian(robot, method);
+        if work.is_excessive() {
+            notes.push(format!("No figures for {route}: {work}."));
+        }
+        !work.is_excessive()
+    };
+    let route = "dual in dual numbers through F";
+    if is_feasible(route, Method::Nested) {
+        let mut nested = NestedHessian::new(PhaseVelocity::new(robot).under(u));
+        add(list, [SECOND, route], move |to| {
+            give(to, nested.contracted(black_box(x), y)?.view());
+            Ok(())
+        });
+    }
+    let route = "hyper-dual pairs through F";
+    if is_feasible(route, Method::HyperDual) {
+        let mut hyperdual = Hessian::new(PhaseVelocity::new(robot).under(u));
+        add(list, [SECOND, route], move |to| {
+            give(to, hyperdual.contracted(black_box(x), y)?.view());
+            Ok(())
+        });
+    }
 }
 
 fn in_velocities<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>>) {
@@ -213,7 +238,7 @@ struct Differences {
     columns: Vec<f64>,
 }
 
-/// About the cube root of the rounding of f64, where the two errors of central differences are alike.
+/// About the cube root of the rounding error of f64, where truncation and rounding errors are about equal.
 const STEP: f64 = 6e-6;
 
 impl Differences {
@@ -239,7 +264,7 @@ impl Differences {
     }
 }
 
-/// As [`give_slice`], columns turned to rows.
+/// As [`give_slice`], for a matrix stored by columns.
 fn give_transposed(to: Option<&mut Vec<f64>>, columns: &[f64], length: usize) {
     if let Some(to) = to {
         (0..length).for_each(|i| to.extend((0..length).map(|j| columns[j * length + i])));

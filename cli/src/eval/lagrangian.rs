@@ -39,8 +39,8 @@ impl Lagrangian {
             #[cfg(feature = "jit")]
             Route::Jit => Workspace::Jit(Box::new(Machine::new(robot, codegen::Coordinates::Lagrangian))),
             Route::Tensors => {
-                return Err("--route tensors leads to Hamiltonian coordinates only; take analytic, dual or hyperdual \
-                            with --coordinates lagrangian"
+                return Err("--route tensors offers Hamiltonian coordinates only; use analytic, dual or hyperdual with \
+                            --coordinates lagrangian"
                     .into());
             }
         };

@@ -1,30 +1,32 @@
-//! One line in, one line out.
+//! One input line, one output line.
 
 use super::Coordinates;
+use super::keys::{Fields, parse};
+use crate::report::counted;
 use costate::matrix::Block;
 use serde_json::{Map, Value};
 
-/// A state as it stands on a line, each array of the right length.
+/// A state, each array of the right length.
 pub struct State {
     pub q: Vec<f64>,
     pub motion: Motion,
-    /// Actuation, n; zeros where the line has none.
+    /// Actuation, n; zeros by default.
     pub u: Vec<f64>,
     /// Costate, 2n.
     pub y: Option<Vec<f64>>,
 }
 
-/// What the line says of the motion.
+/// The motion of a state, as it was given.
 pub enum Motion {
     Momentum(Vec<f64>),
     Velocity(Vec<f64>),
 }
 
 impl State {
-    /// Reads a line for a robot of n joints; where both `p` and `v` stand, that of the coordinates holds.
+    /// Reads a line for a robot of n joints. If both `p` and `v` are given, the coordinates decide which is
+    /// used.
     pub fn parse(line: &[u8], n: usize, coordinates: Coordinates) -> Result<Self, String> {
-        let state: Map<String, Value> = serde_json::from_slice(line)
-            .map_err(|error| format!("not a JSON object ({error}); write {{\"q\":[…],\"p\":[…]}}"))?;
+        let state = parse(line)?;
         let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;
         let u = numbers(&state, "u", n)?.unwrap_or_else(|| vec![0.0; n]);
         let y = numbers(&state, "y", 2 * n)?;
@@ -39,19 +41,19 @@ impl State {
     }
 }
 
-/// The numbers under `key`, `None` where it is absent or null.
-fn numbers(state: &Map<String, Value>, key: &str, expected: usize) -> Result<Option<Vec<f64>>, String> {
+/// The numbers under `key`, `None` if it is absent or null.
+fn numbers(state: &Fields, key: &str, expected: usize) -> Result<Option<Vec<f64>>, String> {
     let Some(value) = state.get(key).filter(|value| !value.is_null()) else { return Ok(None) };
     let values = value.as_array().ok_or_else(|| format!("`{key}` is not an array of numbers"))?;
     if values.len() != expected {
-        return Err(format!("`{key}` has {} numbers, not {expected}", values.len()));
+        return Err(format!("`{key}` has {}, not {expected}", counted(values.len(), "number")));
     }
     let number =
         |(i, value): (usize, &Value)| value.as_f64().ok_or_else(|| format!("`{key}[{i}]` is not a number"));
     values.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
 }
 
-/// The answer to a line, put together key by key.
+/// The output line, built key by key.
 #[derive(Default)]
 pub struct Answer(Map<String, Value>);
 
@@ -66,7 +68,7 @@ impl Answer {
         self.0.insert(key.into(), block.iter_rows().map(Value::from).collect());
     }
 
-    /// The whole, unless a number in it is none that JSON can hold: it has become null.
+    /// The JSON object; an error if it holds a null, which is what JSON makes of infinities and NaN.
     pub fn finite(self) -> Result<Value, String> {
         fn all_finite(value: &Value) -> bool {
             match value {

@@ -1,12 +1,13 @@
-//! Derivatives by machine code: each order is compiled when a line first asks for it.
+//! Derivatives by machine code: each order is compiled when the first line needs it.
 
 use super::line::Answer;
+use crate::terminal;
 use costate::codegen::{CodegenError, Coordinates, Quantity};
 use costate::matrix::Matrix;
 use costate::robot::Robot;
 use costate_jit::{Evaluator, Status};
 
-/// Machine code of f and f_x (qdd and qdd_z), and of the same with what is contracted with y.
+/// Machine code of f and f_x (or qdd and qdd_z), and of these with the contracted second derivatives.
 pub struct Machine {
     robot: Robot,
     coordinates: Coordinates,
@@ -14,7 +15,7 @@ pub struct Machine {
     second: Option<Compiled>,
 }
 
-/// Results by their names.
+/// Results by name.
 pub type Results = Vec<(&'static str, Matrix<f64>)>;
 
 struct Compiled {
@@ -23,11 +24,11 @@ struct Compiled {
 }
 
 impl Compiled {
-    /// Says on stderr why the generic code computes where it does.
+    /// Compiles the quantity. If that is impossible, a note on standard error gives the reason.
     fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
         let evaluator = Evaluator::new(robot, quantity, coordinates)?;
         if let Status::Generic { .. } = evaluator.status() {
-            eprintln!("note: {} by the {}", quantity.name(), evaluator.status());
+            terminal::note(format!("{} by the {}", quantity.name(), evaluator.status()));
         }
         Ok(Self { results: vec![0.0; evaluator.outputs()], evaluator })
     }
@@ -38,7 +39,7 @@ impl Machine {
         Self { robot: robot.clone(), coordinates, first: None, second: None }
     }
 
-    /// All results by their names, from the state, the actuation and, for the second order, y.
+    /// All results by name, from the state, the actuation and, for the second order, y.
     pub fn evaluate(
         &mut self,
         state: [&[f64]; 3],

@@ -1,46 +1,58 @@
 //! `costate eval`: states in, derivatives out, as JSON lines.
 
 mod hamiltonian;
+mod input;
+mod keys;
 mod lagrangian;
 mod line;
 #[cfg(feature = "jit")]
 mod machine;
+mod units;
 
-use crate::{Outcome, RobotArguments};
+use crate::arguments::RobotArguments;
+use crate::interrupt::{EXIT_CODE, Interrupt};
+use crate::output::is_standard;
+use crate::work::{Method, Work};
+use crate::{Outcome, terminal};
+use clap::ValueHint;
 use costate::robot::Robot;
+use input::{Input, Lines};
 use line::{Answer, State};
-use serde_json::Value;
-use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Write};
+use serde_json::json;
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use units::UnitCheck;
 
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// File of states, one JSON object a line [default: standard input]
-    #[arg(long)]
+    /// File of states, one JSON object per line, or - for standard input [default: standard input]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     states: Option<PathBuf>,
-    /// How the derivatives are computed
+    /// Method for the derivatives
     #[arg(long, value_enum, default_value = "analytic")]
     route: Route,
     /// State variables
     #[arg(long, value_enum, default_value = "hamiltonian")]
     coordinates: Coordinates,
+    /// Compute automatic second derivatives of long chains even if that takes minutes or gigabytes
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Route {
-    /// Hand-derived Jacobian; contracted Hessian by one dual pass through hand-derived derivatives
+    /// Derivatives by hand: Jacobian by closed formulas, second derivatives by the 2n+1 rule or one dual pass
     Analytic,
-    /// Dual numbers through the state equation; dual numbers in dual numbers
+    /// Dual numbers for first derivatives, dual numbers in dual numbers for second ones
     Dual,
-    /// Hyper-dual numbers through the state equation
+    /// Hyper-dual numbers
     Hyperdual,
-    /// Christoffel coefficients; contracted Hessian by one dual pass through them (Hamiltonian coordinates only)
+    /// Christoffel coefficients, with one dual pass for second derivatives (Hamiltonian coordinates only)
     Tensors,
-    /// Machine code, compiled when it is first needed; where there can be none the generic code, with a note on stderr
+    /// Machine code, compiled at the first state; falls back to `analytic` with a note on standard error
     #[cfg(feature = "jit")]
     Jit,
 }
@@ -53,13 +65,13 @@ enum Coordinates {
     Lagrangian,
 }
 
-/// What computes the answers: one pair of coordinates and route.
+/// What computes the answers, for one choice of coordinates and route.
 trait Evaluator {
     /// The answer to a state of the right lengths.
     fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>>;
 }
 
-/// The workspaces of a pair of coordinates and route; an error where it does not exist.
+/// The workspaces of the coordinates and the route; an error if the route does not offer the coordinates.
 fn evaluator(robot: &Robot, arguments: &Arguments) -> Result<Box<dyn Evaluator>, String> {
     Ok(match arguments.coordinates {
         Coordinates::Hamiltonian => Box::new(hamiltonian::Hamiltonian::new(robot, arguments.route)),
@@ -68,38 +80,54 @@ fn evaluator(robot: &Robot, arguments: &Arguments) -> Result<Box<dyn Evaluator>,
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
+    let states = arguments.states.as_deref().filter(|path| !is_standard(path));
+    if states.is_none() && is_standard(arguments.robot.path()) {
+        return Err("the robot is read from standard input; give the states by --states FILE".into());
+    }
     let robot = arguments.robot.load_and_warn()?;
+    let excessive = excessive_work(&robot, arguments);
+    if let (Some(reason), Route::Hyperdual) = (&excessive, arguments.route) {
+        return Err(reason.clone().into());
+    }
     let mut evaluator = evaluator(&robot, arguments)?;
-    let mut input: Box<dyn BufRead> = match &arguments.states {
-        Some(path) => {
-            let unreadable = |error| format!("{}: cannot be read ({error}); check the path", path.display());
-            let file = File::open(path).map_err(unreadable)?;
-            if path.is_dir() {
-                return Err(unreadable(std::io::ErrorKind::IsADirectory.into()).into());
-            }
-            Box::new(BufReader::new(file))
-        }
-        None => Box::new(std::io::stdin().lock()),
+    let lines = match states {
+        Some(path) => Lines::of_file(path)?,
+        None => Lines::of_standard_input(),
     };
+    let interrupt = Interrupt::listen()?;
     let mut out = BufWriter::new(std::io::stdout().lock());
-    let (mut line, mut number, mut bad) = (Vec::new(), 0, 0);
-    while {
-        line.clear();
-        input.read_until(b'\n', &mut line)? > 0
-    } {
+    let mut units = UnitCheck::new(&robot);
+    let (mut number, mut bad) = (0, 0);
+    loop {
+        let line = match lines.next(&interrupt) {
+            Input::Line(line) => line?,
+            Input::End => break,
+            Input::Interrupted => {
+                out.flush()?;
+                return Ok(ExitCode::from(EXIT_CODE));
+            }
+        };
         number += 1;
         if line.iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        match answer(evaluator.as_mut(), &line, robot.len(), arguments.coordinates) {
+        let answer = State::parse(&line, robot.len(), arguments.coordinates).and_then(|state| {
+            units.check(number, &state.q);
+            match &excessive {
+                Some(reason) if state.y.is_some() => Err(reason.clone()),
+                _ => evaluator.answer(&state).map_err(|error| error.to_string())?.finite(),
+            }
+        });
+        match answer {
             Ok(answer) => writeln!(out, "{answer}")?,
             Err(error) => {
                 bad += 1;
-                eprintln!("error: line {number}: {error}");
-                writeln!(out, "{}", serde_json::json!({ "line": number, "error": error }))?;
+                let separator = if error.starts_with("column ") { "," } else { ":" };
+                terminal::error(format!("line {number}{separator} {error}"));
+                writeln!(out, "{}", json!({ "line": number, "error": error }))?;
             }
         }
-        if arguments.states.is_none() {
+        if states.is_none() {
             out.flush()?;
         }
     }
@@ -107,14 +135,22 @@ pub fn run(arguments: &Arguments) -> Outcome {
     Ok(if bad == 0 { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
-/// The answer to one line, or what is wrong with it.
-fn answer(
-    evaluator: &mut dyn Evaluator,
-    line: &[u8],
-    n: usize,
-    coordinates: Coordinates,
-) -> Result<Value, String> {
-    let state = State::parse(line, n, coordinates)?;
-    let answer = evaluator.answer(&state).map_err(|error| error.to_string())?;
-    answer.finite()
+/// Why second derivatives by dual or hyper-dual numbers are refused for this robot; `None` if they are not.
+fn excessive_work(robot: &Robot, arguments: &Arguments) -> Option<String> {
+    let (method, name) = match arguments.route {
+        Route::Dual => (Method::Nested, "dual"),
+        Route::Hyperdual => (Method::HyperDual, "hyperdual"),
+        _ => return None,
+    };
+    let work = match arguments.coordinates {
+        Coordinates::Hamiltonian => Work::hamiltonian(robot, method),
+        Coordinates::Lagrangian => Work::lagrangian(robot, method),
+    };
+    (work.is_excessive() && !arguments.force).then(|| {
+        let n = robot.len();
+        format!(
+            "second derivatives of {n} joints by --route {name} take {work}; use --route analytic, or --force to \
+             compute them all the same"
+        )
+    })
 }

@@ -10,7 +10,7 @@ mod saved;
 mod summary;
 mod tables;
 
-use crate::Outcome;
+use crate::{Outcome, terminal};
 use costate::control::{BranchEnd, Problem, Solution, Solver};
 use costate::robot::LoadOptions;
 pub use problem_file::Task;
@@ -56,7 +56,7 @@ const NOT_CONVERGED: u8 = 3;
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
     let mut task = Task::read(&arguments.problem, load)?;
-    task.problem.robot.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    task.problem.robot.warnings().iter().for_each(|warning| terminal::warning(warning));
     let started = Instant::now();
     let branch = arguments.way.map(|way| continuation::follow(&mut task, way)).transpose()?;
     let solution = match &branch {
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let seconds = started.elapsed().as_secs_f64();
     let problem = &task.problem;
     let warnings = problem.limit_warnings(&solution);
-    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.iter().for_each(|warning| terminal::warning(warning));
     let mut saved = Saved::new(&solution, problem.penalty.is_some());
     if let Some(file) = &arguments.save {
         write(file, &serde_json::to_string(&saved)?)?;
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
     }
     if arguments.json && !solution.status.is_converged() {
-        eprintln!("not a solution but the best iterate: {}", solution.status);
+        terminal::warning(format!("not a solution but the best iterate: {}", solution.status));
     }
     let mut out = std::io::stdout().lock();
     if arguments.json {

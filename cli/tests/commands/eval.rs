@@ -1,6 +1,6 @@
 //! `costate eval`.
 
-use crate::child::{costate, flat, json_lines, root, stderr, stdout};
+use crate::child::{costate, empty_folder, flat, json_lines, root, stderr, stdout};
 use serde_json::{Value, json};
 use std::process::Output;
 
@@ -64,7 +64,8 @@ fn agrees_with(robot: &str, states: &str, route: &str) {
     }
 }
 
-/// The independent references beside a checkout of the project's design documents, where present, through the command.
+/// The independent references beside a checkout of the project's design documents, where present, through the
+/// command.
 #[test]
 fn eval_agrees_with_the_shared_references() {
     let shared = root().join("../shared");
@@ -111,7 +112,7 @@ fn friction_of_a_urdf_on_request() {
 
 #[test]
 fn velocities_or_momenta_and_defaults() {
-    let input = br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"note":"ignored"}
+    let input = br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"f":"ignored"}
 {"q":[0.1,0.2],"p":[0.3,0.4],"v":[9,9],"u":[0,0]}
 {"q":[0.1,0.2],"p":[0.3,0.4],"u":[1.0,2.0],"y":null}
 "#;
@@ -127,7 +128,8 @@ fn velocities_or_momenta_and_defaults() {
     assert_eq!(answers[0]["f_x"].as_array().unwrap().len(), 4);
 }
 
-/// `v` holds in Lagrangian coordinates, `p` where it stands alone; the velocities' half of y is contracted with.
+/// `v` holds in Lagrangian coordinates, `p` where it stands alone; the velocities' half of y is contracted
+/// with.
 #[test]
 fn velocities_or_momenta_in_lagrangian_coordinates() {
     let input = br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":[9,9],"y":[7,7,0,0]}
@@ -154,12 +156,12 @@ fn velocities_or_momenta_in_lagrangian_coordinates() {
     }
 }
 
-/// Of `p` and `v` the one that does not hold is ignored, whatever stands there.
+/// Of `p` and `v` the one that the coordinates do not use is ignored, whatever its value.
 #[test]
-fn what_does_not_hold_is_not_read() {
+fn unused_momenta_or_velocities_are_not_read() {
     for (coordinates, line) in [
-        ("hamiltonian", br#"{"q":[0.1,0.2],"p":[1.0,-0.5],"v":"fast","note":1}"#),
-        ("lagrangian", br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":"much","note":1}"#),
+        ("hamiltonian", br#"{"q":[0.1,0.2],"p":[1.0,-0.5],"v":"fast"}"#),
+        ("lagrangian", br#"{"q":[0.1,0.2],"v":[1.0,-0.5],"p":"much"}"#),
     ] {
         let output = costate(&["eval", "robots/two_link.toml", "--coordinates", coordinates], line);
         assert!(output.status.success(), "{}", stderr(&output));
@@ -183,11 +185,13 @@ fn bad_lines_between_good_ones() {
         ("[1, 2]", "JSON"),
         (r#"{"p":[0.3,0.4]}"#, "`q` is missing"),
         (r#"{"q":[0.1,0.2]}"#, "`p` and `v` are missing"),
-        (r#"{"q":[0.1],"p":[0.3,0.4]}"#, "`q` has 1 numbers, not 2"),
+        (r#"{"q":[0.1],"p":[0.3,0.4]}"#, "`q` has 1 number, not 2"),
         (r#"{"q":[0.1,0.2],"p":[0.3,0.4],"y":[1,2]}"#, "`y` has 2 numbers, not 4"),
         (r#"{"q":[0.1,"x"],"p":[0.3,0.4]}"#, "`q[1]` is not a number"),
         (r#"{"q":[0.1,NaN],"p":[0.3,0.4]}"#, "JSON"),
         (r#"{"q":[0.1,1e999],"p":[0.3,0.4]}"#, "JSON"),
+        (r#"{"q":[0.1,0.2],"p":[0.3,0.4],"tau":[0,0]}"#, "unknown key `tau`, did you mean `u`?"),
+        (r#"{"q":[0.1,0.2],"p":[0.3,0.4],"q":[0.1,0.2]}"#, "`q` is given twice"),
         (r#"{"q":[0.1,0.2],"p":[1e200,0.4]}"#, "overflows"),
         ("\u{fffd}\u{0}", "JSON"),
     ];
@@ -207,7 +211,8 @@ fn bad_lines_between_good_ones() {
             let (answer, number) = (&answers[2 * k + 1], 2 * k + 2);
             assert_eq!(answer["line"], json!(number));
             assert!(answer["error"].as_str().unwrap().contains(words), "{line}: {answer}");
-            assert!(complaints.contains(&format!("line {number}: ")), "{complaints}");
+            let named = [":", ","].iter().any(|end| complaints.contains(&format!("line {number}{end} ")));
+            assert!(named, "{complaints}");
             assert_eq!(answers[2 * k], answers[0]);
         }
     }
@@ -259,4 +264,55 @@ fn jit_falls_back_with_a_note() {
     assert_eq!(stdout(&jit), stdout(&analytic));
     let notes = stderr(&jit);
     assert!(notes.starts_with("note: f_x by the generic code: ") && notes.lines().count() == 1, "{notes}");
+}
+
+/// An output line is a valid input line; a message names the line of the input, not that of the JSON text.
+#[test]
+fn output_lines_are_valid_input_and_messages_name_one_line() {
+    let first = costate(&["eval", "robots/two_link.toml"], br#"{"q":[0.1,0.2],"p":[0.3,0.4],"y":[1,2,3,4]}"#);
+    let second = costate(&["eval", "robots/two_link.toml", "--coordinates", "lagrangian"], &first.stdout);
+    assert!(second.status.success(), "{}", stderr(&second));
+    assert_eq!(json_lines(&second)[0]["q"], json!([0.1, 0.2]));
+    let bad = costate(&["eval", "robots/two_link.toml"], b"\n\n\n\n{\"q\":[0.1,oops]}\n");
+    assert!(stderr(&bad).starts_with("error: line 5, column 11: not JSON"), "{}", stderr(&bad));
+    assert!(!stderr(&bad).contains("line 1"), "{}", stderr(&bad));
+}
+
+#[test]
+fn angles_that_look_like_degrees_are_a_warning_once() {
+    let input = br#"{"q":[0.1,12.5],"p":[0,0]}
+{"q":[0.1,90],"p":[0,0]}
+{"q":[180,90],"p":[0,0]}
+"#;
+    let output = costate(&["eval", "robots/two_link.toml"], input);
+    assert!(output.status.success());
+    let warnings = stderr(&output);
+    assert!(warnings.starts_with("warning: line 2: revolute joint 'elbow' is at q = 90 rad"), "{warnings}");
+    assert_eq!(warnings.lines().count(), 1, "{warnings}");
+}
+
+/// On long chains automatic second derivatives are refused with an estimate; the analytic route works.
+#[test]
+fn automatic_second_derivatives_of_long_chains_are_refused_early() {
+    let n = 120;
+    let joint = |k: usize| {
+        format!(
+            "[[joint]]\nname = 'j{k}'\naxis = [0.1, 1.0, 0.2]\nmass = 1.0\ncom = [0.1, 0.1, 0.0]\n\
+                 armature = 0.1\nplacement = {{ xyz = [0.1, 0.2, 0.3] }}\n"
+        )
+    };
+    let robot = (0..n).map(joint).fold(String::from("name = 'chain'\n"), |text, joint| text + &joint);
+    let folder = empty_folder("long_chain");
+    let states = folder.join("states.jsonl");
+    let state = |y| json!({ "q": vec![0.1; n], "v": vec![0.1; n], "y": y }).to_string();
+    std::fs::write(&states, state(Some(vec![1.0; 2 * n])) + "\n" + &state(None)).unwrap();
+    let arguments = ["eval", "-", "--states", states.to_str().unwrap(), "--route"];
+    let hyperdual = costate(&[&arguments[..], &["hyperdual"]].concat(), robot.as_bytes());
+    assert_eq!((hyperdual.status.code(), hyperdual.stdout.len()), (Some(2), 0));
+    assert!(stderr(&hyperdual).contains("operations") && stderr(&hyperdual).contains("--force"));
+    let dual = costate(&[&arguments[..], &["dual"]].concat(), robot.as_bytes());
+    let answers = json_lines(&dual);
+    assert_eq!(dual.status.code(), Some(2));
+    assert!(answers[0]["error"].as_str().unwrap().contains("--force") && answers[1].get("f_x").is_some());
+    assert!(costate(&[&arguments[..], &["analytic"]].concat(), robot.as_bytes()).status.success());
 }

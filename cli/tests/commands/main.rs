@@ -4,6 +4,9 @@
 
 mod child;
 mod eval;
+mod info;
+mod manual;
 mod optimize;
 mod reports;
 mod source;
+mod streams;

@@ -1,0 +1,110 @@
+//! Arguments that several commands share.
+
+use crate::output::is_standard;
+use crate::terminal;
+use clap::{Args, ValueEnum, ValueHint};
+use costate::robot::{LoadOptions, Robot, RobotError, file, urdf};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// The robot and how to read it.
+#[derive(Args)]
+pub struct RobotArguments {
+    /// Robot file (.urdf or .toml), or - for standard input
+    #[arg(value_hint = ValueHint::FilePath)]
+    robot: PathBuf,
+    /// Format of the robot file [default: by its extension; for standard input, URDF if the text starts with
+    /// <]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Refuse robots that are not physical (massless links, principal moments that no rigid body has)
+    #[arg(long)]
+    strict: bool,
+    /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
+    #[arg(long)]
+    friction: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    Urdf,
+    Toml,
+}
+
+impl RobotArguments {
+    /// The path, which may be `-`.
+    pub fn path(&self) -> &Path {
+        &self.robot
+    }
+
+    /// How to read the robot.
+    pub fn options(&self) -> LoadOptions {
+        LoadOptions { strict: self.strict, friction: self.friction }
+    }
+
+    /// Reads the robot.
+    ///
+    /// # Errors
+    /// [`RobotError::InFile`] with the path, or `standard input`, and the line where it is known.
+    pub fn load(&self) -> Result<Robot, RobotError> {
+        let from_input = is_standard(&self.robot);
+        if !from_input && self.format.is_none() {
+            return Robot::from_file_with(&self.robot, self.options());
+        }
+        let path = if from_input { PathBuf::from("standard input") } else { self.robot.clone() };
+        let in_file = |error| match error {
+            RobotError::InFile { line, error, .. } => RobotError::InFile { path: path.clone(), line, error },
+            error => RobotError::InFile { path: path.clone(), line: None, error: Box::new(error) },
+        };
+        let bytes = if from_input { standard_input() } else { std::fs::read(&self.robot) };
+        let bytes = bytes.map_err(|error| in_file(RobotError::Unreadable { reason: error.to_string() }))?;
+        let text = String::from_utf8_lossy(&bytes);
+        let is_urdf = || text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
+        let parsed = match self.format {
+            Some(Format::Toml) => file::parse(&text, self.options()),
+            None if !is_urdf() => file::parse(&text, self.options()),
+            Some(Format::Urdf) | None => urdf::parse(&text, self.options()),
+        };
+        parsed.map_err(in_file)
+    }
+
+    /// Reads the robot and writes its warnings to standard error.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_and_warn(&self) -> Result<Robot, RobotError> {
+        let robot = self.load()?;
+        robot.warnings().iter().for_each(terminal::warning);
+        Ok(robot)
+    }
+}
+
+fn standard_input() -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Parser of arguments that are finite positive numbers.
+///
+/// # Errors
+/// A message that says what is expected.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("must be a finite positive number".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::positive;
+
+    #[test]
+    fn only_finite_positive_numbers_are_taken() {
+        assert_eq!(positive("1e-12"), Ok(1e-12));
+        for text in ["0", "-1", "nan", "inf", "1e999", "soon", ""] {
+            assert!(positive(text).is_err(), "{text}");
+        }
+    }
+}

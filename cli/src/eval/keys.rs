@@ -1,0 +1,162 @@
+//! The keys of an input line: unknown and duplicate keys are errors.
+
+use crate::terminal::printable;
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde_json::Value;
+use serde_json::error::Category;
+
+/// The keys that are read.
+const KEYS: [&str; 5] = ["q", "v", "p", "u", "y"];
+
+/// The keys of output lines, ignored so that an output line can serve as an input line.
+const RESULTS: [&str; 8] = ["M", "energy", "f", "f_x", "y_f_xx", "qdd", "qdd_z", "yv_qdd_zz"];
+
+/// Common names of other programs.
+const SYNONYMS: [(&str, &[&str]); 5] = [
+    ("q", &["position", "positions", "pos", "angle", "angles", "theta", "joint_positions"]),
+    ("v", &["velocity", "velocities", "vel", "qd", "dq", "qdot", "q_dot", "qvel", "rate", "rates"]),
+    ("p", &["momentum", "momenta", "mom"]),
+    ("u", &["tau", "torque", "torques", "effort", "force", "forces", "control", "ctrl", "input"]),
+    ("y", &["costate", "lambda", "lam", "adjoint", "weights"]),
+];
+
+/// The fields of a JSON object in their order; keys are unique and known.
+pub struct Fields(Vec<(String, Value)>);
+
+impl Fields {
+    /// The value under a key.
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        self.0.iter().find(|(name, _)| name == key).map(|(_, value)| value)
+    }
+}
+
+/// Reads the JSON object of a line.
+///
+/// # Errors
+/// A message with the column of a syntax error, or the first unknown or duplicate key.
+pub fn parse(line: &[u8]) -> Result<Fields, String> {
+    let fields = serde_json::from_slice::<Fields>(line).map_err(|error| malformed(line, &error))?;
+    for (k, (key, _)) in fields.0.iter().enumerate() {
+        if !KEYS.contains(&key.as_str()) && !RESULTS.contains(&key.as_str()) {
+            let (name, known) = (printable(key), KEYS.map(|key| format!("`{key}`")).join(", "));
+            return Err(format!(
+                "unknown key `{name}`, did you mean `{}`? (the keys are {known})",
+                nearest(key)
+            ));
+        }
+        if fields.0[..k].iter().any(|(earlier, _)| earlier == key) {
+            return Err(format!("`{key}` is given twice; remove one of them"));
+        }
+    }
+    Ok(fields)
+}
+
+/// What is wrong with the syntax, in terms of the line.
+fn malformed(line: &[u8], error: &serde_json::Error) -> String {
+    let column = error.column();
+    let example = r#"write {"q":[...],"p":[...]}"#;
+    if let Err(error) = std::str::from_utf8(line) {
+        return format!("column {}: not JSON, which must be UTF-8 text", error.valid_up_to() + 1);
+    }
+    let whole = error.to_string();
+    let reason = whole.split(" at line ").next().unwrap_or(&whole);
+    match error.classify() {
+        Category::Eof => format!("not JSON: the line ends too early; {example}"),
+        Category::Data => format!("not a JSON object; {example}"),
+        _ if column > 0 && line.get(column - 1..).is_some_and(is_not_finite) => {
+            format!("column {column}: not JSON, which has no NaN and no infinity; give finite numbers")
+        }
+        _ if reason.contains("out of range") => {
+            format!("column {column}: not JSON: the number is too large; give finite numbers")
+        }
+        _ => format!("column {column}: not JSON: {reason}; {example}"),
+    }
+}
+
+/// Whether the text starts with a number of other languages that is not finite.
+fn is_not_finite(text: &[u8]) -> bool {
+    let starts = |word: &str| text.get(..word.len()).is_some_and(|t| t.eq_ignore_ascii_case(word.as_bytes()));
+    ["nan", "inf", "an", "nf", "-inf", "-nan"].into_iter().any(starts)
+}
+
+/// The key that was probably meant: by its other names, else by the fewest edits.
+fn nearest(key: &str) -> &'static str {
+    let lower = key.to_lowercase();
+    let is_synonym =
+        |names: &[&str]| names.iter().any(|name| lower.contains(name) && name.len() > 2 || lower == *name);
+    match SYNONYMS.iter().find(|(_, names)| is_synonym(names)) {
+        Some((known, _)) => known,
+        None => KEYS.into_iter().min_by_key(|known| edits(&lower, known)).unwrap_or("q"),
+    }
+}
+
+/// Insertions, deletions and substitutions that make `b` of `a`.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+impl<'de> Deserialize<'de> for Fields {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Object;
+        impl<'de> Visitor<'de> for Object {
+            type Value = Fields;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fields, A::Error> {
+                let mut fields = Vec::new();
+                while let Some(field) = map.next_entry()? {
+                    fields.push(field);
+                }
+                Ok(Fields(fields))
+            }
+        }
+        deserializer.deserialize_map(Object)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{edits, nearest, parse};
+
+    #[test]
+    fn the_nearest_key_is_found_by_synonyms_and_edits() {
+        for (key, known) in
+            [("tau", "u"), ("Q", "q"), ("qdot", "v"), ("joint_velocity", "v"), ("lambda", "y"), ("yy", "y")]
+        {
+            assert_eq!(nearest(key), known, "{key}");
+        }
+        assert_eq!((edits("kitten", "sitting"), edits("", "ab"), edits("q", "q")), (3, 2, 0));
+    }
+
+    #[test]
+    fn messages_name_the_column_and_no_line_of_their_own() {
+        for (line, reason) in [
+            (&br#"{"q":[1],}"#[..], "column 10: not JSON"),
+            (br#"{"q":[NaN]}"#, "column 7: not JSON, which has no NaN"),
+            (br#"{"q":[-Infinity]}"#, "no infinity"),
+            (br#"{"q":[1e999]}"#, "too large"),
+            (br#"{"q":[1"#, "ends too early"),
+            (b"[1, 2]", "not a JSON object"),
+            (b"{\"q\xff\":1}", "column 4: not JSON, which must be UTF-8"),
+            (br#"{"q":[1],"q":[2]}"#, "`q` is given twice"),
+            (br#"{"q":[1],"tau":[2]}"#, "unknown key `tau`, did you mean `u`?"),
+        ] {
+            let message = parse(line).err().unwrap();
+            assert!(message.contains(reason) && !message.contains("line 1"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Everything printed for people: warnings, errors, colours and progress.
+//!
+//! Nothing in here panics when standard output or standard error is closed. Colours appear on terminals only,
+//! and not where the environment variable `NO_COLOR` is set.
+
+use anstream::AutoStream;
+use anstyle::{AnsiColor, Style};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::io::{StdoutLock, Write};
+
+const GREEN: Style = AnsiColor::Green.on_default().bold();
+const RED: Style = AnsiColor::Red.on_default().bold();
+const YELLOW: Style = AnsiColor::Yellow.on_default().bold();
+const CYAN: Style = AnsiColor::Cyan.on_default().bold();
+
+/// Standard output for reports: keeps colours on a terminal and removes them elsewhere.
+pub fn stdout() -> AutoStream<StdoutLock<'static>> {
+    anstream::stdout().lock()
+}
+
+/// A good verdict (`PASS`) in green, to be written to [`stdout`].
+pub fn good(verdict: &str) -> impl Display {
+    format!("{GREEN}{verdict}{GREEN:#}")
+}
+
+/// A bad verdict (`FAIL`) in red, to be written to [`stdout`].
+pub fn bad(verdict: &str) -> impl Display {
+    format!("{RED}{verdict}{RED:#}")
+}
+
+/// Writes `error: message` to standard error.
+pub fn error(message: impl Display) {
+    labelled(RED, "error", message);
+}
+
+/// Writes `warning: message` to standard error.
+pub fn warning(message: impl Display) {
+    labelled(YELLOW, "warning", message);
+}
+
+/// Writes `note: message` to standard error.
+pub fn note(message: impl Display) {
+    labelled(CYAN, "note", message);
+}
+
+/// If standard error is closed, there is nobody to tell: the failure to write is ignored.
+fn labelled(style: Style, label: &str, message: impl Display) {
+    let message = message.to_string();
+    let lines: Vec<_> = message.split('\n').map(printable).collect();
+    let _ = writeln!(anstream::stderr().lock(), "{style}{label}:{style:#} {}", lines.join("\n"));
+}
+
+/// A progress bar on standard error, counting `unit`s; shown only if standard error is a terminal.
+pub fn progress_bar(length: u64, unit: &str) -> ProgressBar {
+    let template = format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left");
+    let bar = ProgressBar::new(length);
+    match ProgressStyle::with_template(&template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// Text from a file with its control characters and bidirectional marks escaped (`\n`, `\u{1b}`), so that a
+/// name cannot move the cursor, change colours or reverse what follows it.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_unsafe) {
+        return text.into();
+    }
+    let mut escaped = String::with_capacity(text.len() + 8);
+    for character in text.chars() {
+        if is_unsafe(character) {
+            escaped.extend(character.escape_default());
+        } else {
+            escaped.push(character);
+        }
+    }
+    escaped.into()
+}
+
+/// Control characters, line and paragraph separators, and characters of no width that change how others are
+/// shown.
+fn is_unsafe(character: char) -> bool {
+    character.is_control()
+        || matches!(
+            character,
+            '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::printable;
+
+    #[test]
+    fn control_characters_and_bidirectional_marks_are_escaped() {
+        assert_eq!(printable("Gelenk 'ü' → 関節"), "Gelenk 'ü' → 関節");
+        assert_eq!(printable("a\u{1b}[2Jb\u{0}c\nd\te"), r"a\u{1b}[2Jb\u{0}c\nd\te");
+        assert_eq!(printable("x\u{202e}y\u{2066}z\u{9b}"), r"x\u{202e}y\u{2066}z\u{9b}");
+    }
+}

@@ -1,0 +1,40 @@
+//! `costate info`: masses, inertias and limits.
+
+use crate::child::{costate, flat, stdout};
+use serde_json::{Value, json};
+
+const ROBOT: &str = "name = 'arm'\ngravity = [0.0, 0.0, -0.0]\n[[joint]]\nname = 'slide'\ntype = 'prismatic'\n\
+    mass = 2.0\ncom = [0.1, 0.2, 0.3]\ninertia = { xx = 1.0, yy = 2.0, zz = 2.5, xy = 0.5 }\narmature = 0.25\n";
+
+fn json_of(robot: &str, text: &str) -> Value {
+    serde_json::from_str(&stdout(&costate(&["info", robot, "--json"], text.as_bytes()))).unwrap()
+}
+
+#[test]
+fn json_holds_masses_inertias_limits_armature_and_gravity() {
+    let info = json_of("-", ROBOT);
+    assert_eq!((flat(&info["gravity"]), &info["mass"]), (vec![0.0, 0.0, 0.0], &json!(2.0)));
+    let joint = &info["joints"][0];
+    assert_eq!(
+        (&joint["index"], &joint["name"], &joint["link"]),
+        (&json!(0), &json!("slide"), &json!("slide"))
+    );
+    assert_eq!((flat(&joint["com"]), &joint["mass"]), (vec![0.1, 0.2, 0.3], &json!(2.0)));
+    assert_eq!(joint["armature"], json!(0.25));
+    let inertia = flat(&joint["inertia"]);
+    assert_eq!((inertia.len(), inertia[1], inertia[3]), (9, inertia[3], inertia[1]));
+    assert_eq!(joint["limits"], json!({ "lower": null, "upper": null, "velocity": null, "effort": null }));
+    assert_eq!(info["armature_couplings"], json!([]));
+    let limits = &json_of("robots/ur5.urdf", "")["joints"][0]["limits"];
+    assert!(limits["upper"].as_f64().unwrap() > 6.28 && limits["effort"].as_f64().unwrap() > 0.0);
+}
+
+/// As in problem files; and one joint is a singular.
+#[test]
+fn joints_are_numbered_from_zero() {
+    let table = stdout(&costate(&["info", "robots/ur5.urdf"], b""));
+    let row = |word: &str| table.lines().find(|line| line.contains(word)).unwrap().trim_start().to_owned();
+    assert!(row("shoulder_pan_joint").starts_with("0 ") && row("wrist_3_joint").starts_with("5 "), "{table}");
+    let table = stdout(&costate(&["info", "-"], ROBOT.as_bytes()));
+    assert!(table.starts_with("arm, 1 joint, moving mass 2.0000 kg, gravity (0, 0, 0) m/s^2"), "{table}");
+}
