@@ -116,7 +116,10 @@ impl Bound {
 
 impl Vector {
     fn exact(values: &[f64]) -> Self {
-        Self { size: DVector::from_iterator(values.len(), values.iter().map(|x| x.abs())), error: DVector::zeros(values.len()) }
+        Self {
+            size: DVector::from_iterator(values.len(), values.iter().map(|x| x.abs())),
+            error: DVector::zeros(values.len()),
+        }
     }
 
     fn of<'a>(values: impl ExactSizeIterator<Item = &'a Rounded> + Clone) -> Self {
@@ -267,7 +270,8 @@ impl Bounds {
         let (factors, inverse) = factor_sizes(values);
         m.error += factors * ((3 * n + 1) as f64).sqrt();
         // M^-1: the error of M on both sides, and that of the product of the factors.
-        let inverse = Bound::new(inverse.clone(), &inverse * &m.error * &inverse + &inverse * (n as f64).sqrt());
+        let inverse =
+            Bound::new(inverse.clone(), &inverse * &m.error * &inverse + &inverse * (n as f64).sqrt());
         let solved = |right: &Bound| inverse.times(right);
         let solve = |right: &Vector| Vector::from_column(&solved(&right.as_column()));
         // v = M^-1 p, P, L_qq.
@@ -280,8 +284,13 @@ impl Bounds {
         let (coupling, l_qq) = (Bound::of(self.kernel.l_vq()), Bound::of(self.kernel.l_qq()));
         let l_q = Vector::of(self.kernel.l_q().iter());
         let mut f = Bound::zeros(2 * n, 1);
-        let rubs: Vec<FrictionDerivatives<Rounded>> =
-            self.tree.joints().iter().zip(&rounded_v).map(|(joint, &v)| friction(&joint.friction, v)).collect();
+        let rubs: Vec<FrictionDerivatives<Rounded>> = self
+            .tree
+            .joints()
+            .iter()
+            .zip(&rounded_v)
+            .map(|(joint, &v)| friction(&joint.friction, v))
+            .collect();
         let slope = Vector::of(rubs.iter().map(|rub| &rub.first).collect::<Vec<_>>().into_iter());
         let curvature = Vector::of(rubs.iter().map(|rub| &rub.second).collect::<Vec<_>>().into_iter());
         let drag = Vector::of(rubs.iter().map(|rub| &rub.value).collect::<Vec<_>>().into_iter());
@@ -311,11 +320,15 @@ impl Bounds {
         let mut inner = Bound::zeros(n, 2 * n);
         inner.block((0, 0), &b);
         // V' C V + B' V + V' B + A, and the curvature of friction.
-        let mut y_f_xx = v_x.transpose().times(&c.times(&v_x)).plus(&v_x.transpose().times(&inner).with_transpose());
+        let mut y_f_xx =
+            v_x.transpose().times(&c.times(&v_x)).plus(&v_x.transpose().times(&inner).with_transpose());
         let mut corner = Bound::zeros(2 * n, 2 * n);
         corner.block((0, 0), &a_block);
         y_f_xx = y_f_xx.plus(&corner);
-        let bent = v_x.scaled_rows(&Vector { size: curvature.size.component_mul(&along_q.size), error: curvature.error.component_mul(&along_q.size) });
+        let bent = v_x.scaled_rows(&Vector {
+            size: curvature.size.component_mul(&along_q.size),
+            error: curvature.error.component_mul(&along_q.size),
+        });
         y_f_xx = y_f_xx.plus(&v_x.transpose().times(&bent));
         // dH/dt: gradient (by half of p' dv/dx) times rate.
         let half_p: Vec<f64> = p.iter().map(|p| 0.5 * p).collect();

@@ -1,7 +1,7 @@
 //! Derivatives of forward dynamics by hand beside automatic ones.
 
-use super::function::DerivativeError;
 use super::bounds::StateBounds;
+use super::function::DerivativeError;
 use super::report::Figure;
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use crate::error::EvalError;

@@ -7,8 +7,8 @@
 //! | [`Hessian`], contracted or whole | hyper-dual numbers, pairs i <= j | n (n + 1) / 2 |
 //! | [`NestedHessian`], contracted | dual numbers in dual numbers | n times n / C |
 //!
-//! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] sets the library's
-//! own derivatives beside these, [`OperationTable`] what they all cost.
+//! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] compares the
+//! library's own derivatives with these, [`OperationTable`] counts the operations of each.
 
 mod bounds;
 mod directional;
@@ -32,9 +32,9 @@ pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
-pub use operations::{OperationRow, OperationTable};
+pub use operations::{Extent, OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
-pub use report::{Figure, StateReport, largest, relative_difference, worse};
+pub use report::{Figure, SAFETY, StateReport, Verdict, largest, relative_difference, worse};
 pub use routes::Routes;
 
 /// Number of derivatives that a dual number carries at once where nobody says otherwise.

@@ -1,4 +1,4 @@
-//! How many operations each quantity takes by each route.
+//! Counts the operations of each quantity by each method.
 
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
@@ -37,10 +37,10 @@ use crate::tensors::Christoffel;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OperationTable {
-    /// By quantity, then by route.
-    counts: [[Operations; 4]; 4],
+    /// By quantity, then by route; `None` where not counted.
+    counts: [[Option<Operations>; 4]; 4],
     /// In the order of [`Self::MORE`].
-    more: [Operations; 5],
+    more: [Option<Operations>; 5],
 }
 
 /// One quantity by one route, see [`OperationTable`].
@@ -64,7 +64,24 @@ struct State {
     y: Vec<Count>,
 }
 
+/// Which methods an [`OperationTable`] counts. Counting takes longer than evaluating.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Extent {
+    /// All methods. Hyper-dual numbers evaluate F n (2n + 1) times.
+    All,
+    /// Not the automatic ones. The whole tensor has about `4/3 n^3` entries, Christoffel coefficients `n^4 / 4` derivatives.
+    ByHand,
+    /// Neither automatic ones nor what stores tensors: work grows with n^3, memory with n^2.
+    Matrices,
+}
+
 impl State {
+    /// Some state of this robot.
+    fn sample(robot: &Robot) -> Self {
+        Self::new(robot.len(), |i| (1.0 + i as f64).sqrt())
+    }
+
     fn new(n: usize, number: impl Fn(usize) -> f64) -> Self {
         let mut all = (0..5 * n).map(|i| Count::variable(number(i)));
         let mut take = |count: usize| all.by_ref().take(count).collect();
@@ -94,35 +111,62 @@ impl OperationTable {
     /// # Errors
     /// None that a valid robot gives rise to: numbers that count are not checked.
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.len(), |i| (1.0 + i as f64).sqrt()))
+        Self::at(robot, constants, &State::sample(robot), Extent::All)
     }
 
-    fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
+    /// Counts the given methods only; the rows of the others are missing.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn counted(
+        robot: &Robot,
+        constants: Constants,
+        extent: Extent,
+    ) -> Result<Self, DerivativeError<EvalError>> {
+        Self::at(robot, constants, &State::sample(robot), extent)
+    }
+
+    fn at(
+        robot: &Robot,
+        constants: Constants,
+        state: &State,
+        extent: Extent,
+    ) -> Result<Self, DerivativeError<EvalError>> {
         let tree = Tree::from(robot);
-        let tensors = by_dual_pass(&tree, Christoffel, constants, state)?;
+        let with_tensors = extent != Extent::Matrices;
+        let tensors = match with_tensors {
+            true => by_dual_pass(&tree, Christoffel, constants, state)?.map(Some),
+            false => [None; 4],
+        };
         let [mass_matrix, f, f_x, dual_pass] = by_dual_pass(&tree, Contracted, constants, state)?;
-        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?;
-        let [dual, hyperdual] = automatic(robot, constants, state)?;
-        let by_route = [
-            tensors,
-            [mass_matrix, f, f_x, y_f_xx],
-            [mass_matrix, f, dual[0], dual[1]],
-            [mass_matrix, f, hyperdual[0], hyperdual[1]],
-        ];
+        let [y_f_xx, y_f_x, y_f_xx_d] = by_rule(&tree, constants, state)?;
+        let f_xx = if with_tensors { Some(whole_tensor(&tree, constants, state)?) } else { None };
+        let automatic = match extent {
+            Extent::All => automatic(robot, constants, state)?.map(|counts| counts.map(Some)),
+            _ => [[None; 2]; 2],
+        };
+        // M and F need no derivatives: the automatic methods take those of the analytic one.
+        let [dual, hyperdual] = automatic.map(|[first, second]| {
+            let value = |count| first.and(Some(count));
+            [value(mass_matrix), value(f), first, second]
+        });
+        let by_route = [tensors, [mass_matrix, f, f_x, y_f_xx].map(Some), dual, hyperdual];
         Ok(Self {
             counts: [0, 1, 2, 3].map(|quantity| by_route.map(|counts| counts[quantity])),
-            more: [dual_pass, y_f_x, y_f_xx_d, f_xx, hyperdual[0]],
+            more: [Some(dual_pass), Some(y_f_x), Some(y_f_xx_d), f_xx, hyperdual[2]],
         })
     }
 
     /// Every quantity by every route, then [`MORE`](Self::MORE).
     pub fn rows(&self) -> impl Iterator<Item = OperationRow> {
         let every = Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
-            let row = move |(route, operations)| OperationRow { quantity, route, operations };
-            Self::ROUTES.into_iter().zip(counts).map(row)
+            Self::ROUTES.into_iter().zip(counts).map(move |(route, operations)| (quantity, route, operations))
         });
         let more = Self::MORE.into_iter().zip(self.more);
-        every.chain(more.map(|((quantity, route), operations)| OperationRow { quantity, route, operations }))
+        let all = every.chain(more.map(|((quantity, route), operations)| (quantity, route, operations)));
+        all.filter_map(|(quantity, route, operations)| {
+            Some(OperationRow { quantity, route, operations: operations? })
+        })
     }
 
     /// One quantity by one route, `None` if there is no such name.
@@ -149,21 +193,26 @@ fn by_dual_pass<R: Route>(
     ])
 }
 
-/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor.
+/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d.
 fn by_rule(
     tree: &Tree,
     constants: Constants,
     State { x, u, y }: &State,
-) -> Result<[Operations; 4], EvalError> {
+) -> Result<[Operations; 3], EvalError> {
     let (q, p) = x.split_at(tree.len());
     let mut second = SecondOrder::from_tree(tree.clone());
-    let mut full = FullHessian::from_tree(tree.clone());
     Ok([
         counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
         counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?,
         counted(constants, || second.hessian_product(q, p, y, x).map(drop))?,
-        counted(constants, || full.evaluate(q, p).map(drop))?,
     ])
+}
+
+/// F_x and the whole tensor.
+fn whole_tensor(tree: &Tree, constants: Constants, state: &State) -> Result<Operations, EvalError> {
+    let (q, p) = state.x.split_at(tree.len());
+    let mut full = FullHessian::from_tree(tree.clone());
+    counted(constants, || full.evaluate(q, p).map(drop))
 }
 
 /// F_x and y'F_xx by dual numbers, then by hyper-dual numbers.
@@ -191,9 +240,10 @@ fn counted<E>(constants: Constants, evaluate: impl FnOnce() -> Result<(), E>) ->
 
 #[cfg(test)]
 mod tests {
-    use super::{OperationTable, State};
+    use super::{Extent, OperationTable, State};
     use crate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
     use crate::scalar::Constants::{Folded, Kept};
+    use crate::scalar::Operations;
     use nalgebra::Matrix3;
 
     /// Three joints, one of them sliding, one with friction, in general directions.
@@ -222,7 +272,7 @@ mod tests {
                 [|_| 0.0, |i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
             for number in states {
                 let state = State::new(robot.len(), number);
-                assert_eq!(OperationTable::at(&robot, constants, &state).unwrap(), table);
+                assert_eq!(OperationTable::at(&robot, constants, &state, Extent::All).unwrap(), table);
             }
         }
     }
@@ -233,7 +283,8 @@ mod tests {
             [Folded, Kept].map(|constants| OperationTable::new(&robot(), constants).unwrap());
         for table in [&folded, &kept] {
             for pair in table.counts.windows(2) {
-                assert!(pair[0].iter().zip(&pair[1]).all(|(less, more)| less.mul < more.mul), "{pair:?}");
+                let mul = |count: &Option<Operations>| count.map(|count| count.mul);
+                assert!(pair[0].iter().zip(&pair[1]).all(|(less, more)| mul(less) < mul(more)), "{pair:?}");
             }
         }
         for (few, all) in folded.rows().zip(kept.rows()) {
@@ -253,5 +304,19 @@ mod tests {
         assert_eq!(table.get("f_x", "by magic"), None);
         assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
         assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
+    }
+
+    #[test]
+    fn what_is_not_counted_is_missing_and_the_rest_is_the_same() {
+        let robot = robot();
+        let all = OperationTable::new(&robot, Folded).unwrap();
+        for (extent, rows) in [(Extent::ByHand, 12), (Extent::Matrices, 7)] {
+            let some = OperationTable::counted(&robot, Folded, extent).unwrap();
+            assert_eq!(some.rows().count(), rows);
+            for row in some.rows() {
+                assert_eq!(all.get(row.quantity, row.route), Some(row.operations));
+            }
+            assert_eq!(some.get("f_x", "hyperdual"), None);
+        }
     }
 }

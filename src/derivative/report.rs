@@ -20,13 +20,43 @@ pub struct Figure {
     pub bound: f64,
 }
 
+/// What a [`Figure`] says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The difference is within the bound.
+    Agrees,
+    /// Rounding may change the entry by more than a thousandth: M is nearly singular, or numbers overflow.
+    NotComparable,
+    /// The difference exceeds the bound, or is not a number.
+    Differs,
+}
+
+/// How many standard deviations of the rounding error a difference may have, see [`Routes`](super::Routes).
+pub const SAFETY: f64 = 16.0;
+
+/// Relative bounds above this one say nothing.
+const COMPARABLE: f64 = 1e-3;
+
 impl Figure {
-    /// Difference in units of the bound: agreement where it is at most 1. Not-a-number is no agreement.
+    /// Difference in units of the bound; not-a-number if one of them is.
     pub fn ratio(&self) -> f64 {
         if self.difference == 0.0 { 0.0 } else { self.difference / self.bound }
     }
 
-    /// Compares entry by entry, `|a_ij - b_ij|` with [`SAFETY`] u times the error of the bound.
+    /// Judges the difference by `tolerance` times the bound.
+    pub fn verdict(&self, tolerance: f64) -> Verdict {
+        if self.difference.is_nan() {
+            Verdict::Differs
+        } else if self.bound.is_nan() || self.bound > COMPARABLE {
+            Verdict::NotComparable
+        } else if self.ratio() <= tolerance {
+            Verdict::Agrees
+        } else {
+            Verdict::Differs
+        }
+    }
+
+    /// Compares entry by entry and keeps the worst entry; the bound is [`SAFETY`] u times the error.
     pub(crate) fn judge(
         quantity: &'static str,
         route: &'static str,
@@ -37,24 +67,29 @@ impl Figure {
         for j in 0..bound.size.ncols() {
             for i in 0..bound.size.nrows() {
                 let (difference, size) = (difference(i, j).abs(), bound.size[(i, j)]);
-                let size = if difference == 0.0 { 1.0 } else { size };
-                let bound = SAFETY * UNIT * bound.error[(i, j)] / size;
-                worst = worst.or_worse(&Self { quantity, route, difference: difference / size, bound });
+                let allowed = SAFETY * UNIT * bound.error[(i, j)];
+                let entry = match size == 0.0 && difference == 0.0 {
+                    true => worst,
+                    false => Self { difference: difference / size, bound: allowed / size, ..worst },
+                };
+                worst = worst.or_worse(&entry);
             }
         }
         worst
     }
 
-    /// The one with the larger ratio; of two that agree exactly the one with the larger bound.
-    fn or_worse(self, other: &Self) -> Self {
-        let rank = |figure: &Self| if figure.ratio().is_nan() { f64::INFINITY } else { figure.ratio() };
+    /// The worse of two: not-a-number, then the larger ratio, then what cannot be compared; of equal ones the larger bound.
+    #[must_use]
+    pub fn or_worse(self, other: &Self) -> Self {
+        let rank = |figure: &Self| match figure.verdict(f64::INFINITY) {
+            Verdict::Differs => f64::INFINITY,
+            Verdict::Agrees => figure.ratio(),
+            Verdict::NotComparable => -1.0,
+        };
         let (ours, theirs) = (rank(&self), rank(other));
         if theirs > ours || (theirs == ours && other.bound > self.bound) { *other } else { self }
     }
 }
-
-/// By how much a difference may exceed the standard deviation that bounds start from.
-pub const SAFETY: f64 = 1.0;
 
 /// What the methods say of each other at one state; made by [`Routes`](super::Routes).
 #[derive(Clone, Debug, PartialEq)]
@@ -71,9 +106,14 @@ impl StateReport {
         self.figures.iter().find(|figure| figure.quantity == quantity && figure.route == route)
     }
 
-    /// The largest ratio of a difference to its bound.
-    pub fn worst(&self) -> f64 {
-        self.figures.iter().map(Figure::ratio).fold(0.0, worse)
+    /// The comparisons whose difference exceeds `tolerance` times the bound, or is not a number.
+    pub fn failures(&self, tolerance: f64) -> impl Iterator<Item = &Figure> {
+        self.figures.iter().filter(move |figure| figure.verdict(tolerance) == Verdict::Differs)
+    }
+
+    /// Whether rounding leaves too few digits for some comparison, see [`Verdict::NotComparable`].
+    pub fn is_nearly_singular(&self) -> bool {
+        self.figures.iter().any(|figure| figure.verdict(1.0) == Verdict::NotComparable)
     }
 
     /// The worse of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
@@ -117,7 +157,7 @@ pub fn worse(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::relative_difference;
+    use super::{Bound, Figure, SAFETY, UNIT, Verdict, relative_difference};
     use crate::matrix::Matrix;
 
     /// A figure that is not a number must never look like agreement.
@@ -132,5 +172,38 @@ mod tests {
             assert!(relative_difference(bad.view(), good.view(), 1.0).is_nan(), "entry {at}");
         }
         assert_eq!(relative_difference(good.view(), good.view(), 0.0), 0.0);
+    }
+
+    /// Sizes 1 and 2, errors 1 and 10 units.
+    fn bound() -> Bound {
+        let row = |entries: [f64; 2]| nalgebra::DMatrix::from_row_slice(1, 2, &entries);
+        Bound { size: row([1.0, 2.0]), error: row([1.0, 10.0]) }
+    }
+
+    #[test]
+    fn the_entry_nearest_to_its_bound_is_kept() {
+        let figure = Figure::judge("F", "a", |_, j| [0.5, 4.0][j] * SAFETY * UNIT, &bound());
+        assert_eq!((figure.ratio(), figure.verdict(1.0)), (0.5, Verdict::Agrees));
+        assert_eq!(figure.verdict(0.4), Verdict::Differs);
+        let exact = Figure::judge("F", "a", |_, _| 0.0, &bound());
+        assert_eq!((exact.ratio(), exact.verdict(1.0)), (0.0, Verdict::Agrees));
+    }
+
+    #[test]
+    fn not_a_number_fails_and_is_kept() {
+        for at in 0..2 {
+            let figure = Figure::judge("F", "a", |_, j| if j == at { f64::NAN } else { 1e3 }, &bound());
+            assert_eq!(figure.verdict(1e300), Verdict::Differs);
+            let good = Figure::judge("F", "a", |_, _| 0.0, &bound());
+            assert!(good.or_worse(&figure).difference.is_nan() && figure.or_worse(&good).difference.is_nan());
+        }
+    }
+
+    #[test]
+    fn what_has_no_digits_left_is_not_compared() {
+        let mut bound = bound();
+        bound.error *= 1e14;
+        let figure = Figure::judge("F", "a", |_, _| 0.1, &bound);
+        assert_eq!(figure.verdict(1.0), Verdict::NotComparable);
     }
 }
