@@ -1,13 +1,16 @@
-//! Properties: every route to every derivative agrees on random trees.
+//! Properties: all methods for derivatives agree on random trees.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 #[path = "common/random_robot.rs"]
 mod random_robot;
 
-use costate::derivative::{Directional, Hessian, Jacobian, PhaseVelocity, Routes, relative_difference};
+use costate::derivative::{
+    Directional, Hessian, Jacobian, PhaseVelocity, RoundingBounds, Routes, Verdict, relative_difference,
+};
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::matrix::{Block, Matrix};
+use costate::robot::Robot;
 use proptest::prelude::*;
 use random_robot::{Case, cases, difference, tolerance};
 
@@ -15,12 +18,12 @@ fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
 }
 
-/// F_x, y'F_xx and their products by every route beside hyper-dual numbers, the same in (q, v), symmetries, energy.
+/// Everything that [`Routes`] compares, by the bound that it states.
 fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let robot = case.robot();
     let report = Routes::new(&robot).compare(&case.x(&robot), &case.u, &case.y).unwrap();
-    let excess = report.excess(1e-12);
-    prop_assert!(excess <= 1.0, "{excess:.2}: {report:#?}");
+    let failures: Vec<_> = report.failures(1.0).collect();
+    prop_assert!(failures.is_empty(), "{failures:#?}");
     Ok(())
 }
 
@@ -97,5 +100,36 @@ proptest! {
         let many = Jacobian::<_, 16>::chunked(function()).evaluate(&x).unwrap().jacobian.clone();
         prop_assert!(difference(one.as_slice(), three.as_slice()) <= 1e-15);
         prop_assert!(difference(one.as_slice(), many.as_slice()) <= 1e-15);
+    }
+}
+
+/// A derivative that is wrong by 1e-8 of its largest entry fails the comparison.
+#[test]
+fn a_wrong_entry_is_detected() {
+    for name in ["two_link.toml", "cart_pole.toml", "puma560.toml", "ur5.urdf", "panda.urdf", "biped.toml"] {
+        let robot = Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let n = robot.len();
+        let numbers = |count: usize, factor: f64| -> Vec<f64> {
+            (0..count).map(|i| (factor * (i + 1) as f64).sin()).collect()
+        };
+        let (q, v, u, y) = (numbers(n, 1.3), numbers(n, 0.9), numbers(n, 2.1), numbers(2 * n, 1.7));
+        let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
+        let x = [q.clone(), p.clone()].concat();
+        let bounds = RoundingBounds::new(&robot).at(&x, &u, &y).unwrap();
+        let mut second = SecondOrder::<f64>::new(&robot);
+        let all = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+        let matrices = [(all.linearisation().matrix(), &bounds.f_x), (all.matrix(), &bounds.y_f_xx)];
+        for (matrix, bounds) in matrices {
+            for (row, column) in [(0, 0), (0, n), (n, 0), (n, n)] {
+                let block = matrix.to_nalgebra().view((row, column), (n, n)).into_owned();
+                let (i, j) = block.iamax_full();
+                if block[(i, j)] == 0.0 {
+                    continue;
+                }
+                let wrong = |k, l| if (k, l) == (row + i, column + j) { 1e-8 * block[(i, j)] } else { 0.0 };
+                let figure = bounds.judge("F_x", "perturbed", wrong);
+                assert_eq!(figure.verdict(1.0), Verdict::Differs, "{name} ({row}, {column}): {figure:?}");
+            }
+        }
     }
 }

@@ -1,19 +1,22 @@
-//! What rounding may make of the derivatives of one robot, at one state.
+//! Bounds of the rounding errors in the derivatives of one robot.
 
-use super::report::worse;
+use super::report::{Figure, worse};
 use super::rounded::Rounded;
 use crate::error::EvalError;
+use crate::hamiltonian::Hamiltonian;
 use crate::kernels::{FrictionDerivatives, KernelOne, KernelTwo, friction};
-use crate::lagrangian;
+use crate::lagrangian::{self, Lagrangian};
 use crate::matrix::Matrix;
-use crate::robot::Tree;
+use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// A matrix of sizes (sums of the absolute values of what is added up) and one of errors in units of u.
-#[derive(Clone, Debug)]
-pub(crate) struct Bound {
+/// Sizes and rounding errors of the entries of a matrix.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EntryBounds {
+    /// Sums of the absolute values of the terms of each entry.
     pub size: DMatrix<f64>,
+    /// Standard deviation of the rounding error of each entry, in units of u = 2^-53.
     pub error: DMatrix<f64>,
 }
 
@@ -24,7 +27,18 @@ struct Vector {
     error: DVector<f64>,
 }
 
-impl Bound {
+impl EntryBounds {
+    /// Compares two results entry by entry, given their difference, and keeps the entry closest to its bound,
+    /// [`SAFETY`](super::SAFETY) u times the error.
+    pub fn judge(
+        &self,
+        quantity: &'static str,
+        route: &'static str,
+        difference: impl Fn(usize, usize) -> f64,
+    ) -> Figure {
+        Figure::judge(quantity, route, difference, self)
+    }
+
     fn new(size: DMatrix<f64>, error: DMatrix<f64>) -> Self {
         Self { size, error }
     }
@@ -95,11 +109,13 @@ impl Bound {
     }
 
     /// Of `y'A`, as a row.
+    #[must_use]
     pub fn row_product(&self, y: &[f64]) -> Self {
         Self::exact_row(y).times(self)
     }
 
     /// Of `A d`, as a column.
+    #[must_use]
     pub fn column_product(&self, d: &[f64]) -> Self {
         self.times(&Self::exact_row(d).transpose())
     }
@@ -109,6 +125,7 @@ impl Bound {
     }
 
     /// Of `A - A'` for what should be symmetric.
+    #[must_use]
     pub fn asymmetry(&self) -> Self {
         self.with_transpose()
     }
@@ -134,12 +151,12 @@ impl Vector {
         Self { size: &self.size + &other.size, error: &self.error + &other.error }
     }
 
-    fn as_column(&self) -> Bound {
+    fn as_column(&self) -> EntryBounds {
         let column = |x: &DVector<f64>| DMatrix::from_column_slice(x.len(), 1, x.as_slice());
-        Bound::new(column(&self.size), column(&self.error))
+        EntryBounds::new(column(&self.size), column(&self.error))
     }
 
-    fn from_column(column: &Bound) -> Self {
+    fn from_column(column: &EntryBounds) -> Self {
         Self { size: column.size.column(0).into_owned(), error: column.error.column(0).into_owned() }
     }
 
@@ -154,44 +171,39 @@ impl Vector {
     }
 }
 
-/// Where bounds are evaluated.
-#[derive(Clone, Copy)]
-pub(crate) struct State<'a> {
-    pub q: &'a [f64],
-    pub p: &'a [f64],
-    pub v: &'a [f64],
-    /// Acceleration under u.
-    pub a: &'a [f64],
-    pub u: &'a [f64],
-    /// Relative error of q, p and v, in units of u: 0 for a state that is given, 1 for one that is computed.
-    pub input: f64,
-}
-
-/// First-order bounds of rounding errors.
-pub(crate) struct Bounds {
+/// Workspace for bounds of rounding errors, to first order: see [`Routes`](super::Routes) for their derivation.
+#[derive(Clone, Debug)]
+pub struct RoundingBounds {
+    hamiltonian: Hamiltonian<f64>,
+    forward_dynamics: Lagrangian<f64>,
     tree: Tree,
     kernel: KernelOne<Rounded>,
     along: KernelTwo<Rounded>,
     lagrangian: lagrangian::SecondOrder<Rounded>,
 }
 
-/// Bounds at one state.
-pub(crate) struct StateBounds {
+/// RoundingBounds at one state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DerivativeBounds {
     /// Of F, a column.
-    pub f: Bound,
-    pub f_x: Bound,
-    pub y_f_xx: Bound,
+    pub f: EntryBounds,
+    /// Of F_x, 2n x 2n.
+    pub f_x: EntryBounds,
+    /// Of y'F_xx, 2n x 2n.
+    pub y_f_xx: EntryBounds,
     /// Of a, a column.
-    pub acceleration: Bound,
-    pub a_z: Bound,
-    pub y_a_zz: Bound,
+    pub acceleration: EntryBounds,
+    /// Of a_z, z = (q, v, u), n x 3n.
+    pub a_z: EntryBounds,
+    /// Of y'a_zz, 3n x 3n, for the second half of y.
+    pub y_a_zz: EntryBounds,
     /// Of dH/dt, one entry.
-    pub drift: Bound,
+    pub drift: EntryBounds,
 }
 
-impl StateBounds {
+impl DerivativeBounds {
     /// The larger of each entry of two states.
-    pub fn larger(self, other: &Self) -> Self {
+    pub(crate) fn larger(self, other: &Self) -> Self {
         Self {
             f: self.f.larger(&other.f),
             f_x: self.f_x.larger(&other.f_x),
@@ -204,23 +216,23 @@ impl StateBounds {
     }
 
     /// Of a step of duration h in (q, p) with the weights and the direction that y'F_xx was bounded for.
-    pub fn hamiltonian_step(&self, h: f64, [y, d_u]: [&[f64]; 2]) -> [Bound; 2] {
+    pub(crate) fn hamiltonian_step(&self, h: f64, [y, d_u]: [&[f64]; 2]) -> [EntryBounds; 2] {
         let n = d_u.len();
-        let mut f_z = Bound::zeros(2 * n, 3 * n);
+        let mut f_z = EntryBounds::zeros(2 * n, 3 * n);
         f_z.block((0, 0), &self.f_x);
-        f_z.block((n, 2 * n), &Bound::identity(n));
-        let mut y_f_zz = Bound::zeros(3 * n, 3 * n);
+        f_z.block((n, 2 * n), &EntryBounds::identity(n));
+        let mut y_f_zz = EntryBounds::zeros(3 * n, 3 * n);
         y_f_zz.block((0, 0), &self.y_f_xx);
         step(h, [y, d_u], &self.f, &f_z, &y_f_zz)
     }
 
     /// Of a step of duration h in (q, v), likewise.
-    pub fn lagrangian_step(&self, h: f64, [y, d_u]: [&[f64]; 2], v: &[f64]) -> [Bound; 2] {
+    pub(crate) fn lagrangian_step(&self, h: f64, [y, d_u]: [&[f64]; 2], v: &[f64]) -> [EntryBounds; 2] {
         let n = d_u.len();
-        let (mut f, mut f_z) = (Bound::zeros(2 * n, 1), Bound::zeros(2 * n, 3 * n));
+        let (mut f, mut f_z) = (EntryBounds::zeros(2 * n, 1), EntryBounds::zeros(2 * n, 3 * n));
         f.block((0, 0), &Vector::exact(v).as_column());
         f.block((n, 0), &self.acceleration);
-        f_z.block((0, n), &Bound::identity(n));
+        f_z.block((0, n), &EntryBounds::identity(n));
         f_z.block((n, 0), &self.a_z);
         step(h, [y, d_u], &f, &f_z, &self.y_a_zz)
     }
@@ -229,20 +241,26 @@ impl StateBounds {
 /// Phi_z, z = (x, u, h), and `y'Phi_zz d`, a row, of one step of four stages.
 ///
 /// With `G = 1 + h f_x` and `Z = [G^3, h G^2 f_u; 0, 1]`, `Phi_z = 1 + G^3 h f_z Z` and `y'Phi_zz = Z' h y'f_zz Z` in sizes.
-fn step(h: f64, [y, d_u]: [&[f64]; 2], f: &Bound, f_z: &Bound, y_f_zz: &Bound) -> [Bound; 2] {
+fn step(
+    h: f64,
+    [y, d_u]: [&[f64]; 2],
+    f: &EntryBounds,
+    f_z: &EntryBounds,
+    y_f_zz: &EntryBounds,
+) -> [EntryBounds; 2] {
     let n = d_u.len();
-    let scaled = |bound: &Bound| Bound::new(&bound.size * h, (&bound.error + &bound.size) * h);
+    let scaled = |bound: &EntryBounds| EntryBounds::new(&bound.size * h, (&bound.error + &bound.size) * h);
     let (a, s) = (scaled(f_z), scaled(y_f_zz));
-    let growth = Bound::identity(2 * n).plus(&a.top_left(2 * n, 2 * n, (0, 0))).rounded();
+    let growth = EntryBounds::identity(2 * n).plus(&a.top_left(2 * n, 2 * n, (0, 0))).rounded();
     let square = growth.times(&growth);
     let cube = square.times(&growth);
-    let mut lift = Bound::zeros(3 * n, 3 * n);
+    let mut lift = EntryBounds::zeros(3 * n, 3 * n);
     lift.block((0, 0), &cube);
     lift.block((0, 2 * n), &square.times(&a.top_left(2 * n, n, (0, 2 * n))));
-    lift.block((2 * n, 2 * n), &Bound::identity(n));
-    let mut phi_z = Bound::zeros(2 * n, 3 * n + 1);
+    lift.block((2 * n, 2 * n), &EntryBounds::identity(n));
+    let mut phi_z = EntryBounds::zeros(2 * n, 3 * n + 1);
     let mut first = cube.times(&a).times(&lift);
-    first.block((0, 0), &first.top_left(2 * n, 2 * n, (0, 0)).plus(&Bound::identity(2 * n)).rounded());
+    first.block((0, 0), &first.top_left(2 * n, 2 * n, (0, 0)).plus(&EntryBounds::identity(2 * n)).rounded());
     phi_z.block((0, 0), &first);
     phi_z.block((0, 3 * n), &cube.times(&growth).times(f));
     let second = lift.transpose().times(&s).times(&lift);
@@ -250,9 +268,13 @@ fn step(h: f64, [y, d_u]: [&[f64]; 2], f: &Bound, f_z: &Bound, y_f_zz: &Bound) -
     [phi_z, product]
 }
 
-impl Bounds {
-    pub fn new(tree: Tree) -> Self {
+impl RoundingBounds {
+    /// Builds the workspace.
+    pub fn new(robot: &Robot) -> Self {
+        let tree = Tree::from(robot);
         Self {
+            hamiltonian: Hamiltonian::from_tree(tree.clone()),
+            forward_dynamics: Lagrangian::from_tree(tree.clone()),
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
             lagrangian: lagrangian::SecondOrder::from_tree(tree.clone()),
@@ -260,19 +282,36 @@ impl Bounds {
         }
     }
 
-    pub fn at(&mut self, state: &State<'_>, y: &[f64]) -> Result<StateBounds, EvalError> {
-        let State { q, p, v, a, u, input } = *state;
+    /// Bounds at x = (q, p) under u for the costate y (2n).
+    ///
+    /// # Errors
+    /// Those of [`Hamiltonian`].
+    pub fn at(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<DerivativeBounds, EvalError> {
+        self.around(x, u, y, 0.0)
+    }
+
+    /// The same where q, p and v have errors of `input` units of u relative to themselves.
+    pub(crate) fn around(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+        input: f64,
+    ) -> Result<DerivativeBounds, EvalError> {
+        let (q, p) = x.split_at(x.len() / 2);
+        let v = &self.hamiltonian.velocity(q, p)?.to_vec()[..];
+        let a = &self.forward_dynamics.forward_dynamics(q, v, u)?.to_vec()[..];
         let n = self.tree.len();
         let q: Vec<Rounded> = q.iter().map(|&q| Rounded::new(q, input * q)).collect();
         self.kernel.set_position(&self.tree, &q)?;
-        let mut m = Bound::of(self.kernel.mass_matrix());
+        let mut m = EntryBounds::of(self.kernel.mass_matrix());
         let values = DMatrix::from_fn(n, n, |i, j| self.kernel.mass_matrix()[(i, j)].value);
         let (factors, inverse) = factor_sizes(values);
         m.error += factors * ((3 * n + 1) as f64).sqrt();
         // M^-1: the error of M on both sides, and that of the product of the factors.
         let inverse =
-            Bound::new(inverse.clone(), &inverse * &m.error * &inverse + &inverse * (n as f64).sqrt());
-        let solved = |right: &Bound| inverse.times(right);
+            EntryBounds::new(inverse.clone(), &inverse * &m.error * &inverse + &inverse * (n as f64).sqrt());
+        let solved = |right: &EntryBounds| inverse.times(right);
         let solve = |right: &Vector| Vector::from_column(&solved(&right.as_column()));
         // v = M^-1 p, P, L_qq.
         let mut momentum = Vector::exact(p);
@@ -281,9 +320,9 @@ impl Bounds {
         let rounded_v = velocity.around(v);
         self.kernel.set_velocity(&self.tree, &rounded_v)?;
         self.kernel.second_order(&self.tree);
-        let (coupling, l_qq) = (Bound::of(self.kernel.l_vq()), Bound::of(self.kernel.l_qq()));
+        let (coupling, l_qq) = (EntryBounds::of(self.kernel.l_vq()), EntryBounds::of(self.kernel.l_qq()));
         let l_q = Vector::of(self.kernel.l_q().iter());
-        let mut f = Bound::zeros(2 * n, 1);
+        let mut f = EntryBounds::zeros(2 * n, 1);
         let rubs: Vec<FrictionDerivatives<Rounded>> = self
             .tree
             .joints()
@@ -298,7 +337,7 @@ impl Bounds {
         f.block((n, 0), &l_q.plus(&drag).plus(&Vector::exact(u)).rounded().as_column());
         let w = solved(&coupling);
         let reduced = l_qq.plus(&coupling.transpose().times(&w));
-        let mut f_x = Bound::zeros(2 * n, 2 * n);
+        let mut f_x = EntryBounds::zeros(2 * n, 2 * n);
         f_x.block((0, 0), &w);
         f_x.block((0, n), &inverse);
         f_x.block((n, 0), &reduced.plus(&w.scaled_rows(&slope)));
@@ -313,16 +352,17 @@ impl Bounds {
         let (v_values, direction_q): (Vec<f64>, Vec<Rounded>) =
             (self.change(y_q, y_p, &rubs), y_p.iter().map(|&y| Rounded::exact(-y)).collect());
         self.along.differentiate(&self.tree, &self.kernel, &direction_q, &along_v.around(&v_values))?;
-        let [c, b, a_block] = [self.along.mass_matrix(), self.along.l_vq(), self.along.l_qq()].map(Bound::of);
-        let mut v_x = Bound::zeros(n, 2 * n);
+        let [c, b, a_block] =
+            [self.along.mass_matrix(), self.along.l_vq(), self.along.l_qq()].map(EntryBounds::of);
+        let mut v_x = EntryBounds::zeros(n, 2 * n);
         v_x.block((0, 0), &w);
         v_x.block((0, n), &inverse);
-        let mut inner = Bound::zeros(n, 2 * n);
+        let mut inner = EntryBounds::zeros(n, 2 * n);
         inner.block((0, 0), &b);
         // V' C V + B' V + V' B + A, and the curvature of friction.
         let mut y_f_xx =
             v_x.transpose().times(&c.times(&v_x)).plus(&v_x.transpose().times(&inner).with_transpose());
-        let mut corner = Bound::zeros(2 * n, 2 * n);
+        let mut corner = EntryBounds::zeros(2 * n, 2 * n);
         corner.block((0, 0), &a_block);
         y_f_xx = y_f_xx.plus(&corner);
         let bent = v_x.scaled_rows(&Vector {
@@ -335,13 +375,13 @@ impl Bounds {
         let mut gradient = v_x.row_product(&half_p);
         gradient.block((0, 0), &gradient.top_left(1, n, (0, 0)).plus(&l_q.as_column().transpose()));
         gradient.block((0, n), &gradient.top_left(1, n, (0, n)).plus(&velocity.as_column().transpose()));
-        let mut rate = Bound::zeros(2 * n, 1);
+        let mut rate = EntryBounds::zeros(2 * n, 1);
         rate.block((0, 0), &velocity.as_column());
         rate.block((n, 0), &l_q.as_column());
         let drift = gradient.times(&rate);
         let rounded_v: Vec<Rounded> = v.iter().map(|&v| Rounded::new(v, input * v)).collect();
         let (acceleration, a_z, y_a_zz) = self.forward(&q, &rounded_v, a, u, y_p, &inverse)?;
-        Ok(StateBounds { f, f_x, y_f_xx, acceleration, a_z, y_a_zz, drift })
+        Ok(DerivativeBounds { f, f_x, y_f_xx, acceleration, a_z, y_a_zz, drift })
     }
 
     /// `V w` in values.
@@ -362,8 +402,8 @@ impl Bounds {
         a: &[f64],
         u: &[f64],
         y: &[f64],
-        inverse: &Bound,
-    ) -> Result<(Bound, Bound, Bound), EvalError> {
+        inverse: &EntryBounds,
+    ) -> Result<(EntryBounds, EntryBounds, EntryBounds), EvalError> {
         let n = v.len();
         let exact = |x: &[f64]| x.iter().map(|&x| Rounded::exact(x)).collect::<Vec<_>>();
         let bias = Vector::of(self.lagrangian.first().inverse_dynamics(q, v, &exact(&vec![0.0; n]))?.iter());
@@ -373,9 +413,9 @@ impl Bounds {
         let acceleration = solve(&bias.plus(&Vector::exact(u)));
         let rounded_a = acceleration.around(a);
         let tau = self.lagrangian.first().inverse_dynamics_jacobian(q, v, &rounded_a)?;
-        let mut a_z = Bound::zeros(n, 3 * n);
-        a_z.block((0, 0), &inverse.times(&Bound::of(tau.tau_q)));
-        a_z.block((0, n), &inverse.times(&Bound::of(tau.tau_v)));
+        let mut a_z = EntryBounds::zeros(n, 3 * n);
+        a_z.block((0, 0), &inverse.times(&EntryBounds::of(tau.tau_q)));
+        a_z.block((0, n), &inverse.times(&EntryBounds::of(tau.tau_v)));
         a_z.block((0, 2 * n), inverse);
         let values = DMatrix::from_fn(n, n, |i, j| tau.tau_a[(i, j)].value);
         let weights = solve(&Vector::exact(y));
@@ -383,11 +423,15 @@ impl Bounds {
             || vec![f64::NAN; n],
             |factor| factor.solve(&DVector::from_column_slice(y)).as_slice().to_vec(),
         );
-        let hessian =
-            Bound::of(self.lagrangian.inverse_dynamics_hessian(q, v, &rounded_a, &weights.around(&w))?);
-        let mut y_a_zz = Bound::zeros(3 * n, 3 * n);
+        let hessian = EntryBounds::of(self.lagrangian.inverse_dynamics_hessian(
+            q,
+            v,
+            &rounded_a,
+            &weights.around(&w),
+        )?);
+        let mut y_a_zz = EntryBounds::zeros(3 * n, 3 * n);
         y_a_zz.block((0, 0), &hessian.top_left(2 * n, 2 * n, (0, 0)));
-        let mut mixed = Bound::zeros(3 * n, 3 * n);
+        let mut mixed = EntryBounds::zeros(3 * n, 3 * n);
         mixed.block((0, 0), &a_z.transpose().times(&hessian.top_left(n, n, (2 * n, 0))));
         y_a_zz = y_a_zz.plus(&mixed.with_transpose());
         Ok((acceleration.as_column(), a_z, y_a_zz))

@@ -1,6 +1,6 @@
 //! Derivatives of forward dynamics by hand beside automatic ones.
 
-use super::bounds::StateBounds;
+use super::bounds::DerivativeBounds;
 use super::function::DerivativeError;
 use super::report::Figure;
 use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
@@ -34,16 +34,11 @@ impl LagrangianRoutes {
         Ok(())
     }
 
-    /// The acceleration evaluated last.
-    pub fn acceleration(&self) -> &[f64] {
-        self.hyperdual.last().value()
-    }
-
     /// Compares a_z and y'a_zz, z = (q, v, u), with the reference evaluated last; appends to `figures`.
     pub fn compare(
         &mut self,
         [q, v, u, y]: [&[f64]; 4],
-        bounds: &StateBounds,
+        bounds: &DerivativeBounds,
         figures: &mut Vec<Figure>,
     ) -> Result<(), DerivativeError<EvalError>> {
         let z = [q, v, u].concat();

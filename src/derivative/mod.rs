@@ -24,7 +24,7 @@ mod report;
 mod rounded;
 mod routes;
 
-pub(crate) use bounds::{Bound, Bounds, State, StateBounds};
+pub use bounds::{DerivativeBounds, EntryBounds, RoundingBounds};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
 pub(crate) use function::check_length;

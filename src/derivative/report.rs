@@ -1,6 +1,6 @@
 //! How far methods for the same numbers differ, and how far rounding lets them.
 
-use super::bounds::Bound;
+use super::bounds::EntryBounds;
 use super::rounded::UNIT;
 use crate::matrix::Block;
 
@@ -61,7 +61,7 @@ impl Figure {
         quantity: &'static str,
         route: &'static str,
         difference: impl Fn(usize, usize) -> f64,
-        bound: &Bound,
+        bound: &EntryBounds,
     ) -> Self {
         let mut worst = Self { quantity, route, difference: 0.0, bound: 0.0 };
         for j in 0..bound.size.ncols() {
@@ -157,7 +157,7 @@ pub fn worse(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Bound, Figure, SAFETY, UNIT, Verdict, relative_difference};
+    use super::{EntryBounds, Figure, SAFETY, UNIT, Verdict, relative_difference};
     use crate::matrix::Matrix;
 
     /// A figure that is not a number must never look like agreement.
@@ -175,9 +175,9 @@ mod tests {
     }
 
     /// Sizes 1 and 2, errors 1 and 10 units.
-    fn bound() -> Bound {
+    fn bound() -> EntryBounds {
         let row = |entries: [f64; 2]| nalgebra::DMatrix::from_row_slice(1, 2, &entries);
-        Bound { size: row([1.0, 2.0]), error: row([1.0, 10.0]) }
+        EntryBounds { size: row([1.0, 2.0]), error: row([1.0, 10.0]) }
     }
 
     #[test]

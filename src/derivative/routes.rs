@@ -1,6 +1,6 @@
 //! Compares the library's own derivatives with automatic ones.
 
-use super::bounds::{Bound, Bounds, State, StateBounds};
+use super::bounds::{DerivativeBounds, EntryBounds, RoundingBounds};
 use super::function::{DerivativeError, Function, check_length};
 use super::lagrangian_routes::LagrangianRoutes;
 use super::report::{Figure, StateReport};
@@ -86,7 +86,7 @@ pub struct Routes {
     conservative: Hamiltonian<f64>,
     energy: Jacobian<TotalEnergy>,
     contracted: Matrix<f64>,
-    bounds: Bounds,
+    bounds: RoundingBounds,
     figures: Vec<Figure>,
 }
 
@@ -108,7 +108,7 @@ impl Routes {
             conservative: Hamiltonian::new(&conservative),
             energy: Jacobian::new(TotalEnergy(conservative)),
             contracted: Matrix::zeros(2 * n, 2 * n),
-            bounds: Bounds::new(Tree::from(robot)),
+            bounds: RoundingBounds::new(robot),
             figures: Vec::new(),
         }
     }
@@ -136,8 +136,7 @@ impl Routes {
         let (q, p) = x.split_at(n);
         let v = self.conservative.velocity(q, p)?.to_vec();
         self.lagrangian.evaluate([q, &v, u, &y[n..]])?;
-        let a = self.lagrangian.acceleration();
-        let bounds = self.bounds.at(&State { q, p, v: &v, a, u, input: 0.0 }, y)?;
+        let bounds = self.bounds.at(x, u, y)?;
         self.compare_first(x, u, y, &bounds)?;
         self.compare_second(x, u, y, &bounds)?;
         self.lagrangian.compare([q, &v, u, &y[n..]], &bounds, &mut self.figures)?;
@@ -149,7 +148,7 @@ impl Routes {
     fn compare_conservative(
         &mut self,
         x: &[f64],
-        bounds: &StateBounds,
+        bounds: &DerivativeBounds,
     ) -> Result<f64, DerivativeError<EvalError>> {
         let n = self.conservative.len();
         let (q, p) = x.split_at(n);
@@ -158,7 +157,8 @@ impl Routes {
         let condition = condition(conservative.mass_matrix().view().to_nalgebra());
         let gradient = self.energy.evaluate(x)?.gradient();
         let drift: f64 = gradient.iter().zip(conservative.f()).map(|(g, f)| g * f).sum();
-        let bound = Bound { size: times_j(&bounds.f_x.size).abs(), error: times_j(&bounds.f_x.error).abs() };
+        let bound =
+            EntryBounds { size: times_j(&bounds.f_x.size).abs(), error: times_j(&bounds.f_x.error).abs() };
         let off = |i, j| j_f_x[(i, j)] - j_f_x[(j, i)];
         self.push("asymmetry of J F_x, D = 0", "analytic", off, &bound.asymmetry());
         self.push("energy drift, u = D = 0", "analytic", |_, _| drift, &bounds.drift);
@@ -171,7 +171,7 @@ impl Routes {
         x: &[f64],
         u: &[f64],
         y: &[f64],
-        bounds: &StateBounds,
+        bounds: &DerivativeBounds,
     ) -> Result<(), DerivativeError<EvalError>> {
         let Self { analytic, tensors, dual, hyperdual, figures, .. } = self;
         let (q, p) = x.split_at(u.len());
@@ -197,7 +197,7 @@ impl Routes {
         x: &[f64],
         u: &[f64],
         y: &[f64],
-        bounds: &StateBounds,
+        bounds: &DerivativeBounds,
     ) -> Result<(), DerivativeError<EvalError>> {
         let Self { analytic, dual_pass, tensors, full, nested, hyperdual, contracted, figures, .. } = self;
         let (q, p) = x.split_at(u.len());
@@ -228,7 +228,7 @@ impl Routes {
         quantity: &'static str,
         route: &'static str,
         off: impl Fn(usize, usize) -> f64,
-        bound: &Bound,
+        bound: &EntryBounds,
     ) {
         self.figures.push(Figure::judge(quantity, route, off, bound));
     }

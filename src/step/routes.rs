@@ -1,26 +1,24 @@
-//! Steps of a robot by every scheme beside hyper-dual numbers through them.
+//! Compares the derivatives of steps in time with hyper-dual numbers.
 
 use super::error::check;
 use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Bound, Bounds, Figure, State, StateBounds};
+use crate::derivative::{EntryBounds, Figure, RoundingBounds};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
-use crate::lagrangian::Lagrangian;
 use crate::matrix::Matrix;
-use crate::robot::{Robot, Tree};
+use crate::robot::Robot;
 use num_dual::HyperDual64;
 
-/// The derivatives of one step of a robot, every scheme set beside hyper-dual numbers through the step itself, the
-/// iterations of implicit schemes included.
+/// Compares the derivatives of one step of a robot, by every scheme, with hyper-dual numbers through the step itself
+/// (through the iterations of implicit schemes, too).
 ///
 /// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction.
 pub struct StepRoutes {
     momenta: Hamiltonian<f64>,
-    lagrangian: Lagrangian<f64>,
-    bounds: Bounds,
+    bounds: RoundingBounds,
     runge_kutta: Compared<HamiltonianRobot, Classical>,
     verlet: Compared<HamiltonianRobot, Verlet>,
     midpoint: Compared<HamiltonianRobot, Midpoint>,
@@ -33,8 +31,7 @@ impl StepRoutes {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
             momenta: Hamiltonian::new(robot),
-            lagrangian: Lagrangian::new(robot),
-            bounds: Bounds::new(Tree::from(robot)),
+            bounds: RoundingBounds::new(robot),
             runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian),
             verlet: Compared::new("Verlet (q, p)", &hamiltonian),
             midpoint: Compared::new("midpoint (q, p)", &hamiltonian),
@@ -58,8 +55,8 @@ impl StepRoutes {
         let n = self.momenta.len();
         check([2 * n, n], [x, u], h, Some(y))?;
         let end = self.runge_kutta.step.advance(x, u, h)?.to_vec();
-        let here = self.bounds_at(x, u, y)?;
-        let bounds = here.larger(&self.bounds_at(&end, u, y)?);
+        let here = self.bounds.around(x, u, y, 1.0)?;
+        let bounds = here.larger(&self.bounds.around(&end, u, y, 1.0)?);
         let (q, p) = x.split_at(n);
         let v = self.momenta.velocity(q, p)?;
         let in_velocities = [q, v].concat();
@@ -74,17 +71,9 @@ impl StepRoutes {
         figures.append(&mut found);
         Ok(())
     }
-
-    /// Bounds at a state that is computed, not given.
-    fn bounds_at(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<StateBounds, EvalError> {
-        let (q, p) = x.split_at(u.len());
-        let v = self.momenta.velocity(q, p)?;
-        let a = self.lagrangian.forward_dynamics(q, v, u)?;
-        self.bounds.at(&State { q, p, v, a, u, input: 1.0 }, y)
-    }
 }
 
-/// One scheme and its judge.
+/// One scheme and its reference.
 struct Compared<F: ModelFamily, M: Scheme<F>> {
     name: &'static str,
     step: M::Step<f64>,
@@ -105,7 +94,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         u: &[f64],
         h: f64,
         y: &[f64],
-        [first_bound, second_bound]: &[Bound; 2],
+        [first_bound, second_bound]: &[EntryBounds; 2],
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<F::Error>> {
         let (states, inputs) = (x.len(), self.z.len());
