@@ -1,5 +1,5 @@
 //! Temporary: ratios of differences to bounds over many random robots.
-use costate::derivative::{Routes, RoundingBounds};
+use costate::derivative::{RoundingBounds, Routes};
 use costate::hamiltonian::{Hamiltonian, SecondOrder};
 use costate::robot::{Friction, JointSpec, LinkInertia, LoadOptions, Placement, Robot, Spring};
 use costate::step::StepRoutes;
@@ -113,13 +113,19 @@ fn main() {
             if let Ok(bounds) = RoundingBounds::new(&robot).at(&x, &u, &y) {
                 let mut second = SecondOrder::<f64>::new(&robot);
                 if let Ok(all) = second.contracted_hessian(&q, &x[n..], &u, &y) {
-                    for (name, m, b) in [("F_x", all.linearisation().matrix().to_nalgebra(), &bounds.f_x), ("y'F_xx", all.matrix().to_nalgebra(), &bounds.y_f_xx)] {
+                    for (name, m, b) in [
+                        ("F_x", all.linearisation().matrix().to_nalgebra(), &bounds.f_x),
+                        ("y'F_xx", all.matrix().to_nalgebra(), &bounds.y_f_xx),
+                    ] {
                         for (r, c) in [(0, 0), (0, n), (n, 0), (n, n)] {
                             let block = m.view((r, c), (n, n)).into_owned();
                             let (i, j) = block.iamax_full();
                             if block[(i, j)] != 0.0 {
                                 let seen = b.error[(r + i, c + j)] * f64::EPSILON / 2.0 / block[(i, j)].abs();
-                                worst.entry(format!("zz detect {name} {} {}", r / n, c / n)).or_default().push((seen * 1e12, seen, 0.0, now));
+                                worst
+                                    .entry(format!("zz detect {name} {} {}", r / n, c / n))
+                                    .or_default()
+                                    .push((seen * 1e12, seen, 0.0, now));
                             }
                         }
                     }

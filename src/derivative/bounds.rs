@@ -4,11 +4,12 @@ use super::report::{Figure, worse};
 use super::rounded::Rounded;
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
-use crate::kernels::{FrictionDerivatives, KernelOne, KernelTwo, friction};
+use crate::kernels::{FrictionDerivatives, KernelOne, KernelTwo, LagrangianHessian, Route, friction};
 use crate::lagrangian::{self, Lagrangian};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Tangent};
+use crate::tensors::Christoffel;
 use nalgebra::{DMatrix, DVector};
 
 /// Sizes and rounding errors of the entries of a matrix.
@@ -48,10 +49,22 @@ impl EntryBounds {
     }
 
     fn of(matrix: &Matrix<Rounded>) -> Self {
+        Self::of_part(matrix, |entry| entry)
+    }
+
+    fn of_part<S: Scalar>(matrix: &Matrix<S>, take: impl Fn(S) -> Rounded) -> Self {
         let part = |part: fn(Rounded) -> f64| {
-            DMatrix::from_fn(matrix.rows(), matrix.columns(), |i, j| part(matrix[(i, j)]))
+            DMatrix::from_fn(matrix.rows(), matrix.columns(), |i, j| part(take(matrix[(i, j)])))
         };
         Self::new(part(|entry| entry.value.abs()), part(Rounded::error))
+    }
+
+    /// Of what two methods compute: the sum of the errors of both.
+    fn or(&self, other: Option<Self>) -> Self {
+        match other {
+            Some(other) => Self::new(self.size.sup(&other.size), &self.error + &other.error),
+            None => self.clone(),
+        }
     }
 
     /// A sum: sizes and errors add up.
@@ -171,6 +184,8 @@ impl Vector {
     }
 }
 
+type TensorKernel = <Christoffel as Route>::Hessian<Tangent<Rounded>>;
+
 /// Workspace for bounds of rounding errors, to first order: see [`Routes`](super::Routes) for their derivation.
 #[derive(Clone, Debug)]
 pub struct RoundingBounds {
@@ -180,6 +195,8 @@ pub struct RoundingBounds {
     kernel: KernelOne<Rounded>,
     along: KernelTwo<Rounded>,
     lagrangian: lagrangian::SecondOrder<Rounded>,
+    /// M, P, L_qq and their derivatives by the other kernel, which starts from other constants.
+    tensors: Option<TensorKernel>,
 }
 
 /// RoundingBounds at one state.
@@ -271,6 +288,13 @@ fn step(
 impl RoundingBounds {
     /// Builds the workspace.
     pub fn new(robot: &Robot) -> Self {
+        let mut bounds = Self::without_tensors(robot);
+        bounds.tensors = Some(LagrangianHessian::new(&bounds.tree));
+        bounds
+    }
+
+    /// Bounds for methods that do not use Christoffel coefficients.
+    pub(crate) fn without_tensors(robot: &Robot) -> Self {
         let tree = Tree::from(robot);
         Self {
             hamiltonian: Hamiltonian::from_tree(tree.clone()),
@@ -278,6 +302,7 @@ impl RoundingBounds {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
             lagrangian: lagrangian::SecondOrder::from_tree(tree.clone()),
+            tensors: None,
             tree,
         }
     }
@@ -304,7 +329,17 @@ impl RoundingBounds {
         let n = self.tree.len();
         let q: Vec<Rounded> = q.iter().map(|&q| Rounded::new(q, input * q)).collect();
         self.kernel.set_position(&self.tree, &q)?;
-        let mut m = EntryBounds::of(self.kernel.mass_matrix());
+        let (y_q, y_p) = y.split_at(n);
+        let by_tensors = match &mut self.tensors {
+            Some(tensors) => {
+                let moving: Vec<_> =
+                    q.iter().zip(y_p).map(|(&q, &y)| Tangent::new(q, Rounded::exact(-y))).collect();
+                tensors.set_position(&self.tree, &moving)?;
+                Some(EntryBounds::of_part(tensors.mass_matrix(), |entry| entry.re))
+            }
+            None => None,
+        };
+        let mut m = EntryBounds::of(self.kernel.mass_matrix()).or(by_tensors);
         let values = DMatrix::from_fn(n, n, |i, j| self.kernel.mass_matrix()[(i, j)].value);
         let (factors, inverse) = factor_sizes(values);
         m.error += factors * ((3 * n + 1) as f64).sqrt();
@@ -320,7 +355,7 @@ impl RoundingBounds {
         let rounded_v = velocity.around(v);
         self.kernel.set_velocity(&self.tree, &rounded_v)?;
         self.kernel.second_order(&self.tree);
-        let (coupling, l_qq) = (EntryBounds::of(self.kernel.l_vq()), EntryBounds::of(self.kernel.l_qq()));
+        let coupling = EntryBounds::of(self.kernel.l_vq());
         let l_q = Vector::of(self.kernel.l_q().iter());
         let mut f = EntryBounds::zeros(2 * n, 1);
         let rubs: Vec<FrictionDerivatives<Rounded>> = self
@@ -335,15 +370,7 @@ impl RoundingBounds {
         let drag = Vector::of(rubs.iter().map(|rub| &rub.value).collect::<Vec<_>>().into_iter());
         f.block((0, 0), &velocity.as_column());
         f.block((n, 0), &l_q.plus(&drag).plus(&Vector::exact(u)).rounded().as_column());
-        let w = solved(&coupling);
-        let reduced = l_qq.plus(&coupling.transpose().times(&w));
-        let mut f_x = EntryBounds::zeros(2 * n, 2 * n);
-        f_x.block((0, 0), &w);
-        f_x.block((0, n), &inverse);
-        f_x.block((n, 0), &reduced.plus(&w.scaled_rows(&slope)));
-        f_x.block((n, n), &w.transpose().plus(&inverse.scaled_rows(&slope)));
         // Kernel two along w, which the costate defines.
-        let (y_q, y_p) = y.split_at(n);
         let shift: Vec<Rounded> = rubs.iter().zip(y_p).map(|(rub, &y)| rub.first.times(y)).collect();
         let along_q = Vector::exact(y_p);
         let along_p = Vector::exact(y_q).plus(&Vector::of(shift.iter()));
@@ -351,9 +378,32 @@ impl RoundingBounds {
         let along_v = Vector::from_column(&solved(&pull));
         let (v_values, direction_q): (Vec<f64>, Vec<Rounded>) =
             (self.change(y_q, y_p, &rubs), y_p.iter().map(|&y| Rounded::exact(-y)).collect());
-        self.along.differentiate(&self.tree, &self.kernel, &direction_q, &along_v.around(&v_values))?;
-        let [c, b, a_block] =
-            [self.along.mass_matrix(), self.along.l_vq(), self.along.l_qq()].map(EntryBounds::of);
+        let rounded_change = along_v.around(&v_values);
+        self.along.differentiate(&self.tree, &self.kernel, &direction_q, &rounded_change)?;
+        // Both kernels: P, L_qq and the derivatives of M, P and L_qq.
+        let rate = |&(v, change): &(Rounded, Rounded)| Tangent::new(v, change);
+        let moving: Vec<_> = rounded_v.iter().copied().zip(rounded_change).collect();
+        if let Some(tensors) = &mut self.tensors {
+            tensors.set_velocity(&self.tree, &moving.iter().map(rate).collect::<Vec<_>>())?;
+            tensors.second_order(&self.tree);
+        }
+        let part = |of: fn(&TensorKernel) -> &Matrix<Tangent<Rounded>>,
+                    take: fn(Tangent<Rounded>) -> Rounded| {
+            self.tensors.as_ref().map(|tensors| EntryBounds::of_part(of(tensors), take))
+        };
+        let coupling = coupling.or(part(LagrangianHessian::l_vq, |entry| entry.re));
+        let l_qq = EntryBounds::of(self.kernel.l_qq()).or(part(LagrangianHessian::l_qq, |entry| entry.re));
+        let c = EntryBounds::of(self.along.mass_matrix())
+            .or(part(LagrangianHessian::mass_matrix, |entry| entry.eps));
+        let b = EntryBounds::of(self.along.l_vq()).or(part(LagrangianHessian::l_vq, |entry| entry.eps));
+        let a_block = EntryBounds::of(self.along.l_qq()).or(part(LagrangianHessian::l_qq, |entry| entry.eps));
+        let w = solved(&coupling);
+        let reduced = l_qq.plus(&coupling.transpose().times(&w));
+        let mut f_x = EntryBounds::zeros(2 * n, 2 * n);
+        f_x.block((0, 0), &w);
+        f_x.block((0, n), &inverse);
+        f_x.block((n, 0), &reduced.plus(&w.scaled_rows(&slope)));
+        f_x.block((n, n), &w.transpose().plus(&inverse.scaled_rows(&slope)));
         let mut v_x = EntryBounds::zeros(n, 2 * n);
         v_x.block((0, 0), &w);
         v_x.block((0, n), &inverse);

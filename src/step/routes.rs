@@ -31,7 +31,7 @@ impl StepRoutes {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
             momenta: Hamiltonian::new(robot),
-            bounds: RoundingBounds::new(robot),
+            bounds: RoundingBounds::without_tensors(robot),
             runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian),
             verlet: Compared::new("Verlet (q, p)", &hamiltonian),
             midpoint: Compared::new("midpoint (q, p)", &hamiltonian),
