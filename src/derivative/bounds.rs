@@ -197,6 +197,8 @@ pub struct RoundingBounds {
     lagrangian: lagrangian::SecondOrder<Rounded>,
     /// M, P, L_qq and their derivatives by the other kernel, which starts from other constants.
     tensors: Option<TensorKernel>,
+    /// Second derivatives of the forces by the Newton-Euler recursion, which starts from other constants too.
+    newton_euler: Lagrangian<Tangent<Tangent<Rounded>>>,
 }
 
 /// RoundingBounds at one state.
@@ -303,6 +305,7 @@ impl RoundingBounds {
             along: KernelTwo::new(&tree),
             lagrangian: lagrangian::SecondOrder::from_tree(tree.clone()),
             tensors: None,
+            newton_euler: Lagrangian::from_tree(tree.clone()),
             tree,
         }
     }
@@ -473,18 +476,50 @@ impl RoundingBounds {
             || vec![f64::NAN; n],
             |factor| factor.solve(&DVector::from_column_slice(y)).as_slice().to_vec(),
         );
-        let hessian = EntryBounds::of(self.lagrangian.inverse_dynamics_hessian(
+        let mut hessian = EntryBounds::of(self.lagrangian.inverse_dynamics_hessian(
             q,
             v,
             &rounded_a,
             &weights.around(&w),
         )?);
+        let reference = self.force_hessian(q, v, &rounded_a, &weights.size)?;
+        hessian.error.view_mut((0, 0), (2 * n, 2 * n)).zip_apply(&reference, |sum, error| *sum += error);
         let mut y_a_zz = EntryBounds::zeros(3 * n, 3 * n);
         y_a_zz.block((0, 0), &hessian.top_left(2 * n, 2 * n, (0, 0)));
         let mut mixed = EntryBounds::zeros(3 * n, 3 * n);
         mixed.block((0, 0), &a_z.transpose().times(&hessian.top_left(n, n, (2 * n, 0))));
         y_a_zz = y_a_zz.plus(&mixed.with_transpose());
         Ok((acceleration.as_column(), a_z, y_a_zz))
+    }
+
+    /// Errors of `sum_k w_k d2 tau_k / dz dz`, z = (q, v), by the Newton-Euler recursion, for the sizes of w.
+    fn force_hessian(
+        &mut self,
+        q: &[Rounded],
+        v: &[Rounded],
+        a: &[Rounded],
+        w: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, EvalError> {
+        let n = q.len();
+        let (zero, one) = (Rounded::exact(0.0), Rounded::exact(1.0));
+        let constant = |value: Rounded| Tangent::new(Tangent::new(value, zero), Tangent::new(zero, zero));
+        let mut z: Vec<_> = q.iter().chain(v).map(|&value| constant(value)).collect();
+        let a: Vec<_> = a.iter().map(|&value| constant(value)).collect();
+        let mut errors = DMatrix::zeros(2 * n, 2 * n);
+        for j in 0..2 * n {
+            z[j].eps.re = one;
+            for i in 0..=j {
+                z[i].re.eps = one;
+                let (q, v) = z.split_at(n);
+                let tau = self.newton_euler.inverse_dynamics(q, v, &a)?;
+                let error = tau.iter().zip(w.iter()).map(|(tau, w)| w * tau.eps.eps.error()).sum();
+                z[i].re.eps = zero;
+                errors[(i, j)] = error;
+                errors[(j, i)] = error;
+            }
+            z[j].eps.re = zero;
+        }
+        Ok(errors)
     }
 }
 
