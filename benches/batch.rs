@@ -1,4 +1,4 @@
-//! Throughput of batches in nodes per second, by number and threads: `cargo bench --bench batch --features wide,rayon`.
+//! Throughput of batches in nodes per second, by number and threads: `cargo bench -p costate-benches --bench batch`.
 //! With `COSTATE_WRITE=1` in the environment the tables are also written to `docs/batch.md`: those of the instructions that
 //! the bench is compiled for, see there.
 //!
@@ -7,7 +7,7 @@
 
 use costate::batch::{Batch, FirstOrderArrays, Model, NodeFunction, Packed, SecondOrderArrays};
 use costate::dynamics::Dynamics;
-use costate::hamiltonian::{Hamiltonian, SecondOrder};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::Robot;
 use costate::scalar::{F64x4, F64x8};
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
@@ -31,7 +31,7 @@ fn main() {
         .output_directory(&figures())
         .configure_from_args();
     for file in ROBOTS {
-        let robot = Robot::from_file(format!("{}/robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let robot = Robot::from_file(format!("{}/../robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let mut group = criterion.benchmark_group(format!("{} {INSTRUCTIONS}", robot.name()));
         models(&robot, &mut group);
         group.finish();
@@ -79,7 +79,8 @@ fn models(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
     on_one_thread::<F64x8>("f64x8", robot, group);
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut batch = pool.install(|| Batch::<F64x4, _>::parallel(|| Model(SecondOrder::new(robot))));
+        let mut batch =
+            pool.install(|| Batch::<F64x4, _>::parallel(|| Model(HamiltonianSecondOrder::new(robot))));
         let mut nodes = Nodes::new(robot, MANY);
         for (_, quantity) in QUANTITIES {
             group.bench_function(format!("f64x4 {threads} threads {quantity}"), |b| {
@@ -91,7 +92,7 @@ fn models(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
 
 /// Single calls of a model in f64, results copied to node-major arrays.
 fn one_by_one(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
-    let (n, mut model) = (robot.len(), SecondOrder::<f64>::new(robot));
+    let (n, mut model) = (robot.len(), HamiltonianSecondOrder::<f64>::new(robot));
     let Nodes { x, u, y, mut f, mut f_x, mut y_f_xx } = Nodes::new(robot, NODES);
     let copy = |rows: &mut dyn Iterator<Item = &[f64]>, into: &mut [f64]| {
         into.chunks_exact_mut(2 * n).zip(rows).for_each(|(into, row)| into.copy_from_slice(row));
@@ -100,7 +101,7 @@ fn one_by_one(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
         b.iter(|| {
             let states = black_box(&x).chunks_exact(2 * n).zip(u.chunks_exact(n));
             for ((x, u), f) in states.zip(f.chunks_exact_mut(2 * n)) {
-                f.copy_from_slice(model.value(x, u).unwrap());
+                f.copy_from_slice(model.evaluate(x, u).unwrap());
             }
         });
     });
@@ -121,7 +122,7 @@ fn one_by_one(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
             let results = f.chunks_exact_mut(2 * n).zip(f_x.chunks_exact_mut(4 * n * n));
             let results = results.zip(y_f_xx.chunks_exact_mut(4 * n * n));
             for (((x, u), y), ((f, f_x), y_f_xx)) in states.zip(results) {
-                let second = model.contract(x, u, y).unwrap();
+                let second = Dynamics::contract(&mut model, x, u, y).unwrap();
                 f.copy_from_slice(second.first.f);
                 copy(&mut second.first.f_x.iter_rows(), f_x);
                 copy(&mut second.xx.iter_rows(), y_f_xx);
@@ -131,7 +132,7 @@ fn one_by_one(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
 }
 
 fn on_one_thread<S: Packed<Lane = f64>>(name: &str, robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
-    let mut batch = Batch::<S, _>::new(Model(SecondOrder::new(robot)));
+    let mut batch = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(robot)));
     let mut nodes = Nodes::new(robot, NODES);
     for (_, quantity) in QUANTITIES {
         group.bench_function(format!("{name} {quantity}"), |b| {
@@ -143,13 +144,13 @@ fn on_one_thread<S: Packed<Lane = f64>>(name: &str, robot: &Robot, group: &mut B
 /// One quantity at all nodes.
 fn call<S: Packed<Lane = f64>>(
     quantity: &str,
-    batch: &mut Batch<S, Model<SecondOrder<S>>>,
+    batch: &mut Batch<S, Model<HamiltonianSecondOrder<S>>>,
     nodes: &mut Nodes,
 ) {
     let Nodes { x, u, y, f, f_x, y_f_xx } = nodes;
     let x = black_box(x);
     let failures = match quantity {
-        "f" => batch.value(x, u, f),
+        "f" => batch.evaluate(x, u, f),
         "f_x" => batch.linearise(x, u, FirstOrderArrays { f, f_x, ..Default::default() }),
         _ => {
             let first = FirstOrderArrays { f, f_x, ..Default::default() };
@@ -195,7 +196,7 @@ fn copies<S: Packed<Lane = f64>>(name: &str, group: &mut BenchmarkGroup<'_, Wall
     let [mut f, mut f_x, mut xx] = outputs.map(|(_, length)| vec![0.0; NODES * length]);
     group.bench_function(format!("{name} copies"), |b| {
         b.iter(|| {
-            let failed = batch.evaluate((), NODES, [black_box(&x), &u, &y], [&mut f, &mut f_x, &mut xx]);
+            let failed = batch.run((), NODES, [black_box(&x), &u, &y], [&mut f, &mut f_x, &mut xx]);
             assert!(failed.unwrap().is_empty());
         });
     });
@@ -262,7 +263,7 @@ fn report() {
     }
     println!("\n{table}");
     if std::env::var_os("COSTATE_WRITE").is_some() {
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/batch.md");
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/batch.md");
         let text = std::fs::read_to_string(page).unwrap();
         let (before, rest) = text.split_once(BEGIN).unwrap();
         let (_, after) = rest.split_once(END).unwrap();

@@ -1,11 +1,11 @@
-//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench --bench derivatives`.
+//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench -p costate-benches --bench derivatives`.
 //! With `COSTATE_WRITE=1` in the environment the table is also written to `docs/times.md`.
 //!
 //! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state, one core.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::Robot;
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
 use std::hint::black_box;
@@ -22,7 +22,7 @@ fn main() {
         .output_directory(&figures())
         .configure_from_args();
     for file in ROBOTS {
-        let robot = Robot::from_file(format!("{}/robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let robot = Robot::from_file(format!("{}/../robots/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let mut group = criterion.benchmark_group(robot.name());
         measure(&robot, &mut group);
         group.finish();
@@ -63,10 +63,10 @@ fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
     let x = [q.clone(), p.clone()].concat();
     let function = || PhaseVelocity::new(robot).under(&u);
     group.bench_function("f", |b| {
-        b.iter(|| hamiltonian.phase_velocity(black_box(&q), black_box(&p), &u).unwrap()[0]);
+        b.iter(|| hamiltonian.evaluate(black_box(&q), black_box(&p), &u).unwrap()[0]);
     });
     group.bench_function("f_x analytic", |b| {
-        b.iter(|| hamiltonian.jacobian(black_box(&q), black_box(&p), &u).unwrap().f()[0]);
+        b.iter(|| hamiltonian.linearise(black_box(&q), black_box(&p), &u).unwrap().f()[0]);
     });
     chunks::<1>(function(), &x, group);
     chunks::<2>(function(), &x, group);
@@ -79,14 +79,14 @@ fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
     group.bench_function("f_x central differences", |b| {
         b.iter(|| {
             let mut f = |x: &[f64], sign: f64, column: &mut [f64]| {
-                let f = hamiltonian.phase_velocity(&x[..n], &x[n..], &u).unwrap();
+                let f = hamiltonian.evaluate(&x[..n], &x[n..], &u).unwrap();
                 column.iter_mut().zip(f).for_each(|(c, f)| *c += sign * f);
             };
             differences(&mut work, black_box(&x), &mut jacobian, &mut f);
             jacobian[0]
         });
     });
-    let mut second = SecondOrder::<f64>::new(robot);
+    let mut second = HamiltonianSecondOrder::<f64>::new(robot);
     group.bench_function("y_f_x adjoint", |b| {
         b.iter(|| second.first().adjoint(black_box(&q), &p, &u, &y).unwrap().y_f_x[0]);
     });
@@ -94,18 +94,20 @@ fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
         b.iter(|| second.hessian_product(black_box(&q), &p, &y, &x).unwrap()[0]);
     });
     group.bench_function("y_f_xx rule", |b| {
-        b.iter(|| second.contracted_hessian(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
+        b.iter(|| second.contract(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
     });
     let mut dual_pass = DualPass::<f64>::new(robot);
     group.bench_function("y_f_xx dual pass", |b| {
-        b.iter(|| dual_pass.contracted_hessian(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
+        b.iter(|| dual_pass.contract(black_box(&q), &p, &u, &y).unwrap().matrix()[(0, 0)]);
     });
     let mut full = FullHessian::<f64>::new(robot);
-    group.bench_function("f_xx packed", |b| b.iter(|| full.evaluate(black_box(&q), &p).unwrap().packed()[0]));
+    group.bench_function("f_xx packed", |b| {
+        b.iter(|| full.hessian_tensor(black_box(&q), &p).unwrap().packed()[0])
+    });
     group.bench_function("y_f_xx central differences", |b| {
         b.iter(|| {
             let mut y_f_x = |x: &[f64], sign: f64, column: &mut [f64]| {
-                let linear = hamiltonian.jacobian(&x[..n], &x[n..], &u).unwrap();
+                let linear = hamiltonian.linearise(&x[..n], &x[n..], &u).unwrap();
                 for (row, y) in linear.matrix().iter_rows().zip(&y) {
                     column.iter_mut().zip(row).for_each(|(c, f)| *c += sign * y * f);
                 }
@@ -115,17 +117,17 @@ fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
         });
     });
     let mut nested = NestedHessian::new(function());
-    group.bench_function("y_f_xx dual", |b| b.iter(|| nested.contracted(black_box(&x), &y).unwrap()[(0, 0)]));
+    group.bench_function("y_f_xx dual", |b| b.iter(|| nested.contract(black_box(&x), &y).unwrap()[(0, 0)]));
     let mut hyperdual = Hessian::new(function());
     group.bench_function("y_f_xx hyperdual", |b| {
-        b.iter(|| hyperdual.contracted(black_box(&x), &y).unwrap()[(0, 0)])
+        b.iter(|| hyperdual.contract(black_box(&x), &y).unwrap()[(0, 0)])
     });
 }
 
 fn chunks<const C: usize>(function: PhaseVelocity, x: &[f64], group: &mut BenchmarkGroup<'_, WallTime>) {
     let mut jacobian = Jacobian::<_, C>::chunked(function);
     group.bench_function(format!("f_x dual {C}"), |b| {
-        b.iter(|| jacobian.evaluate(black_box(x)).unwrap().value[0]);
+        b.iter(|| jacobian.linearise(black_box(x)).unwrap().value[0]);
     });
 }
 
@@ -176,7 +178,7 @@ fn report() {
     }
     println!("\n{table}");
     if std::env::var_os("COSTATE_WRITE").is_some() {
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/times.md");
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/times.md");
         let text = std::fs::read_to_string(page).unwrap();
         let (before, rest) = text.split_once(BEGIN).unwrap();
         let (_, after) = rest.split_once(END).unwrap();

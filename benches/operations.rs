@@ -1,7 +1,7 @@
 //! Operations of M, F, F_x and y'F_xx by every route, beside those that the paper gives.
 //!
-//! `cargo bench --bench operations` prints the table, `cargo bench --bench operations -- --write` also puts it into
-//! `docs/operations.md`; `cargo test --bench operations` fails where the table there is not the one counted now.
+//! `cargo bench -p costate-benches --bench operations` prints the table, `cargo bench -p costate-benches --bench operations -- --write` also puts it into
+//! `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails where the table there is not the one counted now.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -9,16 +9,14 @@
     reason = "a bench may stop on what a library may not"
 )]
 
-#[path = "frames/robots.rs"]
-mod robots;
-
 use costate::derivative::OperationTable;
 use costate::lagrangian::Lagrangian;
 use costate::robot::{Joint, JointFrame, Robot, Tree};
 use costate::scalar::{Constants, Count, Operations, count};
+use costate_test_support::robots;
 use std::fmt::Write;
 
-const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/operations.md");
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/operations.md");
 const BEGIN: &str = "<!-- table: begin -->";
 const END: &str = "<!-- table: end -->";
 
@@ -57,7 +55,7 @@ fn lagrangian(robot: &Robot) -> [Operations; 2] {
     let (q, v, u) = (numbers(0.3), numbers(0.5), numbers(0.7));
     let mut lagrangian = Lagrangian::<Count>::new(robot);
     let (_, value) = count(|| lagrangian.forward_dynamics(&q, &v, &u).map(drop));
-    let (_, jacobian) = count(|| lagrangian.forward_dynamics_jacobian(&q, &v, &u).map(drop));
+    let (_, jacobian) = count(|| lagrangian.linearise_forward_dynamics(&q, &v, &u).map(drop));
     [value, jacobian]
 }
 
@@ -154,7 +152,7 @@ fn main() {
     } else if !asked("--bench") {
         assert!(
             renewed == page,
-            "docs/operations.md is out of date: cargo bench --bench operations -- --write\n{table}"
+            "docs/operations.md is out of date: cargo bench -p costate-benches --bench operations -- --write\n{table}"
         );
         println!("docs/operations.md holds the operations counted now");
         return;

@@ -1,4 +1,4 @@
-//! What compilers make of generated code: `cargo run --example codegen_size`, with `-- --write` into
+//! What compilers make of generated code: `cargo run -p costate-examples --example codegen_size`, with `-- --write` into
 //! `docs/codegen.md`.
 //!
 //! Needs `rustc` and `cc`; a compilation that takes longer than five minutes is ended, and said to be.
@@ -96,7 +96,7 @@ fn row(robot: &Robot, quantity: Quantity, folder: &Path) -> String {
 fn main() {
     let folder = std::env::temp_dir().join(format!("costate-codegen-size-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     let file = |name: &str| Robot::from_file(root.join("robots").join(name)).unwrap();
     let robots = [file("ur5.urdf"), file("panda.urdf"), chain(12), chain(32)];
     let mut table = String::from(

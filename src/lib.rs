@@ -12,14 +12,14 @@
 //! let robot = Robot::from_file("robots/two_link.toml")?;
 //! let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
 //! let (q, p, u) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0]);
-//! let linear = hamiltonian.jacobian(&q, &p, &u)?;
+//! let linear = hamiltonian.linearise(&q, &p, &u)?;
 //! println!("dx/dt = {:?}\nF_x = {}", linear.f(), linear.matrix().as_nalgebra());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
 //! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`],
-//! [`dynamics`], [`step`], [`batch`], then [`control`]. Formulas are numbered as in G. Bessonnet,
+//! [`dynamics`], [`step`], [`batch`]. Formulas are numbered as in G. Bessonnet,
 //! P. Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005)
 //! 452-471.
 
@@ -28,7 +28,7 @@
 
 pub mod batch;
 pub mod codegen;
-pub mod control;
+mod coordinates;
 pub mod derivative;
 pub mod dynamics;
 mod error;
@@ -42,6 +42,7 @@ pub mod spatial;
 pub mod step;
 pub mod tensors;
 
+pub use coordinates::{Coordinates, UnknownCoordinates};
 pub use error::EvalError;
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
 pub use num_dual;

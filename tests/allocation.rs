@@ -2,56 +2,24 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+use costate_test_support::allocations::{Counting, allocations};
+
 #[cfg(feature = "rayon")]
 use costate::batch::Native;
 use costate::batch::{Batch, FirstOrderArrays, Model, SecondOrderArrays, StepArrays, StepMap};
-use costate::control::{
-    Bounds, Extremal, LagrangianExtremal, Law, Penalty, Problem, RobotExtremal, RunningCost, Side, UserTerm,
-};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
-use costate::lagrangian::{self, Coordinates, Lagrangian};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
-use costate::scalar::Scalar;
 use costate::step::{
     AutomaticStep, HamiltonianRobot, ImplicitMidpoint, OneStep, RungeKutta4, SemiImplicitEuler, Step,
     StoermerVerlet, Verlet,
 };
 use costate::tensors::{Christoffel, MassMatrixDerivatives};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// Counts what this thread asks of the system's allocator.
-struct Counting;
-
-#[expect(unsafe_code, reason = "an allocator is unsafe by nature; this one only counts and forwards")]
-// SAFETY: every call is forwarded to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
-
-/// How often `work` allocates.
-fn allocations(work: impl FnOnce()) -> usize {
-    let before = ALLOCATIONS.get();
-    work();
-    ALLOCATIONS.get() - before
-}
 
 fn robot(name: &str) -> Robot {
     Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -69,24 +37,24 @@ fn analytic_derivatives_do_not_allocate() {
         let n = robot.len();
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-        let mut second = SecondOrder::<f64>::new(&robot);
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
         let (mut dual_pass, mut full) = (DualPass::<f64>::new(&robot), FullHessian::<f64>::new(&robot));
         let mut contracted = Matrix::zeros(2 * n, 2 * n);
         let mut x = p.clone();
         let count = allocations(|| {
-            hamiltonian.phase_velocity(&q, &p, &u).unwrap();
-            hamiltonian.jacobian(&q, &p, &u).unwrap();
+            hamiltonian.evaluate(&q, &p, &u).unwrap();
+            hamiltonian.linearise(&q, &p, &u).unwrap();
             hamiltonian.energy(&q, &p).unwrap();
             hamiltonian.momentum(&q, &p).unwrap();
-            hamiltonian.momentum_jacobian(&q, &p).unwrap();
-            hamiltonian.velocity_jacobian(&q, &p).unwrap();
+            hamiltonian.linearise_momentum(&q, &p).unwrap();
+            hamiltonian.linearise_velocity(&q, &p).unwrap();
             hamiltonian.inverse_mass_matrix(&q).unwrap();
             hamiltonian.solve_mass_matrix(&q, &mut x).unwrap();
-            second.contracted_hessian(&q, &p, &u, &y).unwrap();
+            second.contract(&q, &p, &u, &y).unwrap();
             second.hessian_product(&q, &p, &y, &y).unwrap();
             second.first().adjoint(&q, &p, &u, &y).unwrap();
-            dual_pass.contracted_hessian(&q, &p, &u, &y).unwrap();
-            full.evaluate(&q, &p).unwrap().contract(&y, &mut contracted).unwrap();
+            dual_pass.contract(&q, &p, &u, &y).unwrap();
+            full.hessian_tensor(&q, &p).unwrap().contract(&y, &mut contracted).unwrap();
         });
         assert_eq!(count, 0, "{name}");
     }
@@ -102,9 +70,9 @@ fn christoffel_coefficients_do_not_allocate() {
         let mut second = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
         let mut coefficients = MassMatrixDerivatives::<f64>::new(&tree);
         let count = allocations(|| {
-            first.jacobian(&q, &p, &u).unwrap();
-            second.contracted_hessian(&q, &p, &u, &y).unwrap();
-            coefficients.evaluate(&tree, &q).unwrap();
+            first.linearise(&q, &p, &u).unwrap();
+            second.contract(&q, &p, &u, &y).unwrap();
+            coefficients.update(&tree, &q).unwrap();
             coefficients.christoffel_symbol(0, n - 1, n / 2);
         });
         assert_eq!(count, 0, "{name}");
@@ -118,25 +86,25 @@ fn lagrangian_derivatives_do_not_allocate() {
         let n = robot.len();
         let (q, v, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; n]);
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
-        let mut second = lagrangian::SecondOrder::<f64>::new(&robot);
-        let mut coordinates = Coordinates::<f64>::new(&robot);
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+        let mut coordinates = LegendreTransform::<f64>::new(&robot);
         let mut costate = vec![0.4; 2 * n];
-        let f_x = Hamiltonian::<f64>::new(&robot).jacobian(&q, &v, &u).unwrap().matrix().to_nalgebra();
+        let f_x = Hamiltonian::<f64>::new(&robot).linearise(&q, &v, &u).unwrap().matrix().to_nalgebra();
         let f_x = Matrix::from_rows(2 * n, f_x.transpose().as_slice());
         let count = allocations(|| {
             lagrangian.inverse_dynamics(&q, &v, &u).unwrap();
             lagrangian.forward_dynamics(&q, &v, &u).unwrap();
-            lagrangian.state_equation(&q, &v, &u).unwrap();
+            lagrangian.evaluate(&q, &v, &u).unwrap();
             lagrangian.gravity(&q).unwrap();
             lagrangian.mass_matrix(&q).unwrap();
             lagrangian.mass_matrix_rate(&q, &v).unwrap();
             lagrangian.coriolis_matrix(&q, &v).unwrap();
             lagrangian.energy(&q, &v).unwrap();
-            lagrangian.inverse_dynamics_jacobian(&q, &v, &u).unwrap();
-            lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
-            lagrangian.state_jacobian(&q, &v, &u).unwrap();
-            second.inverse_dynamics_hessian(&q, &v, &u, &y).unwrap();
-            second.contracted_hessian(&q, &v, &u, &y).unwrap();
+            lagrangian.linearise_inverse_dynamics(&q, &v, &u).unwrap();
+            lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
+            lagrangian.linearise(&q, &v, &u).unwrap();
+            second.contract_inverse_dynamics(&q, &v, &u, &y).unwrap();
+            second.contract_forward_dynamics(&q, &v, &u, &y).unwrap();
             let mut map = coordinates.at_momentum(&q, &v, &u).unwrap();
             map.hamiltonian();
             map.jacobian_to_lagrangian(f_x.view()).unwrap();
@@ -160,11 +128,11 @@ fn automatic_derivatives_do_not_allocate() {
     let mut nested = NestedHessian::new(function());
     let mut hyperdual = Hessian::new(function());
     let count = allocations(|| {
-        dual.evaluate(&x).unwrap();
-        forward_dual.evaluate(&z).unwrap();
-        forward_hyperdual.contracted(&z, &y[..6]).unwrap();
-        nested.contracted(&x, &y).unwrap();
-        hyperdual.contracted(&x, &y).unwrap();
+        dual.linearise(&x).unwrap();
+        forward_dual.linearise(&z).unwrap();
+        forward_hyperdual.contract(&z, &y[..6]).unwrap();
+        nested.contract(&x, &y).unwrap();
+        hyperdual.contract(&x, &y).unwrap();
     });
     assert_eq!(count, 0);
 }
@@ -175,21 +143,21 @@ fn steps_do_not_allocate() {
         let robot = robot(name);
         let n = robot.len();
         let (x, u, y) = (vec![0.3; 2 * n], vec![0.1; n], vec![0.4; 2 * n]);
-        let momenta = || SecondOrder::<f64>::new(&robot);
+        let momenta = || HamiltonianSecondOrder::<f64>::new(&robot);
         let mut rk4 = RungeKutta4::new(momenta());
         let mut verlet = StoermerVerlet::new(momenta());
         let mut midpoint = ImplicitMidpoint::new(momenta());
-        let mut euler = SemiImplicitEuler::new(lagrangian::SecondOrder::<f64>::new(&robot));
+        let mut euler = SemiImplicitEuler::new(LagrangianSecondOrder::<f64>::new(&robot));
         let mut automatic: AutomaticStep<_> =
             AutomaticStep::new(OneStep::<_, Verlet>::new(HamiltonianRobot::from(&robot)));
         let steps: [&mut dyn Step<f64, Error = _>; 4] = [&mut rk4, &mut verlet, &mut midpoint, &mut euler];
         for (i, step) in steps.into_iter().enumerate() {
             let count = allocations(|| {
-                step.advance(&x, &u, 1e-3).unwrap();
+                step.evaluate(&x, &u, 1e-3).unwrap();
                 step.linearise(&x, &u, 1e-3).unwrap();
                 step.contract(&x, &u, 1e-3, &y).unwrap();
                 let is_explicit = i == 0 || i == 3;
-                assert!(is_explicit || step.advance(&x, &u, 1e300).is_err());
+                assert!(is_explicit || step.evaluate(&x, &u, 1e300).is_err());
             });
             assert_eq!(count, 0, "{name}, scheme {i}");
         }
@@ -204,8 +172,8 @@ fn steps_do_not_allocate() {
 fn a_refusal_allocates_but_the_next_call_does_not() {
     let robot = robot("ur5.urdf");
     let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-    assert!(hamiltonian.phase_velocity(&[f64::NAN; 6], &[0.0; 6], &[0.0; 6]).is_err());
-    assert_eq!(allocations(|| drop(hamiltonian.phase_velocity(&[0.0; 6], &[1.0; 6], &[0.0; 6]))), 0);
+    assert!(hamiltonian.evaluate(&[f64::NAN; 6], &[0.0; 6], &[0.0; 6]).is_err());
+    assert_eq!(allocations(|| drop(hamiltonian.evaluate(&[0.0; 6], &[1.0; 6], &[0.0; 6]))), 0);
 }
 
 #[test]
@@ -215,16 +183,16 @@ fn batches_do_not_allocate() {
     let (x, u, y) = (vec![0.3; nodes * 12], vec![0.1; nodes * 6], vec![0.4; nodes * 12]);
     let h = vec![0.01; nodes];
     let (mut f, mut f_x, mut xx) = (vec![0.0; nodes * 12], vec![0.0; nodes * 144], vec![0.0; nodes * 144]);
-    let mut models = Batch::<f64, _>::new(Model(SecondOrder::new(&robot)));
-    let mut steps = Batch::<f64, _>::new(StepMap(RungeKutta4::new(SecondOrder::new(&robot))));
+    let mut models = Batch::<f64, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
+    let mut steps = Batch::<f64, _>::new(StepMap(RungeKutta4::new(HamiltonianSecondOrder::new(&robot))));
     let count = allocations(|| {
-        assert!(models.value(&x, &u, &mut f).unwrap().is_empty());
+        assert!(models.evaluate(&x, &u, &mut f).unwrap().is_empty());
         let first = FirstOrderArrays { f: &mut f, f_x: &mut f_x, ..Default::default() };
         let second = SecondOrderArrays { xx: &mut xx, ..Default::default() };
         assert!(models.contract([&x, &u, &y], first, second).unwrap().is_empty());
         let first = StepArrays { phi_x: &mut f_x, ..Default::default() };
         let second = SecondOrderArrays { xx: &mut xx, ..Default::default() };
-        assert!(steps.contract_steps([&x, &u, &h, &y], first, second).unwrap().is_empty());
+        assert!(steps.contract([&x, &u, &h, &y], first, second).unwrap().is_empty());
     });
     assert_eq!(count, 0);
 }
@@ -239,49 +207,9 @@ fn batches_over_threads_do_not_allocate() {
     let mut f = vec![0.0; nodes * 12];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let count = pool.install(|| {
-        let mut batch = Batch::<Native, _>::parallel(|| Model(SecondOrder::new(&robot)));
-        batch.value(&x, &u, &mut f).unwrap();
-        allocations(|| assert!(batch.value(&x, &u, &mut f).unwrap().is_empty()))
+        let mut batch = Batch::<Native, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot)));
+        batch.evaluate(&x, &u, &mut f).unwrap();
+        allocations(|| assert!(batch.evaluate(&x, &u, &mut f).unwrap().is_empty()))
     });
     assert_eq!(count, 0);
-}
-
-/// A running cost of positions and rates.
-struct Swing;
-
-impl RunningCost for Swing {
-    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
-        q.iter().zip(v).fold(S::zero(), |sum, (&q, &v)| sum + q.sin_cos().1 * v * v)
-    }
-}
-
-#[test]
-fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
-    for file in ["two_link.toml", "puma560.toml"] {
-        let robot = robot(file);
-        let n = robot.len();
-        let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.5; n], 1.0);
-        (problem.start.v_free, problem.end.q_free) = (vec![0], vec![1]);
-        problem.terms = vec![UserTerm::new(Swing)];
-        problem.bounds = Some(Bounds { u_min: vec![-0.5; n], u_max: vec![f64::INFINITY; n] });
-        problem.penalty =
-            Some(Penalty { weight: 10.0, q_min: None, q_max: Some(vec![0.1; n]), v_max: Some(vec![0.1; n]) });
-        let z: Vec<f64> = (0..4 * n).map(|i| 0.7 * (1.3 * i as f64).sin()).collect();
-        let (mut g, mut jacobian, mut u) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n], vec![0.0; n]);
-        let mut count = |extremal: &mut dyn Extremal| {
-            allocations(|| {
-                extremal.rate(&z, Law::Maximal, &mut g).unwrap();
-                extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
-                extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-                extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-                extremal.controls_at(&z, Law::Maximal, &mut u);
-                extremal.switching(0, (Side::Inside, Side::High), &z, &mut g);
-            })
-        };
-        use costate::control::Jacobian::{Differences, Exact, WithoutHessian};
-        for matrix in [Exact, Differences, WithoutHessian] {
-            assert_eq!(count(&mut RobotExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
-            assert_eq!(count(&mut LagrangianExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
-        }
-    }
 }

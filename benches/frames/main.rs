@@ -1,18 +1,18 @@
 //! Kernel one in body frames (the library) and in one common frame: agreement, operations, time.
 //!
-//! `cargo bench --bench frames` prints the table, `cargo bench --bench frames -- --write` also puts it into
+//! `cargo bench -p costate-benches --bench frames` prints the table, `cargo bench -p costate-benches --bench frames -- --write` also puts it into
 //! `docs/frames.md`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 mod common_frame;
 mod constants;
-mod robots;
 
 use common_frame::CommonFrame;
 use costate::hamiltonian::Hamiltonian;
 use costate::kernels::KernelOne;
 use costate::robot::Tree;
 use costate::scalar::{Count, Operations, Scalar, count};
+use costate_test_support::robots;
 use fastrand::Rng;
 use num_dual::{Dual64, HyperDual64};
 use std::fmt::Write;
@@ -135,7 +135,7 @@ fn run_jacobian<'a>(tree: &'a Tree, states: &'a States<f64>) -> Run<'a> {
     let u = vec![0.0; tree.len()];
     Box::new(move |k| {
         let (q, p) = black_box(&states[k]);
-        black_box(hamiltonian.jacobian(q, p, &u).unwrap());
+        black_box(hamiltonian.linearise(q, p, &u).unwrap());
     })
 }
 
@@ -226,7 +226,7 @@ fn main() {
     }
     println!("{table}");
     if asked("--write") {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/frames.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/frames.md");
         let page = std::fs::read_to_string(path).unwrap();
         let (before, rest) = page.split_once(BEGIN).expect("a marker where the table begins");
         let (_, after) = rest.split_once(END).expect("a marker where the table ends");

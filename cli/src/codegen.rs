@@ -7,8 +7,8 @@ use clap::ValueEnum;
 use costate::codegen::{
     COptions, Coordinates, DEFAULT_LIMIT, Options, Program, Quantity, RustOptions, robot_program,
 };
-use costate::control::{Problem, ProgramOf, pontryagin_program};
 use costate::robot::Robot;
+use costate_control::{Problem, ProgramOf, pontryagin_program};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -6,6 +6,7 @@ use crate::{Outcome, RobotArguments, terminal};
 use costate::derivative::{Extent, OperationRow, OperationTable};
 use costate::robot::Robot;
 use costate::scalar::Constants;
+use costate_comparison::operation_table;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::process::ExitCode;
@@ -70,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(note) = left_out {
         terminal::note(note);
     }
-    let table = OperationTable::counted(&robot, constants, extent)?;
+    let table = operation_table(&robot, constants, extent)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", as_json(&robot, constants, &table))?;

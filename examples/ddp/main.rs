@@ -1,6 +1,6 @@
 //! Differential dynamic programming with exact second derivatives, beside iLQR, its Gauss-Newton twin.
 //!
-//! `cargo run --release --example ddp` solves six tasks both ways and prints the iterations side by side, with what
+//! `cargo run --release -p costate-examples --example ddp` solves six tasks both ways and prints the iterations side by side, with what
 //! exact second derivatives gained or did not gain; `-- --write` puts the same into `docs/ddp.md`.
 //!
 //! - `solver.rs`: the algorithm; `sweep.rs`: its recursion; `trajectory.rs`: roll-outs; `box_qp.rs`: bounds;
@@ -16,6 +16,8 @@ mod reach;
 mod solver;
 mod sweep;
 mod table;
+#[cfg(test)]
+mod tests;
 mod trajectory;
 mod verdict;
 
@@ -59,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Puts the report between the markers of `docs/ddp.md`.
 fn write(report: &str) -> Result<(), Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ddp.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ddp.md");
     let old = std::fs::read_to_string(&path)?;
     let (before, rest) = old.split_once(BEGIN).ok_or("docs/ddp.md has lost its marker of the beginning")?;
     let (_, after) = rest.split_once(END).ok_or("docs/ddp.md has lost its marker of the end")?;

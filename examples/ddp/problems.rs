@@ -2,11 +2,12 @@
 
 use super::problem::Problem;
 use super::reach::{Coordinates, Reach};
+use costate::EvalError;
 use costate::dynamics::{AutomaticCost, QuadraticCost};
-use costate::lagrangian::Lagrangian;
+use costate::hamiltonian::HamiltonianSecondOrder;
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::Robot;
 use costate::step::{RungeKutta4, Step};
-use costate::{EvalError, hamiltonian, lagrangian};
 use nalgebra::DVector;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -24,14 +25,14 @@ pub struct Task<P, L, T> {
 }
 
 /// One step of a robot with state (q, p).
-pub type WithMomenta = RungeKutta4<f64, hamiltonian::SecondOrder<f64>>;
+pub type WithMomenta = RungeKutta4<f64, HamiltonianSecondOrder<f64>>;
 /// One step of a robot with state (q, v).
-pub type WithVelocities = RungeKutta4<f64, lagrangian::SecondOrder<f64>>;
+pub type WithVelocities = RungeKutta4<f64, LagrangianSecondOrder<f64>>;
 /// The cost of effort and of posture.
 pub type Quadratic = QuadraticCost<f64>;
 
 fn robot(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(file)
 }
 
 /// The two-link arm from `from` to rest at `to` (rad) in two seconds, in 100 steps, nothing known of the controls.
@@ -45,7 +46,7 @@ fn two_link(
     let robot = Robot::from_file(robot("two_link.toml"))?.with_gravity([0.0, -gravity, 0.0])?;
     let running = QuadraticCost::running(&[0.0; 4], &[effort; 2]);
     let terminal = QuadraticCost::terminal(&[100.0; 4]).about(&[to[0], to[1], 0.0, 0.0], &[]);
-    let step = RungeKutta4::new(hamiltonian::SecondOrder::new(&robot));
+    let step = RungeKutta4::new(HamiltonianSecondOrder::new(&robot));
     Ok(Task {
         title: title.to_owned(),
         about,
@@ -106,7 +107,7 @@ pub fn ur5_with_momenta() -> Result<Task<WithMomenta, Quadratic, AutomaticCost<R
                  in 1 s, 100 steps. Cost: integral of 0.005 |u - u_hold|^2 + 0.5 |q - q_start|^2, where u_hold holds\n\
                  the first posture, plus at the end 500 times the squared distance of the tip from the point (m)\n\
                  and 10 times the kinetic energy (J). The search starts from u_hold. State (q, p).";
-    let step = |robot: &Robot| RungeKutta4::new(hamiltonian::SecondOrder::new(robot));
+    let step = |robot: &Robot| RungeKutta4::new(HamiltonianSecondOrder::new(robot));
     UR5.reach(["UR5, reaching, momenta", about], Coordinates::Momenta, step)
 }
 
@@ -114,7 +115,7 @@ pub fn ur5_with_momenta() -> Result<Task<WithMomenta, Quadratic, AutomaticCost<R
 pub fn ur5_with_velocities() -> Result<Task<WithVelocities, Quadratic, AutomaticCost<Reach>>, Box<dyn Error>>
 {
     let about = "The same task with state (q, v).";
-    let step = |robot: &Robot| RungeKutta4::new(lagrangian::SecondOrder::new(robot));
+    let step = |robot: &Robot| RungeKutta4::new(LagrangianSecondOrder::new(robot));
     UR5.reach(["UR5, reaching, velocities", about], Coordinates::Velocities, step)
 }
 
@@ -122,7 +123,7 @@ pub fn ur5_with_velocities() -> Result<Task<WithVelocities, Quadratic, Automatic
 pub fn panda_with_momenta() -> Result<Task<WithMomenta, Quadratic, AutomaticCost<Reach>>, Box<dyn Error>> {
     let about = "Panda with the torque limits of its description, its tip towards a point 0.6 m away; duration and\n\
                  costs as for the UR5. State (q, p).";
-    let step = |robot: &Robot| RungeKutta4::new(hamiltonian::SecondOrder::new(robot));
+    let step = |robot: &Robot| RungeKutta4::new(HamiltonianSecondOrder::new(robot));
     PANDA.reach(["Panda, reaching, momenta", about], Coordinates::Momenta, step)
 }
 

@@ -18,7 +18,7 @@
 use super::box_qp::{self, Indefinite};
 use costate::dynamics::CostHessian;
 use costate::matrix::Block;
-use costate::step::{StepContraction, StepFirstOrder};
+use costate::step::{StepContraction, StepLinearisation};
 use nalgebra::{DMatrix, DVector};
 
 /// Derivatives at one stage. The end of the trajectory is a stage without controls.
@@ -69,7 +69,7 @@ impl Stage {
     }
 
     /// Takes the Jacobians of a step.
-    pub fn set_step(&mut self, step: &StepFirstOrder<'_, f64>) {
+    pub fn set_step(&mut self, step: &StepLinearisation<'_, f64>) {
         set(&mut self.a, step.phi_x, 1.0);
         set(&mut self.b, step.phi_u, 1.0);
     }

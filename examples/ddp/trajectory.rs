@@ -64,8 +64,8 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
             }
             (0..u.len()).for_each(|i| u[i] = u[i].clamp(self.lower[i], self.upper[i]));
             let (x, u) = (new.x[k].as_slice(), new.u[k].as_slice());
-            let cost = self.running.value(x, u).map_err(|source| Failure::at(k, source))?;
-            let next = self.step.advance(x, u, self.h).map_err(|source| Failure::at(k, source))?;
+            let cost = self.running.evaluate(x, u).map_err(|source| Failure::at(k, source))?;
+            let next = self.step.evaluate(x, u, self.h).map_err(|source| Failure::at(k, source))?;
             self.count.advances += 1;
             new.x[k + 1].copy_from_slice(next);
             new.add_cost(self.h * cost);
@@ -73,7 +73,7 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
                 return Err(Failure::NotFinite { stage: k });
             }
         }
-        let end = self.terminal.value(new.x[stages].as_slice(), &[]);
+        let end = self.terminal.evaluate(new.x[stages].as_slice(), &[]);
         new.add_cost(end.map_err(|source| Failure::at(stages, source))?);
         if new.cost.is_finite() { Ok(()) } else { Err(Failure::NotFinite { stage: stages }) }
     }

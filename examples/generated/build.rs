@@ -1,8 +1,8 @@
 //! Writes straight-line code for some robots into `OUT_DIR`.
 
 use costate::codegen::{Coordinates, Options, Quantity, RustOptions, robot_program};
-use costate::control::{ProgramOf, pontryagin_program};
 use costate::robot::Robot;
+use costate_control::{ProgramOf, pontryagin_program};
 use std::error::Error;
 use std::path::Path;
 

@@ -5,9 +5,9 @@
 //! multipliers of these constraints as costates is all that the exact Hessian of the Lagrangian needs. The solver is
 //! written against `Step` and `Cost` alone.
 //!
-//!     cargo run --release --example shooting             # iterations, summary, verdict
-//!     cargo run --release --example shooting -- --write  # and writes them into docs/shooting.md
-//!     cargo test --example shooting
+//!     cargo run --release -p costate-examples --example shooting             # iterations, summary, verdict
+//!     cargo run --release -p costate-examples --example shooting -- --write  # and writes them into docs/shooting.md
+//!     cargo test -p costate-examples --example shooting
 
 mod barrier;
 mod bfgs;
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{table}");
     }
     if write {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/shooting.md");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/shooting.md");
         let mut document = std::fs::read_to_string(&path)?;
         for (name, table) in &tables {
             document = replaced(&document, name, table)?;

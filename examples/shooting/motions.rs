@@ -2,8 +2,8 @@
 
 use crate::problem::{Bounds, Problem};
 use costate::dynamics::{Dynamics, QuadraticCost};
-use costate::hamiltonian::SecondOrder as Canonical;
-use costate::lagrangian::SecondOrder as Rates;
+use costate::hamiltonian::HamiltonianSecondOrder as Canonical;
+use costate::lagrangian::LagrangianSecondOrder as Rates;
 use costate::robot::{Robot, RobotError};
 use costate::step::RungeKutta4;
 
@@ -32,7 +32,7 @@ impl Motion {
     /// The two-link arm unfolds and turns within 3 s, its torques at most 1 Nm.
     pub fn two_link() -> Result<Self, RobotError> {
         Ok(Self {
-            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/two_link.toml"))?,
+            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/two_link.toml"))?,
             from: vec![0.0, 2.0],
             to: vec![1.5, -0.4],
             duration: 3.0,
@@ -47,7 +47,7 @@ impl Motion {
     /// The UR5 lifts its arm and turns it by 1.8 rad about the base within 1 s, with at most a third of its rated torques.
     pub fn ur5() -> Result<Self, RobotError> {
         Ok(Self {
-            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/ur5.urdf"))?,
+            robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/ur5.urdf"))?,
             from: vec![0.0, -0.3, 0.6, -0.3, 0.0, 0.0],
             to: vec![1.8, -1.6, 1.4, 0.4, 1.2, 1.0],
             duration: 1.0,

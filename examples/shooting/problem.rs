@@ -130,12 +130,12 @@ impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
     pub fn values(&mut self, nodes: &[DVector<f64>]) -> Result<Values, NotEvaluated> {
         let states = self.states();
         let last = nodes[self.intervals].as_slice();
-        let mut cost = self.terminal.value(last, &[]).map_err(NotEvaluated::because)?;
+        let mut cost = self.terminal.evaluate(last, &[]).map_err(NotEvaluated::because)?;
         let mut defects = Vec::with_capacity(self.intervals);
         for pair in nodes.windows(2) {
             let (x, u) = pair[0].as_slice().split_at(states);
-            cost += self.h * self.running.value(x, u).map_err(NotEvaluated::because)?;
-            let next = self.step.advance(x, u, self.h).map_err(NotEvaluated::because)?;
+            cost += self.h * self.running.evaluate(x, u).map_err(NotEvaluated::because)?;
+            let next = self.step.evaluate(x, u, self.h).map_err(NotEvaluated::because)?;
             defects.push(DVector::from_column_slice(next) - pair[1].rows(0, states));
         }
         Values::new(cost, defects)

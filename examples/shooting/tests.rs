@@ -7,7 +7,7 @@ use crate::reach::solve_or_explain;
 use crate::solver::{Options, Row, Solution, Status, solve};
 use costate::derivative::Function;
 use costate::dynamics::{Automatic, Cost, Dynamics, QuadraticCost};
-use costate::lagrangian::SecondOrder;
+use costate::lagrangian::LagrangianSecondOrder;
 use costate::num_dual::Dual64;
 use costate::scalar::Scalar;
 use costate::step::{RungeKutta4, Step};
@@ -24,15 +24,15 @@ fn solved<D: Dynamics<f64>>(problem: &mut RobotProblem<D>, options: &Options) ->
 /// `sum h l + sum y'(Phi - x_next)` of nodes one after the other, over dual numbers.
 fn lagrangian(motion: &Motion, nodes: &[Vec<Dual64>], costates: &[DVector<f64>]) -> Dual64 {
     let h = Dual64::from_f64(motion.duration / motion.intervals as f64);
-    let mut step = RungeKutta4::<Dual64, _>::new(SecondOrder::<Dual64>::new(&motion.robot));
+    let mut step = RungeKutta4::<Dual64, _>::new(LagrangianSecondOrder::<Dual64>::new(&motion.robot));
     let weights: Vec<f64> = motion.unit.iter().map(|unit| unit.powi(-2)).collect();
     let n = 2 * weights.len();
     let mut cost = QuadraticCost::<Dual64>::running(&vec![0.0; n], &weights);
     let mut sum = Dual64::from_f64(0.0);
     for (pair, costate) in nodes.windows(2).zip(costates) {
         let (x, u) = pair[0].split_at(n);
-        sum += h * cost.value(x, u).unwrap();
-        let next = step.advance(x, u, h).unwrap();
+        sum += h * cost.evaluate(x, u).unwrap();
+        let next = step.evaluate(x, u, h).unwrap();
         for i in 0..n {
             sum += Dual64::from_f64(costate[i]) * (next[i] - pair[1][i]);
         }
@@ -76,7 +76,7 @@ fn the_conditions_of_optimality_hold_by_independent_means() {
     assert!(active[0] > 3 && active[1] > 3, "active bounds on states and controls: {active:?}");
 
     // Defects: the classical scheme written out, from the start to the end in one go.
-    let mut model = SecondOrder::<f64>::new(&motion.robot);
+    let mut model = LagrangianSecondOrder::<f64>::new(&motion.robot);
     let mut x = problem.start.clone();
     for node in &solution.nodes[..problem.intervals] {
         let u = &node.as_slice()[n..];
@@ -84,7 +84,7 @@ fn the_conditions_of_optimality_hold_by_independent_means() {
         for part in [0.0, 0.5, 0.5, 1.0] {
             let at: Vec<f64> =
                 x.iter().zip(slopes.last().unwrap()).map(|(x, f)| x + part * problem.h * f).collect();
-            slopes.push(model.value(&at, u).unwrap().to_vec());
+            slopes.push(model.evaluate(&at, u).unwrap().to_vec());
         }
         for (i, x) in x.iter_mut().enumerate() {
             *x += problem.h / 6.0 * (slopes[1][i] + 2.0 * slopes[2][i] + 2.0 * slopes[3][i] + slopes[4][i]);

@@ -2,8 +2,8 @@
 
 use costate::EvalError;
 use costate::codegen::{Coordinates, Quantity};
-use costate::hamiltonian::{self, Hamiltonian};
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 
@@ -106,14 +106,14 @@ fn in_q_p(robot: &Robot, quantity: Quantity) -> Option<Generic> {
     let (q, p, u, y, d) = (("q", n), ("p", n), ("u", n), ("y", n2), ("d", n2));
     let (f, f_x) = (("f", n2, 1), ("f_x", n2, n2));
     let mut first = Hamiltonian::<f64>::new(robot);
-    let second = || hamiltonian::SecondOrder::<f64>::new(robot);
+    let second = || HamiltonianSecondOrder::<f64>::new(robot);
     Some(match quantity {
         Quantity::F => Generic::of([q, p, u], [f], move |[q, p, u], results| {
-            results.push(first.phase_velocity(q, p, u)?);
+            results.push(first.evaluate(q, p, u)?);
             Ok(())
         }),
         Quantity::FX => Generic::of([q, p, u], [f, f_x], move |[q, p, u], results| {
-            let linear = first.jacobian(q, p, u)?;
+            let linear = first.linearise(q, p, u)?;
             results.push(linear.f());
             results.push_rows(linear.matrix());
             Ok(())
@@ -127,7 +127,7 @@ fn in_q_p(robot: &Robot, quantity: Quantity) -> Option<Generic> {
         Quantity::YFXX => {
             let mut second = second();
             Generic::of([q, p, u, y], [f, f_x, ("y_f_xx", n2, n2)], move |[q, p, u, y], results| {
-                let all = second.contracted_hessian(q, p, u, y)?;
+                let all = second.contract(q, p, u, y)?;
                 results.push(all.linearisation().f());
                 results.push_rows(all.linearisation().matrix());
                 results.push_rows(all.matrix());
@@ -162,18 +162,18 @@ fn in_q_v(robot: &Robot, quantity: Quantity) -> Option<Generic> {
             Ok(())
         }),
         Quantity::FX => Generic::of([q, v, u], [qdd, qdd_z], move |[q, v, u], results| {
-            let linear = first.forward_dynamics_jacobian(q, v, u)?;
+            let linear = first.linearise_forward_dynamics(q, v, u)?;
             results.push(linear.acceleration());
             results.push_rows(linear.matrix());
             Ok(())
         }),
         Quantity::YFXX => {
-            let mut second = lagrangian::SecondOrder::<f64>::new(robot);
+            let mut second = LagrangianSecondOrder::<f64>::new(robot);
             let blocks = [qdd, qdd_z, ("y_qdd_xx", n2, n2), ("y_qdd_uq", n, n)];
             Generic::of([q, v, u, y], blocks, move |[q, v, u, y], results| {
-                let all = second.contracted_hessian(q, v, u, y)?;
-                results.push(all.linearisation().acceleration());
-                for block in [all.linearisation().matrix(), all.xx(), all.uq()] {
+                let all = second.contract_forward_dynamics(q, v, u, y)?;
+                results.push(all.forward_dynamics().acceleration());
+                for block in [all.forward_dynamics().matrix(), all.xx(), all.uq()] {
                     results.push_rows(block);
                 }
                 Ok(())

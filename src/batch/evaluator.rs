@@ -59,11 +59,11 @@ impl Layout {
 ///     type Quantity = ();
 ///     type Error = EvalError;
 ///     fn layouts(&self) -> Vec<((), Layout)> {
-///         let n = self.0.len();
+///         let n = self.0.dof();
 ///         vec![((), Layout::new(&[("q", n), ("p", n)], &[("H", 1)]))]
 ///     }
 ///     fn evaluate(&mut self, _: (), input: &[S], output: &mut [S]) -> Result<(), EvalError> {
-///         let (q, p) = input.split_at(self.0.len());
+///         let (q, p) = input.split_at(self.0.dof());
 ///         output[0] = self.0.hamiltonian(q, p)?;
 ///         Ok(())
 ///     }
@@ -72,7 +72,7 @@ impl Layout {
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let mut batch = Batch::<f64, _>::new(Energy(Hamiltonian::new(&robot)));
 /// let (q, p, mut h) = ([0.3, -0.8, 0.1, 0.2], [1.0, 0.5, 0.0, 0.0], [0.0; 2]);
-/// assert!(batch.evaluate((), 2, [&q, &p], [&mut h])?.is_empty());
+/// assert!(batch.run((), 2, [&q, &p], [&mut h])?.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Evaluator<S: Packed>: Send {

@@ -25,7 +25,7 @@ use std::convert::Infallible;
 /// }
 /// let (x, u, mut f) = ([0.1, 1.0, 0.0, f64::NAN, 0.3, 0.0], [0.0; 3], [0.0; 6]);
 /// let mut batch = of_nodes::<f64>();
-/// let failures = batch.evaluate((), 3, [&x, &u], [&mut f])?;
+/// let failures = batch.run((), 3, [&x, &u], [&mut f])?;
 /// assert_eq!(failures[0].to_string(), "node 1: x[1] is not finite; check what produced it");
 /// assert!(f[2].is_nan() && (f[5] + 9.81 * 0.3_f64.sin()).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

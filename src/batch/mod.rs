@@ -18,12 +18,12 @@
 //!
 //! ```
 //! use costate::batch::{Batch, FirstOrderArrays, Model, Native, SecondOrderArrays};
-//! use costate::hamiltonian::SecondOrder;
+//! use costate::hamiltonian::HamiltonianSecondOrder;
 //! use costate::robot::Robot;
 //!
 //! # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 //! let robot = Robot::from_file("robots/ur5.urdf")?;
-//! let mut batch = Batch::<Native, _>::new(Model(SecondOrder::new(&robot)));
+//! let mut batch = Batch::<Native, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
 //! let nodes = 101;
 //! let (x, u, y) = (vec![0.2; nodes * 12], vec![0.0; nodes * 6], vec![1.0; nodes * 12]);
 //! // The defects of a collocation need f and f_x at all nodes,
@@ -94,11 +94,11 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
     /// moves inside). Evaluators must not use the pool themselves, and must all be alike.
     ///
     /// ```
-    /// # use costate::{batch::{Batch, Model, Native}, hamiltonian::SecondOrder, robot::Robot};
+    /// # use costate::{batch::{Batch, Model, Native}, hamiltonian::HamiltonianSecondOrder, robot::Robot};
     /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     /// let robot = Robot::from_file("robots/ur5.urdf")?;
-    /// let mut batch = Batch::<Native, _>::parallel(|| Model(SecondOrder::new(&robot)));
-    /// # assert!(batch.value(&[0.1; 36], &[0.0; 18], &mut [0.0; 36])?.is_empty());
+    /// let mut batch = Batch::<Native, _>::parallel(|| Model(HamiltonianSecondOrder::new(&robot)));
+    /// # assert!(batch.evaluate(&[0.1; 36], &[0.0; 18], &mut [0.0; 36])?.is_empty());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[cfg(feature = "rayon")]
@@ -134,7 +134,7 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
     ///
     /// # Errors
     /// [`BatchError`] where the arrays do not fit; nothing is evaluated then.
-    pub fn evaluate<const I: usize, const O: usize>(
+    pub fn run<const I: usize, const O: usize>(
         &mut self,
         quantity: E::Quantity,
         nodes: usize,

@@ -14,7 +14,7 @@ pub enum ModelQuantity {
     /// (x, u) to f.
     Value,
     /// (x, u) to f, f_x, f_u.
-    FirstOrder,
+    Linearisation,
     /// (x, u, y) to y'f_x, y'f_u.
     Adjoint,
     /// (x, u, y) to f, f_x, f_u and the blocks xx, ux, uu of the second derivatives of y'f.
@@ -93,7 +93,7 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Evaluator<S> for Model<D> {
         let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
         vec![
             (ModelQuantity::Value, Layout::new(&at, &first[..1])),
-            (ModelQuantity::FirstOrder, Layout::new(&at, &first)),
+            (ModelQuantity::Linearisation, Layout::new(&at, &first)),
             (ModelQuantity::Adjoint, Layout::new(&with, &[("y_f_x", n), ("y_f_u", m)])),
             (ModelQuantity::Contraction, Layout::new(&with, &second)),
         ]
@@ -105,8 +105,8 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Evaluator<S> for Model<D> {
         let (u, y) = rest.split_at(m);
         let mut writer = Writer(output);
         match quantity {
-            ModelQuantity::Value => writer.slice(self.0.value(x, u)?),
-            ModelQuantity::FirstOrder => {
+            ModelQuantity::Value => writer.slice(self.0.evaluate(x, u)?),
+            ModelQuantity::Linearisation => {
                 let first = self.0.linearise(x, u)?;
                 writer.slice(first.f);
                 writer.block(first.f_x);
@@ -141,9 +141,9 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
     ///
     /// # Errors
     /// [`BatchError`].
-    pub fn value(&mut self, x: &[S::Lane], u: &[S::Lane], f: &mut [S::Lane]) -> Failures<'_, S, D> {
+    pub fn evaluate(&mut self, x: &[S::Lane], u: &[S::Lane], f: &mut [S::Lane]) -> Failures<'_, S, D> {
         let nodes = self.nodes(x);
-        self.evaluate(ModelQuantity::Value, nodes, [x, u], [f])
+        self.run(ModelQuantity::Value, nodes, [x, u], [f])
     }
 
     /// f, f_x and f_u at every node.
@@ -157,7 +157,7 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
         into: FirstOrderArrays<'_, S::Lane>,
     ) -> Failures<'_, S, D> {
         let nodes = self.nodes(x);
-        self.evaluate(ModelQuantity::FirstOrder, nodes, [x, u], [into.f, into.f_x, into.f_u])
+        self.run(ModelQuantity::Linearisation, nodes, [x, u], [into.f, into.f_x, into.f_u])
     }
 
     /// y'f_x (N x states) and y'f_u (N x controls) at every node.
@@ -170,7 +170,7 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
         [y_f_x, y_f_u]: [&mut [S::Lane]; 2],
     ) -> Failures<'_, S, D> {
         let nodes = self.nodes(x);
-        self.evaluate(ModelQuantity::Adjoint, nodes, [x, u, y], [y_f_x, y_f_u])
+        self.run(ModelQuantity::Adjoint, nodes, [x, u, y], [y_f_x, y_f_u])
     }
 
     /// f, its Jacobians and the second derivatives of y'f at every node, y the multipliers of its equation.
@@ -185,7 +185,7 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
     ) -> Failures<'_, S, D> {
         let nodes = self.nodes(x);
         let outputs = [first.f, first.f_x, first.f_u, second.xx, second.ux, second.uu];
-        self.evaluate(ModelQuantity::Contraction, nodes, [x, u, y], outputs)
+        self.run(ModelQuantity::Contraction, nodes, [x, u, y], outputs)
     }
 
     fn nodes(&self, x: &[S::Lane]) -> usize {

@@ -2,7 +2,7 @@
 
 use super::model::Writer;
 use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed, SecondOrderArrays};
-use crate::step::{Step, StepFirstOrder};
+use crate::step::{Step, StepLinearisation};
 
 /// A step as an evaluator of nodes, each with its own x, u and h.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub enum StepQuantity {
     /// (x, u, h) to Phi.
     Next,
     /// (x, u, h) to Phi, Phi_x, Phi_u, Phi_h.
-    FirstOrder,
+    Linearisation,
     /// (x, u, h, y) to Phi, Phi_x, Phi_u, Phi_h and the blocks xx, ux, uu of the second derivatives of y'Phi.
     Contraction,
 }
@@ -39,7 +39,7 @@ impl<L> Default for StepArrays<'_, L> {
 }
 
 impl<S: Packed> Writer<'_, S> {
-    fn step(&mut self, first: StepFirstOrder<'_, S>) {
+    fn step(&mut self, first: StepLinearisation<'_, S>) {
         self.slice(first.next);
         self.block(first.phi_x);
         self.block(first.phi_u);
@@ -58,7 +58,7 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Evaluator<S> for StepMap<P> {
         let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
         vec![
             (StepQuantity::Next, Layout::new(&at, &first[..1])),
-            (StepQuantity::FirstOrder, Layout::new(&at, &first)),
+            (StepQuantity::Linearisation, Layout::new(&at, &first)),
             (StepQuantity::Contraction, Layout::new(&with, &second)),
         ]
     }
@@ -70,8 +70,8 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Evaluator<S> for StepMap<P> {
         let (h, y) = (rest[0], &rest[1..]);
         let mut writer = Writer(output);
         match quantity {
-            StepQuantity::Next => writer.slice(self.0.advance(x, u, h)?),
-            StepQuantity::FirstOrder => writer.step(self.0.linearise(x, u, h)?),
+            StepQuantity::Next => writer.slice(self.0.evaluate(x, u, h)?),
+            StepQuantity::Linearisation => writer.step(self.0.linearise(x, u, h)?),
             StepQuantity::Contraction => {
                 let second = self.0.contract(x, u, h, y)?;
                 writer.step(second.first);
@@ -95,28 +95,28 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
     ///
     /// # Errors
     /// [`BatchError`].
-    pub fn advance(&mut self, [x, u, h]: [&[S::Lane]; 3], next: &mut [S::Lane]) -> Failures<'_, S, P> {
-        self.evaluate(StepQuantity::Next, h.len(), [x, u, h], [next])
+    pub fn evaluate(&mut self, [x, u, h]: [&[S::Lane]; 3], next: &mut [S::Lane]) -> Failures<'_, S, P> {
+        self.run(StepQuantity::Next, h.len(), [x, u, h], [next])
     }
 
     /// Phi and its Jacobians at every node.
     ///
     /// # Errors
     /// [`BatchError`].
-    pub fn linearise_steps(
+    pub fn linearise(
         &mut self,
         [x, u, h]: [&[S::Lane]; 3],
         into: StepArrays<'_, S::Lane>,
     ) -> Failures<'_, S, P> {
         let outputs = [into.next, into.phi_x, into.phi_u, into.phi_h];
-        self.evaluate(StepQuantity::FirstOrder, h.len(), [x, u, h], outputs)
+        self.run(StepQuantity::Linearisation, h.len(), [x, u, h], outputs)
     }
 
     /// Phi, its Jacobians and the second derivatives of y'Phi at every node, y the multipliers of what follows.
     ///
     /// # Errors
     /// [`BatchError`].
-    pub fn contract_steps(
+    pub fn contract(
         &mut self,
         [x, u, h, y]: [&[S::Lane]; 4],
         first: StepArrays<'_, S::Lane>,
@@ -125,6 +125,6 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
         let StepArrays { next, phi_x, phi_u, phi_h } = first;
         let SecondOrderArrays { xx, ux, uu } = second;
         let outputs = [next, phi_x, phi_u, phi_h, xx, ux, uu];
-        self.evaluate(StepQuantity::Contraction, h.len(), [x, u, h, y], outputs)
+        self.run(StepQuantity::Contraction, h.len(), [x, u, h, y], outputs)
     }
 }

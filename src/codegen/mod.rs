@@ -44,4 +44,4 @@ pub use quantity::{Coordinates, Quantity};
 pub use robot::{Options, robot_program};
 pub use rust::RustOptions;
 pub use text::DEFAULT_LIMIT;
-pub(crate) use text::name_from;
+pub use text::name_from;

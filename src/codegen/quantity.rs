@@ -2,24 +2,7 @@
 
 use super::error::CodegenError;
 
-/// In which coordinates the state equation is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coordinates {
-    /// x = (q, p), p = M v.
-    Hamiltonian,
-    /// x = (q, v).
-    Lagrangian,
-}
-
-impl Coordinates {
-    /// `hamiltonian` or `lagrangian`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hamiltonian => "hamiltonian",
-            Self::Lagrangian => "lagrangian",
-        }
-    }
-}
+pub use crate::Coordinates;
 
 /// What a program computes. Each also gives what stands before it in the table, unless
 /// [`Options::only`](super::Options::only) says no.

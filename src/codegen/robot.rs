@@ -6,8 +6,8 @@ use super::parameters::{labelled, layout, parameter_values};
 use super::program::{Program, RecordedResult};
 use super::quantity::{Coordinates, Quantity};
 use super::text::name_from;
-use crate::hamiltonian::{Hamiltonian, SecondOrder};
-use crate::lagrangian::{Lagrangian, SecondOrder as LagrangianSecondOrder};
+use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use crate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use crate::matrix::Block;
 use crate::robot::{Robot, Tree};
 
@@ -128,9 +128,9 @@ fn hamiltonian<'a>(
     let (q, p, u) = (of("q"), of("p"), of("u"));
     let mut first = Hamiltonian::<Expr>::from_tree(tree.clone());
     Ok(match quantity {
-        Quantity::F => vec![vector("f", first.phase_velocity(q, p, u)?)],
+        Quantity::F => vec![vector("f", first.evaluate(q, p, u)?)],
         Quantity::FX => {
-            let linear = first.jacobian(q, p, u)?;
+            let linear = first.linearise(q, p, u)?;
             vec![vector("f", linear.f()), matrix("f_x", linear.matrix())]
         }
         Quantity::YFX => {
@@ -138,13 +138,13 @@ fn hamiltonian<'a>(
             vec![vector("f", product.f), vector("y_f_x", product.y_f_x)]
         }
         Quantity::YFXX => {
-            let mut second = SecondOrder::<Expr>::from_tree(tree);
-            let all = second.contracted_hessian(q, p, u, of("y"))?;
+            let mut second = HamiltonianSecondOrder::<Expr>::from_tree(tree);
+            let all = second.contract(q, p, u, of("y"))?;
             let linear = all.linearisation();
             vec![vector("f", linear.f()), matrix("f_x", linear.matrix()), matrix("y_f_xx", all.matrix())]
         }
         Quantity::YFXXD => {
-            let mut second = SecondOrder::<Expr>::from_tree(tree);
+            let mut second = HamiltonianSecondOrder::<Expr>::from_tree(tree);
             vec![vector("y_f_xx_d", second.hessian_product(q, p, of("y"), of("d"))?)]
         }
         Quantity::MassMatrix => vec![matrix("m", first.mass_matrix(q)?.view())],
@@ -166,13 +166,13 @@ fn lagrangian<'a>(
     Ok(match quantity {
         Quantity::F => vec![vector("qdd", first.forward_dynamics(q, v, u)?)],
         Quantity::FX => {
-            let linear = first.forward_dynamics_jacobian(q, v, u)?;
+            let linear = first.linearise_forward_dynamics(q, v, u)?;
             vec![vector("qdd", linear.acceleration()), matrix("qdd_z", linear.matrix())]
         }
         Quantity::YFXX => {
             let mut second = LagrangianSecondOrder::<Expr>::from_tree(tree);
-            let all = second.contracted_hessian(q, v, u, of("y"))?;
-            let linear = all.linearisation();
+            let all = second.contract_forward_dynamics(q, v, u, of("y"))?;
+            let linear = all.forward_dynamics();
             vec![
                 vector("qdd", linear.acceleration()),
                 matrix("qdd_z", linear.matrix()),

@@ -140,7 +140,7 @@ pub(super) fn check_names<'a>(
 }
 
 /// A name made of any text: small letters, digits and `_`.
-pub(crate) fn name_from(text: &str) -> String {
+pub fn name_from(text: &str) -> String {
     let mut name = String::new();
     for c in text.chars() {
         match c.to_ascii_lowercase() {

@@ -56,7 +56,11 @@ impl<F: Function, T: InnerNumber> Directional<F, T> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[T], d: &[T]) -> Result<AlongDirection<'_, T>, DerivativeError<F::Error>> {
+    pub fn jacobian_product(
+        &mut self,
+        x: &[T],
+        d: &[T],
+    ) -> Result<AlongDirection<'_, T>, DerivativeError<F::Error>> {
         check_length("x", x, self.x.len())?;
         check_length("d", d, self.x.len())?;
         for ((dual, &x), &d) in self.x.iter_mut().zip(x).zip(d) {

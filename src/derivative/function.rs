@@ -30,11 +30,11 @@ use num_dual::DualNum;
 /// }
 ///
 /// let mut hessian = Hessian::new(Example);
-/// let second = hessian.evaluate(&[0.0, 3.0])?;
+/// let second = hessian.hessian_tensor(&[0.0, 3.0])?;
 /// assert_eq!(second.entry(0, 0, 1), 6.0);   // d2/dx dy = 2 y
 /// assert_eq!(second.jacobian()[(0, 0)], 10.0); // d/dx = y^2 + cos x
 /// let mut first: Jacobian<_> = Jacobian::new(Example);
-/// assert_eq!(first.evaluate(&[0.0, 3.0])?.gradient(), [10.0, 0.0]);
+/// assert_eq!(first.linearise(&[0.0, 3.0])?.gradient(), [10.0, 0.0]);
 /// # Ok::<(), costate::derivative::DerivativeError<Infallible>>(())
 /// ```
 pub trait Function {

@@ -83,7 +83,7 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[T]) -> Result<SecondDerivatives<'_, T>, DerivativeError<F::Error>> {
+    pub fn hessian_tensor(&mut self, x: &[T]) -> Result<SecondDerivatives<'_, T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
         self.x.iter_mut().zip(x).for_each(|(number, &x)| *number = HyperDual::from_re(x));
@@ -109,9 +109,9 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn contracted(&mut self, x: &[T], y: &[T]) -> Result<&Matrix<T>, DerivativeError<F::Error>> {
+    pub fn contract(&mut self, x: &[T], y: &[T]) -> Result<&Matrix<T>, DerivativeError<F::Error>> {
         check_length("y", y, self.y.len())?;
-        self.evaluate(x)?;
+        self.hessian_tensor(x)?;
         for j in 0..self.x.len() {
             for i in 0..=j {
                 let entry = y.iter().enumerate().map(|(k, &y)| y * self.tensor[(k, pair(i, j))]).sum();
@@ -123,7 +123,7 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
     }
 
     /// The contracted matrix of the last call of [`contracted`](Self::contracted).
-    pub fn last_contracted(&self) -> &Matrix<T> {
+    pub fn last_contraction(&self) -> &Matrix<T> {
         &self.contracted
     }
 

@@ -58,7 +58,7 @@ impl<F: Function, const C: usize, T: InnerNumber> Jacobian<F, C, T> {
     /// let robot = Robot::from_file("robots/two_link.toml")?;
     /// let mut counting = Jacobian::<_, 4, Count>::over(PhaseVelocity::new(&robot));
     /// let x = [0.1, 0.2, 0.3, 0.4].map(Count::variable);
-    /// let (_, operations) = count(|| counting.evaluate(&x).map(|first| first.value[0]));
+    /// let (_, operations) = count(|| counting.linearise(&x).map(|first| first.value[0]));
     /// assert_eq!(operations.sincos, 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -84,7 +84,7 @@ impl<F: Function, const C: usize, T: InnerNumber> Jacobian<F, C, T> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn evaluate(&mut self, x: &[T]) -> Result<FirstDerivatives<'_, T>, DerivativeError<F::Error>> {
+    pub fn linearise(&mut self, x: &[T]) -> Result<FirstDerivatives<'_, T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
         for start in (0..n).step_by(C) {

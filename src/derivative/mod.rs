@@ -10,21 +10,21 @@
 //! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] compares the
 //! library's own derivatives with these, [`OperationTable`] counts the operations of each.
 
-mod bounds;
 mod directional;
 mod forward_dynamics;
 mod function;
 mod hessian;
 mod jacobian;
-mod lagrangian_routes;
+mod methods;
 mod nested;
 mod operations;
 mod phase_velocity;
+mod reference;
 mod report;
 mod rounded;
 mod routes;
+mod row;
 
-pub use bounds::{DerivativeBounds, EntryBounds, RoundingBounds};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
 pub(crate) use function::check_length;
@@ -34,8 +34,13 @@ pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
 pub use operations::{Extent, OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
-pub use report::{Figure, SAFETY, StateReport, Verdict, largest, relative_difference, worse};
+pub(crate) use reference::RoundedPair;
+pub use report::{Figure, StateReport, Verdict, largest, relative_difference, worse};
+pub(crate) use rounded::Rounded;
 pub use routes::Routes;
+pub(crate) use routes::scales;
+pub use row::SAFETY;
+pub(crate) use row::{Judged, Row};
 
 /// Number of derivatives that a dual number carries at once where nobody says otherwise.
 ///

@@ -55,7 +55,7 @@ impl<F: Function, const C: usize, T: InnerNumber> NestedHessian<F, C, T> {
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
-    pub fn contracted(&mut self, x: &[T], y: &[T]) -> Result<&Matrix<T>, DerivativeError<F::Error>> {
+    pub fn contract(&mut self, x: &[T], y: &[T]) -> Result<&Matrix<T>, DerivativeError<F::Error>> {
         let n = self.x.len();
         check_length("x", x, n)?;
         check_length("y", y, self.y.len())?;

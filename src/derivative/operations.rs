@@ -1,9 +1,12 @@
 //! Counts the operations of each quantity by each method.
 
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
-use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
+use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::kernels::{Contracted, Route};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Constants, Count, Operations, count_with};
@@ -77,11 +80,6 @@ pub enum Extent {
 }
 
 impl State {
-    /// Some state of this robot.
-    fn sample(robot: &Robot) -> Self {
-        Self::new(robot.len(), |i| (1.0 + i as f64).sqrt())
-    }
-
     fn new(n: usize, number: impl Fn(usize) -> f64) -> Self {
         let mut all = (0..5 * n).map(|i| Count::variable(number(i)));
         let mut take = |count: usize| all.by_ref().take(count).collect();
@@ -110,22 +108,40 @@ impl OperationTable {
     ///
     /// # Errors
     /// None that a valid robot gives rise to: numbers that count are not checked.
+    #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::sample(robot), Extent::All)
+        Self::counted(robot, constants, Extent::All)
     }
 
     /// Counts the given methods only; the rows of the others are missing.
     ///
     /// # Errors
     /// As for [`new`](Self::new).
+    #[inline]
     pub fn counted(
         robot: &Robot,
         constants: Constants,
         extent: Extent,
     ) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::sample(robot), extent)
+        Self::at(robot, constants, &State::new(robot.len(), &|i| (1.0 + i as f64).sqrt()), extent)
     }
 
+    /// The same as [`new`](Self::new) at another state: `number(i)` for entry i of (q, p, u, y). For tests: the counts of
+    /// all states must be the same.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    #[doc(hidden)]
+    #[inline]
+    pub fn counted_at(
+        robot: &Robot,
+        constants: Constants,
+        number: &dyn Fn(usize) -> f64,
+    ) -> Result<Self, DerivativeError<EvalError>> {
+        Self::at(robot, constants, &State::new(robot.len(), number), Extent::All)
+    }
+
+    #[inline]
     fn at(
         robot: &Robot,
         constants: Constants,
@@ -187,35 +203,38 @@ fn by_dual_pass<R: Route>(
     let mut second = DualPass::with_route(tree.clone(), route);
     Ok([
         counted(constants, || first.mass_matrix(q).map(drop))?,
-        counted(constants, || first.phase_velocity(q, p, u).map(drop))?,
-        counted(constants, || first.jacobian(q, p, u).map(drop))?,
-        counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+        counted(constants, || first.evaluate(q, p, u).map(drop))?,
+        counted(constants, || first.linearise(q, p, u).map(drop))?,
+        counted(constants, || second.contract(q, p, u, y).map(drop))?,
     ])
 }
 
 /// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d.
+#[inline]
 fn by_rule(
     tree: &Tree,
     constants: Constants,
     State { x, u, y }: &State,
 ) -> Result<[Operations; 3], EvalError> {
     let (q, p) = x.split_at(tree.len());
-    let mut second = SecondOrder::from_tree(tree.clone());
+    let mut second = HamiltonianSecondOrder::from_tree(tree.clone());
     Ok([
-        counted(constants, || second.contracted_hessian(q, p, u, y).map(drop))?,
+        counted(constants, || second.contract(q, p, u, y).map(drop))?,
         counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?,
         counted(constants, || second.hessian_product(q, p, y, x).map(drop))?,
     ])
 }
 
 /// F_x and the whole tensor.
+#[inline]
 fn whole_tensor(tree: &Tree, constants: Constants, state: &State) -> Result<Operations, EvalError> {
     let (q, p) = state.x.split_at(tree.len());
     let mut full = FullHessian::from_tree(tree.clone());
-    counted(constants, || full.evaluate(q, p).map(drop))
+    counted(constants, || full.hessian_tensor(q, p).map(drop))
 }
 
 /// F_x and y'F_xx by dual numbers, then by hyper-dual numbers.
+#[inline]
 fn automatic(
     robot: &Robot,
     constants: Constants,
@@ -225,10 +244,10 @@ fn automatic(
     let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
     let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
     let mut hessian = Hessian::<_, Count>::over(function());
-    let first = counted(constants, || jacobian.evaluate(x).map(drop))?;
-    let second = counted(constants, || nested.contracted(x, y).map(drop))?;
-    let whole = counted(constants, || hessian.evaluate(x).map(drop))?;
-    let contracted = counted(constants, || hessian.contracted(x, y).map(drop))?;
+    let first = counted(constants, || jacobian.linearise(x).map(drop))?;
+    let second = counted(constants, || nested.contract(x, y).map(drop))?;
+    let whole = counted(constants, || hessian.hessian_tensor(x).map(drop))?;
+    let contracted = counted(constants, || hessian.contract(x, y).map(drop))?;
     Ok([[first, first + second], [whole, contracted]])
 }
 
@@ -236,87 +255,4 @@ fn automatic(
 fn counted<E>(constants: Constants, evaluate: impl FnOnce() -> Result<(), E>) -> Result<Operations, E> {
     let (outcome, operations) = count_with(constants, evaluate);
     outcome.map(|()| operations)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Extent, OperationTable, State};
-    use crate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
-    use crate::scalar::Constants::{Folded, Kept};
-    use crate::scalar::Operations;
-    use nalgebra::Matrix3;
-
-    /// Three joints, one of them sliding, one with friction, in general directions.
-    fn robot() -> Robot {
-        let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.1 };
-        let link = || LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity() * 0.2);
-        let place = |turn: f64| Placement::from_xyz_rpy([0.3, 0.1, 0.2], [0.4, turn, 0.6]);
-        let joints = [
-            JointSpec::revolute("a"),
-            JointSpec::prismatic("b").on("a"),
-            JointSpec::revolute("c").on("b").friction(friction),
-        ];
-        let mut builder = Robot::builder("three");
-        for (i, joint) in joints.into_iter().enumerate() {
-            builder = builder.joint(joint.axis([0.2, -0.4, 0.7]).placed(place(i as f64)).carrying(link()));
-        }
-        builder.build().unwrap()
-    }
-
-    #[test]
-    fn counts_do_not_depend_on_the_state() {
-        let robot = robot();
-        for constants in [Folded, Kept] {
-            let table = OperationTable::new(&robot, constants).unwrap();
-            let states: [fn(usize) -> f64; 3] =
-                [|_| 0.0, |i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
-            for number in states {
-                let state = State::new(robot.len(), number);
-                assert_eq!(OperationTable::at(&robot, constants, &state, Extent::All).unwrap(), table);
-            }
-        }
-    }
-
-    #[test]
-    fn more_takes_more() {
-        let [folded, kept] =
-            [Folded, Kept].map(|constants| OperationTable::new(&robot(), constants).unwrap());
-        for table in [&folded, &kept] {
-            for pair in table.counts.windows(2) {
-                let mul = |count: &Option<Operations>| count.map(|count| count.mul);
-                assert!(pair[0].iter().zip(&pair[1]).all(|(less, more)| mul(less) < mul(more)), "{pair:?}");
-            }
-        }
-        for (few, all) in folded.rows().zip(kept.rows()) {
-            let (few, all) = (few.operations, all.operations);
-            assert!(few.mul <= all.mul && few.add <= all.add && few.less <= all.less);
-            assert_eq!((few.sincos, few.exp, few.sqrt, few.other), (all.sincos, all.exp, all.sqrt, 0));
-        }
-    }
-
-    #[test]
-    fn rows_are_found_by_name() {
-        let table = OperationTable::new(&robot(), Folded).unwrap();
-        assert_eq!(table.rows().count(), 16 + OperationTable::MORE.len());
-        for row in table.rows() {
-            assert_eq!(table.get(row.quantity, row.route), Some(row.operations));
-        }
-        assert_eq!(table.get("f_x", "by magic"), None);
-        assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
-        assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
-    }
-
-    #[test]
-    fn what_is_not_counted_is_missing_and_the_rest_is_the_same() {
-        let robot = robot();
-        let all = OperationTable::new(&robot, Folded).unwrap();
-        for (extent, rows) in [(Extent::ByHand, 12), (Extent::Matrices, 7)] {
-            let some = OperationTable::counted(&robot, Folded, extent).unwrap();
-            assert_eq!(some.rows().count(), rows);
-            for row in some.rows() {
-                assert_eq!(all.get(row.quantity, row.route), Some(row.operations));
-            }
-            assert_eq!(some.get("f_x", "hyperdual"), None);
-        }
-    }
 }

@@ -55,7 +55,7 @@ impl Function for PhaseVelocity {
         check_length("f", f, 2 * n)?;
         actuation.iter_mut().zip(&self.u).for_each(|(lifted, &u)| *lifted = S::from_f64(u));
         let (q, p) = x.split_at(n);
-        f.copy_from_slice(hamiltonian.phase_velocity(q, p, actuation)?);
+        f.copy_from_slice(hamiltonian.evaluate(q, p, actuation)?);
         Ok(())
     }
 }

@@ -1,13 +1,11 @@
 //! How far methods for the same numbers differ, and how far rounding lets them.
 
-use super::bounds::EntryBounds;
-use super::rounded::UNIT;
 use crate::matrix::Block;
 
 /// One comparison at one state, see [`StateReport`].
 ///
-/// Every entry is judged by a bound of its own; this is the entry that comes closest to it. Both numbers are relative to
-/// the size of the terms that the entry is the sum of.
+/// Every block is judged by a bound of its own; this is the block that comes closest to it. Both numbers are relative to
+/// its largest entry, in scaled coordinates (see [`Routes`](super::Routes)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// What is compared.
@@ -25,14 +23,11 @@ pub struct Figure {
 pub enum Verdict {
     /// The difference is within the bound.
     Agrees,
-    /// Rounding may change the entry by more than a thousandth: M is nearly singular, or numbers overflow.
+    /// Rounding may change the block by more than a thousandth of it: M is nearly singular, or numbers overflow.
     NotComparable,
     /// The difference exceeds the bound, or is not a number.
     Differs,
 }
-
-/// How many standard deviations of the rounding error a difference may have, see [`Routes`](super::Routes).
-pub const SAFETY: f64 = 16.0;
 
 /// Relative bounds above this one say nothing.
 const COMPARABLE: f64 = 1e-3;
@@ -54,28 +49,6 @@ impl Figure {
         } else {
             Verdict::Differs
         }
-    }
-
-    /// Compares entry by entry and keeps the worst entry; the bound is [`SAFETY`] u times the error.
-    pub(crate) fn judge(
-        quantity: &'static str,
-        route: &'static str,
-        difference: impl Fn(usize, usize) -> f64,
-        bound: &EntryBounds,
-    ) -> Self {
-        let mut worst = Self { quantity, route, difference: 0.0, bound: 0.0 };
-        for j in 0..bound.size.ncols() {
-            for i in 0..bound.size.nrows() {
-                let (difference, size) = (difference(i, j).abs(), bound.size[(i, j)]);
-                let allowed = SAFETY * UNIT * bound.error[(i, j)];
-                let entry = match size == 0.0 && difference == 0.0 {
-                    true => worst,
-                    false => Self { difference: difference / size, bound: allowed / size, ..worst },
-                };
-                worst = worst.or_worse(&entry);
-            }
-        }
-        worst
     }
 
     /// The worse of two: not-a-number, then the larger ratio, then what cannot be compared; of equal ones the larger bound.
@@ -157,7 +130,7 @@ pub fn worse(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{EntryBounds, Figure, SAFETY, UNIT, Verdict, relative_difference};
+    use super::{Figure, Verdict, relative_difference};
     use crate::matrix::Matrix;
 
     /// A figure that is not a number must never look like agreement.
@@ -174,36 +147,32 @@ mod tests {
         assert_eq!(relative_difference(good.view(), good.view(), 0.0), 0.0);
     }
 
-    /// Sizes 1 and 2, errors 1 and 10 units.
-    fn bound() -> EntryBounds {
-        let row = |entries: [f64; 2]| nalgebra::DMatrix::from_row_slice(1, 2, &entries);
-        EntryBounds { size: row([1.0, 2.0]), error: row([1.0, 10.0]) }
+    fn figure(difference: f64, bound: f64) -> Figure {
+        Figure { quantity: "F", route: "a", difference, bound }
     }
 
     #[test]
-    fn the_entry_nearest_to_its_bound_is_kept() {
-        let figure = Figure::judge("F", "a", |_, j| [0.5, 4.0][j] * SAFETY * UNIT, &bound());
-        assert_eq!((figure.ratio(), figure.verdict(1.0)), (0.5, Verdict::Agrees));
-        assert_eq!(figure.verdict(0.4), Verdict::Differs);
-        let exact = Figure::judge("F", "a", |_, _| 0.0, &bound());
-        assert_eq!((exact.ratio(), exact.verdict(1.0)), (0.0, Verdict::Agrees));
+    fn the_figure_nearest_to_its_bound_is_kept() {
+        let (near, far) = (figure(1e-14, 2e-14), figure(2e-14, 1e-13));
+        assert_eq!((near.or_worse(&far), far.or_worse(&near)), (near, near));
+        assert_eq!(
+            (near.ratio(), near.verdict(1.0), near.verdict(0.4)),
+            (0.5, Verdict::Agrees, Verdict::Differs)
+        );
+        assert_eq!((figure(0.0, 0.0).ratio(), figure(0.0, 0.0).verdict(1.0)), (0.0, Verdict::Agrees));
+        assert_eq!(figure(1e-20, 0.0).verdict(1.0), Verdict::Differs);
     }
 
     #[test]
     fn not_a_number_fails_and_is_kept() {
-        for at in 0..2 {
-            let figure = Figure::judge("F", "a", |_, j| if j == at { f64::NAN } else { 1e3 }, &bound());
-            assert_eq!(figure.verdict(1e300), Verdict::Differs);
-            let good = Figure::judge("F", "a", |_, _| 0.0, &bound());
-            assert!(good.or_worse(&figure).difference.is_nan() && figure.or_worse(&good).difference.is_nan());
-        }
+        let (bad, good) = (figure(f64::NAN, 1e-14), figure(1.0, 1e-14));
+        assert_eq!(bad.verdict(1e300), Verdict::Differs);
+        assert!(good.or_worse(&bad).difference.is_nan() && bad.or_worse(&good).difference.is_nan());
     }
 
     #[test]
     fn what_has_no_digits_left_is_not_compared() {
-        let mut bound = bound();
-        bound.error *= 1e14;
-        let figure = Figure::judge("F", "a", |_, _| 0.1, &bound);
-        assert_eq!(figure.verdict(1.0), Verdict::NotComparable);
+        assert_eq!(figure(0.1, 0.01).verdict(1.0), Verdict::NotComparable);
+        assert_eq!(figure(0.1, f64::NAN).verdict(1.0), Verdict::NotComparable);
     }
 }

@@ -19,7 +19,7 @@ pub(super) const UNIT: f64 = 0.5 * f64::EPSILON;
 /// What is exact in floating-point arithmetic makes no error: sums with 0, products with 0, 1 and -1. A rotation keeps
 /// variances, so that they do not grow from joint to joint as sums of absolute values do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rounded {
+pub(crate) struct Rounded {
     pub value: f64,
     pub variance: f64,
 }
@@ -130,7 +130,6 @@ impl Scalar for Rounded {
     type Pack = Self;
     const EPSILON: f64 = f64::EPSILON;
     const ORDER: usize = 0;
-    const CHECKED: bool = false;
 
     fn from_f64(value: f64) -> Self {
         Self::exact(value)

@@ -1,6 +1,6 @@
 //! Any function generic over the scalar as a model, by automatic differentiation.
 
-use super::{Contraction, Dynamics, FirstOrder, Structure};
+use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::derivative::{CHUNK, DerivativeError, Function, Hessian, InnerNumber, Jacobian, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
@@ -107,7 +107,7 @@ impl<F: Function, T: InnerNumber> Parts<F, T> {
     /// The blocks of the Hessian contracted with y.
     pub fn contract(&mut self, y: &[T]) -> Result<(), DerivativeError<F::Error>> {
         let states = self.states();
-        let whole = self.hessian.contracted(&self.z, y)?;
+        let whole = self.hessian.contract(&self.z, y)?;
         for i in 0..states {
             self.xx.row_mut(i).copy_from_slice(&whole.row(i)[..states]);
         }
@@ -151,7 +151,7 @@ impl<F: Function + Clone, T: InnerNumber> Automatic<F, T> {
 impl<F: Function, T: InnerNumber> Automatic<F, T> {
     fn differentiate(&mut self) -> Result<(), DerivativeError<F::Error>> {
         let states = self.parts.states();
-        let first = self.jacobian.evaluate(&self.parts.z)?;
+        let first = self.jacobian.linearise(&self.parts.z)?;
         self.parts.value.copy_from_slice(first.value);
         for i in 0..states {
             let (left, right) = first.jacobian.row(i).split_at(states);
@@ -161,8 +161,8 @@ impl<F: Function, T: InnerNumber> Automatic<F, T> {
         Ok(())
     }
 
-    fn first(&self) -> FirstOrder<'_, T> {
-        FirstOrder { f: &self.parts.value, f_x: self.f_x.view(), f_u: self.f_u.view() }
+    fn first(&self) -> Linearisation<'_, T> {
+        Linearisation { f: &self.parts.value, f_x: self.f_x.view(), f_u: self.f_u.view() }
     }
 }
 
@@ -184,13 +184,13 @@ where
         Structure::general(self.parts.states())
     }
 
-    fn value(&mut self, x: &[T], u: &[T]) -> Result<&[T], Self::Error> {
+    fn evaluate(&mut self, x: &[T], u: &[T]) -> Result<&[T], Self::Error> {
         self.parts.set(x, u)?;
         self.parts.evaluate()?;
         Ok(&self.parts.value)
     }
 
-    fn linearise(&mut self, x: &[T], u: &[T]) -> Result<FirstOrder<'_, T>, Self::Error> {
+    fn linearise(&mut self, x: &[T], u: &[T]) -> Result<Linearisation<'_, T>, Self::Error> {
         self.parts.set(x, u)?;
         self.differentiate()?;
         Ok(self.first())

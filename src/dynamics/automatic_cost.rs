@@ -81,7 +81,7 @@ where
         self.parts.controls()
     }
 
-    fn value(&mut self, x: &[T], u: &[T]) -> Result<T, Self::Error> {
+    fn evaluate(&mut self, x: &[T], u: &[T]) -> Result<T, Self::Error> {
         self.parts.set(x, u)?;
         self.parts.evaluate()?;
         Ok(self.parts.value[0])
@@ -89,7 +89,7 @@ where
 
     fn gradient(&mut self, x: &[T], u: &[T]) -> Result<CostGradient<'_, T>, Self::Error> {
         self.parts.set(x, u)?;
-        let first = self.jacobian.evaluate(&self.parts.z)?;
+        let first = self.jacobian.linearise(&self.parts.z)?;
         let (x, u) = first.gradient().split_at(x.len());
         Ok(CostGradient { value: first.value[0], x, u })
     }
@@ -97,7 +97,7 @@ where
     fn hessian(&mut self, x: &[T], u: &[T]) -> Result<CostHessian<'_, T>, Self::Error> {
         self.parts.set(x, u)?;
         self.parts.contract(&self.one)?;
-        let first = self.jacobian.evaluate(&self.parts.z)?;
+        let first = self.jacobian.linearise(&self.parts.z)?;
         let (x, u) = first.gradient().split_at(x.len());
         let Parts { xx, ux, uu, .. } = &self.parts;
         Ok(CostHessian {

@@ -20,18 +20,18 @@ pub trait Cost<S: Scalar> {
     ///
     /// # Errors
     /// A wrong length, or whatever the cost has to say.
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error>;
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error>;
 
     /// l, l_x and l_u.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn gradient(&mut self, x: &[S], u: &[S]) -> Result<CostGradient<'_, S>, Self::Error>;
 
     /// l, its gradient and its Hessian.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, Self::Error>;
 }
 
@@ -47,8 +47,8 @@ impl<S: Scalar, C: Cost<S>> Cost<S> for &mut C {
         C::controls(self)
     }
 
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error> {
-        C::value(self, x, u)
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error> {
+        C::evaluate(self, x, u)
     }
 
     fn gradient(&mut self, x: &[S], u: &[S]) -> Result<CostGradient<'_, S>, Self::Error> {

@@ -6,9 +6,9 @@
 //!
 //! | implementation | of | derivatives |
 //! |---|---|---|
-//! | [`hamiltonian::SecondOrder`](crate::hamiltonian::SecondOrder) | [`Dynamics`], x = (q, p) | by hand |
+//! | [`hamiltonian::HamiltonianSecondOrder`](crate::hamiltonian::HamiltonianSecondOrder) | [`Dynamics`], x = (q, p) | by hand |
 //! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | by hand, one dual pass |
-//! | [`lagrangian::SecondOrder`](crate::lagrangian::SecondOrder) | [`Dynamics`], x = (q, v) | by hand, one dual pass |
+//! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | by hand, one dual pass |
 //! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
 //! | [`QuadraticCost`] | [`Cost`] | by hand |
 //! | [`AutomaticCost`] | [`Cost`] of any function of (x, u) with one output | automatic |
@@ -49,24 +49,24 @@ pub trait Dynamics<S: Scalar> {
     ///
     /// # Errors
     /// A wrong length, or whatever the model has to say.
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error>;
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error>;
 
     /// f, f_x and f_u.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
-    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, Self::Error>;
+    /// As [`evaluate`](Self::evaluate).
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, Self::Error>;
 
     /// f, f_x, f_u and the second derivatives of y'f.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, Self::Error>;
 
     /// y'f_x and y'f_u, as long as x and u: what a costate equation and the gradient of a shooting method need.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn adjoint(
         &mut self,
         x: &[S],
@@ -82,7 +82,7 @@ pub trait Dynamics<S: Scalar> {
     /// The second derivatives of y'f times (d_x, d_u): in the components of x and of u.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// As [`evaluate`](Self::evaluate).
     fn hessian_product(
         &mut self,
         x: &[S],
@@ -112,11 +112,11 @@ impl<S: Scalar, D: Dynamics<S>> Dynamics<S> for &mut D {
         D::structure(self)
     }
 
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error> {
-        D::value(self, x, u)
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error> {
+        D::evaluate(self, x, u)
     }
 
-    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, Self::Error> {
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, Self::Error> {
         D::linearise(self, x, u)
     }
 
@@ -167,7 +167,7 @@ impl Structure {
 
 /// f and its Jacobians; borrowed from a workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct FirstOrder<'a, S> {
+pub struct Linearisation<'a, S> {
     /// f(x, u), as long as x.
     pub f: &'a [S],
     /// df/dx, states x states.
@@ -176,7 +176,7 @@ pub struct FirstOrder<'a, S> {
     pub f_u: Block<'a, S>,
 }
 
-impl<S: Scalar> FirstOrder<'_, S> {
+impl<S: Scalar> Linearisation<'_, S> {
     /// y'f_x and y'f_u, as far as the slices and the Jacobians both reach.
     pub fn adjoint(&self, y: &[S], [y_f_x, y_f_u]: [&mut [S]; 2]) {
         y_f_x.fill(S::zero());
@@ -194,7 +194,7 @@ impl<S: Scalar> FirstOrder<'_, S> {
 #[derive(Clone, Copy, Debug)]
 pub struct Contraction<'a, S> {
     /// f, f_x, f_u.
-    pub first: FirstOrder<'a, S>,
+    pub first: Linearisation<'a, S>,
     /// `sum_k y_k d2 f_k / dx dx`, states x states, symmetric.
     pub xx: Block<'a, S>,
     /// `sum_k y_k d2 f_k / du dx`, controls x the first [`Structure::f_u_depends_on`] states; zero in the others.

@@ -56,7 +56,7 @@ impl<S: Scalar> QuadraticCost<S> {
     }
 
     /// The value, and the gradient into the workspace.
-    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<S, EvalError> {
+    fn update(&mut self, x: &[S], u: &[S]) -> Result<S, EvalError> {
         check_length("x", x, self.weights[0].len())?;
         check_length("u", u, self.weights[1].len())?;
         let mut twice = S::zero();
@@ -86,17 +86,17 @@ impl<S: Scalar> Cost<S> for QuadraticCost<S> {
         self.weights[1].len()
     }
 
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<S, EvalError> {
-        self.evaluate(x, u)
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<S, EvalError> {
+        self.update(x, u)
     }
 
     fn gradient(&mut self, x: &[S], u: &[S]) -> Result<CostGradient<'_, S>, EvalError> {
-        let value = self.evaluate(x, u)?;
+        let value = self.update(x, u)?;
         Ok(self.gradient_of(value))
     }
 
     fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, EvalError> {
-        let value = self.evaluate(x, u)?;
+        let value = self.update(x, u)?;
         let [xx, uu] = self.hessian.each_ref().map(Matrix::view);
         Ok(CostHessian { gradient: self.gradient_of(value), xx, ux: None, uu })
     }

@@ -1,10 +1,12 @@
 //! Robots as models, in both coordinate systems.
 
-use super::{Contraction, Dynamics, FirstOrder, Structure};
+use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::error::{EvalError, check_length};
-use crate::hamiltonian::{ContractedHessian, DualPass, Hamiltonian, Linearisation, SecondOrder, check};
+use crate::hamiltonian::{
+    DualPass, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder, check,
+};
 use crate::kernels::Route;
-use crate::lagrangian;
+use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -12,12 +14,12 @@ use crate::scalar::Scalar;
 const HAMILTONIAN: Structure = Structure { constant_f_u: true, affine_in_u: true, f_u_depends_on: 0 };
 
 /// F and its Jacobians.
-fn first_order<'a, S: Scalar>(linear: Linearisation<'a, S>) -> FirstOrder<'a, S> {
-    FirstOrder { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() }
+fn first_order<'a, S: Scalar>(linear: HamiltonianLinearisation<'a, S>) -> Linearisation<'a, S> {
+    Linearisation { f: linear.f(), f_x: linear.matrix(), f_u: linear.f_u() }
 }
 
 /// F, its Jacobians and y'F_xx.
-fn contraction<'a, S: Scalar>(second: ContractedHessian<'a, S>) -> Contraction<'a, S> {
+fn contraction<'a, S: Scalar>(second: HamiltonianContraction<'a, S>) -> Contraction<'a, S> {
     Contraction { first: first_order(second.linearisation()), xx: second.matrix(), ux: None, uu: None }
 }
 
@@ -27,11 +29,11 @@ fn adjoint<S: Scalar, R: Route>(
     [x, u, y]: [&[S]; 3],
     [y_f_x, y_f_u]: [&mut [S]; 2],
 ) -> Result<(), EvalError> {
-    let (q, p) = halves(x, first.len())?;
+    let (q, p) = halves(x, first.dof())?;
     check_length("y_f_x", y_f_x, x.len())?;
-    check_length("y_f_u", y_f_u, first.len())?;
+    check_length("y_f_u", y_f_u, first.dof())?;
     y_f_x.copy_from_slice(first.adjoint(q, p, u, y)?.y_f_x);
-    y_f_u.copy_from_slice(&y[first.len()..]);
+    y_f_u.copy_from_slice(&y[first.dof()..]);
     Ok(())
 }
 
@@ -41,11 +43,11 @@ macro_rules! of_a_robot {
         type Error = EvalError;
 
         fn states(&self) -> usize {
-            2 * self.len()
+            2 * self.dof()
         }
 
         fn controls(&self) -> usize {
-            self.len()
+            self.dof()
         }
     };
 }
@@ -62,7 +64,7 @@ macro_rules! product_by_contraction {
             [x_product, u_product]: [&mut [S]; 2],
         ) -> Result<(), EvalError> {
             check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
-            self.contract(x, u, y)?.times([d_x, d_u], [x_product, u_product]);
+            Dynamics::contract(self, x, u, y)?.times([d_x, d_u], [x_product, u_product]);
             Ok(())
         }
     };
@@ -77,19 +79,19 @@ macro_rules! in_phase_space {
             HAMILTONIAN
         }
 
-        fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
-            let (q, p) = halves(x, self.len())?;
-            self.first().phase_velocity(q, p, u)
+        fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
+            let (q, p) = halves(x, self.dof())?;
+            self.first().evaluate(q, p, u)
         }
 
-        fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
-            let (q, p) = halves(x, self.len())?;
-            self.first().jacobian(q, p, u).map(first_order)
+        fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
+            let (q, p) = halves(x, self.dof())?;
+            self.first().linearise(q, p, u).map(first_order)
         }
 
         fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
-            let (q, p) = halves(x, self.len())?;
-            self.contracted_hessian(q, p, u, y).map(contraction)
+            let (q, p) = halves(x, self.dof())?;
+            self.contract(q, p, u, y).map(contraction)
         }
 
         fn adjoint(
@@ -106,7 +108,7 @@ macro_rules! in_phase_space {
 }
 
 /// F of (17), (19): x = (q, p), u the actuation; f_u = (0; 1) is constant.
-impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
+impl<S: Scalar> Dynamics<S> for HamiltonianSecondOrder<S> {
     in_phase_space!();
 
     fn hessian_product(
@@ -117,9 +119,9 @@ impl<S: Scalar> Dynamics<S> for SecondOrder<S> {
         [d_x, d_u]: [&[S]; 2],
         [x_product, u_product]: [&mut [S]; 2],
     ) -> Result<(), EvalError> {
-        let (q, p) = halves(x, self.len())?;
+        let (q, p) = halves(x, self.dof())?;
         check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
-        x_product.copy_from_slice(SecondOrder::hessian_product(self, q, p, y, d_x)?);
+        x_product.copy_from_slice(HamiltonianSecondOrder::hessian_product(self, q, p, y, d_x)?);
         u_product.fill(S::zero());
         Ok(())
     }
@@ -132,32 +134,30 @@ impl<S: Scalar, R: Route> Dynamics<S> for DualPass<S, R> {
 }
 
 /// (9): x = (q, v), u the actuation; f_u = (0; M^-1) depends on q.
-impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
+impl<S: Scalar> Dynamics<S> for LagrangianSecondOrder<S> {
     of_a_robot!();
     product_by_contraction!();
 
     fn structure(&self) -> Structure {
-        Structure { constant_f_u: false, affine_in_u: true, f_u_depends_on: self.len() }
+        Structure { constant_f_u: false, affine_in_u: true, f_u_depends_on: self.dof() }
     }
 
-    fn value(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
-        let (q, v) = halves(x, self.len())?;
-        self.first().state_equation(q, v, u)
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        let (q, v) = halves(x, self.dof())?;
+        self.first().evaluate(q, v, u)
     }
 
-    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<FirstOrder<'_, S>, EvalError> {
-        let (q, v) = halves(x, self.len())?;
-        let state = self.first().state_jacobian(q, v, u)?;
-        Ok(FirstOrder { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() })
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
+        let (q, v) = halves(x, self.dof())?;
+        let state = self.first().linearise(q, v, u)?;
+        Ok(Linearisation { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() })
     }
 
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
-        let n = self.len();
-        let (q, v) = halves(x, n)?;
-        check(self.first().tree(), "y", y, 2 * n)?;
-        let second = self.contracted_hessian(q, v, u, &y[n..])?;
-        let state = second.state();
-        let first = FirstOrder { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() };
+        let (q, v) = halves(x, self.dof())?;
+        let second = self.contract(q, v, u, y)?;
+        let state = second.linearisation();
+        let first = Linearisation { f: state.f, f_x: state.f_x.view(), f_u: state.f_u.view() };
         Ok(Contraction { first, xx: second.xx(), ux: Some(second.uq()), uu: None })
     }
 
@@ -169,7 +169,7 @@ impl<S: Scalar> Dynamics<S> for lagrangian::SecondOrder<S> {
         y_f_x: &mut [S],
         y_f_u: &mut [S],
     ) -> Result<(), EvalError> {
-        let n = self.len();
+        let n = self.dof();
         check(self.first().tree(), "y", y, 2 * n)?;
         check_length("y_f_x", y_f_x, x.len())?;
         check_length("y_f_u", y_f_u, u.len())?;

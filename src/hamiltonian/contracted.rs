@@ -1,19 +1,19 @@
 //! The contracted Hessian of the phase velocities, as it is handed out.
 
-use super::Linearisation;
+use super::HamiltonianLinearisation;
 use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 
 /// F, F_x and y'F_xx at one state; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct ContractedHessian<'a, S> {
-    pub(super) linearisation: Linearisation<'a, S>,
+pub struct HamiltonianContraction<'a, S> {
+    pub(super) linearisation: HamiltonianLinearisation<'a, S>,
     pub(super) y_f_xx: &'a Matrix<S>,
 }
 
-impl<'a, S: Scalar> ContractedHessian<'a, S> {
+impl<'a, S: Scalar> HamiltonianContraction<'a, S> {
     /// F and F_x.
-    pub fn linearisation(&self) -> Linearisation<'a, S> {
+    pub fn linearisation(&self) -> HamiltonianLinearisation<'a, S> {
         self.linearisation
     }
 

@@ -1,7 +1,7 @@
 //! The contracted Hessian of the phase velocities by one dual pass through the analytic Jacobian.
 
 use super::conservative::Conservative;
-use super::{ContractedHessian, Hamiltonian, check};
+use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
 use crate::matrix::Matrix;
@@ -20,7 +20,7 @@ use crate::scalar::{Scalar, Tangent};
 /// D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`, `V = [-M^-1 P, M^-1]`; the
 /// dual pass goes through the conservative part alone.
 ///
-/// A second way to what [`SecondOrder`](super::SecondOrder) gives, and the way for every other [`Route`].
+/// A second way to what [`HamiltonianSecondOrder`](super::HamiltonianSecondOrder) gives, and the way for every other [`Route`].
 #[derive(Clone, Debug)]
 pub struct DualPass<S: Scalar, R: Route = Contracted> {
     first: Hamiltonian<S, R>,
@@ -61,9 +61,8 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
     }
 
     /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
-        self.first.len()
+    pub fn dof(&self) -> usize {
+        self.first.dof()
     }
 
     /// What gives F and F_x alone.
@@ -75,14 +74,14 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn contracted_hessian(
+    pub fn contract(
         &mut self,
         q: &[S],
         p: &[S],
         u: &[S],
         y: &[S],
-    ) -> Result<ContractedHessian<'_, S>, EvalError> {
-        let n = self.first.len();
+    ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
+        let n = self.first.dof();
         self.first.check(&[("q", q), ("p", p), ("u", u)])?;
         check(&self.first.tree, "y", y, 2 * n)?;
         if !self.first.tree.is_conservative() {
@@ -103,7 +102,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         self.take_derivative();
         self.first.state.add_curvature(&self.first.tree, &y[n..], &mut self.y_f_xx);
         let linearisation = self.first.state.linearisation(&self.mass_matrix);
-        Ok(ContractedHessian { linearisation, y_f_xx: &self.y_f_xx })
+        Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
 
     /// The values of the dual pass without their derivatives.
@@ -126,7 +125,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
 
     /// `D_w (Hess H)`, `Hess H = [ -F^p,q , -F^p,p ; F^q,q , F^q,p ]` of the conservative part.
     fn take_derivative(&mut self) {
-        let n = self.first.len();
+        let n = self.first.dof();
         let (w, inverse, reduced) = (&self.tangent.w, &self.tangent.inverse, &self.tangent.reduced);
         for i in 0..n {
             for j in 0..n {

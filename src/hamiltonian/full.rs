@@ -1,14 +1,14 @@
 //! All second derivatives of the phase velocities.
 
-use super::{HessianTensor, SecondOrder};
+use super::{HamiltonianSecondOrder, HessianTensor};
 use crate::error::EvalError;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
 /// Workspace for the whole tensor d2F_k/dx_i dx_j of one robot; no call allocates.
 ///
-/// The third derivative of H along each joint, by the same rule as [`SecondOrder`]: n times kernel two and its congruence.
-/// What is contracted with one costate only comes much cheaper from [`SecondOrder::contracted_hessian`].
+/// The third derivative of H along each joint, by the same rule as [`HamiltonianSecondOrder`]: n times kernel two and its congruence.
+/// What is contracted with one costate only comes much cheaper from [`HamiltonianSecondOrder::contract`].
 ///
 /// ```
 /// use costate::hamiltonian::FullHessian;
@@ -16,14 +16,14 @@ use crate::scalar::Scalar;
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/ur5.urdf")?;
 /// let mut full = FullHessian::<f64>::new(&robot);
-/// let tensor = full.evaluate(&[0.1; 6], &[0.2; 6])?;
+/// let tensor = full.hessian_tensor(&[0.1; 6], &[0.2; 6])?;
 /// assert_eq!(tensor.packed().len(), 308); // of 12 x 12 x 12
 /// assert_eq!(tensor.entry(3, 0, 7), tensor.entry(3, 7, 0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct FullHessian<S: Scalar> {
-    second: SecondOrder<S>,
+    second: HamiltonianSecondOrder<S>,
     zero: Vec<S>,
     tensor: HessianTensor<S>,
 }
@@ -39,7 +39,7 @@ impl<S: Scalar> FullHessian<S> {
         Self {
             tensor: HessianTensor::new(&tree),
             zero: vec![S::zero(); tree.len()],
-            second: SecondOrder::from_tree(tree),
+            second: HamiltonianSecondOrder::from_tree(tree),
         }
     }
 
@@ -47,8 +47,8 @@ impl<S: Scalar> FullHessian<S> {
     ///
     /// # Errors
     /// See [`Hamiltonian`](super::Hamiltonian).
-    pub fn evaluate(&mut self, q: &[S], p: &[S]) -> Result<&HessianTensor<S>, EvalError> {
-        self.second.first().jacobian(q, p, &self.zero)?;
+    pub fn hessian_tensor(&mut self, q: &[S], p: &[S]) -> Result<&HessianTensor<S>, EvalError> {
+        self.second.first().linearise(q, p, &self.zero)?;
         for l in 0..q.len() {
             let slice = self.second.along_joint(l)?;
             self.tensor.fill_slice(l, slice);

@@ -8,14 +8,14 @@ use crate::scalar::Scalar;
 
 /// F and F_x at one state; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct Linearisation<'a, S> {
+pub struct HamiltonianLinearisation<'a, S> {
     pub(super) f: &'a [S],
     pub(super) f_x: &'a Matrix<S>,
     pub(super) f_u: &'a Matrix<S>,
     pub(super) mass_matrix: &'a Matrix<S>,
 }
 
-impl<'a, S: Scalar> Linearisation<'a, S> {
+impl<'a, S: Scalar> HamiltonianLinearisation<'a, S> {
     fn n(&self) -> usize {
         self.f.len() / 2
     }
@@ -71,7 +71,12 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn jacobian(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
+    pub fn linearise(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+    ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);
@@ -80,7 +85,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     }
 
     /// F_x from the blocks of the stage reached.
-    pub(super) fn assembled(&mut self) -> Linearisation<'_, S> {
+    pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
         self.state.assemble(&self.tree, &self.flow);
         self.state.linearisation(self.flow.kernel.mass_matrix())
     }

@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 
 /// Jacobian of `p = M(q) v`; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct MomentumJacobian<'a, S> {
+pub struct MomentumLinearisation<'a, S> {
     /// `dp/dq = P` at fixed v, n x n.
     pub dp_dq: &'a Matrix<S>,
     /// `dp/dv = M`, n x n.
@@ -17,7 +17,7 @@ pub struct MomentumJacobian<'a, S> {
 
 /// Jacobian of `v = M(q)^-1 p`; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct VelocityJacobian<'a, S> {
+pub struct VelocityLinearisation<'a, S> {
     /// `dv/dq = -M^-1 P` at fixed p, n x n.
     pub dv_dq: Block<'a, S>,
     /// `dv/dp = M^-1`, n x n.
@@ -50,22 +50,30 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn momentum_jacobian(&mut self, q: &[S], v: &[S]) -> Result<MomentumJacobian<'_, S>, EvalError> {
+    pub fn linearise_momentum(
+        &mut self,
+        q: &[S],
+        v: &[S],
+    ) -> Result<MomentumLinearisation<'_, S>, EvalError> {
         self.momentum(q, v)?;
         self.flow.kernel.second_order(&self.tree);
         let kernel = &self.flow.kernel;
-        Ok(MomentumJacobian { dp_dq: kernel.l_vq(), dp_dv: kernel.mass_matrix() })
+        Ok(MomentumLinearisation { dp_dq: kernel.l_vq(), dp_dv: kernel.mass_matrix() })
     }
 
     /// `dv = -M^-1 P dq + M^-1 dp` at (q, p): the upper half of F_x.
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn velocity_jacobian(&mut self, q: &[S], p: &[S]) -> Result<VelocityJacobian<'_, S>, EvalError> {
+    pub fn linearise_velocity(
+        &mut self,
+        q: &[S],
+        p: &[S],
+    ) -> Result<VelocityLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);
         let linear = self.assembled();
-        Ok(VelocityJacobian { dv_dq: linear.qq(), dv_dp: linear.qp() })
+        Ok(VelocityLinearisation { dv_dq: linear.qq(), dv_dp: linear.qp() })
     }
 }

@@ -6,7 +6,7 @@
 //! F^q = M^-1 p = v      F^p = L_q(q, v) + D(v)      dx/dt = F(x) + (0, u)                        (17), (19)
 //! ```
 //!
-//! [`Hamiltonian`] computes F, F_x and the adjoint product y'F_x for any scalar, [`SecondOrder`] adds y'F_xx and its product
+//! [`Hamiltonian`] computes F, F_x and the adjoint product y'F_x for any scalar, [`HamiltonianSecondOrder`] adds y'F_xx and its product
 //! with a vector, [`FullHessian`] gives the whole tensor; [`DualPass`] is a second way to y'F_xx and the one for other routes.
 //! [`PhaseVelocity`](crate::derivative::PhaseVelocity) is F as a function that can be differentiated automatically.
 
@@ -24,12 +24,12 @@ mod state;
 mod tensor;
 
 pub use adjoint::AdjointProduct;
-pub use contracted::ContractedHessian;
+pub use contracted::HamiltonianContraction;
 pub use dual_pass::DualPass;
 pub use full::FullHessian;
-pub use jacobian::Linearisation;
-pub use legendre::{MomentumJacobian, VelocityJacobian};
-pub use second_order::SecondOrder;
+pub use jacobian::HamiltonianLinearisation;
+pub use legendre::{MomentumLinearisation, VelocityLinearisation};
+pub use second_order::HamiltonianSecondOrder;
 pub use tensor::HessianTensor;
 
 use crate::error::{EvalError, check_length};
@@ -105,8 +105,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     }
 
     /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
+    pub fn dof(&self) -> usize {
         self.tree.len()
     }
 
@@ -119,7 +118,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn phase_velocity(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<&[S], EvalError> {
+    pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);

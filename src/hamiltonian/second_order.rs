@@ -1,7 +1,7 @@
 //! The contracted Hessian of the phase velocities by the 2n+1 rule.
 
 use super::congruence::Congruence;
-use super::{ContractedHessian, Hamiltonian, check};
+use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{KernelTwo, friction};
 use crate::matrix::{Matrix, add_scaled, dot};
@@ -22,18 +22,18 @@ use crate::scalar::Scalar;
 /// differentiated. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
 ///
 /// ```
-/// use costate::hamiltonian::SecondOrder;
+/// use costate::hamiltonian::HamiltonianSecondOrder;
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut second = SecondOrder::<f64>::new(&robot);
+/// let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
 /// let (q, p, u, y) = ([0.3, -0.8], [1.0, 0.5], [0.0, 0.0], [1.0, -2.0, 0.5, 0.3]);
-/// let all = second.contracted_hessian(&q, &p, &u, &y)?;
+/// let all = second.contract(&q, &p, &u, &y)?;
 /// println!("{}{}", all.linearisation().matrix().as_nalgebra(), all.matrix().as_nalgebra());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct SecondOrder<S: Scalar> {
+pub struct HamiltonianSecondOrder<S: Scalar> {
     first: Hamiltonian<S>,
     along: KernelTwo<S>,
     congruence: Congruence<S>,
@@ -44,7 +44,7 @@ pub struct SecondOrder<S: Scalar> {
     product: Vec<S>,
 }
 
-impl<S: Scalar> SecondOrder<S> {
+impl<S: Scalar> HamiltonianSecondOrder<S> {
     /// Builds the workspace: all that is ever allocated.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
@@ -65,9 +65,8 @@ impl<S: Scalar> SecondOrder<S> {
     }
 
     /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
-        self.first.len()
+    pub fn dof(&self) -> usize {
+        self.first.dof()
     }
 
     /// What gives F, F_x and y'F_x alone.
@@ -79,21 +78,21 @@ impl<S: Scalar> SecondOrder<S> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
-    pub fn contracted_hessian(
+    pub fn contract(
         &mut self,
         q: &[S],
         p: &[S],
         u: &[S],
         y: &[S],
-    ) -> Result<ContractedHessian<'_, S>, EvalError> {
-        check(&self.first.tree, "y", y, 2 * self.len())?;
-        self.first.jacobian(q, p, u)?;
+    ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
+        check(&self.first.tree, "y", y, 2 * self.dof())?;
+        self.first.linearise(q, p, u)?;
         self.differentiate(y)?;
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
         let Hamiltonian { tree, flow, state, .. } = &self.first;
         state.add_curvature(tree, &y[tree.len()..], &mut self.y_f_xx);
         let linearisation = state.linearisation(flow.kernel.mass_matrix());
-        Ok(ContractedHessian { linearisation, y_f_xx: &self.y_f_xx })
+        Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
 
     /// `y'F_xx d` for the costate y and a direction d = (d_q, d_p), 2n each, without the matrix and without F_x.
@@ -104,7 +103,7 @@ impl<S: Scalar> SecondOrder<S> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
-        let n = self.len();
+        let n = self.dof();
         self.first.check(&[("q", q), ("p", p)])?;
         check(&self.first.tree, "y", y, 2 * n)?;
         check(&self.first.tree, "d", d, 2 * n)?;

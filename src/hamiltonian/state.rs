@@ -1,6 +1,6 @@
 //! F and F_x put together from the conservative part, friction and actuation.
 
-use super::Linearisation;
+use super::HamiltonianLinearisation;
 use super::conservative::Conservative;
 use crate::kernels::{FrictionDerivatives, friction};
 use crate::matrix::{Matrix, Panel, sized};
@@ -93,7 +93,7 @@ impl<S: Scalar> StateEquation<S> {
         }
     }
 
-    pub fn linearisation<'a>(&'a self, mass_matrix: &'a Matrix<S>) -> Linearisation<'a, S> {
-        Linearisation { f: &self.f, f_x: &self.f_x, f_u: &self.f_u, mass_matrix }
+    pub fn linearisation<'a>(&'a self, mass_matrix: &'a Matrix<S>) -> HamiltonianLinearisation<'a, S> {
+        HamiltonianLinearisation { f: &self.f, f_x: &self.f_x, f_u: &self.f_u, mass_matrix }
     }
 }

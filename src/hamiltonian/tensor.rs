@@ -68,7 +68,7 @@ impl<S: Scalar> HessianTensor<S> {
     }
 
     /// Number of joints, n.
-    pub fn joints(&self) -> usize {
+    pub fn dof(&self) -> usize {
         self.n
     }
 

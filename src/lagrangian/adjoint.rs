@@ -6,24 +6,27 @@ use crate::matrix::add_scaled;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
-    /// `w = M^-1 y` in place, n: of a costate y of the rates, the pull on the actuation, as `y'a_u = w'`. M(q) stays factored.
+    /// Solves `M(q) w = y` in place (n entries). M stays factored for [`adjoint_factored`](Self::adjoint_factored).
+    ///
+    /// For a costate y of the rates, w gives the derivative by the actuation: `y'a_u = w'`.
     ///
     /// # Errors
-    /// See [`Lagrangian`].
-    pub(crate) fn pull(&mut self, q: &[S], y: &mut [S]) -> Result<(), EvalError> {
+    /// A wrong length, an entry that is not finite, or a singular M; see [`Lagrangian`].
+    pub fn solve_mass_matrix(&mut self, q: &[S], y: &mut [S]) -> Result<(), EvalError> {
         self.check(&[("q", q), ("y", y)])?;
         self.factor(q)?;
         self.factor.solve(y);
         Ok(())
     }
 
-    /// `dx/dt = (v, a)`, 2n, into `f` and `y'a_x = -w'(tau_q, tau_v)`, 2n, into `y_a_x`, for the costate `y = M w` of the
-    /// rates: first derivatives of inverse dynamics, contracted before anything is solved. M is factored by
-    /// [`pull`](Self::pull) at the same q.
+    /// Writes `dx/dt = (v, a)` (2n) to `f` and `y'a_x = -w'(tau_q, tau_v)` (2n) to `y_a_x`, for `w = M^-1 y`.
+    ///
+    /// Contracts the first derivatives of inverse dynamics before anything is solved. M must have been factored at the
+    /// same q by [`solve_mass_matrix`](Self::solve_mass_matrix), which gives w.
     ///
     /// # Errors
-    /// See [`Lagrangian`].
-    pub(crate) fn adjoint(
+    /// A wrong length or an entry that is not finite; see [`Lagrangian`].
+    pub fn adjoint_factored(
         &mut self,
         [q, v, u, w]: [&[S]; 4],
         f: &mut [S],
@@ -58,10 +61,10 @@ mod tests {
         let part = |k: usize| (0..6).map(|i| (1.3 * (i + 6 * k) as f64).sin()).collect::<Vec<_>>();
         let (q, v, u, y) = (part(0), part(1), part(2), part(3));
         let mut w = y.clone();
-        lagrangian.pull(&q, &mut w).unwrap();
+        lagrangian.solve_mass_matrix(&q, &mut w).unwrap();
         let (mut f, mut product) = (vec![0.0; 12], vec![0.0; 12]);
-        lagrangian.adjoint([&q, &v, &u, &w], &mut f, &mut product).unwrap();
-        let whole = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+        lagrangian.adjoint_factored([&q, &v, &u, &w], &mut f, &mut product).unwrap();
+        let whole = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
         assert_eq!(&f[..6], &v[..]);
         assert_eq!(&f[6..], whole.acceleration());
         for (j, product) in product.iter().enumerate() {

@@ -33,7 +33,7 @@ impl<S: Scalar> Lagrangian<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`].
-    pub fn state_equation(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
+    pub fn evaluate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
         Ok(&self.rate)

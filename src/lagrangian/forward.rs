@@ -7,13 +7,13 @@ use crate::scalar::Scalar;
 
 /// Forward dynamics and its Jacobian in z = (q, v, u); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct ForwardDynamicsJacobian<'a, S> {
+pub struct ForwardDynamicsLinearisation<'a, S> {
     acceleration: &'a [S],
     a_z: &'a Matrix<S>,
     mass_matrix: &'a Matrix<S>,
 }
 
-impl<'a, S: Scalar> ForwardDynamicsJacobian<'a, S> {
+impl<'a, S: Scalar> ForwardDynamicsLinearisation<'a, S> {
     fn square(&self, k: usize) -> Block<'a, S> {
         let n = self.a_z.rows();
         self.a_z.block(0, k * n, n, n)
@@ -52,7 +52,7 @@ impl<'a, S: Scalar> ForwardDynamicsJacobian<'a, S> {
 
 /// The state equation and its Jacobians in x = (q, v) and u; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct StateJacobian<'a, S> {
+pub struct StateLinearisation<'a, S> {
     /// `dx/dt = (v, a)`, 2n.
     pub f: &'a [S],
     /// `[0 1 ; a_q a_v]`, 2n x 2n.
@@ -66,12 +66,12 @@ impl<S: Scalar> Lagrangian<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`].
-    pub fn forward_dynamics_jacobian(
+    pub fn linearise_forward_dynamics(
         &mut self,
         q: &[S],
         v: &[S],
         u: &[S],
-    ) -> Result<ForwardDynamicsJacobian<'_, S>, EvalError> {
+    ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
         self.differentiate_flow()?;
@@ -84,8 +84,8 @@ impl<S: Scalar> Lagrangian<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`].
-    pub fn state_jacobian(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<StateJacobian<'_, S>, EvalError> {
-        self.forward_dynamics_jacobian(q, v, u)?;
+    pub fn linearise(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<StateLinearisation<'_, S>, EvalError> {
+        self.linearise_forward_dynamics(q, v, u)?;
         self.assemble();
         Ok(self.state())
     }
@@ -100,13 +100,13 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// What was assembled last.
-    pub(super) fn state(&self) -> StateJacobian<'_, S> {
-        StateJacobian { f: &self.rate, f_x: &self.f_x, f_u: &self.f_u }
+    pub(super) fn state(&self) -> StateLinearisation<'_, S> {
+        StateLinearisation { f: &self.rate, f_x: &self.f_x, f_u: &self.f_u }
     }
 
     /// What was computed last.
-    pub(super) fn forward_jacobian(&self) -> ForwardDynamicsJacobian<'_, S> {
-        ForwardDynamicsJacobian {
+    pub(super) fn forward_jacobian(&self) -> ForwardDynamicsLinearisation<'_, S> {
+        ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),
             a_z: &self.a_z,
             mass_matrix: self.kernel.mass_matrix(),

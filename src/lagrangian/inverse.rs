@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 
 /// Inverse dynamics and its Jacobian in (q, v, a); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct InverseDynamicsJacobian<'a, S> {
+pub struct InverseDynamicsLinearisation<'a, S> {
     /// `tau = M a + C v + g - D`, n (N m, N).
     pub tau: &'a [S],
     /// `dtau/dq = Pdot - L_qq`, n x n.
@@ -47,16 +47,16 @@ impl<S: Scalar> Lagrangian<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`]; a singular mass matrix is none.
-    pub fn inverse_dynamics_jacobian(
+    pub fn linearise_inverse_dynamics(
         &mut self,
         q: &[S],
         v: &[S],
         a: &[S],
-    ) -> Result<InverseDynamicsJacobian<'_, S>, EvalError> {
+    ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
         self.inverse_dynamics(q, v, a)?;
         self.differentiate(q, v, a)?;
         self.take_torque_jacobian(v);
-        Ok(InverseDynamicsJacobian {
+        Ok(InverseDynamicsLinearisation {
             tau: &self.tau,
             tau_q: &self.tau_q,
             tau_v: &self.tau_v,

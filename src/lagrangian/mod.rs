@@ -8,23 +8,23 @@
 //!
 //! M is the mass matrix with armature, C the Coriolis matrix, `g = V_q` the force of weight and springs. D is negative
 //! where v is positive: friction brakes. Inverse dynamics asks for u, forward dynamics for a. [`Lagrangian`] computes
-//! both with their Jacobians for any scalar, [`SecondOrder`] adds contracted Hessians, [`Coordinates`] leads from
+//! both with their Jacobians for any scalar, [`LagrangianSecondOrder`] adds contracted Hessians, [`LegendreTransform`] leads from
 //! (q, v) to (q, p) and back; [`ForwardDynamics`](crate::derivative::ForwardDynamics) is a(q, v, u) as a function that
 //! can be differentiated automatically.
 
 mod adjoint;
-mod coordinates;
 mod coriolis;
 mod dynamics;
 mod forward;
 mod inverse;
+mod legendre_transform;
 mod newton_euler;
 mod second_order;
 
-pub use coordinates::Coordinates;
-pub use forward::{ForwardDynamicsJacobian, StateJacobian};
-pub use inverse::InverseDynamicsJacobian;
-pub use second_order::{ContractedHessian, SecondOrder, whole_hessian};
+pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
+pub use inverse::InverseDynamicsLinearisation;
+pub use legendre_transform::LegendreTransform;
+pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessian};
 
 use crate::error::EvalError;
 use crate::hamiltonian::check;
@@ -50,7 +50,7 @@ use newton_euler::NewtonEuler;
 /// let mut lagrangian = Lagrangian::<f64>::new(&robot);
 /// let (q, v, a) = ([0.3, -0.8], [1.0, 0.5], [0.2, -4.0]);
 /// let tau = lagrangian.inverse_dynamics(&q, &v, &a)?.to_vec();
-/// let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &tau)?;
+/// let linear = lagrangian.linearise_forward_dynamics(&q, &v, &tau)?;
 /// assert!((linear.acceleration()[1] + 4.0).abs() < 1e-12);
 /// println!("da/dq = {}", linear.a_q().as_nalgebra());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -115,8 +115,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
+    pub fn dof(&self) -> usize {
         self.tree.len()
     }
 

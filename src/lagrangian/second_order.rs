@@ -1,8 +1,9 @@
 //! Contracted Hessians of inverse and forward dynamics, by one dual pass through kernels one and two.
 
 use super::inverse::torque_jacobian;
-use super::{ForwardDynamicsJacobian, Lagrangian, StateJacobian};
+use super::{ForwardDynamicsLinearisation, Lagrangian, StateLinearisation};
 use crate::error::EvalError;
+use crate::hamiltonian::check;
 use crate::kernels::{KernelOne, KernelTwo, friction};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
@@ -30,7 +31,7 @@ use crate::scalar::{Scalar, Tangent};
 /// the columns of (1, 0, 0; 0, 1, 0; a_q, a_v, a_u): `y'a_uv = y'a_uu = 0`, and no derivative of a factorisation is
 /// ever taken.
 #[derive(Clone, Debug)]
-pub struct SecondOrder<S: Scalar> {
+pub struct LagrangianSecondOrder<S: Scalar> {
     first: Lagrangian<S>,
     kernel: KernelOne<Tangent<S>>,
     along: KernelTwo<Tangent<S>>,
@@ -46,22 +47,22 @@ pub struct SecondOrder<S: Scalar> {
 
 /// Forward dynamics, its Jacobian and its contracted Hessian at one state; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct ContractedHessian<'a, S> {
-    linearisation: ForwardDynamicsJacobian<'a, S>,
-    state: StateJacobian<'a, S>,
+pub struct LagrangianContraction<'a, S> {
+    forward_dynamics: ForwardDynamicsLinearisation<'a, S>,
+    linearisation: StateLinearisation<'a, S>,
     xx: &'a Matrix<S>,
     uq: &'a Matrix<S>,
 }
 
-impl<'a, S: Scalar> ContractedHessian<'a, S> {
-    /// a and its Jacobian.
-    pub fn linearisation(&self) -> ForwardDynamicsJacobian<'a, S> {
-        self.linearisation
+impl<'a, S: Scalar> LagrangianContraction<'a, S> {
+    /// a and its Jacobian in z = (q, v, u).
+    pub fn forward_dynamics(&self) -> ForwardDynamicsLinearisation<'a, S> {
+        self.forward_dynamics
     }
 
     /// dx/dt = (v, a) and its Jacobians in x = (q, v) and u.
-    pub fn state(&self) -> StateJacobian<'a, S> {
-        self.state
+    pub fn linearisation(&self) -> StateLinearisation<'a, S> {
+        self.linearisation
     }
 
     /// `sum_k y_k d2 a_k / dx dx`, x = (q, v), 2n x 2n, symmetric.
@@ -80,8 +81,8 @@ impl<'a, S: Scalar> ContractedHessian<'a, S> {
     }
 }
 
-/// The contracted Hessian of forward dynamics in z = (q, v, u) from its blocks [`xx`](ContractedHessian::xx), 2n x 2n, and
-/// [`uq`](ContractedHessian::uq), n x n, with all zeros in their places: 3n x 3n, symmetric.
+/// The contracted Hessian of forward dynamics in z = (q, v, u) from its blocks [`xx`](LagrangianContraction::xx), 2n x 2n, and
+/// [`uq`](LagrangianContraction::uq), n x n, with all zeros in their places: 3n x 3n, symmetric.
 pub fn whole_hessian<S: Scalar>(xx: Block<'_, S>, uq: Block<'_, S>) -> Matrix<S> {
     let n = uq.rows();
     let mut whole = Matrix::zeros(3 * n, 3 * n);
@@ -97,7 +98,7 @@ pub fn whole_hessian<S: Scalar>(xx: Block<'_, S>, uq: Block<'_, S>) -> Matrix<S>
     whole
 }
 
-impl<S: Scalar> SecondOrder<S> {
+impl<S: Scalar> LagrangianSecondOrder<S> {
     /// Builds the workspace: all that is ever allocated.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
@@ -123,9 +124,8 @@ impl<S: Scalar> SecondOrder<S> {
     }
 
     /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
-        self.first.len()
+    pub fn dof(&self) -> usize {
+        self.first.dof()
     }
 
     /// What gives a and its Jacobian alone.
@@ -137,7 +137,7 @@ impl<S: Scalar> SecondOrder<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`]; a singular mass matrix is none.
-    pub fn inverse_dynamics_hessian(
+    pub fn contract_inverse_dynamics(
         &mut self,
         q: &[S],
         v: &[S],
@@ -157,13 +157,13 @@ impl<S: Scalar> SecondOrder<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`].
-    pub fn contracted_hessian(
+    pub fn contract_forward_dynamics(
         &mut self,
         q: &[S],
         v: &[S],
         u: &[S],
         y: &[S],
-    ) -> Result<ContractedHessian<'_, S>, EvalError> {
+    ) -> Result<LagrangianContraction<'_, S>, EvalError> {
         self.first.check(&[("q", q), ("v", v), ("u", u), ("y", y)])?;
         self.first.accelerate(q, v, u)?;
         self.w.copy_from_slice(y);
@@ -174,8 +174,25 @@ impl<S: Scalar> SecondOrder<S> {
         self.first.solve_jacobian();
         self.first.assemble();
         self.transform();
-        let (linearisation, state) = (self.first.forward_jacobian(), self.first.state());
-        Ok(ContractedHessian { linearisation, state, xx: &self.xx, uq: &self.uq })
+        let (forward_dynamics, linearisation) = (self.first.forward_jacobian(), self.first.state());
+        Ok(LagrangianContraction { forward_dynamics, linearisation, xx: &self.xx, uq: &self.uq })
+    }
+
+    /// dx/dt = (v, a), its Jacobians and `sum_k y_k d2 f_k / dx dx` for the costate y = (y_q, y_v) of x = (q, v),
+    /// length 2n. dq/dt = v is linear, so that y_q has no influence.
+    ///
+    /// # Errors
+    /// See [`Lagrangian`].
+    pub fn contract(
+        &mut self,
+        q: &[S],
+        v: &[S],
+        u: &[S],
+        y: &[S],
+    ) -> Result<LagrangianContraction<'_, S>, EvalError> {
+        let n = self.dof();
+        check(self.first.tree(), "y", y, 2 * n)?;
+        self.contract_forward_dynamics(q, v, u, &y[n..])
     }
 
     /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau from it.

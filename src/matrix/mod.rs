@@ -7,7 +7,8 @@ mod transpose;
 
 pub(crate) use panel::{Panel, sized};
 pub(crate) use product::{Left, Part};
-pub(crate) use rows::{add_rows, add_scaled, dot, sum_rows};
+pub(crate) use rows::{add_rows, sum_rows};
+pub use rows::{add_scaled, dot};
 
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};

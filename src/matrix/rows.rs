@@ -4,13 +4,13 @@ use crate::scalar::Scalar;
 
 /// `sum_k a_k b_k`, as far as both reach.
 #[inline]
-pub(crate) fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
+pub fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| a.mul_add(b, sum))
 }
 
 /// `target += factor source`, as far as both reach.
 #[inline]
-pub(crate) fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
+pub fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
     target.iter_mut().zip(source).for_each(|(target, &source)| *target = factor.mul_add(source, *target));
 }
 

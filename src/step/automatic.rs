@@ -2,9 +2,9 @@
 
 use super::error::check;
 use super::outcome::Outcome;
-use super::{Step, StepContraction, StepError, StepFirstOrder};
+use super::{Step, StepContraction, StepError, StepLinearisation};
 use crate::derivative::{DerivativeError, Function, InnerNumber};
-use crate::dynamics::{Automatic, Dynamics, FirstOrder};
+use crate::dynamics::{Automatic, Dynamics, Linearisation};
 use crate::scalar::Scalar;
 
 /// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs as states.
@@ -82,7 +82,7 @@ impl<F: Function, T: InnerNumber> AutomaticStep<F, T> {
 }
 
 /// Phi and its derivatives in (x, u, h), which are those of the function.
-fn take<T: Scalar>(outcome: &mut Outcome<T>, first: &FirstOrder<'_, T>) {
+fn take<T: Scalar>(outcome: &mut Outcome<T>, first: &Linearisation<'_, T>) {
     outcome.next.copy_from_slice(first.f);
     for (i, (in_x, in_u_h)) in first.f_x.iter_rows().zip(first.f_u.iter_rows()).enumerate() {
         let (left, right) = outcome.phi_z.row_mut(i).split_at_mut(in_x.len());
@@ -105,12 +105,12 @@ where
         self.u_h.len() - 1
     }
 
-    fn advance(&mut self, x: &[T], u: &[T], h: T) -> Result<&[T], Self::Error> {
+    fn evaluate(&mut self, x: &[T], u: &[T], h: T) -> Result<&[T], Self::Error> {
         self.set([x, u], h, None)?;
-        Ok(self.automatic.value(x, &self.u_h)?)
+        Ok(self.automatic.evaluate(x, &self.u_h)?)
     }
 
-    fn linearise(&mut self, x: &[T], u: &[T], h: T) -> Result<StepFirstOrder<'_, T>, Self::Error> {
+    fn linearise(&mut self, x: &[T], u: &[T], h: T) -> Result<StepLinearisation<'_, T>, Self::Error> {
         self.set([x, u], h, None)?;
         take(&mut self.outcome, &self.automatic.linearise(x, &self.u_h)?);
         Ok(self.outcome.first())

@@ -58,18 +58,18 @@ pub trait Step<S: Scalar> {
     ///
     /// # Errors
     /// Whatever the model has to say, or an implicit equation that was not solved.
-    fn advance(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error>;
+    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error>;
 
     /// Phi, Phi_x, Phi_u and Phi_h.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
-    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepFirstOrder<'_, S>, Self::Error>;
+    /// As [`evaluate`](Self::evaluate).
+    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error>;
 
     /// Phi, its Jacobians, and the second derivatives of y'Phi in (x, u).
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// As [`evaluate`](Self::evaluate).
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error>;
 }
 
@@ -85,11 +85,11 @@ impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
         P::controls(self)
     }
 
-    fn advance(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
-        P::advance(self, x, u, h)
+    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
+        P::evaluate(self, x, u, h)
     }
 
-    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepFirstOrder<'_, S>, Self::Error> {
+    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
         P::linearise(self, x, u, h)
     }
 
@@ -100,7 +100,7 @@ impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
 
 /// One step and its Jacobians; borrowed from a workspace.
 #[derive(Clone, Copy, Debug)]
-pub struct StepFirstOrder<'a, S> {
+pub struct StepLinearisation<'a, S> {
     /// Phi(x, u, h), as long as x.
     pub next: &'a [S],
     /// dPhi/dx, states x states.
@@ -117,7 +117,7 @@ pub struct StepFirstOrder<'a, S> {
 #[derive(Clone, Copy, Debug)]
 pub struct StepContraction<'a, S> {
     /// Phi, Phi_x, Phi_u, Phi_h.
-    pub first: StepFirstOrder<'a, S>,
+    pub first: StepLinearisation<'a, S>,
     /// `sum_k y_k d2 Phi_k / dx dx`, states x states, symmetric.
     pub xx: Block<'a, S>,
     /// `sum_k y_k d2 Phi_k / du dx`, controls x as many of the first states as it has columns; zero in the others.

@@ -5,9 +5,10 @@ use super::{RungeKutta, Step, StepError, Tableau};
 use crate::derivative::Function;
 use crate::dynamics::Dynamics;
 use crate::error::EvalError;
+use crate::hamiltonian::HamiltonianSecondOrder;
+use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
-use crate::{hamiltonian, lagrangian};
 use std::marker::PhantomData;
 
 /// A model for every scalar.
@@ -43,19 +44,19 @@ impl From<&Robot> for LagrangianRobot {
 
 impl ModelFamily for HamiltonianRobot {
     type Error = EvalError;
-    type Model<S: Scalar> = hamiltonian::SecondOrder<S>;
+    type Model<S: Scalar> = HamiltonianSecondOrder<S>;
 
     fn model<S: Scalar>(&self) -> Self::Model<S> {
-        hamiltonian::SecondOrder::from_tree(self.0.clone())
+        HamiltonianSecondOrder::from_tree(self.0.clone())
     }
 }
 
 impl ModelFamily for LagrangianRobot {
     type Error = EvalError;
-    type Model<S: Scalar> = lagrangian::SecondOrder<S>;
+    type Model<S: Scalar> = LagrangianSecondOrder<S>;
 
     fn model<S: Scalar>(&self) -> Self::Model<S> {
-        lagrangian::SecondOrder::from_tree(self.0.clone())
+        LagrangianSecondOrder::from_tree(self.0.clone())
     }
 }
 
@@ -83,9 +84,9 @@ impl<F: ModelFamily, T: Tableau> Scheme<F> for T {
 pub struct SemiImplicit;
 
 impl Scheme<LagrangianRobot> for SemiImplicit {
-    type Step<S: Scalar> = SemiImplicitEuler<S, lagrangian::SecondOrder<S>>;
+    type Step<S: Scalar> = SemiImplicitEuler<S, LagrangianSecondOrder<S>>;
 
-    fn step<S: Scalar>(model: lagrangian::SecondOrder<S>) -> Self::Step<S> {
+    fn step<S: Scalar>(model: LagrangianSecondOrder<S>) -> Self::Step<S> {
         SemiImplicitEuler::new(model)
     }
 }
@@ -102,8 +103,8 @@ impl Scheme<LagrangianRobot> for SemiImplicit {
 /// let function = OneStep::<_, Verlet>::new(HamiltonianRobot::from(&robot));
 /// let z = [0.3, -0.8, 1.0, 0.5, 0.2, 0.0, 0.01];
 /// let mut automatic: Jacobian<_> = Jacobian::new(function);
-/// let through_the_iteration = automatic.evaluate(&z)?.jacobian[(0, 2)];
-/// let mut step = StoermerVerlet::new(costate::hamiltonian::SecondOrder::<f64>::new(&robot));
+/// let through_the_iteration = automatic.linearise(&z)?.jacobian[(0, 2)];
+/// let mut step = StoermerVerlet::new(costate::hamiltonian::HamiltonianSecondOrder::<f64>::new(&robot));
 /// let phi_x = step.linearise(&z[..4], &z[4..6], 0.01)?.phi_x;
 /// assert!((phi_x[(0, 2)] - through_the_iteration).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -153,7 +154,7 @@ impl<F: ModelFamily, M: Scheme<F>> Function for OneStep<F, M> {
         }
         let (x, rest) = z.split_at(self.states);
         let (u, h) = rest.split_at(self.controls);
-        next.copy_from_slice(step.advance(x, u, h[0])?);
+        next.copy_from_slice(step.evaluate(x, u, h[0])?);
         Ok(())
     }
 }

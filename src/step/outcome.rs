@@ -1,6 +1,6 @@
 //! Where a step and its Jacobians are kept.
 
-use super::StepFirstOrder;
+use super::StepLinearisation;
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
@@ -23,12 +23,12 @@ impl<S: Scalar> Outcome<S> {
     }
 
     /// Phi and its Jacobians, once `next` and `phi_z` are filled.
-    pub fn first(&mut self) -> StepFirstOrder<'_, S> {
+    pub fn first(&mut self) -> StepLinearisation<'_, S> {
         let (states, inputs) = (self.next.len(), self.phi_z.columns() - 1);
         for (i, phi_h) in self.phi_h.iter_mut().enumerate() {
             *phi_h = self.phi_z[(i, inputs)];
         }
-        StepFirstOrder {
+        StepLinearisation {
             next: &self.next,
             phi_x: self.phi_z.block(0, 0, states, states),
             phi_u: self.phi_z.block(0, states, states, inputs - states),

@@ -5,7 +5,7 @@ use super::hessian::StageHessians;
 use super::newton::Newton;
 use super::outcome::Outcome;
 use super::stage::{Stage, differentiate_sum, sum};
-use super::{Pair, Step, StepContraction, StepError, StepFirstOrder, Tableau};
+use super::{Pair, Step, StepContraction, StepError, StepLinearisation, Tableau};
 use crate::dynamics::Dynamics;
 use crate::scalar::Scalar;
 use std::marker::PhantomData;
@@ -100,7 +100,7 @@ impl<S: Scalar, D: Dynamics<S>, T: Tableau> RungeKutta<S, D, T> {
         }
         let slope = match before.last() {
             Some(previous) => &previous.f,
-            None => self.model.value(x, u)?,
+            None => self.model.evaluate(x, u)?,
         };
         self.newton.slope.copy_from_slice(slope);
         self.newton.solve(&mut self.model, stage, u, h)
@@ -146,19 +146,19 @@ impl<S: Scalar, D: Dynamics<S>, T: Tableau> Step<S> for RungeKutta<S, D, T> {
         self.model.controls()
     }
 
-    fn advance(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
+    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
         check(self.sizes(), [x, u], h, None)?;
         self.newton.iterations = 0;
         for i in 0..T::A.len() {
             self.place(i, x, u, h)?;
             let stage = &mut self.stages[i];
-            stage.f.copy_from_slice(self.model.value(&stage.x, u)?);
+            stage.f.copy_from_slice(self.model.evaluate(&stage.x, u)?);
         }
         self.arrive(x, h);
         Ok(&self.outcome.next)
     }
 
-    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepFirstOrder<'_, S>, Self::Error> {
+    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
         check(self.sizes(), [x, u], h, None)?;
         self.newton.iterations = 0;
         for i in 0..T::A.len() {

@@ -2,9 +2,9 @@
 
 use super::error::check;
 use super::outcome::Outcome;
-use super::{Step, StepContraction, StepError, StepFirstOrder};
-use crate::dynamics::{Contraction, Dynamics, FirstOrder};
-use crate::lagrangian;
+use super::{Step, StepContraction, StepError, StepLinearisation};
+use crate::dynamics::{Contraction, Dynamics, Linearisation};
+use crate::lagrangian::LagrangianSecondOrder;
 use crate::matrix::add_scaled;
 use crate::scalar::Scalar;
 
@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 /// To be implemented for models that are so; the state has an even length.
 pub trait VelocityForm<S: Scalar>: Dynamics<S> {}
 
-impl<S: Scalar> VelocityForm<S> for lagrangian::SecondOrder<S> {}
+impl<S: Scalar> VelocityForm<S> for LagrangianSecondOrder<S> {}
 
 impl<S: Scalar, D: VelocityForm<S>> VelocityForm<S> for &mut D {}
 
@@ -28,13 +28,13 @@ impl<S: Scalar, D: VelocityForm<S>> VelocityForm<S> for &mut D {}
 /// ```
 ///
 /// ```
-/// use costate::lagrangian::SecondOrder;
+/// use costate::lagrangian::LagrangianSecondOrder;
 /// use costate::robot::Robot;
 /// use costate::step::{SemiImplicitEuler, Step};
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut step = SemiImplicitEuler::new(SecondOrder::<f64>::new(&robot));
-/// let next = step.advance(&[0.3, -0.8, 1.0, 0.5], &[0.0, 0.0], 0.01)?;
+/// let mut step = SemiImplicitEuler::new(LagrangianSecondOrder::<f64>::new(&robot));
+/// let next = step.evaluate(&[0.3, -0.8, 1.0, 0.5], &[0.0, 0.0], 0.01)?;
 /// assert_eq!(next[0], 0.3 + 0.01 * next[2]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -82,7 +82,7 @@ fn arrive<S: Scalar>(next: &mut [S], x: &[S], h: S, f: &[S]) {
 }
 
 /// Phi and its derivatives in (x, u, h) from those of f: `dv+ = dv + h da + a dh`, `dq+ = dq + h dv+ + v+ dh`.
-fn arrive_with_derivatives<S: Scalar>(outcome: &mut Outcome<S>, x: &[S], h: S, first: &FirstOrder<'_, S>) {
+fn arrive_with_derivatives<S: Scalar>(outcome: &mut Outcome<S>, x: &[S], h: S, first: &Linearisation<'_, S>) {
     let n = x.len() / 2;
     arrive(&mut outcome.next, x, h, first.f);
     let phi_z = &mut outcome.phi_z;
@@ -112,13 +112,13 @@ impl<S: Scalar, D: VelocityForm<S>> Step<S> for SemiImplicitEuler<S, D> {
         self.model.controls()
     }
 
-    fn advance(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
+    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
         check(self.sizes(), [x, u], h, None)?;
-        arrive(&mut self.outcome.next, x, h, self.model.value(x, u)?);
+        arrive(&mut self.outcome.next, x, h, self.model.evaluate(x, u)?);
         Ok(&self.outcome.next)
     }
 
-    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepFirstOrder<'_, S>, Self::Error> {
+    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
         check(self.sizes(), [x, u], h, None)?;
         arrive_with_derivatives(&mut self.outcome, x, h, &self.model.linearise(x, u)?);
         Ok(self.outcome.first())

@@ -2,7 +2,7 @@
 
 use super::lu::Lu;
 use super::tableau::Pair;
-use crate::dynamics::FirstOrder;
+use crate::dynamics::Linearisation;
 use crate::matrix::{Matrix, add_rows, add_scaled};
 use crate::scalar::Scalar;
 use std::ops::Range;
@@ -80,7 +80,7 @@ impl<S: Scalar> Stage<S> {
         }
     }
 
-    pub fn take(&mut self, first: &FirstOrder<'_, S>) {
+    pub fn take(&mut self, first: &Linearisation<'_, S>) {
         self.f.copy_from_slice(first.f);
         for (i, (f_x, f_u)) in first.f_x.iter_rows().zip(first.f_u.iter_rows()).enumerate() {
             self.f_x.row_mut(i).copy_from_slice(f_x);

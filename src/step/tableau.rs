@@ -18,7 +18,7 @@ pub type Pair = [f64; 2];
 /// Integration", Springer 2006, II.1 and II.2.
 ///
 /// ```
-/// use costate::lagrangian::SecondOrder;
+/// use costate::lagrangian::LagrangianSecondOrder;
 /// use costate::robot::Robot;
 /// use costate::step::{Pair, RungeKutta, Step, Tableau};
 ///
@@ -31,7 +31,7 @@ pub type Pair = [f64; 2];
 ///
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut heun = RungeKutta::<f64, _, Heun>::new(SecondOrder::new(&robot));
+/// let mut heun = RungeKutta::<f64, _, Heun>::new(LagrangianSecondOrder::new(&robot));
 /// let step = heun.linearise(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.0], 0.01)?;
 /// println!("Phi_x = {}", step.phi_x.as_nalgebra());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -83,12 +83,12 @@ impl Tableau for Verlet {
 /// The classical explicit scheme of fourth order: four evaluations of f.
 ///
 /// ```
-/// use costate::hamiltonian::SecondOrder;
+/// use costate::hamiltonian::HamiltonianSecondOrder;
 /// use costate::robot::Robot;
 /// use costate::step::{RungeKutta4, Step};
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut step = RungeKutta4::new(SecondOrder::<f64>::new(&robot));
+/// let mut step = RungeKutta4::new(HamiltonianSecondOrder::<f64>::new(&robot));
 /// let second = step.contract(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.0], 0.01, &[1.0, 0.0, 0.0, 0.0])?;
 /// println!("x_next = {:?}, y'Phi_xx = {}", second.first.next, second.xx.as_nalgebra());
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 ///
 /// [`set_position`](Self::set_position) gives M and the global inertia tensors,
 /// [`first_derivatives`](Self::first_derivatives) `Gamma^k_ij` and `M_ij,k`,
-/// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`evaluate`](Self::evaluate) all of them.
+/// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`update`](Self::update) all of them.
 /// What has not been computed is not a number; what was computed at an earlier position stays until it is computed again.
 ///
 /// Numbers and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives of both kinds,
@@ -28,7 +28,7 @@ use crate::scalar::Scalar;
 /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 /// let tree = Tree::from(&Robot::from_file("robots/two_link.toml")?);
 /// let mut m = MassMatrixDerivatives::<f64>::new(&tree);
-/// m.evaluate(&tree, &[0.3, -0.8])?;
+/// m.update(&tree, &[0.3, -0.8])?;
 /// // The Coriolis matrix of adaptive control: C_kj = sum_i c_ijk v_i
 /// let v = [1.0, 0.5];
 /// let coriolis = |k, j| (0..2).map(|i| m.christoffel_symbol(i, j, k) * v[i]).sum::<f64>();
@@ -72,7 +72,7 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
-    pub fn evaluate(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+    pub fn update(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.set_position(tree, q)?;
         self.first_derivatives();
         self.second_derivatives(tree);

@@ -165,7 +165,7 @@ fn for_every_mixture(check: impl Fn(&MassMatrixDerivatives<f64>, &Points)) {
             let tree = tree(parents, prismatic);
             let q = &Q[..tree.len()];
             let mut ours = MassMatrixDerivatives::new(&tree);
-            ours.evaluate(&tree, q).unwrap();
+            ours.update(&tree, q).unwrap();
             check(&ours, &Points::new(&tree, q));
         }
     }
@@ -257,7 +257,7 @@ fn brackets_reuse_the_mass_matrix() {
     let tree = tree(&CHAIN, 0);
     let points = Points::new(&tree, &Q[..4]);
     let mut ours = MassMatrixDerivatives::new(&tree);
-    ours.evaluate(&tree, &Q[..4]).unwrap();
+    ours.update(&tree, &Q[..4]).unwrap();
     for l in 0..4 {
         for j in 0..=l {
             close(points.z(j).dot(&(points.j(j, l) * points.z(l))), ours.mass(j, l));

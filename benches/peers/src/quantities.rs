@@ -1,8 +1,13 @@
 //! What is compared: each quantity as one call on a built workspace.
 
 use costate::EvalError;
-use costate::hamiltonian::{self, DualPass, Hamiltonian, Linearisation, SecondOrder};
-use costate::lagrangian::{self, ForwardDynamicsJacobian, InverseDynamicsJacobian, Lagrangian};
+use costate::hamiltonian::{
+    DualPass, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
+};
+use costate::lagrangian::{
+    ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction,
+    LagrangianSecondOrder,
+};
 use costate::matrix::{Block, Matrix};
 use costate::robot::{Robot, RobotError, Tree};
 use std::ffi::CStr;
@@ -10,10 +15,10 @@ use std::ffi::CStr;
 /// Everything that is allocated.
 pub struct Workspaces {
     hamiltonian: Hamiltonian<f64>,
-    second: SecondOrder<f64>,
+    second: HamiltonianSecondOrder<f64>,
     dual_pass: DualPass<f64>,
     lagrangian: Lagrangian<f64>,
-    lagrangian_second: lagrangian::SecondOrder<f64>,
+    lagrangian_second: LagrangianSecondOrder<f64>,
 }
 
 impl Workspaces {
@@ -22,16 +27,16 @@ impl Workspaces {
         let tree = Tree::from(&Robot::from_file(path)?);
         Ok(Self {
             hamiltonian: Hamiltonian::from_tree(tree.clone()),
-            second: SecondOrder::from_tree(tree.clone()),
+            second: HamiltonianSecondOrder::from_tree(tree.clone()),
             dual_pass: DualPass::from_tree(tree.clone()),
             lagrangian: Lagrangian::from_tree(tree.clone()),
-            lagrangian_second: lagrangian::SecondOrder::from_tree(tree),
+            lagrangian_second: LagrangianSecondOrder::from_tree(tree),
         })
     }
 
     /// Number of joints, n.
     pub fn len(&self) -> usize {
-        self.hamiltonian.len()
+        self.hamiltonian.dof()
     }
 }
 
@@ -110,34 +115,34 @@ quantity!(
     "F(q, p).",
     &'a [f64],
     |n| 2 * n,
-    |w, x| w.hamiltonian.phase_velocity(x.q, x.p, x.u),
+    |w, x| w.hamiltonian.evaluate(x.q, x.p, x.u),
     |f, out| out.extend_from_slice(f)
 );
 quantity!(
     Jacobian,
     c"F_x:costate",
     "F and F_x.",
-    Linearisation<'a, f64>,
+    HamiltonianLinearisation<'a, f64>,
     |n| 4 * n * n,
-    |w, x| w.hamiltonian.jacobian(x.q, x.p, x.u),
+    |w, x| w.hamiltonian.linearise(x.q, x.p, x.u),
     |linear, out| put(linear.matrix(), out)
 );
 quantity!(
     RuleHessian,
     c"y_F_xx:costate(rule)",
     "F, F_x and y'F_xx by the 2n+1 rule.",
-    hamiltonian::ContractedHessian<'a, f64>,
+    HamiltonianContraction<'a, f64>,
     |n| 4 * n * n,
-    |w, x| w.second.contracted_hessian(x.q, x.p, x.u, x.y),
+    |w, x| w.second.contract(x.q, x.p, x.u, x.y),
     |all, out| put(all.matrix(), out)
 );
 quantity!(
     DualPassHessian,
     c"y_F_xx:costate(dual_pass)",
     "F, F_x and y'F_xx by one dual pass through F_x.",
-    hamiltonian::ContractedHessian<'a, f64>,
+    HamiltonianContraction<'a, f64>,
     |n| 4 * n * n,
-    |w, x| w.dual_pass.contracted_hessian(x.q, x.p, x.u, x.y),
+    |w, x| w.dual_pass.contract(x.q, x.p, x.u, x.y),
     |all, out| put(all.matrix(), out)
 );
 quantity!(
@@ -153,18 +158,18 @@ quantity!(
     ForwardJacobian,
     c"a_z:costate",
     "a and its Jacobian in z = (q, v, u).",
-    ForwardDynamicsJacobian<'a, f64>,
+    ForwardDynamicsLinearisation<'a, f64>,
     |n| 3 * n * n,
-    |w, x| w.lagrangian.forward_dynamics_jacobian(x.q, x.v, x.u),
+    |w, x| w.lagrangian.linearise_forward_dynamics(x.q, x.v, x.u),
     |linear, out| put(linear.matrix(), out)
 );
 quantity!(
     ForwardHessian,
     c"y_a_zz:costate",
     "a, a_z and the contracted Hessian of a.",
-    lagrangian::ContractedHessian<'a, f64>,
+    LagrangianContraction<'a, f64>,
     |n| 9 * n * n,
-    |w, x| w.lagrangian_second.contracted_hessian(x.q, x.v, x.u, x.weights(false)),
+    |w, x| w.lagrangian_second.contract_forward_dynamics(x.q, x.v, x.u, x.weights(false)),
     |all, out| put(all.to_matrix().view(), out)
 );
 quantity!(
@@ -198,9 +203,9 @@ quantity!(
     InverseJacobian,
     c"tau_z:costate",
     "tau and its Jacobian in (q, v, a).",
-    InverseDynamicsJacobian<'a, f64>,
+    InverseDynamicsLinearisation<'a, f64>,
     |n| 3 * n * n,
-    |w, x| w.lagrangian.inverse_dynamics_jacobian(x.q, x.v, x.a),
+    |w, x| w.lagrangian.linearise_inverse_dynamics(x.q, x.v, x.a),
     |linear, out| for i in 0..linear.tau.len() {
         out.extend_from_slice(linear.tau_q.row(i));
         out.extend_from_slice(linear.tau_v.row(i));
@@ -213,6 +218,6 @@ quantity!(
     "The Hessian of w.tau in (q, v, a), w constant.",
     &'a Matrix<f64>,
     |n| 9 * n * n,
-    |w, x| w.lagrangian_second.inverse_dynamics_hessian(x.q, x.v, x.a, x.weights(true)),
+    |w, x| w.lagrangian_second.contract_inverse_dynamics(x.q, x.v, x.a, x.weights(true)),
     |h, out| put(h.view(), out)
 );

@@ -1,7 +1,7 @@
 //! An extremal whose evaluations are counted.
 
 use costate::EvalError;
-use costate::control::{Ease, Extremal, Law, Rate, Side};
+use costate_control::{Ease, Extremal, Law, Rate, Side};
 use std::time::{Duration, Instant};
 
 /// Counts until the found motion is integrated again: the first evaluation at a given control belongs to its check.

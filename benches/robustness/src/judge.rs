@@ -1,7 +1,7 @@
 //! What counts as a success, and searches of the same problem side by side.
 
 use crate::record::{MATRICES, Record, Search};
-use costate::control::Coordinates;
+use costate_control::Coordinates;
 
 /// Largest miss at the end (rad, rad/s).
 pub const END_DEFECT: f64 = 1e-6;
@@ -87,7 +87,7 @@ pub fn successes(
 mod tests {
     use super::*;
     use crate::problems::{RobotName, Variant};
-    use costate::control::Jacobian;
+    use costate_control::Jacobian;
 
     fn record(pair: usize, matrix: Jacobian, change: impl Fn(&mut Record)) -> Record {
         let (robot, variant, coordinates) = (RobotName::Panda, Variant::Plain, Coordinates::Hamiltonian);

@@ -1,7 +1,7 @@
 //! The problems of the study, drawn from the number of the pair.
 
-use costate::control::{Penalty, Problem};
 use costate::robot::{LoadOptions, Robot, RobotError, file};
+use costate_control::{Penalty, Problem};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn robots_that_were_changed_are_changed() {
         let vertical = costate::hamiltonian::Hamiltonian::<f64>::new(&RobotName::VerticalArm.load().unwrap())
-            .phase_velocity(&[0.0; 2], &[0.0; 2], &[0.0; 2])
+            .evaluate(&[0.0; 2], &[0.0; 2], &[0.0; 2])
             .unwrap()
             .to_vec();
         assert!((vertical[2] + 4.0 * 9.81).abs() < 1e-12 && (vertical[3] + 1.5 * 9.81).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! The searches of the study, and what is kept of each.
 
 use crate::problems::{PAIRS, RobotName, Variant};
-use costate::control::{Coordinates, Jacobian};
+use costate_control::{Coordinates, Jacobian};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::OpenOptions;
@@ -47,7 +47,7 @@ pub fn study() -> impl Iterator<Item = Search> {
 pub struct Record {
     #[serde(flatten)]
     pub search: Search,
-    /// [`Status::name`](costate::control::Status::name).
+    /// [`Status::name`](costate_control::Status::name).
     pub status: String,
     /// Largest miss at the end after an independent integration (rad, rad/s); none where it was not made.
     pub end_defect: Option<f64>,

@@ -3,11 +3,11 @@
 use crate::counted::Counted;
 use crate::problems::problem;
 use crate::record::{Record, Search};
-use costate::control::{
-    Coordinates, Extremal, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem, RobotExtremal, Ways,
-    solve_extremal,
-};
 use costate::hamiltonian::Hamiltonian;
+use costate_control::{
+    Coordinates, Extremal, ExtremalSolution, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem,
+    RobotExtremal, Ways, solve_extremal,
+};
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
@@ -83,7 +83,8 @@ fn solve<E: Extremal>(
     if let Some(error) = failed {
         return Err(error.into());
     }
-    let Motion { status, hamiltonian_drift, cost, penalty_cost, iterations, t, end_state, .. } = motion;
+    let ExtremalSolution { motion, nodes, .. } = motion;
+    let Motion { status, hamiltonian_drift, cost, penalty_cost, iterations, end_state, .. } = motion;
     let end_defect = match end_state {
         Some(x) => {
             let v = back(&x[..n], &x[n..])?;
@@ -99,7 +100,7 @@ fn solve<E: Extremal>(
         drift: hamiltonian_drift,
         cost: cost + penalty_cost,
         steps: iterations.len(),
-        nodes: t.len(),
+        nodes: nodes.t.len(),
         rates: counted.rates,
         jacobians: counted.jacobians,
         jacobian_cost,

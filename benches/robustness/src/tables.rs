@@ -4,7 +4,7 @@ use crate::judge::{Paired, successes};
 use crate::problems::{RobotName, Variant};
 use crate::record::{COORDINATES, MATRICES, Record, Search};
 use crate::statistics::{median, two_sided};
-use costate::control::{Coordinates, Jacobian};
+use costate_control::{Coordinates, Jacobian};
 use std::fmt::{self, Write};
 
 /// The others, beside the exact matrix.

@@ -5,7 +5,7 @@ use crate::routes::{Candidate, Failure};
 use crate::{FIRST, FUNCTION, NODES, SECOND};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::codegen::{Coordinates, Options, Quantity, robot_program};
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::scalar::{F64x4, F64x8};
 use costate_jit::Compiled;
 use std::hint::black_box;
@@ -97,7 +97,7 @@ fn lanes<'a, S: Packed<Lane = f64> + 'a>(
     [quantity, route]: [&'static str; 2],
     list: &mut Vec<Candidate<'a>>,
 ) where
-    Model<SecondOrder<S>>: Send,
+    Model<HamiltonianSecondOrder<S>>: Send,
 {
     let n = case.robot.len();
     let spread = |entries: &[f64]| -> Vec<f64> {
@@ -105,12 +105,12 @@ fn lanes<'a, S: Packed<Lane = f64> + 'a>(
     };
     let [x, u, y] = [&case.state.x, &case.state.u, &case.state.y].map(|entries| spread(entries));
     let [mut f, mut f_x, mut xx] = [2 * n, 4 * n * n, 4 * n * n].map(|entries| vec![0.0; NODES * entries]);
-    let mut batch = Batch::<S, _>::new(Model(SecondOrder::<S>::new(&case.robot)));
+    let mut batch = Batch::<S, _>::new(Model(HamiltonianSecondOrder::<S>::new(&case.robot)));
     let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
         let x = black_box(&x);
         let into = FirstOrderArrays { f: &mut f, f_x: &mut f_x, ..Default::default() };
         let (failures, result) = match quantity {
-            FUNCTION => (batch.value(x, &u, &mut f)?, &f[..2 * n]),
+            FUNCTION => (batch.evaluate(x, &u, &mut f)?, &f[..2 * n]),
             FIRST => (batch.linearise(x, &u, into)?, &f_x[..4 * n * n]),
             _ => {
                 let second = SecondOrderArrays { xx: &mut xx, ..Default::default() };

@@ -56,7 +56,7 @@ fn gradient<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
 fn chunk<'a, const C: usize>(route: &'static str, case: &'a Case, list: &mut Vec<Candidate<'a>>) {
     let mut jacobian = Jacobian::<_, C>::chunked(PhaseVelocity::new(&case.robot).under(&case.state.u));
     let work = move |to: Option<&mut Vec<f64>>| -> Result<(), Failure> {
-        let jacobian = jacobian.evaluate(black_box(&case.state.x))?.jacobian.view();
+        let jacobian = jacobian.linearise(black_box(&case.state.x))?.jacobian.view();
         black_box(jacobian[(0, 0)]);
         if let Some(to) = to {
             jacobian.iter_rows().for_each(|row| to.extend(row));

@@ -4,7 +4,7 @@
 //! those of the trapezoidal rule along optimal motions, with the exact Jacobians of their extremals. A solution that differs
 //! ends with an error.
 
-use costate::control::{AlmostBlockDiagonal, Extremal, Law, Options, Problem, RobotExtremal, Solver};
+use costate_control::{AlmostBlockDiagonal, Extremal, Law, Options, Problem, RobotExtremal, Solver};
 use costate::robot::Robot;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};

@@ -3,16 +3,16 @@
 use super::routes::{Candidate, F, FIRST, Failure, SECOND, State};
 use super::{LANES_4, LANES_8, states};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
-use costate::hamiltonian::SecondOrder;
+use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::robot::Robot;
 use costate::scalar::{F64x4, F64x8};
 use std::hint::black_box;
 
 pub fn candidates(robot: &Robot, state: &State, list: &mut Vec<Candidate<'_>>, notes: &mut Vec<String>) {
     for quantity in [F, FIRST, SECOND] {
-        let four = Batch::<F64x4, _>::new(Model(SecondOrder::new(robot)));
+        let four = Batch::<F64x4, _>::new(Model(HamiltonianSecondOrder::new(robot)));
         list.push(candidate([quantity, LANES_4], four, state));
-        let eight = Batch::<F64x8, _>::new(Model(SecondOrder::new(robot)));
+        let eight = Batch::<F64x8, _>::new(Model(HamiltonianSecondOrder::new(robot)));
         list.push(candidate([quantity, LANES_8], eight, state));
         #[cfg(feature = "rayon")]
         list.push(over_threads(robot, quantity, state));
@@ -28,14 +28,14 @@ pub fn candidates(robot: &Robot, state: &State, list: &mut Vec<Candidate<'_>>, n
 
 #[cfg(feature = "rayon")]
 fn over_threads(robot: &Robot, quantity: &'static str, state: &State) -> Candidate<'static> {
-    let batch = Batch::<costate::batch::Native, _>::parallel(|| Model(SecondOrder::new(robot)));
+    let batch = Batch::<costate::batch::Native, _>::parallel(|| Model(HamiltonianSecondOrder::new(robot)));
     candidate([quantity, super::THREADS], batch, state)
 }
 
 /// As many states as one call of the route computes; the first is the state of all other routes.
 fn candidate<S: Packed<Lane = f64>>(
     [quantity, route]: [&'static str; 2],
-    mut batch: Batch<S, Model<SecondOrder<S>>>,
+    mut batch: Batch<S, Model<HamiltonianSecondOrder<S>>>,
     state: &State,
 ) -> Candidate<'static> {
     let states = states(route);
@@ -50,7 +50,7 @@ fn candidate<S: Packed<Lane = f64>>(
         let x = black_box(x.as_slice());
         let first = FirstOrderArrays { f: &mut f, f_x: &mut f_x, ..Default::default() };
         let failures = match quantity {
-            F => batch.value(x, &u, &mut f)?,
+            F => batch.evaluate(x, &u, &mut f)?,
             FIRST => batch.linearise(x, &u, first)?,
             _ => {
                 batch.contract([x, &u, &y], first, SecondOrderArrays { xx: &mut xx, ..Default::default() })?

@@ -2,8 +2,8 @@
 
 use crate::work::{Method, Work};
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, SecondOrder};
-use costate::lagrangian::{self, Lagrangian};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
@@ -93,29 +93,29 @@ fn first_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>
     let (q, p) = x.split_at(n);
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
     add(list, [F, "analytic"], move |to| {
-        give_slice(to, hamiltonian.phase_velocity(black_box(q), p, u)?);
+        give_slice(to, hamiltonian.evaluate(black_box(q), p, u)?);
         Ok(())
     });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
     add(list, [FIRST, "analytic"], move |to| {
-        give(to, hamiltonian.jacobian(black_box(q), p, u)?.matrix());
+        give(to, hamiltonian.linearise(black_box(q), p, u)?.matrix());
         Ok(())
     });
     let mut tensors = Hamiltonian::<f64, _>::with_route(Tree::from(robot), Christoffel);
     add(list, [FIRST, "tensors"], move |to| {
-        give(to, tensors.jacobian(black_box(q), p, u)?.matrix());
+        give(to, tensors.linearise(black_box(q), p, u)?.matrix());
         Ok(())
     });
     let mut jacobian = Jacobian::new(PhaseVelocity::new(robot).under(u));
     add(list, [FIRST, "dual numbers"], move |to| {
-        give(to, jacobian.evaluate(black_box(x))?.jacobian.view());
+        give(to, jacobian.linearise(black_box(x))?.jacobian.view());
         Ok(())
     });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
     let mut differences = Differences::new(2 * n);
     add(list, [FIRST, "central differences of F"], move |to| {
         let columns = differences.of(black_box(x), |x, sign, column| {
-            let f = hamiltonian.phase_velocity(&x[..n], &x[n..], u)?;
+            let f = hamiltonian.evaluate(&x[..n], &x[n..], u)?;
             column.iter_mut().zip(f).for_each(|(c, f)| *c += sign * f);
             Ok(())
         })?;
@@ -134,26 +134,26 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
     let State { x, u, y, d, .. } = state;
     let (q, p) = x.split_at(n);
     let quantity = SECOND;
-    let mut rule = SecondOrder::<f64>::new(robot);
+    let mut rule = HamiltonianSecondOrder::<f64>::new(robot);
     add(list, [quantity, "2n+1 rule"], move |to| {
-        give(to, rule.contracted_hessian(black_box(q), p, u, y)?.matrix());
+        give(to, rule.contract(black_box(q), p, u, y)?.matrix());
         Ok(())
     });
     let mut pass = DualPass::<f64>::new(robot);
     add(list, [quantity, "one dual pass through F_x"], move |to| {
-        give(to, pass.contracted_hessian(black_box(q), p, u, y)?.matrix());
+        give(to, pass.contract(black_box(q), p, u, y)?.matrix());
         Ok(())
     });
     let mut tensors = DualPass::<f64, _>::with_route(Tree::from(robot), Christoffel);
     add(list, [quantity, "one dual pass through tensors"], move |to| {
-        give(to, tensors.contracted_hessian(black_box(q), p, u, y)?.matrix());
+        give(to, tensors.contract(black_box(q), p, u, y)?.matrix());
         Ok(())
     });
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
     let mut differences = Differences::new(2 * n);
     add(list, [quantity, "central differences of F_x"], move |to| {
         let columns = differences.of(black_box(x), |x, sign, column| {
-            let linear = hamiltonian.jacobian(&x[..n], &x[n..], u)?;
+            let linear = hamiltonian.linearise(&x[..n], &x[n..], u)?;
             for (row, y) in linear.matrix().iter_rows().zip(y) {
                 column.iter_mut().zip(row).for_each(|(c, f)| *c += sign * y * f);
             }
@@ -162,14 +162,14 @@ fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a
         give_transposed(to, columns, 2 * n);
         Ok(())
     });
-    let mut rule = SecondOrder::<f64>::new(robot);
+    let mut rule = HamiltonianSecondOrder::<f64>::new(robot);
     add(list, ["y'F_xx d", "product with a vector"], move |to| {
         give_slice(to, rule.hessian_product(black_box(q), p, y, d)?);
         Ok(())
     });
     let mut full = FullHessian::<f64>::new(robot);
     add(list, ["F_x, all of F_xx", "packed tensor"], move |to| {
-        give_slice(to, full.evaluate(black_box(q), p)?.packed());
+        give_slice(to, full.hessian_tensor(black_box(q), p)?.packed());
         Ok(())
     });
 }
@@ -193,7 +193,7 @@ fn automatic_second_order<'a>(
     if is_feasible(route, Method::Nested) {
         let mut nested = NestedHessian::new(PhaseVelocity::new(robot).under(u));
         add(list, [SECOND, route], move |to| {
-            give(to, nested.contracted(black_box(x), y)?.view());
+            give(to, nested.contract(black_box(x), y)?.view());
             Ok(())
         });
     }
@@ -201,7 +201,7 @@ fn automatic_second_order<'a>(
     if is_feasible(route, Method::HyperDual) {
         let mut hyperdual = Hessian::new(PhaseVelocity::new(robot).under(u));
         add(list, [SECOND, route], move |to| {
-            give(to, hyperdual.contracted(black_box(x), y)?.view());
+            give(to, hyperdual.contract(black_box(x), y)?.view());
             Ok(())
         });
     }
@@ -222,12 +222,12 @@ fn in_velocities<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'
     });
     let mut lagrangian = Lagrangian::<f64>::new(robot);
     add(list, ["a, a_z", "analytic"], move |to| {
-        give(to, lagrangian.forward_dynamics_jacobian(black_box(q), v, u)?.matrix());
+        give(to, lagrangian.linearise_forward_dynamics(black_box(q), v, u)?.matrix());
         Ok(())
     });
-    let mut second = lagrangian::SecondOrder::<f64>::new(robot);
+    let mut second = LagrangianSecondOrder::<f64>::new(robot);
     add(list, ["a, a_z, y'a_zz", "one dual pass"], move |to| {
-        give(to, second.contracted_hessian(black_box(q), v, u, costate)?.xx());
+        give(to, second.contract_forward_dynamics(black_box(q), v, u, costate)?.xx());
         Ok(())
     });
 }

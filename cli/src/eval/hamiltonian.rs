@@ -7,14 +7,16 @@ use super::{Evaluator, Route};
 #[cfg(feature = "jit")]
 use costate::codegen;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use costate::hamiltonian::{self, ContractedHessian, DualPass, Linearisation, SecondOrder};
+use costate::hamiltonian::{
+    self, DualPass, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
+};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
 
 /// The workspaces of one route.
 enum Workspace {
-    Analytic(Box<SecondOrder<f64>>),
+    Analytic(Box<HamiltonianSecondOrder<f64>>),
     Tensors(Box<DualPass<f64, Christoffel>>),
     Dual(Box<Jacobian<PhaseVelocity>>, Box<NestedHessian<PhaseVelocity>>),
     Hyperdual(Box<Hessian<PhaseVelocity>>),
@@ -23,12 +25,12 @@ enum Workspace {
 }
 
 impl Answer {
-    fn linear(&mut self, linear: Linearisation<'_, f64>) {
+    fn linear(&mut self, linear: HamiltonianLinearisation<'_, f64>) {
         self.matrix("M", linear.mass_matrix().view());
         self.derivatives(linear.f(), linear.matrix());
     }
 
-    fn contracted(&mut self, second: ContractedHessian<'_, f64>) {
+    fn contracted(&mut self, second: HamiltonianContraction<'_, f64>) {
         self.matrix("y_f_xx", second.matrix());
         self.linear(second.linearisation());
     }
@@ -49,7 +51,7 @@ impl Hamiltonian {
     pub fn new(robot: &Robot, route: Route) -> Self {
         let function = || PhaseVelocity::new(robot);
         let workspace = match route {
-            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Analytic => Workspace::Analytic(Box::new(HamiltonianSecondOrder::new(robot))),
             Route::Tensors => {
                 Workspace::Tensors(Box::new(DualPass::with_route(Tree::from(robot), Christoffel)))
             }
@@ -81,28 +83,28 @@ impl Evaluator for Hamiltonian {
         let y = state.y.as_deref();
         match &mut self.workspace {
             Workspace::Analytic(second) => match y {
-                None => answer.linear(second.first().jacobian(q, &p, u)?),
-                Some(y) => answer.contracted(second.contracted_hessian(q, &p, u, y)?),
+                None => answer.linear(second.first().linearise(q, &p, u)?),
+                Some(y) => answer.contracted(second.contract(q, &p, u, y)?),
             },
             Workspace::Tensors(second) => match y {
-                None => answer.linear(second.first().jacobian(q, &p, u)?),
-                Some(y) => answer.contracted(second.contracted_hessian(q, &p, u, y)?),
+                None => answer.linear(second.first().linearise(q, &p, u)?),
+                Some(y) => answer.contracted(second.contract(q, &p, u, y)?),
             },
             Workspace::Dual(jacobian, nested) => {
                 jacobian.function_mut().u.copy_from_slice(u);
                 nested.function_mut().u.copy_from_slice(u);
-                let first = jacobian.evaluate(&x)?;
+                let first = jacobian.linearise(&x)?;
                 answer.derivatives(first.value, first.jacobian.view());
                 if let Some(y) = y {
-                    answer.matrix("y_f_xx", nested.contracted(&x, y)?.view());
+                    answer.matrix("y_f_xx", nested.contract(&x, y)?.view());
                 }
             }
             Workspace::Hyperdual(hessian) => {
                 hessian.function_mut().u.copy_from_slice(u);
-                hessian.contracted(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
+                hessian.contract(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
                 answer.derivatives(hessian.last().value(), hessian.last().jacobian().view());
                 if y.is_some() {
-                    answer.matrix("y_f_xx", hessian.last_contracted().view());
+                    answer.matrix("y_f_xx", hessian.last_contraction().view());
                 }
             }
             #[cfg(feature = "jit")]

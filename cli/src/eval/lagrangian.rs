@@ -6,7 +6,7 @@ use super::machine::Machine;
 use super::{Evaluator, Route};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
-use costate::lagrangian::{self, SecondOrder};
+use costate::lagrangian::{self, LagrangianSecondOrder};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Robot;
 #[cfg(feature = "jit")]
@@ -14,7 +14,7 @@ use costate::{codegen, lagrangian::whole_hessian};
 
 /// The workspaces of one route.
 enum Workspace {
-    Analytic(Box<SecondOrder<f64>>),
+    Analytic(Box<LagrangianSecondOrder<f64>>),
     Dual(Box<Jacobian<ForwardDynamics>>, Box<NestedHessian<ForwardDynamics>>),
     Hyperdual(Box<Hessian<ForwardDynamics>>),
     #[cfg(feature = "jit")]
@@ -31,7 +31,7 @@ impl Lagrangian {
     pub fn new(robot: &Robot, route: Route) -> Result<Self, String> {
         let function = || ForwardDynamics::new(robot);
         let workspace = match route {
-            Route::Analytic => Workspace::Analytic(Box::new(SecondOrder::new(robot))),
+            Route::Analytic => Workspace::Analytic(Box::new(LagrangianSecondOrder::new(robot))),
             Route::Dual => {
                 Workspace::Dual(Box::new(Jacobian::new(function())), Box::new(NestedHessian::new(function())))
             }
@@ -73,22 +73,22 @@ impl Evaluator for Lagrangian {
         };
         match (&mut self.workspace, state.y.as_ref().map(|y| &y[q.len()..])) {
             (Workspace::Analytic(_), None) => {
-                let linear = self.lagrangian.forward_dynamics_jacobian(q, &v, u)?;
+                let linear = self.lagrangian.linearise_forward_dynamics(q, &v, u)?;
                 derivatives(linear.acceleration(), linear.matrix(), None);
             }
             (Workspace::Analytic(second), Some(y)) => {
-                let second = second.contracted_hessian(q, &v, u, y)?;
-                let linear = second.linearisation();
+                let second = second.contract_forward_dynamics(q, &v, u, y)?;
+                let linear = second.forward_dynamics();
                 derivatives(linear.acceleration(), linear.matrix(), Some(second.to_matrix().view()));
             }
             (Workspace::Dual(jacobian, nested), y) => {
-                let first = jacobian.evaluate(&z)?;
-                let second = y.map(|y| nested.contracted(&z, y)).transpose()?;
+                let first = jacobian.linearise(&z)?;
+                let second = y.map(|y| nested.contract(&z, y)).transpose()?;
                 derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
             }
             (Workspace::Hyperdual(hessian), y) => {
-                hessian.contracted(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
-                let (last, second) = (hessian.last(), hessian.last_contracted().view());
+                hessian.contract(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
+                let (last, second) = (hessian.last(), hessian.last_contraction().view());
                 derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
             }
             #[cfg(feature = "jit")]

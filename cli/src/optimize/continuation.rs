@@ -4,7 +4,7 @@ use super::problem_file::Task;
 use super::report::numbers::short;
 use super::summary::spaced;
 use crate::report::Table;
-use costate::control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
+use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
 use serde::Serialize;
 use std::io::Write;
 use std::str::FromStr;
@@ -36,7 +36,7 @@ pub fn follow(task: &mut Task, way: Way) -> Result<Branch, String> {
     let continuation = Continuation::new(&task.problem, parameter, from, to, task.options.clone());
     let mut continuation = continuation.map_err(|error| format!("--continue: {error}"))?;
     if let Some(start) = &task.start_from {
-        continuation = continuation.from(start);
+        continuation = continuation.with_start(start).map_err(|error| format!("start_from.file: {error}"))?;
     }
     let branch = continuation.follow();
     let last = branch.points.last().map_or(from, |point| point.parameter);
@@ -94,7 +94,7 @@ pub fn print(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::Way;
-    use costate::control::Parameter;
+    use costate_control::Parameter;
 
     #[test]
     fn a_way_is_a_name_and_two_numbers() {

@@ -1,7 +1,7 @@
 //! The robot as a stick figure: points in the world and the lines between them.
 
-use costate::control::Trajectory;
 use costate::robot::{JointKind, Robot};
+use costate_control::Trajectory;
 
 /// x, y, z in the world frame (m).
 pub type Point = [f64; 3];
@@ -154,7 +154,8 @@ mod tests {
         let t = vec![0.0, 0.0, 0.4, 0.4, 1.0];
         let q = t.iter().map(|t| vec![t * t * (3.0 - 2.0 * t)]).collect();
         let v = t.iter().map(|t| vec![6.0 * t * (1.0 - t)]).collect();
-        let motion = Trajectory { t, q, v, ..Trajectory::default() };
+        let mut motion = Trajectory::default();
+        (motion.t, motion.q, motion.v) = (t, q, v);
         for time in [0.0_f64, 0.1, 0.4, 0.77, 1.0] {
             let expected = time * time * (3.0 - 2.0 * time);
             assert!((position(&motion, time)[0] - expected).abs() < 1e-15, "{time}");

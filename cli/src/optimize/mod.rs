@@ -6,15 +6,13 @@ mod lines;
 mod problem_file;
 mod progress;
 mod report;
-mod saved;
 mod summary;
 mod tables;
 
 use crate::{Outcome, terminal};
-use costate::control::{BranchEnd, Problem, Solution, Solver};
 use costate::robot::LoadOptions;
+use costate_control::{BranchEnd, Problem, Solution, Solver};
 pub use problem_file::Task;
-use saved::Saved;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -65,11 +63,10 @@ pub fn run(arguments: &Arguments) -> Outcome {
     };
     let seconds = started.elapsed().as_secs_f64();
     let problem = &task.problem;
-    let warnings = problem.limit_warnings(&solution);
+    let warnings = problem.limit_warnings(&solution.trajectory);
     warnings.iter().for_each(|warning| terminal::warning(warning));
-    let mut saved = Saved::new(&solution, problem.penalty.is_some());
     if let Some(file) = &arguments.save {
-        write(file, &serde_json::to_string(&saved)?)?;
+        write(file, &serde_json::to_string(&solution)?)?;
     }
     let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
     if let Some(file) = &arguments.output {
@@ -81,13 +78,14 @@ pub fn run(arguments: &Arguments) -> Outcome {
             write(&folder.join(name), &text)?;
         }
     }
-    if arguments.json && !solution.status.is_converged() {
-        terminal::warning(format!("not a solution but the best iterate: {}", solution.status));
+    if arguments.json && !solution.motion.status.is_solved() {
+        terminal::warning(format!("not a solution but the best iterate: {}", solution.motion.status));
     }
     let mut out = std::io::stdout().lock();
     if arguments.json {
-        saved.continuation = branch.as_ref().map(continuation::Points::new);
-        writeln!(out, "{}", serde_json::to_string(&saved)?)?;
+        let continuation = branch.as_ref().map(continuation::Points::new);
+        let printed = Printed { solution: &solution, continuation };
+        writeln!(out, "{}", serde_json::to_string(&printed)?)?;
     } else {
         if let Some(branch) = &branch {
             continuation::print(branch, &mut out)?;
@@ -98,11 +96,20 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
     }
     let reached = branch.as_ref().is_none_or(|branch| branch.end == BranchEnd::Reached);
-    Ok(if solution.status.is_converged() && reached {
+    Ok(if solution.motion.status.is_solved() && reached {
         ExitCode::SUCCESS
     } else {
         ExitCode::from(NOT_CONVERGED)
     })
+}
+
+/// What `--json` prints: the solution as it is saved, and the points of a continuation.
+#[derive(serde::Serialize)]
+struct Printed<'a> {
+    #[serde(flatten)]
+    solution: &'a Solution,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    continuation: Option<continuation::Points<'a>>,
 }
 
 /// Solves the task, with a line on a terminal that says how far it is.
@@ -110,7 +117,7 @@ fn solve(task: &Task) -> Result<Solution, Box<dyn std::error::Error>> {
     let line = progress::Line::new(&task.problem.robot)?;
     let mut solver = Solver::new(&task.problem, task.options.clone())?;
     if let Some(start) = &task.start_from {
-        solver = solver.from(start);
+        solver = solver.with_start(start)?;
     }
     let solution = solver.on_iteration(|iteration| line.show(iteration)).solve();
     line.clear();
@@ -127,5 +134,5 @@ fn unwritable(path: &Path, error: &std::io::Error) -> String {
 
 /// Whether the motion may take any time.
 fn time_is_free(problem: &Problem) -> bool {
-    matches!(problem.time, costate::control::Time::Free { .. })
+    matches!(problem.time, costate_control::Time::Free { .. })
 }

@@ -1,17 +1,16 @@
 //! From a problem file to a problem; what is wrong is said with file, line and key.
 
 use super::lines::{key_at, line_at, line_of};
-use super::saved::Saved;
 use super::tables::{EndTable, JointName, ProblemFile, SolverTable, StartFromTable, TimeTable};
-use costate::control::{Bounds, Cost, End, Options, Penalty, Problem, Solution, Start, Time};
 use costate::robot::{LoadOptions, Robot};
+use costate_control::{Bounds, Cost, End, Options, Penalty, Problem, Start, Time, Trajectory};
 use std::path::Path;
 
 /// What a problem file asks for.
 pub struct Task {
     pub problem: Problem,
     pub options: Options,
-    pub start_from: Option<Solution>,
+    pub start_from: Option<Trajectory>,
     /// The file itself.
     pub text: String,
 }
@@ -48,7 +47,7 @@ impl Task {
             problem.check().map_err(|error| error.to_string())?;
             let options = options(&file.solver);
             options.check().map_err(|error| error.to_string())?;
-            let saved = |table: &StartFromTable| Saved::read(&folder.join(&table.file), problem.robot.len());
+            let saved = |table: &StartFromTable| read_start(&folder.join(&table.file), &problem.robot);
             let start_from = file.start_from.as_ref().map(saved).transpose();
             Ok((start_from.map_err(|error| format!("start_from.file: {error}"))?, problem, options))
         };
@@ -56,6 +55,14 @@ impl Task {
             read().map_err(|message| at(line_of(&text, key(&message)), &message))?;
         Ok(Self { problem, options, start_from, text })
     }
+}
+
+fn read_start(path: &Path, robot: &Robot) -> Result<Trajectory, String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| format!("{}: cannot be read ({error}); check the path", path.display()))?;
+    Trajectory::from_json(&text, robot).map_err(|error| {
+        format!("{}: {error}; give a file that `costate optimize --save` wrote", path.display())
+    })
 }
 
 fn problem(file: &ProblemFile, robot: Robot) -> Result<Problem, String> {
@@ -147,7 +154,7 @@ fn options(table: &SolverTable) -> Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate::control::{Coordinates, Jacobian, Method};
+    use costate_control::{Coordinates, Jacobian, Method};
 
     /// Reads this text, followed by the two-link arm of the repository.
     fn read(name: &str, text: &str) -> Task {

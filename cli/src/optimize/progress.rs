@@ -1,7 +1,7 @@
 //! How far a solve is, on a terminal.
 
-use costate::control::Iteration;
 use costate::robot::Robot;
+use costate_control::Iteration;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 

@@ -2,7 +2,7 @@
 
 use super::report::numbers::short;
 use crate::report::{Table, joints};
-use costate::control::{Certificate, Iteration, Problem, Solution};
+use costate_control::{Certificate, Iteration, Motion, Problem, Solution};
 use std::io::Write;
 
 /// `minimum of T + 1/2 u'Ru, final time free`, by what the problem has.
@@ -24,32 +24,32 @@ pub fn criterion(problem: &Problem) -> String {
 
 /// Name and value of each figure of a solution.
 pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
-    let mut figures = vec![("cost", short(solution.cost, 12))];
+    let mut figures = vec![("cost", short(solution.motion.cost, 12))];
     if problem.penalty.is_some() {
-        figures.push(("cost of penalties", short(solution.penalty_cost, 6)));
+        figures.push(("cost of penalties", short(solution.motion.penalty_cost, 6)));
     }
-    if solution.smoothing > 0.0 {
-        figures.push(("smoothing left", small(solution.smoothing)));
+    if solution.motion.smoothing > 0.0 {
+        figures.push(("smoothing left", small(solution.motion.smoothing)));
     }
     figures.extend([
-        ("final time", format!("{} s", short(solution.final_time, 10))),
-        ("H*", short(solution.hamiltonian, 10)),
-        ("drift of H*", small(solution.hamiltonian_drift)),
+        ("final time", format!("{} s", short(solution.motion.final_time, 10))),
+        ("H*", short(solution.motion.hamiltonian, 10)),
+        ("drift of H*", small(solution.motion.hamiltonian_drift)),
         ("end defect", small(solution.end_defect)),
-        ("shooting defect", small(solution.shooting_defect)),
+        ("shooting defect", small(solution.motion.shooting_defect)),
         ("Newton iterations", solution.newton_iterations.to_string()),
-        ("mesh nodes", solution.nodes.to_string()),
-        ("conjugate time", conjugate(problem, solution)),
+        ("mesh nodes", solution.nodes().to_string()),
+        ("conjugate time", conjugate(problem, &solution.motion)),
     ]);
-    if !solution.switches.is_empty() {
-        figures.push(("switches", solution.switches.len().to_string()));
+    if !solution.motion.switches.is_empty() {
+        figures.push(("switches", solution.motion.switches.len().to_string()));
     }
     figures
 }
 
 /// Jacobi fields compare motions that take the same time.
-fn conjugate(problem: &Problem, solution: &Solution) -> String {
-    match (solution.conjugate_time, solution.certificate) {
+fn conjugate(problem: &Problem, motion: &Motion) -> String {
+    match (motion.conjugate_time, motion.certificate) {
         (Some(time), _) => format!("{} s: not a minimum", short(time, 8)),
         (None, Certificate::LocalMinimum) if super::time_is_free(problem) => {
             "none: a local minimum in this time".into()
@@ -95,20 +95,21 @@ pub fn print(
 ) -> std::io::Result<()> {
     let robot = &problem.robot;
     writeln!(out, "{}, {}: {}\n", robot.name(), joints(robot), criterion(problem))?;
-    let mut table = Table::new(&["status", &spaced(solution.status.name())], 2);
+    let mut table = Table::new(&["status", &spaced(solution.motion.status.name())], 2);
     for (name, value) in figures(problem, solution) {
         table.row(vec![name.into(), value]);
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
     write!(out, "{table}")?;
-    if !solution.status.is_converged() {
-        writeln!(out, "\n  Not a solution but the best iterate: {}.", solution.status)?;
+    if !solution.motion.status.is_solved() {
+        writeln!(out, "\n  Not a solution but the best iterate: {}.", solution.motion.status)?;
     }
-    if solution.others.len() > 1 {
+    if solution.starts.len() > 1 {
         writeln!(out)?;
         let mut table = Table::new(&["start", "status", "cost and penalties"], 2);
-        for (number, (cost, status)) in solution.others.iter().enumerate() {
-            table.row(vec![(number + 1).to_string(), status.name().into(), short(*cost, 12)]);
+        for (number, start) in solution.starts.iter().enumerate() {
+            let status = start.status.name();
+            table.row(vec![(number + 1).to_string(), status.into(), short(start.total, 12)]);
         }
         write!(out, "{table}")?;
     }
@@ -118,6 +119,6 @@ pub fn print(
 /// The Newton steps.
 pub fn print_iterations(solution: &Solution, out: &mut impl Write) -> std::io::Result<()> {
     let mut table = Table::new(&ITERATION_HEADER, 1);
-    solution.iterations.iter().for_each(|iteration| table.row(iteration_row(iteration)));
+    solution.motion.iterations.iter().for_each(|iteration| table.row(iteration_row(iteration)));
     write!(out, "\n{table}")
 }

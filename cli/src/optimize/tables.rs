@@ -1,6 +1,6 @@
 //! The tables and keys of a problem file; unknown ones are errors.
 
-use costate::control::{Coordinates, Jacobian, Method};
+use costate_control::{Coordinates, Jacobian, Method};
 use serde::Deserialize;
 use std::path::PathBuf;
 

@@ -49,7 +49,7 @@ fn codegen_says_why_it_writes_nothing() {
 #[test]
 fn codegen_writes_the_extremals_of_a_problem_file() {
     use costate::codegen::RustOptions;
-    use costate::control::{Bounds, Problem, ProgramOf, pontryagin_program};
+    use costate_control::{Bounds, Problem, ProgramOf, pontryagin_program};
     let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
     let plain = Problem::rest_to_rest(robot, &[0.0; 2], &[0.0; 2], 1.0);
     let bounds = Some(Bounds { u_min: vec![-12.0, -5.0], u_max: vec![12.0, 5.0] });

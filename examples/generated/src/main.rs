@@ -52,15 +52,15 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
     use super::{cart_pole, panda, problems, two_link, ur5};
-    use costate::control::{
-        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
-    };
     use costate::derivative::largest;
-    use costate::hamiltonian::{Hamiltonian, SecondOrder};
+    use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
     use costate::lagrangian::Lagrangian;
     use costate::matrix::Block;
     use costate::num_dual::Dual64;
     use costate::robot::Robot;
+    use costate_control::{
+        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
+    };
     use std::array::from_fn;
     use std::path::{Path, PathBuf};
 
@@ -84,14 +84,14 @@ mod tests {
 
     #[test]
     fn second_derivatives_of_the_ur5_are_those_of_the_generic_code() {
-        let mut second = SecondOrder::<f64>::new(&robot("ur5.urdf"));
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot("ur5.urdf"));
         for state in 0..20 {
             let (q, p, u): ([f64; 6], [f64; 6], [f64; 6]) =
                 (numbers(state, 3.0), numbers(state + 1, 1.0), numbers(state + 2, 5.0));
             let y: [f64; 12] = numbers(state, 1.0);
             let (mut f, mut f_x, mut y_f_xx) = ([0.0; 12], [0.0; 144], [0.0; 144]);
             ur5::ur5_hamiltonian_y_f_xx(&q, &p, &u, &y, &mut f, &mut f_x, &mut y_f_xx);
-            let all = second.contracted_hessian(&q, &p, &u, &y).unwrap();
+            let all = second.contract(&q, &p, &u, &y).unwrap();
             agree(&f, all.linearisation().f());
             agree(&f_x, &flat(all.linearisation().matrix()));
             agree(&y_f_xx, &flat(all.matrix()));
@@ -106,7 +106,7 @@ mod tests {
                 (numbers(state, 3.0), numbers(state + 1, 1.0), numbers(state + 2, 5.0));
             let (mut f, mut f_x) = ([0.0; 14], [0.0; 196]);
             panda::panda_hamiltonian_f_x(&q, &p, &u, &mut f, &mut f_x);
-            let linear = hamiltonian.jacobian(&q, &p, &u).unwrap();
+            let linear = hamiltonian.linearise(&q, &p, &u).unwrap();
             agree(&f, linear.f());
             agree(&f_x, &flat(linear.matrix()));
         }
@@ -120,7 +120,7 @@ mod tests {
                 (numbers(state, 3.0), numbers(state + 1, 1.0), numbers(state + 2, 5.0));
             let (mut qdd, mut qdd_z) = ([0.0; 2], [0.0; 12]);
             cart_pole::cart_pole_lagrangian_f_x(&q, &v, &u, &mut qdd, &mut qdd_z);
-            let linear = lagrangian.forward_dynamics_jacobian(&q, &v, &u).unwrap();
+            let linear = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
             agree(&qdd, linear.acceleration());
             agree(&qdd_z, &flat(linear.matrix()));
         }
@@ -136,7 +136,7 @@ mod tests {
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot("manutec_r3.toml"));
         let x: [f64; 6] = numbers(3, 1.5);
         let u: [f64; 3] = numbers(1, 4.0);
-        let linear = hamiltonian.jacobian(&x[..3], &x[3..], &u).unwrap();
+        let linear = hamiltonian.linearise(&x[..3], &x[3..], &u).unwrap();
         let f_x = linear.matrix();
         for column in 0..6 {
             let seeded: [Dual64; 6] = from_fn(|k| Dual64::new(x[k], f64::from(u8::from(k == column))));
@@ -221,8 +221,8 @@ mod tests {
             z[..2].iter_mut().zip(&problem.end.q).for_each(|(z, q)| *z = q * s * s * (3.0 - 2.0 * s));
         };
         let motion = solve_extremal(&mut extremal, problem.time, &Options::default(), guess);
-        assert!(motion.status.is_converged(), "{}", motion.status);
-        assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
+        assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
+        assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     }
 
     /// What the sine and cosine of generated code differ by from those of the standard library, in units of the last place.

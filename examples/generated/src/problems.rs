@@ -1,7 +1,7 @@
 //! What optimal motions are asked for: read by `build.rs` and by the tests.
 
-use costate::control::{Bounds, Penalty, Problem};
 use costate::robot::{Robot, RobotError};
+use costate_control::{Bounds, Penalty, Problem};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 

@@ -12,7 +12,7 @@ mod units;
 mod views;
 
 use super::kinematics::{Skeleton, film};
-use costate::control::{Problem, Solution};
+use costate_control::{Problem, Solution};
 use strobe::Stage;
 
 /// What a report is about.
@@ -40,7 +40,7 @@ pub fn files(motion: &Motion<'_>) -> Vec<(String, String)> {
     let panels = [
         panels::along_the_motion(motion),
         panels::control_by_control(motion),
-        panels::residuals(&motion.solution.iterations),
+        panels::residuals(&motion.solution.motion.iterations),
     ];
     let panels = panels.into_iter().flatten();
     let plots = panels.map(|(name, plot)| (format!("{name}.svg"), svg::alone(&plot.svg())));

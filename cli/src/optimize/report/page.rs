@@ -7,7 +7,7 @@ use super::svg::{STYLE, escaped};
 use super::{FRAMES, Motion, views};
 use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::summary;
-use costate::control::Status;
+use costate_control::StartResult;
 
 const PAGE_STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -23,7 +23,7 @@ pub fn text(motion: &Motion<'_>) -> String {
     } else {
         format!("<h3>Each control</h3><div class=\"grid-of-pictures\">{controls}</div>")
     };
-    let solver = plots(panels::residuals(&motion.solution.iterations));
+    let solver = plots(panels::residuals(&motion.solution.motion.iterations));
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
@@ -52,7 +52,7 @@ fn plots(panels: Vec<Panel>) -> String {
 /// Name, status, figures, warnings.
 fn head(motion: &Motion<'_>) -> String {
     let Motion { problem, solution, warnings, .. } = *motion;
-    let good = solution.status.is_converged();
+    let good = solution.motion.status.is_solved();
     let figures: String = summary::figures(problem, solution)
         .iter()
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{}</dd></div>", escaped(value)))
@@ -60,13 +60,14 @@ fn head(motion: &Motion<'_>) -> String {
     let warnings: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(warning))).collect();
     let warnings =
         if warnings.is_empty() { warnings } else { format!("<ul class=\"warnings\">{warnings}</ul>") };
-    let failure = format!("Not a solution but the best iterate: {}.", escaped(&solution.status.to_string()));
+    let failure =
+        format!("Not a solution but the best iterate: {}.", escaped(&solution.motion.status.to_string()));
     format!(
         "<header><h1>{} <span class=\"status {}\">{}</span></h1><p>{}</p><p class=\"bad\">{}</p></header>\n\
          <dl>{figures}</dl>\n{warnings}\n",
         escaped(problem.robot.name()),
         if good { "good" } else { "bad" },
-        escaped(&summary::spaced(solution.status.name())),
+        escaped(&summary::spaced(solution.motion.status.name())),
         escaped(&summary::criterion(problem)),
         if good { "" } else { &failure }
     )
@@ -94,7 +95,7 @@ fn pictures(motion: &Motion<'_>) -> String {
         .iter()
         .map(|stage| format!("<figure>{}</figure>\n", stage.strobe(robot, &skeleton, &film)))
         .collect();
-    let data = data(robot, &skeleton, &film, &stages, motion.solution.final_time);
+    let data = data(robot, &skeleton, &film, &stages, motion.solution.motion.final_time);
     // The data hold no text of the user's, so nothing in them can end their element.
     format!(
         "<section><h2>Motion</h2><div class=\"controls\">\
@@ -120,7 +121,7 @@ fn keys(motion: &Motion<'_>) -> String {
     if panels::has_limits(motion) {
         keys.push("dotted: limits of the robot, not enforced");
     }
-    if !motion.solution.switches.is_empty() {
+    if !motion.solution.motion.switches.is_empty() {
         keys.push("upright lines: entry to and exit from a bound");
     }
     if keys.is_empty() { String::new() } else { format!("<p class=\"note\">{}.</p>", keys.join("; ")) }
@@ -137,20 +138,22 @@ fn iterations(motion: &Motion<'_>) -> String {
         let header = cells("th", &header.iter().map(ToString::to_string).collect::<Vec<_>>());
         format!("<div class=\"wide\"><table><thead>{header}</thead><tbody>{rows}</tbody></table></div>")
     };
-    let rows: String =
-        solution.iterations.iter().map(|iteration| cells("td", &summary::iteration_row(iteration))).collect();
+    let rows: String = solution
+        .motion
+        .iterations
+        .iter()
+        .map(|iteration| cells("td", &summary::iteration_row(iteration)))
+        .collect();
     let mut text = String::new();
     if !rows.is_empty() {
         text += &table(&summary::ITERATION_HEADER, rows);
     }
-    if solution.others.len() > 1 {
-        let row = |(number, (cost, status)): (usize, &(f64, Status))| {
-            cells(
-                "td",
-                &[(number + 1).to_string(), status.name().to_owned(), super::numbers::short(*cost, 12)],
-            )
+    if solution.starts.len() > 1 {
+        let row = |(number, start): (usize, &StartResult)| {
+            let total = super::numbers::short(start.total, 12);
+            cells("td", &[(number + 1).to_string(), start.status.name().to_owned(), total])
         };
-        let rows = solution.others.iter().enumerate().map(row).collect();
+        let rows = solution.starts.iter().enumerate().map(row).collect();
         text +=
             &format!("<div><h3>Starts</h3>{}</div>", table(&["start", "status", "cost and penalties"], rows));
     }

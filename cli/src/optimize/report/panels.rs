@@ -5,8 +5,8 @@ use super::numbers::short;
 use super::plot::{Curve, Look, Plot};
 use super::svg::cut;
 use super::units::{self, Units};
-use costate::control::{Iteration, Trajectory};
 use costate::robot::{JointKind, Robot};
+use costate_control::{Iteration, Trajectory};
 
 /// A plot and the name of its file.
 pub type Panel = (String, Plot);
@@ -19,7 +19,7 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     let plot = |file: &str, title: &str, symbol: &str, unit: Units, rows: &[Vec<f64>]| {
         let mut plot = Plot::over_time(title, format!("{symbol} ({})", units::of_robot(robot, unit)));
         plot.curves = curves(robot, t, rows);
-        plot.marks.clone_from(&motion.solution.switches);
+        plot.marks.clone_from(&motion.solution.motion.switches);
         (file.to_owned(), plot)
     };
     let angles = if robot.joints().iter().any(|joint| joint.kind == JointKind::Prismatic) {
@@ -104,7 +104,7 @@ fn controls(motion: &Motion<'_>) -> Panel {
     let few = robot.len() <= 2;
     let levels = (0..robot.len()).filter(|_| few).flat_map(|i| levels(motion, i));
     plot.curves = levels.chain(curves(robot, t, u)).collect();
-    plot.marks.clone_from(&motion.solution.switches);
+    plot.marks.clone_from(&motion.solution.motion.switches);
     ("controls".into(), plot)
 }
 
@@ -120,7 +120,7 @@ pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
         let (title, label) = names_of_controls(motion, units::of_joint(joint.kind, units::EFFORT));
         let mut plot = Plot::over_time(format!("{title} {}", cut(&joint.name, 30)), label).small();
         plot.curves = levels(motion, i).into_iter().chain([curve]).collect();
-        plot.marks.clone_from(&motion.solution.switches);
+        plot.marks.clone_from(&motion.solution.motion.switches);
         (format!("control_{}", i + 1), plot)
     };
     curves(robot, t, u).into_iter().enumerate().map(panel).collect()
@@ -129,7 +129,7 @@ pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
 /// H* less its mean.
 fn hamiltonian(motion: &Motion<'_>) -> Panel {
     let solution = motion.solution;
-    let mean = solution.hamiltonian;
+    let mean = solution.motion.hamiltonian;
     let mut plot = Plot::over_time(format!("H* less its mean, {}", short(mean, 8)), "H* - mean (cost/s)");
     let values = &solution.trajectory.hamiltonian;
     let points = solution.trajectory.t.iter().zip(values).map(|(&t, h)| (t, h - mean)).collect();
@@ -145,7 +145,7 @@ fn mesh(motion: &Motion<'_>) -> Panel {
     let steps = t.windows(2).filter(|pair| pair[0] < pair[1]);
     let steps = steps.flat_map(|pair| [pair[0], pair[1]].map(|t| (t, pair[1] - pair[0])));
     plot.curves.push(Curve { name: "distance".into(), color: 0, points: steps.collect(), look: Look::Line });
-    plot.marks.clone_from(&motion.solution.switches);
+    plot.marks.clone_from(&motion.solution.motion.switches);
     ("mesh".into(), plot)
 }
 

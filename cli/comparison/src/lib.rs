@@ -1,0 +1,108 @@
+//! What `costate check` and `costate count` compute.
+//!
+//! Both need the pipeline for a dozen number types. Here it is compiled once, for the command line and for the tests,
+//! and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): nobody times it.
+
+use costate::derivative::{DerivativeError, Extent, OperationTable, StateReport};
+use costate::robot::Robot;
+use costate::scalar::Constants;
+use costate::step::StepError;
+use costate::{EvalError, derivative, step};
+
+/// [`derivative::Routes`], compiled here.
+pub struct Routes(derivative::Routes);
+
+impl Routes {
+    /// Builds every workspace.
+    #[inline(never)]
+    pub fn new(robot: &Robot) -> Self {
+        Self(derivative::Routes::new(robot))
+    }
+
+    /// [`derivative::Routes::compare`].
+    ///
+    /// # Errors
+    /// Those of [`derivative::Routes::compare`].
+    #[inline(never)]
+    pub fn compare(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+    ) -> Result<StateReport, DerivativeError<EvalError>> {
+        self.0.compare(x, u, y)
+    }
+
+    /// [`derivative::Routes::undetected`].
+    ///
+    /// # Errors
+    /// Those of [`derivative::Routes::compare`].
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn undetected(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+        change: f64,
+    ) -> Result<Vec<[&'static str; 2]>, DerivativeError<EvalError>> {
+        self.0.undetected(x, u, y, change)
+    }
+}
+
+/// [`step::StepRoutes`], compiled here.
+pub struct StepRoutes(step::StepRoutes);
+
+impl StepRoutes {
+    /// Builds every workspace.
+    #[inline(never)]
+    pub fn new(robot: &Robot) -> Self {
+        Self(step::StepRoutes::new(robot))
+    }
+
+    /// [`step::StepRoutes::compare`].
+    ///
+    /// # Errors
+    /// Those of [`step::StepRoutes::compare`].
+    #[inline(never)]
+    pub fn compare(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+        figures: &mut Vec<derivative::Figure>,
+    ) -> Result<(), StepError<EvalError>> {
+        self.0.compare(x, u, h, y, figures)
+    }
+
+    /// [`step::StepRoutes::undetected`].
+    ///
+    /// # Errors
+    /// Those of [`step::StepRoutes::compare`].
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn undetected(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+        change: f64,
+    ) -> Result<Vec<[&'static str; 2]>, StepError<EvalError>> {
+        self.0.undetected(x, u, h, y, change)
+    }
+}
+
+/// [`OperationTable::counted`].
+///
+/// # Errors
+/// Those of [`OperationTable::counted`].
+#[inline(never)]
+pub fn operation_table(
+    robot: &Robot,
+    constants: Constants,
+    extent: Extent,
+) -> Result<OperationTable, DerivativeError<EvalError>> {
+    OperationTable::counted(robot, constants, extent)
+}

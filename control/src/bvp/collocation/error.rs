@@ -1,0 +1,128 @@
+//! How wrong a converged solution is, and the next mesh.
+
+use crate::bvp::collocation::Collocation;
+use crate::bvp::collocation::lobatto::Lobatto;
+use crate::bvp::mesh::{Mesh, Span};
+use crate::bvp::timed::Timed;
+use crate::bvp::values::Values;
+use crate::extremal::Extremal;
+use costate::EvalError;
+
+/// Estimated errors of a solution.
+#[derive(Clone, Debug)]
+pub(crate) struct Estimate {
+    /// Largest error of each component, at nodes and between them, in parts of its scale.
+    pub components: Vec<f64>,
+    /// Defect of each span (root mean square, scaled), zero for a switch.
+    pub local: Vec<f64>,
+}
+
+impl Estimate {
+    /// The largest of all components.
+    pub fn largest(&self) -> f64 {
+        self.components.iter().fold(0.0, |largest, &error| largest.max(error))
+    }
+}
+
+/// The defect of the solution in the method with one more point, and what the linearised equations make of it.
+///
+/// Values at the points of that method come from the collocation polynomial, made better by two Picard iterations; its order
+/// is higher by two, so that `-A^-1 (defect)` is the error at the nodes to leading order. Between them the polynomial is
+/// compared with the values made better. After the last Newton step, whose matrix is used.
+///
+/// `respond` writes `-A^-1 (defect)`: that of [`Collocation::response`], or with further equations.
+pub(crate) fn estimate<E: Extremal>(
+    equations: &mut Collocation,
+    timed: &mut Timed<'_, E>,
+    respond: impl FnOnce(&mut Collocation, &[f64], &mut Values),
+) -> Result<Estimate, EvalError> {
+    let (m, s) = (equations.m, equations.method.len());
+    let finer = Lobatto::new(s + 1);
+    let mut defects = vec![0.0; equations.mesh.spans.len() * m];
+    let mut local = vec![0.0; equations.mesh.spans.len()];
+    let mut points = vec![0.0; (s + 1) * m];
+    let mut slopes = vec![0.0; (s + 1) * m];
+    let mut components = vec![0.0_f64; m];
+    for k in 0..equations.mesh.spans.len() {
+        let Span::Interval { arc, length } = equations.mesh.spans[k] else { continue };
+        slopes[..m].copy_from_slice(&equations.slopes.nodes[k * m..(k + 1) * m]);
+        slopes[s * m..].copy_from_slice(&equations.slopes.nodes[(k + 1) * m..(k + 2) * m]);
+        for j in 1..s {
+            equations.polynomial(k, finer.points[j], &mut points[j * m..(j + 1) * m]);
+        }
+        let left = &equations.current.nodes[k * m..(k + 1) * m];
+        let polynomial = points.clone();
+        for round in 0..3 {
+            for j in 1..s {
+                let range = j * m..(j + 1) * m;
+                timed.rate(&points[range.clone()], arc, &mut slopes[range])?;
+            }
+            if round < 2 {
+                for j in 1..s {
+                    for c in 0..m {
+                        let sum: f64 = (0..=s).map(|l| finer.a[j * (s + 1) + l] * slopes[l * m + c]).sum();
+                        points[j * m + c] = left[c] + length * sum;
+                    }
+                }
+            }
+        }
+        for (e, (before, after)) in polynomial.iter().zip(&points).enumerate().take(s * m).skip(m) {
+            components[e % m] = components[e % m].max(defined((before - after) / equations.scale[e % m]));
+        }
+        let right = &equations.current.nodes[(k + 1) * m..(k + 2) * m];
+        let mut square = 0.0;
+        for c in 0..m {
+            let sum: f64 = (0..=s).map(|l| finer.weights()[l] * slopes[l * m + c]).sum();
+            let defect = (right[c] - left[c] - length * sum) / equations.scale[c];
+            defects[k * m + c] = defect;
+            square += defect * defect;
+        }
+        local[k] = (square / m as f64).sqrt();
+    }
+    let mut errors = Values::zeros(equations.mesh.nodes(), m, s);
+    respond(equations, &defects, &mut errors);
+    for (i, &error) in errors.nodes.iter().enumerate() {
+        components[i % m] = components[i % m].max(defined(error));
+    }
+    Ok(Estimate { components, local })
+}
+
+/// The size of an error; infinite where it is undefined.
+fn defined(error: f64) -> f64 {
+    if error.is_nan() { f64::INFINITY } else { error.abs() }
+}
+
+/// A mesh on which the error should come below the tolerance; at most four times as many intervals and no more than `most`.
+///
+/// On the first mesh fewer intervals may do, at least half. Later ones only grow, by half where the error `before` was not
+/// much larger: there the solution is not as smooth as the order asks for.
+pub(crate) fn next_mesh(
+    mesh: &Mesh,
+    estimate: &Estimate,
+    before: Option<f64>,
+    (order, most): (usize, usize),
+    tolerance: f64,
+) -> Mesh {
+    let present = mesh.intervals() as f64;
+    let power = 1.0 / (order + 1) as f64;
+    let total: f64 = estimate.local.iter().sum();
+    let shares: f64 = estimate.local.iter().map(|error| error.powf(power)).sum();
+    let error = estimate.largest();
+    let wanted = if total > 0.0 && total.is_finite() && error.is_finite() {
+        (error / total * shares.powi(order as i32 + 1) / (0.3 * tolerance)).powf(1.0 / order as f64)
+    } else {
+        2.0 * present
+    };
+    let least = match before {
+        None => 1.1 * present.min(1.5 * wanted),
+        Some(before) if error > 0.1 * before => 1.5 * present,
+        Some(_) => 1.1 * present,
+    };
+    let count = wanted.clamp(least, 4.0 * present).ceil() as usize;
+    let count = count.min(most);
+    if total.is_finite() {
+        mesh.equidistributed(&estimate.local, order, count)
+    } else {
+        mesh.equidistributed(&vec![1.0; estimate.local.len()], order, count)
+    }
+}

@@ -1,0 +1,169 @@
+//! The control that makes the Hamiltonian greatest.
+
+use crate::extremal::{Ease, Law, Side};
+use crate::problem::Problem;
+use costate::scalar::Scalar;
+
+/// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
+/// at the nearest point to the free maximum.
+///
+/// Controls that cost nothing jump from bound to bound. To lead there smoothly, an [eased](Ease) problem gives them the cost
+/// `r w^2 ( s artanh s + 1/2 log(1 - s^2) )`, s = (u - middle)/w with w half the distance between the bounds: near the middle
+/// that is `1/2 r (u - middle)^2`, and the maximum is at `u = middle + w tanh(b y_p / (r w))`.
+#[derive(Clone, Debug)]
+pub(crate) struct Actuation {
+    /// b_i.
+    pub gain: Vec<f64>,
+    /// r_i.
+    pub effort: Vec<f64>,
+    /// Bounds, infinite where there are none.
+    pub bounds: Vec<(f64, f64)>,
+    /// Controls that cost nothing and have the smooth cost now: their middle and w.
+    smooth: Vec<Option<(f64, f64)>>,
+}
+
+/// Half the distance between two bounds; where there is only one its size stands for it, or 1 where that is zero.
+pub(crate) fn half_width((low, high): (f64, f64)) -> f64 {
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => 0.5 * (high - low),
+        (true, false) if low != 0.0 => low.abs(),
+        (false, true) if high != 0.0 => high.abs(),
+        _ => 1.0,
+    }
+}
+
+/// What a unit of smoothing costs in a unit of time: c_t, or 1.
+pub(crate) fn price(time_cost: f64) -> f64 {
+    if time_cost > 0.0 { time_cost } else { 1.0 }
+}
+
+/// A control as it acts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control<S> {
+    pub u: S,
+    /// du / d(b y_p).
+    pub slope: S,
+    /// Its part of the running cost.
+    pub cost: S,
+    /// What it costs only because the problem is eased.
+    pub smoothing: S,
+}
+
+impl Actuation {
+    /// That of a problem.
+    pub fn new(problem: &Problem) -> Self {
+        let n = problem.robot.len();
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let bounds = match &problem.bounds {
+            Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),
+            None => vec![free; n],
+        };
+        let (gain, effort) = (problem.gain.clone(), problem.cost.effort.clone());
+        Self { gain, effort, bounds, smooth: vec![None; n] }
+    }
+
+    /// Wider bounds than asked for, and a cost for controls that have none: at `ease.effort = 1` that of staying at a bound
+    /// is about the price of time.
+    pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Ease) {
+        let price = price(time_cost);
+        for (i, &(low, high)) in asked.bounds.iter().enumerate() {
+            let (middle, half) = (0.5 * (low + high), half_width((low, high)));
+            let further = (ease.bounds - 1.0) * half;
+            self.bounds[i] = if ease.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
+            (self.effort[i], self.smooth[i]) = match asked.effort[i] {
+                0.0 if ease.effort > 0.0 => {
+                    (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))
+                }
+                effort => (effort, asked.smooth[i].map(|(middle, width)| (middle, ease.bounds * width))),
+            };
+        }
+    }
+
+    /// The bounds that a control reaches: none where the actuation asked for has the smooth cost, which nears them only.
+    pub fn reached_bounds(&self, asked: &Self, i: usize) -> (f64, f64) {
+        if asked.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
+    }
+
+    /// What can be made easier about this actuation and the way to the end, and about penalties where there are some.
+    pub fn easiest(&self, penalties: bool) -> Ease {
+        let bounded = self.bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite());
+        Ease {
+            goal: 0.1,
+            penalty: if penalties { 0.0 } else { 1.0 },
+            effort: if self.effort.contains(&0.0) { 1.0 } else { 0.0 },
+            bounds: if bounded { f64::INFINITY } else { 1.0 },
+        }
+    }
+
+    /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
+    pub fn unbounded(&self, i: usize, y_p: f64) -> f64 {
+        let pull = self.gain[i] * y_p;
+        let middle = self.smooth[i].map_or(0.0, |(middle, _)| middle);
+        if pull == 0.0 { middle } else { middle + pull / self.effort[i] }
+    }
+
+    /// u_i and what goes with it.
+    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control<f64> {
+        let sides = match (law, self.smooth[i]) {
+            (Law::Maximal, None) => return self.maximal(i, y_p),
+            (Law::Maximal, Some((middle, width))) => {
+                return self.smoothed(i, self.unbounded(i, y_p) - middle, (middle, width));
+            }
+            (Law::Given(sides), _) => sides,
+        };
+        let (low, high) = self.bounds[i];
+        let (u, slope) = match sides[i] {
+            Side::Low => (low, 0.0),
+            Side::Inside => (self.unbounded(i, y_p), self.effort[i].recip()),
+            Side::High => (high, 0.0),
+        };
+        Control { u, slope, cost: 0.5 * self.effort[i] * u * u, smoothing: 0.0 }
+    }
+
+    /// `u_i = clip(r_i^-1 b_i y_p,i)`; for r_i = 0 the bound that the sign of b_i y_p,i asks for.
+    pub fn maximal<S: Scalar>(&self, i: usize, y_p: S) -> Control<S> {
+        let ((low, high), r) = (self.bounds[i], self.effort[i]);
+        let (pull, zero) = (y_p.times(self.gain[i]), S::zero());
+        let (mut u, mut slope, at_low, at_high) = if r == 0.0 {
+            (S::from_f64(0.0_f64.clamp(low, high)), zero, pull.less(zero), zero.less(pull))
+        } else {
+            let u = pull / S::from_f64(r);
+            (u, S::from_f64(r.recip()), u.less(S::from_f64(low)), S::from_f64(high).less(u))
+        };
+        for (mask, bound) in [(at_low, low), (at_high, high)] {
+            if bound.is_finite() {
+                (u, slope) = (S::select(mask, S::from_f64(bound), u), S::select(mask, zero, slope));
+            }
+        }
+        Control { u, slope, cost: (u * u).times(0.5 * r), smoothing: zero }
+    }
+
+    /// With `free = b y_p / r`.
+    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control<f64> {
+        let r = self.effort[i];
+        if width.is_infinite() {
+            let smoothing = 0.5 * r * free * free;
+            return Control { u: middle + free, slope: r.recip(), cost: 0.0, smoothing };
+        }
+        let argument = free / width;
+        let s = argument.tanh();
+        // 1/2 log(1 - s^2) = -log cosh, without cancellation.
+        let size = argument.abs();
+        let log_cosh = size + (-2.0 * size).exp().ln_1p() - std::f64::consts::LN_2;
+        let smoothing = r * width * width * (s * argument - log_cosh);
+        let cosh = log_cosh.exp();
+        Control { u: middle + width * s, slope: (r * cosh * cosh).recip(), cost: 0.0, smoothing }
+    }
+
+    /// `b_i y_p,i - r_i u_i` at the bound that is reached or left, and its slope in y_p,i; between two bounds `b_i y_p,i`.
+    pub fn switching(&self, i: usize, sides: (Side, Side), y_p: f64) -> (f64, f64) {
+        let (low, high) = self.bounds[i];
+        let bound = match sides {
+            (Side::Low, Side::High) | (Side::High, Side::Low) => 0.0,
+            (Side::Low, _) | (_, Side::Low) => low,
+            (Side::High, _) | (_, Side::High) => high,
+            (Side::Inside, Side::Inside) => 0.0,
+        };
+        (self.gain[i] * y_p - self.effort[i] * bound, self.gain[i])
+    }
+}

@@ -1,0 +1,204 @@
+//! Extremals of a robot: `z = (q, p, y_q, y_p)`.
+
+pub(crate) mod ends;
+pub(crate) mod equations;
+
+use crate::extremal::actuation::{Actuation, price};
+use crate::extremal::differences::{Differenced, Differences};
+use crate::extremal::hamiltonian::ends::Ends;
+use crate::extremal::hamiltonian::equations::{Equations, Running};
+use crate::extremal::{Ease, Extremal, Law, Rate, Side};
+use crate::options::Jacobian;
+use crate::problem::Problem;
+use costate::EvalError;
+use costate::hamiltonian::HamiltonianSecondOrder;
+
+/// The extremals of a [`Problem`]:
+///
+/// ```text
+/// x' = F + (0, B u)      y' = -F_x'y + l_x      u = clip(R^-1 B y_p)
+/// Jacobian  [ F_x             B R^-1 B where not at a bound ]
+///           [ l_xx - y'F_xx   -F_x'                         ]
+/// ```
+///
+/// Penalties and [user terms](crate::UserTerm) depend on q and v = F^q(x): with `E = [ 1 0 ; V ]`, `V = F^q_x`,
+/// `l_x = E'(l_q, l_v)`. So `y'F_x - l_x = (y_q - l_v, y_p)'F_x - (l_q, 0)`, and likewise
+/// `y'F_xx - l_xx = (y_q - l_v, y_p)'F_xx - E' l_zz E`: no new tensor. Built once; evaluations do not allocate.
+#[derive(Clone, Debug)]
+pub struct RobotExtremal {
+    pub(crate) equations: Equations<f64>,
+    pub(crate) actuation: Actuation,
+    /// Actuation and weight of the penalties of the problem itself.
+    asked: (Actuation, f64),
+    ends: Ends,
+    jacobian: Jacobian,
+    ease: Ease,
+    /// Whether an easier problem has weaker user terms.
+    ease_terms: bool,
+    differences: Differences,
+}
+
+impl RobotExtremal {
+    /// The extremals of a problem that was [checked](Problem::check).
+    ///
+    /// # Errors
+    /// A mass matrix that is singular at the start or the end.
+    pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
+        let n = problem.robot.len();
+        Ok(Self {
+            equations: Equations::new(problem, HamiltonianSecondOrder::new(&problem.robot)),
+            actuation: Actuation::new(problem),
+            asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
+            ends: Ends::new(problem)?,
+            jacobian,
+            ease: Ease::NONE,
+            ease_terms: problem.terms_may_be_weaker(),
+            differences: Differences::new(4 * n),
+        })
+    }
+
+    /// Makes controls that cost nothing cost so much, in parts of what matters, and takes that for the problem itself.
+    pub(crate) fn smooth(&mut self, effort: f64) {
+        let asked = self.asked.0.clone();
+        self.asked.0.ease(&asked, self.time_cost(), Ease { effort, ..Ease::NONE });
+        self.actuation = self.asked.0.clone();
+    }
+
+    /// Momenta `p = M(q) v`.
+    pub(crate) fn momentum(&mut self, q: &[f64], v: &[f64]) -> Result<&[f64], EvalError> {
+        self.equations.second.first().momentum(q, v)
+    }
+
+    /// Rates `v = M(q)^-1 p`.
+    pub(crate) fn velocity(&mut self, x: &[f64]) -> Result<&[f64], EvalError> {
+        let (q, p) = x.split_at(x.len() / 2);
+        self.equations.second.first().velocity(q, p)
+    }
+}
+
+impl Differenced for RobotExtremal {
+    fn differences(&mut self) -> &mut Differences {
+        &mut self.differences
+    }
+}
+
+impl Extremal for RobotExtremal {
+    fn states(&self) -> usize {
+        2 * self.equations.force.len()
+    }
+
+    fn controls(&self) -> usize {
+        self.equations.force.len()
+    }
+
+    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+        let actuation = &self.actuation;
+        let l = self.equations.rate(z, |i, y_p| actuation.control(i, y_p, law), g)?;
+        Ok(with_hamiltonian(z, g, l))
+    }
+
+    fn linear(
+        &mut self,
+        z: &[f64],
+        law: Law<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<Rate, EvalError> {
+        if self.jacobian == Jacobian::Differences {
+            self.by_differences(z, law, jacobian)?;
+            return self.rate(z, law, g);
+        }
+        let hessian = self.jacobian == Jacobian::Exact;
+        let actuation = &self.actuation;
+        let control = |i, y_p| actuation.control(i, y_p, law);
+        let l = self.equations.linear(z, control, hessian, (g, jacobian))?;
+        Ok(with_hamiltonian(z, g, l))
+    }
+
+    fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
+        self.ends.start(z, residual, jacobian)
+    }
+
+    fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
+        self.ends.end(z, residual, jacobian)
+    }
+
+    fn time_cost(&self) -> f64 {
+        self.equations.time_cost
+    }
+
+    fn ends_are_fixed(&self) -> bool {
+        self.ends.are_fixed()
+    }
+
+    fn ease(&self) -> Ease {
+        self.ease
+    }
+
+    fn set_ease(&mut self, ease: Ease) {
+        self.ease = ease;
+        self.ends.set_goal(ease.goal);
+        let price = price(self.equations.time_cost);
+        self.equations.penalties.set_weight(ease.penalty * self.asked.1);
+        self.equations.penalties.set_rounding(ease.effort * price);
+        self.equations.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
+        self.actuation.ease(&self.asked.0, self.equations.time_cost, ease);
+    }
+
+    fn easiest(&self) -> Ease {
+        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
+    }
+
+    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
+    fn stretch(&self, z: &mut [f64], factor: f64) {
+        stretch(z, factor);
+    }
+
+    /// Positions, momenta, and the costates of each.
+    fn group(&self, component: usize) -> usize {
+        component / self.equations.force.len()
+    }
+
+    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
+        let n = self.equations.force.len();
+        u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, z[3 * n + i]));
+    }
+
+    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+        let n = self.equations.force.len();
+        u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, z[3 * n + i], law).u);
+    }
+
+    fn bounds(&self, control: usize) -> (f64, f64) {
+        self.actuation.reached_bounds(&self.asked.0, control)
+    }
+
+    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+        let at = 3 * self.equations.force.len() + control;
+        gradient.fill(0.0);
+        let (value, slope) = self.actuation.switching(control, sides, z[at]);
+        gradient[at] = slope;
+        value
+    }
+
+    fn state_rate(&mut self, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
+        let n = self.equations.force.len();
+        let Equations { second, force, gain, .. } = &mut self.equations;
+        force.iter_mut().zip(gain).zip(u).for_each(|((force, gain), u)| *force = *gain * u);
+        f.copy_from_slice(second.first().evaluate(&x[..n], &x[n..], force)?);
+        Ok(())
+    }
+}
+
+/// `H* = y'f - l` and l.
+pub(crate) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> Rate {
+    let states = z.len() / 2;
+    let hamiltonian = costate::matrix::dot(&z[states..], &g[..states]) - l.cost - l.penalty - l.smoothing;
+    Rate { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
+}
+
+/// Positions, rates or momenta, and the costates of each, of a motion that takes `factor` times as long.
+pub(crate) fn stretch(z: &mut [f64], factor: f64) {
+    let parts = z.chunks_exact_mut(z.len() / 4).zip([0, -1, -3, -2]);
+    parts.for_each(|(part, power)| part.iter_mut().for_each(|z| *z *= factor.powi(power)));
+}

@@ -1,0 +1,263 @@
+//! Extremals of a robot in Lagrangian coordinates: `z = (q, v, y_q, y_v)`.
+
+pub(crate) mod ends;
+pub(crate) mod jacobian;
+
+use crate::extremal::actuation::{Actuation, price};
+use crate::extremal::differences::{Differenced, Differences};
+use crate::extremal::hamiltonian::equations::Running;
+use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
+use crate::extremal::lagrangian::ends::LagrangianEnds;
+use crate::extremal::penalty::Penalties;
+use crate::extremal::user_terms::UserTerms;
+use crate::extremal::{Ease, Extremal, Law, Rate, Side};
+use crate::options::Jacobian;
+use crate::problem::Problem;
+use costate::EvalError;
+use costate::lagrangian::LagrangianSecondOrder;
+
+/// The extremals of a [`Problem`] with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
+///
+/// ```text
+/// x' = (v, a(q, v, B u))      y' = -f_x'y + l_x      u = clip(R^-1 B w),  w = M^-1 y_v
+/// H*_zz = H_zz + W' B R^-1 B W where not at a bound,      W = w_z = ( y_v'a_uq, 0, 0, M^-1 )
+/// Jacobian  [ H*_yx  H*_yy ; -H*_xx  -H*_xy ],      H_xx = y_v'a_xx - l_xx,  H_yx = f_x,  H_yy = 0
+/// ```
+///
+/// H is `y'f - l` at a given u. The actuation acts through M^-1, so u depends on q, which adds to all blocks; in Hamiltonian
+/// coordinates it depends on y_p alone. Penalties and [user terms](crate::UserTerm) depend on x itself. Free ends: `y_q,j = 0`, `y_v,j = 0`.
+///
+/// [`Jacobian::WithoutHessian`] leaves out the second derivatives of the dynamics, `y_v'a_xx` and `y_v'a_uq`; with them goes
+/// all that u changes with q. Built once; evaluations do not allocate.
+#[derive(Clone, Debug)]
+pub struct LagrangianExtremal {
+    pub(crate) second: LagrangianSecondOrder<f64>,
+    pub(crate) actuation: Actuation,
+    /// Actuation and weight of the penalties of the problem itself.
+    asked: (Actuation, f64),
+    pub(crate) penalties: Penalties,
+    pub(crate) terms: UserTerms<f64>,
+    ends: LagrangianEnds,
+    /// c_t.
+    time_cost: f64,
+    pub(crate) jacobian: Jacobian,
+    ease: Ease,
+    /// Whether an easier problem has weaker user terms.
+    ease_terms: bool,
+    /// w.
+    pub(crate) pull: Vec<f64>,
+    /// B u.
+    pub(crate) force: Vec<f64>,
+    /// du / d(b w).
+    pub(crate) slopes: Vec<f64>,
+    /// l_x, and the diagonal of l_xx that penalties have.
+    pub(crate) l_x: Vec<f64>,
+    pub(crate) l_xx: Vec<f64>,
+    differences: Differences,
+}
+
+impl LagrangianExtremal {
+    /// The extremals of a problem that was [checked](Problem::check).
+    ///
+    /// # Errors
+    /// A mass matrix that is singular at the start or the end.
+    pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
+        let n = problem.robot.len();
+        let mut second = LagrangianSecondOrder::new(&problem.robot);
+        for q in [&problem.start.q, &problem.end.q] {
+            second.first().solve_mass_matrix(q, &mut vec![0.0; n])?;
+        }
+        Ok(Self {
+            second,
+            actuation: Actuation::new(problem),
+            asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
+            penalties: Penalties::new(n, problem.penalty.as_ref()),
+            terms: UserTerms::new(n, &problem.terms),
+            ends: LagrangianEnds::new(problem),
+            time_cost: problem.cost.time,
+            jacobian,
+            ease: Ease::NONE,
+            ease_terms: problem.terms_may_be_weaker(),
+            pull: vec![0.0; n],
+            force: vec![0.0; n],
+            slopes: vec![0.0; n],
+            l_x: vec![0.0; 2 * n],
+            l_xx: vec![0.0; 2 * n],
+            differences: Differences::new(4 * n),
+        })
+    }
+
+    /// w, controls and penalties at z; M(q) is factored after it.
+    fn prepare(&mut self, z: &[f64], law: Law<'_>, curvature: bool) -> Result<Running<f64>, EvalError> {
+        let n = self.force.len();
+        self.pull.copy_from_slice(&z[3 * n..]);
+        self.second.first().solve_mass_matrix(&z[..n], &mut self.pull)?;
+        let mut l = Running { cost: self.time_cost, penalty: 0.0, smoothing: 0.0 };
+        self.l_x.fill(0.0);
+        for i in 0..n {
+            let control = self.actuation.control(i, self.pull[i], law);
+            self.force[i] = self.actuation.gain[i] * control.u;
+            self.slopes[i] = control.slope;
+            l.cost += control.cost;
+            l.smoothing += control.smoothing;
+        }
+        if self.penalties.any() {
+            for i in 0..n {
+                let terms =
+                    [(i, self.penalties.position(i, z[i])), (n + i, self.penalties.rate(i, z[n + i]))];
+                for (at, term) in terms {
+                    l.penalty += term.value;
+                    (self.l_x[at], self.l_xx[at]) = (term.first, term.second);
+                }
+            }
+        }
+        if self.terms.any() {
+            let (q, v) = z[..2 * n].split_at(n);
+            if curvature {
+                self.terms.second(q, v)
+            } else {
+                self.terms.first(q, v)
+            }
+            l.cost += self.terms.value;
+            self.l_x.iter_mut().zip(&self.terms.gradient).for_each(|(l_x, term)| *l_x += term);
+        }
+        Ok(l)
+    }
+
+    /// w alone; not a number where the mass matrix is singular.
+    fn pull_at(&mut self, z: &[f64]) {
+        let n = self.force.len();
+        self.pull.copy_from_slice(&z[3 * n..]);
+        if self.second.first().solve_mass_matrix(&z[..n], &mut self.pull).is_err() {
+            self.pull.fill(f64::NAN);
+        }
+    }
+}
+
+impl Differenced for LagrangianExtremal {
+    fn differences(&mut self) -> &mut Differences {
+        &mut self.differences
+    }
+}
+
+impl Extremal for LagrangianExtremal {
+    fn states(&self) -> usize {
+        2 * self.force.len()
+    }
+
+    fn controls(&self) -> usize {
+        self.force.len()
+    }
+
+    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+        let n = self.force.len();
+        let l = self.prepare(z, law, false)?;
+        let (f, y_rate) = g.split_at_mut(2 * n);
+        self.second.first().adjoint_factored([&z[..n], &z[n..2 * n], &self.force, &self.pull], f, y_rate)?;
+        y_rate.iter_mut().for_each(|product| *product = -*product);
+        y_rate[n..].iter_mut().zip(&z[2 * n..3 * n]).for_each(|(rate, y_q)| *rate -= y_q);
+        y_rate.iter_mut().zip(&self.l_x).for_each(|(rate, l_x)| *rate += l_x);
+        Ok(with_hamiltonian(z, g, l))
+    }
+
+    fn linear(
+        &mut self,
+        z: &[f64],
+        law: Law<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<Rate, EvalError> {
+        if self.jacobian == Jacobian::Differences {
+            self.by_differences(z, law, jacobian)?;
+            return self.rate(z, law, g);
+        }
+        let l = self.prepare(z, law, true)?;
+        self.exact(z, g, jacobian)?;
+        Ok(with_hamiltonian(z, g, l))
+    }
+
+    fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
+        self.ends.start(z, residual, jacobian);
+        Ok(())
+    }
+
+    fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
+        self.ends.end(z, residual, jacobian);
+        Ok(())
+    }
+
+    fn time_cost(&self) -> f64 {
+        self.time_cost
+    }
+
+    fn ends_are_fixed(&self) -> bool {
+        self.ends.are_fixed()
+    }
+
+    fn ease(&self) -> Ease {
+        self.ease
+    }
+
+    fn set_ease(&mut self, ease: Ease) {
+        self.ease = ease;
+        self.ends.set_goal(ease.goal);
+        self.penalties.set_weight(ease.penalty * self.asked.1);
+        self.penalties.set_rounding(ease.effort * price(self.time_cost));
+        self.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
+        self.actuation.ease(&self.asked.0, self.time_cost, ease);
+    }
+
+    fn easiest(&self) -> Ease {
+        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
+    }
+
+    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
+    fn stretch(&self, z: &mut [f64], factor: f64) {
+        stretch(z, factor);
+    }
+
+    /// Positions, rates, and the costates of each.
+    fn group(&self, component: usize) -> usize {
+        component / self.force.len()
+    }
+
+    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
+        self.pull_at(z);
+        u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, self.pull[i]));
+    }
+
+    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+        self.pull_at(z);
+        u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, self.pull[i], law).u);
+    }
+
+    fn bounds(&self, control: usize) -> (f64, f64) {
+        self.actuation.reached_bounds(&self.asked.0, control)
+    }
+
+    /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.
+    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+        let n = self.force.len();
+        self.pull_at(z);
+        let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
+        gradient.fill(0.0);
+        self.force.fill(0.0);
+        let Ok(all) = self.second.contract_forward_dynamics(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..])
+        else {
+            return f64::NAN;
+        };
+        for (part, row) in [(0, all.uq().row(control)), (3 * n, all.forward_dynamics().a_u().row(control))] {
+            gradient[part..part + n].iter_mut().zip(row).for_each(|(to, &from)| *to = slope * from);
+        }
+        value
+    }
+
+    fn state_rate(&mut self, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
+        let n = self.force.len();
+        for (i, force) in self.force.iter_mut().enumerate() {
+            *force = self.actuation.gain[i] * u[i];
+        }
+        f.copy_from_slice(self.second.first().evaluate(&x[..n], &x[n..], &self.force)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,13 @@
+//! What a solve gives: figures, values over time, and their JSON form.
+
+pub(crate) mod conjugate;
+pub(crate) mod crossings;
+pub(crate) mod defect;
+pub(crate) mod limits;
+pub(crate) mod motion;
+pub(crate) mod nodes;
+pub(crate) mod saved;
+pub(crate) mod solution;
+pub(crate) mod trajectory;
+pub(crate) mod trajectory_error;
+pub(crate) mod verify;

@@ -1,0 +1,251 @@
+//! Figures of a solved extremal, and its values at the nodes.
+
+use crate::bvp::Solvable;
+use crate::bvp::mesh::Span;
+use crate::bvp::timed::Timed;
+use crate::extremal::{Ease, Extremal};
+use crate::options::Iteration;
+use crate::result::nodes::{Interpolant, Nodes};
+use crate::solve::Extremum;
+use crate::status::Status;
+use serde::{Deserialize, Serialize};
+
+/// What is known about the second variation, for ends that are fixed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Certificate {
+    /// No conjugate time up to T, of any multiplicity: a strict local minimum among all motions between these ends in
+    /// this time.
+    LocalMinimum,
+    /// A conjugate time lies before T: motions nearby cost less.
+    NotMinimal,
+    /// Not checked: free ends, controls that reach a bound, a motion that is not converged, or rounding that hides the
+    /// answer.
+    NotChecked,
+}
+
+/// Figures of a solved extremal.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Motion {
+    /// How the solve ended.
+    pub status: Status,
+    /// Integral of the running cost without penalties; `c_t T + integral of 1/2 sum r_i u_i^2` for a robot.
+    pub cost: f64,
+    /// Integral of the penalties.
+    pub penalty_cost: f64,
+    /// Weight of the smoothing that is left, relative to one that matters; 0 for the problem itself.
+    pub smoothing: f64,
+    /// T (s).
+    pub final_time: f64,
+    /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`.
+    pub hamiltonian: f64,
+    /// `max |H* - mean| / max (|y'f| + |l|)`: zero for an exact solution.
+    pub hamiltonian_drift: f64,
+    /// x at the end when the motion is integrated again from its start with the control that was found; `None` where the
+    /// integration stopped, or for a motion that is not converged.
+    pub end_state: Option<Vec<f64>>,
+    /// Largest relative mismatch when segments of the motion, costates included, are integrated again from their starts;
+    /// infinite where the integration stopped, or for a motion that is not converged.
+    pub shooting_defect: f64,
+    /// First conjugate time (s), if there is one up to T.
+    pub conjugate_time: Option<f64>,
+    /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
+    pub conjugate_multiplicity: usize,
+    /// What follows for the motion.
+    pub certificate: Certificate,
+    /// Estimated error of each component of z in the coordinates of the search, relative to its largest value.
+    pub errors: Vec<f64>,
+    /// Newton steps, those of the path search included.
+    pub iterations: Vec<Iteration>,
+    /// Times (s) at which a control reaches or leaves a bound.
+    pub switches: Vec<f64>,
+}
+
+impl Motion {
+    /// Figures of a motion that does not exist.
+    pub(crate) fn missing(status: Status, final_time: f64) -> Self {
+        Self {
+            status,
+            cost: f64::INFINITY,
+            penalty_cost: 0.0,
+            smoothing: 0.0,
+            final_time,
+            hamiltonian: f64::NAN,
+            hamiltonian_drift: f64::INFINITY,
+            end_state: None,
+            shooting_defect: f64::INFINITY,
+            conjugate_time: None,
+            conjugate_multiplicity: 0,
+            certificate: Certificate::NotChecked,
+            errors: Vec::new(),
+            iterations: Vec::new(),
+            switches: Vec::new(),
+        }
+    }
+
+    /// Cost and penalties together: what was minimised.
+    pub fn total(&self) -> f64 {
+        self.cost + self.penalty_cost
+    }
+
+    /// Largest end defect and shooting defect, relative to the size of each component, with which a motion that was
+    /// solved to this tolerance counts as verified: `max(100 tolerance, 1e-6)`.
+    pub fn verification_bound(tolerance: f64) -> f64 {
+        (100.0 * tolerance).max(1e-6)
+    }
+}
+
+/// A solved extremal: its figures, and its values at the nodes.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExtremalSolution {
+    /// The figures.
+    pub motion: Motion,
+    /// The values at the nodes.
+    pub nodes: Nodes,
+}
+
+/// The status of a converged motion with this defect; undefined defects are not verified.
+pub(crate) fn verified(defect: f64, smoothed: bool, tolerance: f64) -> Status {
+    match (defect <= Motion::verification_bound(tolerance), smoothed) {
+        (true, false) => Status::Converged,
+        (true, true) => Status::ConvergedSmoothed,
+        (false, _) => Status::NotVerified,
+    }
+}
+
+impl ExtremalSolution {
+    /// Changes the coordinates of all values of z and of the end state; what cannot be mapped becomes undefined. The
+    /// polynomial between the nodes belongs to the old coordinates and is dropped when values change.
+    pub(crate) fn map<F: FnMut(&mut [f64]) -> Result<(), costate::EvalError>>(&mut self, mut map: F) {
+        let before = self.nodes.z.clone();
+        for z in self.nodes.z.iter_mut().chain(&mut self.motion.end_state) {
+            if map(z).is_err() {
+                z.fill(f64::NAN);
+            }
+        }
+        if self.nodes.z != before {
+            self.nodes.interpolant = None;
+        }
+    }
+}
+
+impl Extremum {
+    /// The solution, verified by integration and checked for conjugate times where it converged.
+    pub(crate) fn into_solution<E: Extremal>(
+        mut self,
+        extremal: &mut E,
+        iterations: Vec<Iteration>,
+        tolerance: f64,
+    ) -> ExtremalSolution {
+        extremal.set_ease(self.ease);
+        let values = self.equations.current.clone();
+        let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
+        if let Err(failure) = self.equations.evaluate(&mut timed, &values)
+            && self.status.is_converged()
+        {
+            self.status = failure.into();
+        }
+        let (final_time, (cost, penalty_cost)) = (self.final_time(extremal), self.costs(extremal));
+        let converged = self.status.is_converged();
+        let verifiable = converged || self.status == Status::SwitchesNotRefined;
+        let end_state = if verifiable { self.integrated_again(extremal).ok() } else { None };
+        let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
+        let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
+        let smoothed = self.ease != Ease::NONE;
+        let (conjugate, certificate) = if converged && !smoothed {
+            self.second_variation(extremal)
+        } else {
+            (None, Certificate::NotChecked)
+        };
+        if converged {
+            let end = self.end_defect(extremal, end_state.as_deref());
+            let shooting = if smoothed { 0.0 } else { shooting_defect };
+            self.status = verified(end.max(shooting), smoothed, tolerance);
+        }
+        let (hamiltonian, hamiltonian_drift) = self.drift();
+        let (nodes, mut switches) = self.nodes(extremal);
+        if self.arcs.switches.is_empty() {
+            switches = self.crossings(extremal).into_iter().map(|crossing| crossing.time).collect();
+        }
+        let motion = Motion {
+            status: self.status,
+            cost,
+            penalty_cost,
+            smoothing: self.ease.effort,
+            final_time,
+            hamiltonian,
+            hamiltonian_drift,
+            end_state,
+            shooting_defect,
+            conjugate_time: conjugate.map(|conjugate| conjugate.time),
+            conjugate_multiplicity: conjugate.map_or(0, |conjugate| conjugate.multiplicity),
+            certificate,
+            errors: self.estimate.map_or_else(Vec::new, |estimate| estimate.components),
+            iterations,
+            switches,
+        };
+        ExtremalSolution { motion, nodes }
+    }
+
+    /// Values at the nodes with the collocation polynomial, and the times of the switches between arcs.
+    fn nodes<E: Extremal>(&self, extremal: &mut E) -> (Nodes, Vec<f64>) {
+        let (z_len, m) = (2 * extremal.states(), self.equations.m);
+        let durations = self.durations(z_len);
+        let points = self.equations.method.len();
+        let (mut nodes, mut interpolant) = (Nodes::default(), Interpolant::new(points));
+        let (mut switches, mut now) = (Vec::new(), 0.0);
+        let mut controls = vec![0.0; extremal.controls()];
+        for i in 0..self.equations.mesh.nodes() {
+            let w = &self.equations.current.nodes[i * m..i * m + z_len];
+            let arc = self.equations.mesh.arc_of_node(i);
+            extremal.controls_at(w, self.arcs.law(arc), &mut controls);
+            nodes.t.push(now);
+            nodes.z.push(w.to_vec());
+            nodes.u.push(controls.clone());
+            nodes.hamiltonian.push(self.equations.rates.0[i].hamiltonian);
+            // Slopes are in the scaled time of an arc.
+            let seconds = |slopes: &[f64], arc: usize| -> Vec<f64> {
+                slopes[..z_len].iter().map(|slope| slope / durations[arc]).collect()
+            };
+            interpolant.slopes.push(seconds(&self.equations.slopes.nodes[i * m..], arc));
+            match self.equations.mesh.spans.get(i) {
+                Some(&Span::Interval { arc, length }) => {
+                    let (mut slopes, mut inner_controls) = (Vec::new(), Vec::new());
+                    for k in i * (points - 2)..(i + 1) * (points - 2) {
+                        let w = &self.equations.current.inner[k * m..k * m + z_len];
+                        extremal.controls_at(w, self.arcs.law(arc), &mut controls);
+                        slopes.push(seconds(&self.equations.slopes.inner[k * m..], arc));
+                        inner_controls.push(controls.clone());
+                    }
+                    interpolant.inner.push(slopes);
+                    interpolant.controls.push(inner_controls);
+                    now += length * durations[arc];
+                }
+                Some(Span::Switch { .. }) => {
+                    interpolant.inner.push(Vec::new());
+                    interpolant.controls.push(Vec::new());
+                    switches.push(now);
+                }
+                None => {}
+            }
+        }
+        nodes.interpolant = Some(interpolant);
+        (nodes, switches)
+    }
+
+    /// Mean of H*, and its largest distance from it in parts of the terms that it is made of.
+    fn drift(&self) -> (f64, f64) {
+        let inner = self.equations.method.len() - 2;
+        let spans = self.equations.mesh.spans.iter().enumerate();
+        let of_spans = spans.filter(|(_, span)| matches!(span, Span::Interval { .. }));
+        let of_inner = of_spans.flat_map(|(k, _)| &self.equations.rates.1[k * inner..(k + 1) * inner]);
+        let all: Vec<_> = self.equations.rates.0.iter().chain(of_inner).collect();
+        let mean = all.iter().map(|rate| rate.hamiltonian).sum::<f64>() / all.len() as f64;
+        let size = all.iter().map(|rate| rate.magnitude()).fold(0.0, f64::max);
+        let far = all.iter().map(|rate| (rate.hamiltonian - mean).abs()).fold(0.0, f64::max);
+        (mean, if size > 0.0 { far / size } else { 0.0 })
+    }
+}

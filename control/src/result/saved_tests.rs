@@ -1,0 +1,52 @@
+//! The JSON form of solutions, and what is refused.
+
+use super::*;
+use costate::robot::{JointSpec, LinkInertia};
+
+fn sledge(joint: &str) -> Robot {
+    let joint = JointSpec::prismatic(joint).carrying(LinkInertia::point(1.0, [0.0; 3]));
+    Robot::builder("sledge").joint(joint).build().unwrap()
+}
+
+/// A saved motion of two nodes.
+fn text(t: &str, q: &str, y: &str) -> String {
+    let rest = "\"v\":[[0],[0.1]],\"p\":[[0],[0.1]],\"u\":[[1],[-1]]";
+    format!("{{\"status\":\"mesh_limit\",\"trajectory\":{{\"t\":{t},\"q\":{q},\"y\":{y},{rest}}}}}")
+}
+
+#[test]
+fn what_is_written_is_what_is_read() {
+    let robot = sledge("x");
+    let text = text("[0,0.3]", "[[0.1],[0.30000000000000004]]", "[[1,2],[3,4]]");
+    let trajectory = Trajectory::from_json(&text, &robot).unwrap();
+    assert_eq!(trajectory.q[1][0], 0.30000000000000004);
+    let mut solution = Solution::missing(&robot, Status::MeshLimit, 0.3);
+    solution.trajectory = trajectory.clone();
+    let again = serde_json::to_string(&solution).unwrap();
+    assert_eq!(Trajectory::from_json(&again, &robot).unwrap(), trajectory);
+    assert_eq!(solution.costate_start(), (&[1.0][..], &[2.0][..]));
+    let whole: Solution = serde_json::from_str(&again).unwrap();
+    assert_eq!(serde_json::to_string(&whole).unwrap(), again);
+    assert_eq!(whole.motion.status, Status::MeshLimit);
+    let error = Trajectory::from_json(&again, &sledge("y")).unwrap_err().to_string();
+    assert!(error.contains("'x'") && error.contains("'y'"), "{error}");
+}
+
+#[test]
+fn what_is_no_motion_of_the_robot_is_refused_with_the_reason() {
+    let (t, q, y) = ("[0,1]", "[[0],[1]]", "[[1,2],[3,4]]");
+    for (text, reason) in [
+        ("cost: 1".into(), "not a saved solution"),
+        ("{\"format\":99,".to_owned() + &text(t, q, y)[1..], "update costate"),
+        (text("[0]", q, y), "two finite times"),
+        (text("[1,0]", q, y), "two finite times"),
+        (text(t, "[[0]]", y), "`q` has 1 rows, and `t` has 2"),
+        (text(t, "[[0,1],[1,2]]", y), "`q` (counted from 0) has 2 numbers; this robot needs 1"),
+        (text(t, q, "[[1],[3]]"), "`y` (counted from 0) has 1 numbers; this robot needs 2"),
+        (text(t, "[[0],[null]]", y), "null"),
+    ] {
+        let error = Trajectory::from_json(&text, &sledge("x")).unwrap_err();
+        let message = format!("{error} {:?}", std::error::Error::source(&error));
+        assert!(message.contains(reason), "{message}");
+    }
+}

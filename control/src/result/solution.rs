@@ -1,0 +1,91 @@
+//! What solving a problem of a robot gives.
+
+use crate::options::Options;
+use crate::result::motion::Motion;
+use crate::result::trajectory::Trajectory;
+use crate::status::Status;
+use costate::robot::Robot;
+
+/// What solving a [`Problem`](crate::Problem) gave; unless [`Status::is_solved`] the best iterate.
+///
+/// Written and read as JSON by serde; [`Trajectory`] by itself is what a warm start needs.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Solution {
+    /// Status, cost and all other figures of the motion.
+    pub motion: Motion,
+    /// Largest miss of a position or velocity that is fixed at the end, when the motion is integrated again with the
+    /// control that was found (rad, m, rad/s, m/s); infinite where that was not possible.
+    pub end_defect: f64,
+    /// Newton steps on extremals, over all meshes and starts.
+    pub newton_iterations: usize,
+    /// The motion over time.
+    pub trajectory: Trajectory,
+    /// Each start in its order; the best of them is this solution.
+    pub starts: Vec<StartResult>,
+    /// The options it was solved with.
+    pub options: Options,
+    /// The robot that moves.
+    pub robot: RobotNames,
+}
+
+/// Where one start led.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct StartResult {
+    /// Cost and penalties.
+    pub total: f64,
+    /// How it ended.
+    pub status: Status,
+}
+
+/// A robot by its name and the names of its joints: what tells the solutions of two robots apart.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RobotNames {
+    /// Name of the robot.
+    pub robot: String,
+    /// Names of its joints, in order.
+    pub joints: Vec<String>,
+}
+
+impl RobotNames {
+    /// The names of a robot.
+    pub fn of(robot: &Robot) -> Self {
+        let joints = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        Self { robot: robot.name().into(), joints }
+    }
+}
+
+impl Solution {
+    /// Cost and penalties together: what was minimised.
+    pub fn total(&self) -> f64 {
+        self.motion.total()
+    }
+
+    /// Number of nodes of the mesh.
+    pub fn nodes(&self) -> usize {
+        self.trajectory.t.len()
+    }
+
+    /// (y_q, y_p) at the start: `y(0) = -dJ/dx(0)`. Empty for a solution without a motion.
+    pub fn costate_start(&self) -> (&[f64], &[f64]) {
+        (
+            self.trajectory.y_q.first().map_or(&[], Vec::as_slice),
+            self.trajectory.y_p.first().map_or(&[], Vec::as_slice),
+        )
+    }
+
+    /// A solution without a motion.
+    pub(crate) fn missing(robot: &Robot, status: Status, final_time: f64) -> Self {
+        Self {
+            motion: Motion::missing(status, final_time),
+            end_defect: f64::INFINITY,
+            newton_iterations: 0,
+            trajectory: Trajectory::default(),
+            starts: Vec::new(),
+            options: Options::default(),
+            robot: RobotNames::of(robot),
+        }
+    }
+}

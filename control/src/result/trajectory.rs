@@ -1,0 +1,124 @@
+//! The motion of a robot over time.
+
+use crate::result::nodes::{Interpolant, Nodes, Place, place};
+
+/// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
+///
+/// Rows are nodes, entries of a row are joints in the order of the robot.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Trajectory {
+    /// Times (s), rising.
+    pub t: Vec<f64>,
+    /// Positions (rad, m).
+    pub q: Vec<Vec<f64>>,
+    /// Velocities (rad/s, m/s).
+    pub v: Vec<Vec<f64>>,
+    /// Momenta `p = M v`.
+    pub p: Vec<Vec<f64>>,
+    /// Controls, before the gain (N m, N).
+    pub u: Vec<Vec<f64>>,
+    /// Costates of q.
+    pub y_q: Vec<Vec<f64>>,
+    /// Costates of p.
+    pub y_p: Vec<Vec<f64>>,
+    /// H*; empty for a trajectory that was read from a file.
+    pub hamiltonian: Vec<f64>,
+    interpolant: Option<Interpolant>,
+}
+
+/// The motion of a robot at one time.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct TrajectoryPoint {
+    /// Time (s).
+    pub t: f64,
+    /// Positions (rad, m).
+    pub q: Vec<f64>,
+    /// Velocities (rad/s, m/s).
+    pub v: Vec<f64>,
+    /// Momenta.
+    pub p: Vec<f64>,
+    /// Controls, before the gain (N m, N).
+    pub u: Vec<f64>,
+    /// Costates of q.
+    pub y_q: Vec<f64>,
+    /// Costates of p.
+    pub y_p: Vec<f64>,
+}
+
+/// Position of a cubic that meets both ends in position and velocity, at a part of an interval of length h.
+fn hermite(q: [f64; 2], v: [f64; 2], h: f64, s: f64) -> f64 {
+    let (a, b, difference) = (v[0] * h, v[1] * h, q[1] - q[0]);
+    q[0] + s * (a + s * (3.0 * difference - 2.0 * a - b + s * (a + b - 2.0 * difference)))
+}
+
+impl Trajectory {
+    /// From nodes of `z = (q, p, y_q, y_p)` and the velocities there.
+    pub(crate) fn from_nodes(nodes: Nodes, v: Vec<Vec<f64>>) -> Self {
+        let n = v.first().map_or(0, Vec::len);
+        let part = |k: usize| nodes.z.iter().map(|z| z[k * n..(k + 1) * n].to_vec()).collect::<Vec<_>>();
+        let (q, p, y_q, y_p) = (part(0), part(1), part(2), part(3));
+        let Nodes { t, u, hamiltonian, interpolant, .. } = nodes;
+        Self { t, q, v, p, u, y_q, y_p, hamiltonian, interpolant }
+    }
+
+    /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
+    pub(crate) fn from_rows(t: Vec<f64>, [q, v, p, u, y_q, y_p]: [Vec<Vec<f64>>; 6]) -> Self {
+        Self { t, q, v, p, u, y_q, y_p, hamiltonian: Vec::new(), interpolant: None }
+    }
+
+    /// Number of joints, where all rows agree about it and about the number of nodes, which must be two or more; times must
+    /// rise and all numbers be finite.
+    pub fn dof(&self) -> Option<usize> {
+        let (nodes, n) = (self.t.len(), self.q.first()?.len());
+        let arrays = [&self.q, &self.p, &self.y_q, &self.y_p];
+        let agree = arrays.iter().all(|array| array.len() == nodes && array.iter().all(|row| row.len() == n));
+        let finite = arrays.iter().all(|array| array.iter().flatten().all(|value| value.is_finite()));
+        let rising = self.t.windows(2).all(|pair| pair[0] <= pair[1]);
+        (nodes > 1 && n > 0 && agree && finite && rising).then_some(n)
+    }
+
+    /// The motion at time t (s); `None` outside of it.
+    ///
+    /// By the collocation polynomial, whose error between the nodes is estimated with the solution: q, p and the costates
+    /// are its values, v is its derivative, u the polynomial through the controls at its points. A trajectory that was read
+    /// from a file has its nodes only: then q is the cubic that meets q and v at both nodes, and all else is linear.
+    pub fn at(&self, t: f64) -> Option<TrajectoryPoint> {
+        let place = place(&self.t, t)?;
+        match &self.interpolant {
+            Some(interpolant) => Some(self.on_polynomial(t, interpolant, place)),
+            None => Some(self.between_nodes(t, place)),
+        }
+    }
+
+    fn on_polynomial(&self, t: f64, interpolant: &Interpolant, place: Place) -> TrajectoryPoint {
+        let k = place.left;
+        let n = self.q[k].len();
+        let left = [&self.q[k][..], &self.p[k], &self.y_q[k], &self.y_p[k]].concat();
+        let z = interpolant.values(&left, place);
+        let part = |j: usize| z[j * n..(j + 1) * n].to_vec();
+        let v = interpolant.derivative(place)[..n].to_vec();
+        let u = interpolant.controls_at([&self.u[k], &self.u[k + 1]], place);
+        TrajectoryPoint { t, q: part(0), v, p: part(1), u, y_q: part(2), y_p: part(3) }
+    }
+
+    fn between_nodes(&self, t: f64, Place { left: k, part, length }: Place) -> TrajectoryPoint {
+        let linear = |rows: &[Vec<f64>]| -> Vec<f64> {
+            rows[k].iter().zip(&rows[k + 1]).map(|(left, right)| left + part * (right - left)).collect()
+        };
+        let cubic = |i: usize| {
+            let ends = |rows: &[Vec<f64>]| [rows[k][i], rows[k + 1][i]];
+            hermite(ends(&self.q), ends(&self.v), length, part)
+        };
+        TrajectoryPoint {
+            t,
+            q: (0..self.q[k].len()).map(cubic).collect(),
+            v: linear(&self.v),
+            p: linear(&self.p),
+            u: linear(&self.u),
+            y_q: linear(&self.y_q),
+            y_p: linear(&self.y_p),
+        }
+    }
+}

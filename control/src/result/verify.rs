@@ -1,0 +1,43 @@
+//! The motion integrated again by an adaptive integrator.
+
+use crate::bvp::mesh::Span;
+use crate::extremal::Extremal;
+use crate::numerics::dormand_prince::{DormandPrince, Stopped};
+use crate::solve::Extremum;
+
+/// Relative tolerance of one integration step.
+const TOLERANCE: f64 = 1e-12;
+
+impl Extremum {
+    /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the costates.
+    pub(crate) fn integrated_again<E: Extremal>(&self, extremal: &mut E) -> Result<Vec<f64>, Stopped> {
+        let (states, m) = (extremal.states(), self.equations.m);
+        let durations = self.durations(2 * states);
+        let mut x = self.equations.current.nodes[..states].to_vec();
+        let (mut w, mut u) = (vec![0.0; m], vec![0.0; extremal.controls()]);
+        let mut integrator = DormandPrince::new(states, TOLERANCE);
+        for (k, span) in self.equations.mesh.spans.iter().enumerate() {
+            if let Span::Interval { arc, length } = *span {
+                let (law, h) = (self.arcs.law(arc), length * durations[arc]);
+                integrator.integrate(&mut x, (0.0, h), |t, x, f| {
+                    self.equations.polynomial(k, t / h, &mut w);
+                    extremal.controls_at(&w[..2 * states], law, &mut u);
+                    extremal.state_rate(x, &u, f)
+                })?;
+            }
+        }
+        Ok(x)
+    }
+
+    /// Largest difference between x(T) of the mesh and `end`, relative to the size of each component; infinite without
+    /// an end.
+    pub(crate) fn end_defect<E: Extremal>(&self, extremal: &E, end: Option<&[f64]>) -> f64 {
+        let (states, m, scale) = (extremal.states(), self.equations.m, &self.equations.scale);
+        let last = (self.equations.mesh.nodes() - 1) * m;
+        let found = &self.equations.current.nodes[last..last + states];
+        end.map_or(f64::INFINITY, |end| {
+            let defects = found.iter().zip(end).zip(scale).map(|((a, b), scale)| (a - b).abs() / scale);
+            defects.fold(0.0, |largest, defect| if defect <= largest { largest } else { defect })
+        })
+    }
+}

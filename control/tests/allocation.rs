@@ -1,0 +1,57 @@
+//! Evaluations of extremals do not allocate.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+use costate::robot::Robot;
+use costate::scalar::Scalar;
+use costate_control::{
+    Bounds, Extremal, LagrangianExtremal, Law, Penalty, Problem, RobotExtremal, RunningCost, Side, UserTerm,
+};
+use costate_test_support::allocations::{Counting, allocations};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn robot(name: &str) -> Robot {
+    Robot::from_file(format!("{}/../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// A running cost of positions and rates.
+struct Swing;
+
+impl RunningCost for Swing {
+    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+        q.iter().zip(v).fold(S::zero(), |sum, (&q, &v)| sum + q.sin_cos().1 * v * v)
+    }
+}
+
+#[test]
+fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
+    for file in ["two_link.toml", "puma560.toml"] {
+        let robot = robot(file);
+        let n = robot.len();
+        let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.5; n], 1.0);
+        (problem.start.v_free, problem.end.q_free) = (vec![0], vec![1]);
+        problem.terms = vec![UserTerm::new(Swing)];
+        problem.bounds = Some(Bounds { u_min: vec![-0.5; n], u_max: vec![f64::INFINITY; n] });
+        problem.penalty =
+            Some(Penalty { weight: 10.0, q_min: None, q_max: Some(vec![0.1; n]), v_max: Some(vec![0.1; n]) });
+        let z: Vec<f64> = (0..4 * n).map(|i| 0.7 * (1.3 * i as f64).sin()).collect();
+        let (mut g, mut jacobian, mut u) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n], vec![0.0; n]);
+        let mut count = |extremal: &mut dyn Extremal| {
+            allocations(|| {
+                extremal.rate(&z, Law::Maximal, &mut g).unwrap();
+                extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+                extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
+                extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
+                extremal.controls_at(&z, Law::Maximal, &mut u);
+                extremal.switching(0, (Side::Inside, Side::High), &z, &mut g);
+            })
+        };
+        use costate_control::Jacobian::{Differences, Exact, WithoutHessian};
+        for matrix in [Exact, Differences, WithoutHessian] {
+            assert_eq!(count(&mut RobotExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
+            assert_eq!(count(&mut LagrangianExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The equations of an extremal: the canonical equations of H*, and their Jacobian.
+
+use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
+use costate_control::{Bounds, Ease, Extremal, Jacobian, Law, Penalty, Problem, RobotExtremal};
+
+fn arm_with_friction() -> Robot {
+    let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.4 };
+    let link = LinkInertia::point(1.3, [0.2, 0.1, -0.7]);
+    let place = Placement::from_xyz_rpy([0.1, 0.0, -0.8], [0.4, 0.2, -0.3]);
+    Robot::builder("arm")
+        .joint(JointSpec::revolute("a").axis([0.0, 1.0, 0.0]).carrying(link).friction(friction))
+        .joint(JointSpec::revolute("b").on("a").placed(place).axis([0.3, 1.0, 0.2]).carrying(link))
+        .joint(JointSpec::prismatic("c").on("b").placed(place).carrying(link).friction(friction))
+        .build()
+        .unwrap()
+}
+
+/// Problems, and how far they are eased.
+pub fn problems() -> Vec<(Problem, Ease)> {
+    let mut problems = Vec::new();
+    let files = [
+        "../robots/two_link.toml",
+        "../robots/cart_pole.toml",
+        "../robots/manutec_r3.toml",
+        "../robots/puma560.toml",
+    ];
+    let robots = files.iter().map(|file| Robot::from_file(file).unwrap());
+    for robot in robots.chain([arm_with_friction()]) {
+        let n = robot.len();
+        let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
+        problem.cost.time = 0.3;
+        problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
+        problem.gain = (0..n).map(|i| 1.5 - 0.3 * i as f64).collect();
+        problems.push((problem.clone(), Ease::NONE));
+        problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
+        problem.penalty = Some(Penalty {
+            weight: 30.0,
+            q_min: Some(vec![-0.1; n]),
+            q_max: Some(vec![0.2; n]),
+            v_max: Some(vec![0.3; n]),
+        });
+        problems.push((problem.clone(), Ease::NONE));
+        problem.cost.effort[0] = 0.0;
+        for bounds in [1.0, 1.7, f64::INFINITY] {
+            problems.push((problem.clone(), Ease { penalty: 0.5, effort: 0.8, bounds, ..Ease::NONE }));
+        }
+    }
+    problems
+}
+
+pub fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
+    (0..4 * n).map(|_| 2.0 * random.f64() - 1.0).collect()
+}
+
+#[test]
+fn the_equations_are_those_of_the_maximised_hamiltonian() {
+    let mut random = fastrand::Rng::with_seed(5);
+    for (problem, ease) in problems() {
+        let n = problem.robot.len();
+        let mut extremal = RobotExtremal::new(&problem, Jacobian::Exact).unwrap();
+        extremal.set_ease(ease);
+        let z = point(n, &mut random);
+        let mut g = vec![0.0; 4 * n];
+        let rate = extremal.rate(&z, Law::Maximal, &mut g).unwrap();
+        let mut beside = vec![0.0; 4 * n];
+        let size = g.iter().fold(rate.magnitude(), |size, g| size.max(g.abs()));
+        for i in 0..4 * n {
+            let mut at = |h: f64| {
+                let mut z = z.clone();
+                z[i] += h;
+                extremal.rate(&z, Law::Maximal, &mut beside).unwrap().hamiltonian
+            };
+            let slope = (8.0 * (at(1e-4) - at(-1e-4)) - at(2e-4) + at(-2e-4)) / 1.2e-3;
+            let expected = if i < 2 * n { -g[2 * n + i] } else { g[i - 2 * n] };
+            assert!(
+                (slope - expected).abs() < 1e-7 * size,
+                "{}: {i}: {slope} {expected}",
+                problem.robot.name()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_exact_jacobian_agrees_with_differences() {
+    let mut random = fastrand::Rng::with_seed(6);
+    for (problem, ease) in problems() {
+        let m = 4 * problem.robot.len();
+        let z = point(problem.robot.len(), &mut random);
+        let mut found = Vec::new();
+        for kind in [Jacobian::Exact, Jacobian::Differences] {
+            let mut extremal = RobotExtremal::new(&problem, kind).unwrap();
+            extremal.set_ease(ease);
+            let (mut g, mut h, mut jacobian) = (vec![0.0; m], vec![0.0; m], vec![0.0; m * m]);
+            let linear = extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+            let plain = extremal.rate(&z, Law::Maximal, &mut h).unwrap();
+            assert!((linear.hamiltonian - plain.hamiltonian).abs() < 1e-12 * plain.magnitude());
+            let size = g.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
+            assert!(g.iter().zip(&h).all(|(g, h)| (g - h).abs() < 1e-12 * size));
+            found.push(jacobian);
+        }
+        let size = found[1].iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
+        for (i, (exact, difference)) in found[0].iter().zip(&found[1]).enumerate() {
+            let (row, column) = (i / m, i % m);
+            assert!(
+                (exact - difference).abs() < 1e-7 * size,
+                "{}: {row} {column}: {exact} {difference}",
+                problem.robot.name()
+            );
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! What is refused, what is warned of, and what is saved.
+
+use costate::robot::Robot;
+use costate_control::{Bounds, Options, Penalty, Problem, Solution, Solver, Time};
+
+fn problem() -> Problem {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    Problem::rest_to_rest(robot, &[0.0, 0.0], &[0.5, 0.5], 1.0)
+}
+
+#[test]
+fn what_is_wrong_is_named_by_its_key() {
+    let refused = |change: &dyn Fn(&mut Problem), key: &str| {
+        let mut problem = problem();
+        change(&mut problem);
+        let message = problem.check().unwrap_err().to_string();
+        assert!(message.contains(key), "{key}: {message}");
+    };
+    refused(&|p| p.start.q = vec![0.0], "start.q");
+    refused(&|p| p.start.v[1] = f64::NAN, "start.v");
+    refused(&|p| p.end.q = vec![0.0; 3], "end.q");
+    refused(&|p| p.end.v = vec![], "end.v");
+    refused(&|p| p.start.q_free = vec![2], "start.q_free");
+    refused(&|p| p.start.v_free = vec![3], "start.v_free");
+    refused(&|p| p.end.q_free = vec![2], "end.q_free");
+    refused(&|p| p.end.v_free = vec![5], "end.v_free");
+    refused(&|p| p.time = Time::Fixed(0.0), "time.final");
+    refused(&|p| p.time = Time::Free { guess: -1.0 }, "time.guess");
+    refused(&|p| p.time = Time::Free { guess: 1.0 }, "cost.time");
+    refused(&|p| p.cost.time = -1.0, "cost.time");
+    refused(&|p| p.cost.effort[0] = -1.0, "cost.effort of joint 'shoulder'");
+    refused(&|p| p.cost.effort[1] = 0.0, "'elbow'");
+    refused(&|p| p.cost.effort = vec![1.0], "cost.effort");
+    let bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0; 2] });
+    refused(&|p| (p.cost.effort, p.bounds) = (vec![0.0; 2], bounds.clone()), "nothing is left to minimise");
+    refused(&|p| p.gain = vec![1.0, 0.0], "actuation.gain of joint 'elbow'");
+    refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0, 1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
+    refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
+    refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0] }), "bounds.u_max");
+    let infinite = f64::INFINITY;
+    let bounds = |u_min: f64, u_max: f64| Some(Bounds { u_min: vec![-1.0, u_min], u_max: vec![1.0, u_max] });
+    refused(&|p| p.bounds = bounds(f64::NAN, 1.0), "bounds.u_min: the entry of joint 'elbow'");
+    refused(&|p| p.bounds = bounds(-1.0, f64::NAN), "bounds.u_max: the entry of joint 'elbow'");
+    refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min = inf of joint 'elbow'");
+    for (u_min, u_max) in [(-infinite, infinite), (-1.0, infinite), (-infinite, 1.0)] {
+        let change = |p: &mut Problem| (p.cost.effort[1], p.bounds) = (0.0, bounds(u_min, u_max));
+        refused(&change, "cost.effort of joint 'elbow'");
+        let mut weighted = problem();
+        weighted.bounds = bounds(u_min, u_max);
+        weighted.cost.effort[0] = 0.0;
+        assert_eq!(weighted.check(), Ok(()));
+    }
+    let penalty = |q_min: f64| Penalty {
+        weight: 1.0,
+        q_min: Some(vec![q_min; 2]),
+        q_max: Some(vec![1.0; 2]),
+        v_max: None,
+    };
+    refused(&|p| p.penalty = Some(penalty(2.0)), "penalty.q_min");
+    refused(&|p| p.penalty = Some(Penalty { weight: -1.0, ..penalty(0.0) }), "penalty.weight");
+    refused(&|p| p.penalty = Some(Penalty { v_max: Some(vec![-1.0; 2]), ..penalty(0.0) }), "penalty.v_max");
+    let limits = |q_min, q_max, v_max| {
+        let with = |entry: f64| Some(vec![entry, 0.5]);
+        Some(Penalty { weight: 1.0, q_min: with(q_min), q_max: Some(vec![q_max; 2]), v_max: with(v_max) })
+    };
+    refused(&|p| p.penalty = limits(f64::NAN, 1.0, 1.0), "penalty.q_min: the entry of joint 'shoulder'");
+    refused(&|p| p.penalty = limits(0.0, 1.0, f64::NAN), "penalty.v_max: the entry of joint 'shoulder'");
+    refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "penalty.q_min = inf");
+    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "penalty.q_max = -inf");
+    let mut held = problem();
+    held.penalty = limits(-infinite, infinite, infinite);
+    assert_eq!(held.check(), Ok(()));
+    assert_eq!(problem().check(), Ok(()));
+    let options = Options { tolerance: 0.0, ..Options::default() };
+    assert!(
+        Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("solver.tolerance"))
+    );
+}
+
+#[test]
+fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
+    let first = Solver::new(&problem(), Options::default()).unwrap().solve();
+    let text = serde_json::to_string(&first).unwrap();
+    let saved: Solution = serde_json::from_str(&text).unwrap();
+    assert_eq!(saved.trajectory, first.trajectory);
+    assert_eq!(saved.motion.status, first.motion.status);
+    let mut longer = problem();
+    longer.time = Time::Fixed(1.1);
+    let again =
+        Solver::new(&longer, Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
+    let fresh = Solver::new(&longer, Options::default()).unwrap().solve();
+    assert!((again.motion.cost - fresh.motion.cost).abs() < 1e-9 * fresh.motion.cost);
+    let same =
+        Solver::new(&problem(), Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
+    assert!(
+        same.newton_iterations < first.newton_iterations,
+        "{} {}",
+        same.newton_iterations,
+        first.newton_iterations
+    );
+    let pendulum = Robot::from_file("../robots/pendulum.toml").unwrap();
+    let other = Problem::rest_to_rest(pendulum, &[0.0], &[1.0], 1.0);
+    let solver = Solver::new(&other, Options::default()).unwrap();
+    let error = solver.with_start(&saved.trajectory).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("needs 1"), "{error}");
+}
+
+#[test]
+fn limits_of_the_robot_are_a_warning() {
+    let problem = problem();
+    let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+    let warnings = problem.limit_warnings(&solution.trajectory);
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("effort of joint 'shoulder'"), "{warnings:?}");
+    let mut slow = problem.clone();
+    slow.time = Time::Fixed(10.0);
+    assert!(
+        slow.limit_warnings(&Solver::new(&slow, Options::default()).unwrap().solve().trajectory).is_empty()
+    );
+}
+
+#[test]
+fn penalties_push_a_motion_back_and_are_told_apart() {
+    let free = Solver::new(&problem(), Options::default()).unwrap().solve();
+    let fastest = |solution: &Solution| {
+        solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()))
+    };
+    let limit = 0.8 * fastest(&free);
+    let mut slower = problem();
+    slower.penalty =
+        Some(Penalty { weight: 1e4, q_min: None, q_max: Some(vec![0.5; 2]), v_max: Some(vec![limit; 2]) });
+    let held = Solver::new(&slower, Options::default()).unwrap().solve();
+    assert!(held.motion.status.is_converged(), "{} {:?}", held.motion.status, held.motion.iterations);
+    assert!(
+        fastest(&held) < 1.05 * limit
+            && held.motion.penalty_cost > 0.0
+            && held.motion.cost > free.motion.cost
+    );
+    assert!(held.motion.hamiltonian_drift < 1e-7, "{}", held.motion.hamiltonian_drift);
+}
+
+#[test]
+fn an_infinite_limit_is_none() {
+    let infinite = f64::INFINITY;
+    let solve = |none: f64| {
+        let mut held = problem();
+        held.penalty = Some(Penalty {
+            weight: 1e3,
+            q_min: Some(vec![-none; 2]),
+            q_max: Some(vec![none, 0.5]),
+            v_max: Some(vec![none, 0.6]),
+        });
+        Solver::new(&held, Options::default()).unwrap().solve()
+    };
+    let (without, far) = (solve(infinite), solve(1e9));
+    assert!(without.motion.status.is_converged() && without.motion.penalty_cost > 0.0);
+    assert!((without.total() - far.total()).abs() < 1e-10 * far.total());
+}
+
+#[test]
+fn starts_are_tried_in_turn_and_the_best_is_kept() {
+    let mut steps = 0;
+    let problem = problem();
+    let options = Options { starts: 3, seed: 7, ..Options::default() };
+    let solution = Solver::new(&problem, options)
+        .unwrap()
+        .on_iteration(|step| steps += usize::from(step.phase != "path"))
+        .solve();
+    assert_eq!(solution.starts.len(), 3);
+    assert_eq!(solution.newton_iterations, steps);
+    let converged = solution.starts.iter().filter(|other| other.status.is_converged());
+    assert_eq!(converged.map(|other| other.total).fold(f64::INFINITY, f64::min), solution.total());
+}

@@ -1,0 +1,9 @@
+//! Machine code: against the generic code, step by step, at singular states, and what callers may rely on.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+
+mod contract;
+mod extremals;
+mod programs;
+mod robots;
+mod singular;

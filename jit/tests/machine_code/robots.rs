@@ -1,0 +1,145 @@
+//! Machine code of every quantity against the generic code.
+
+use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::hamiltonian::Hamiltonian;
+use costate::robot::{LoadOptions, Robot};
+use costate_jit::{Compiled, DEFAULT_LIMIT, Evaluator, JitError, Status};
+use costate_test_support::config;
+use costate_test_support::generic::{State, expected, judge};
+use costate_test_support::random_robot::{Case, cases, tolerance};
+use proptest::prelude::*;
+use std::path::Path;
+
+const ALL_COORDINATES: [Coordinates; 2] = [Coordinates::Hamiltonian, Coordinates::Lagrangian];
+
+/// Whether machine code is made here; that the processor is not known is the only excuse.
+fn compiles() -> bool {
+    let program = robot_program(
+        &Robot::from_file(folder().join("robots/pendulum.toml")).unwrap(),
+        Quantity::F,
+        Coordinates::Hamiltonian,
+        &Options::default(),
+    );
+    match Compiled::new(&program.unwrap()) {
+        Ok(_) => true,
+        Err(JitError::Processor { .. }) => false,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
+
+/// All robot files, with what friction they have; one has Coulomb friction on every joint.
+fn all_robots() -> Vec<Robot> {
+    let mut files: Vec<_> =
+        std::fs::read_dir(folder().join("robots")).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|e| e == "urdf" || e == "toml"));
+    files.push(folder().join("tests/fixtures/friction_tree.toml"));
+    files.sort();
+    assert!(files.len() >= 9);
+    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
+}
+
+fn quantities() -> impl Iterator<Item = (Quantity, Coordinates)> {
+    Quantity::ALL.into_iter().flat_map(|quantity| ALL_COORDINATES.map(|coordinates| (quantity, coordinates)))
+}
+
+/// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.
+fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
+    for (quantity, coordinates) in quantities() {
+        let Ok(program) = robot_program(robot, quantity, coordinates, &Options::default()) else { continue };
+        let compiled = Compiled::new(&program).map_err(|error| error.to_string())?;
+        let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
+        let mut evaluator = Evaluator::new(robot, quantity, coordinates).unwrap();
+        let mut fallback = Evaluator::with_limit(robot, quantity, coordinates, 0).unwrap();
+        for [q, v, u, y] in states {
+            let p = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
+            let second = if coordinates == Coordinates::Hamiltonian { p } else { v.clone() };
+            let d = y.iter().map(|y| 0.3 - y).collect();
+            let state = State { q: q.clone(), second, u: u.clone(), y: y.clone(), d };
+            let inputs = state.inputs(&program);
+            let expected = expected(robot, quantity, coordinates, &state);
+            let mut outputs = vec![f64::NAN; compiled.outputs()];
+            compiled.call(&inputs, &mut outputs).unwrap();
+            judge(&program, &outputs, &expected, tolerance(robot, q))?;
+            let four: Vec<[f64; 4]> =
+                inputs.iter().map(|&input| [input, 0.5 * input, input, -input]).collect();
+            let mut in_lanes = vec![[f64::NAN; 4]; compiled.outputs()];
+            lanes.call(&four, &mut in_lanes).unwrap();
+            for lane in [0, 2] {
+                let outputs: Vec<f64> = in_lanes.iter().map(|output| output[lane]).collect();
+                judge(&program, &outputs, &expected, tolerance(robot, q))?;
+            }
+            let mut again = vec![f64::NAN; evaluator.outputs()];
+            evaluator.evaluate(&inputs, &mut again).unwrap();
+            judge(&program, &again, &expected, tolerance(robot, q))?;
+            fallback.evaluate(&inputs, &mut again).unwrap();
+            judge(&program, &again, &expected, tolerance(robot, q))?;
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn every_quantity_of_every_robot_file_agrees_with_the_generic_code() {
+    if !compiles() {
+        return;
+    }
+    for robot in all_robots() {
+        let n = robot.len();
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut numbers = |count: usize, size: f64| -> Vec<f64> {
+            (0..count).map(|_| size * (2.0 * random.f64() - 1.0)).collect()
+        };
+        let mut states: Vec<[Vec<f64>; 4]> = (0..4)
+            .map(|_| [numbers(n, 3.0), numbers(n, 2.0), numbers(n, 5.0), numbers(2 * n, 1.0)])
+            .collect();
+        // Both sides of every choice of smooth friction: velocities of both signs, and rest.
+        let mirrored = states[0].clone().map(|part| part.iter().map(|x| -x).collect());
+        states.push(mirrored);
+        states.push([vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![1.0; 2 * n]]);
+        check(&robot, &states).unwrap();
+    }
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    #[test]
+    fn every_quantity_of_random_robots_agrees_with_the_generic_code(case in cases(8)) {
+        if compiles() {
+            let Case { q, v, u, y, .. } = &case;
+            check(&case.robot(), &[[q.clone(), v.clone(), u.clone(), y.clone()]]).map_err(TestCaseError::fail)?;
+        }
+    }
+}
+
+#[test]
+fn what_is_not_compiled_says_why_and_what_to_do() {
+    let robot = Robot::from_file(folder().join("robots/ur5.urdf")).unwrap();
+    let with_limit =
+        |limit| Evaluator::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, limit).unwrap();
+    let (long, far_too_long, unwanted) = (with_limit(800), with_limit(10), with_limit(0));
+    assert!(matches!(unwanted.status(), Status::Generic { reason: JitError::NotAsked }));
+    if compiles() {
+        for (evaluator, begin, limit) in [
+            (&long, "generic code: the program has ", "the limit is 800"),
+            (&far_too_long, "generic code: the recording had more than ", "more than 10 steps"),
+        ] {
+            let text = evaluator.status().to_string();
+            assert!(text.starts_with(begin) && text.contains(limit) && text.contains("with_limit"), "{text}");
+        }
+        assert!(matches!(long.status(), Status::Generic { reason: JitError::TooLong { limit: 800, .. } }));
+        let given_up = Status::Generic { reason: &JitError::GivenUp { operations: 40, limit: 10 } };
+        assert_eq!(far_too_long.status().to_string(), given_up.to_string());
+        let compiled = with_limit(DEFAULT_LIMIT);
+        assert!(compiled.status().to_string().starts_with("machine code: "), "{}", compiled.status());
+    }
+    let none = Evaluator::new(&robot, Quantity::InverseDynamics, Coordinates::Hamiltonian);
+    assert!(
+        none.unwrap_err().to_string().contains("there is no inverse_dynamics in hamiltonian coordinates")
+    );
+}

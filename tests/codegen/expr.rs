@@ -1,0 +1,290 @@
+//! What is recorded: folding, sharing, signs, and what cannot be recorded.
+
+use costate::codegen::{CodegenError, Expr, Node, Program};
+use costate::kernels::friction;
+use costate::robot::Friction;
+use costate::scalar::{Operations, Scalar};
+use costate_test_support::config;
+use proptest::prelude::*;
+
+/// A function of three numbers with these results.
+fn recorded(function: impl FnOnce(Expr, Expr, Expr) -> Vec<Expr>) -> Program {
+    Program::record("function", &[("x", 3)], |arguments| {
+        let entries = function(arguments[0][0], arguments[0][1], arguments[0][2]);
+        vec![("r".into(), entries.len(), 1, entries)]
+    })
+    .unwrap()
+}
+
+fn at(program: &Program, inputs: &[f64]) -> Vec<f64> {
+    let mut outputs = vec![0.0; program.outputs()];
+    program.evaluate(inputs, &mut outputs, &mut Vec::new()).unwrap();
+    outputs
+}
+
+#[test]
+fn what_is_known_beforehand_is_not_computed() {
+    let program = recorded(|x, y, z| {
+        let (zero, one) = (Expr::zero(), Expr::one());
+        let minus = -one;
+        vec![
+            x * zero + y * one - (z * minus) * one,
+            x + zero - (zero - x),
+            -(-x),
+            x - x,
+            zero / x,
+            Expr::from_f64(2.0).sqrt() * Expr::from_f64(3.0),
+            x.plus(1.5).plus(-1.5),
+            x.times(4.0).times(0.25),
+            (y - x) + x,
+            x * y + (z - y) * x,
+            x / Expr::from_f64(4.0),
+        ]
+    });
+    let expected = Operations { add: 1, mul: 2, ..Operations::default() };
+    assert_eq!(
+        program.operations(),
+        Operations { mul: expected.mul + 1, ..expected },
+        "{:?}",
+        program.nodes()
+    );
+    let values = at(&program, &[0.3, -0.7, 2.0]);
+    assert_eq!(values, [1.3, 0.6, 0.3, 0.0, 0.0, 3.0 * 2.0_f64.sqrt(), 0.3, 0.3, -0.7, 0.6, 0.075]);
+}
+
+#[test]
+fn equal_operations_are_recorded_once_whatever_their_order_and_signs() {
+    let program = recorded(|x, y, z| {
+        let (s, c) = (x * y).sin_cos();
+        let (t, d) = (y * -x).sin_cos();
+        vec![s, -t, c - d, (x - z).recip() + Expr::one() / (z - x), (x - y) * (z - x) - (y - x) * (x - z)]
+    });
+    let count = |of: fn(&Node) -> bool| program.nodes().iter().filter(|node| of(node)).count();
+    assert_eq!(
+        (program.steps(), count(|node| matches!(node, Node::Sin(_)))),
+        (2, 1),
+        "{:?}",
+        program.nodes()
+    );
+    let sine = (0.3_f64 * -0.7).sin();
+    assert_eq!(at(&program, &[0.3, -0.7, 2.0]), [sine, sine, 0.0, 0.0, 0.0]);
+}
+
+#[test]
+fn signs_cost_nothing_where_a_difference_can_be_turned() {
+    fn turned<S: Scalar>(x: S, y: S, z: S, which: usize) -> S {
+        match which {
+            0 => -(x - y * z),
+            1 => -((x - y) * z),
+            2 => -(x - y) / z,
+            _ => -(z + (x - y) * (x - z)),
+        }
+    }
+    for which in 0..4 {
+        let program = recorded(|x, y, z| vec![turned(x, y, z, which)]);
+        let changes = program.nodes().iter().filter(|node| matches!(node, Node::Neg(_))).count();
+        assert_eq!(changes, 0, "{:?}", program.nodes());
+        let (found, expected) = (at(&program, &[0.3, -0.7, 2.0])[0], turned(0.3, -0.7, 2.0, which));
+        assert!((found - expected).abs() <= 4e-16 * f64::abs(expected), "{found} is not {expected}");
+    }
+}
+
+#[test]
+fn a_product_is_joined_with_every_sum_or_computed_once() {
+    let steps = |program: &Program| {
+        let joined = |node: &&Node| matches!(node, Node::MulAdd(..) | Node::MulSub(..) | Node::NegMulAdd(..));
+        (program.steps(), program.nodes().iter().filter(joined).count())
+    };
+    let sums = recorded(|x, y, z| vec![x * y + z, z - x * y]);
+    assert_eq!((steps(&sums), sums.operations().mul), ((2, 2), 1));
+    let result = recorded(|x, y, z| vec![x * y + z, x * y]);
+    assert_eq!(steps(&result), (2, 0));
+}
+
+/// Friction as the kernels use it: exponential functions, comparisons, selections.
+/// p products and t other terms are p + max(t - 1, 0) steps, however they were put together.
+#[test]
+fn a_sum_of_products_takes_no_more_steps_than_it_must() {
+    let nested = recorded(|x, y, z| {
+        let (a, b) = (x + y, y - z);
+        vec![a, b, ((a * b - x * z) + (y * y - a)) - ((z - b * z) - x * x)]
+    });
+    assert_eq!(nested.steps(), 2 + 5 + 1, "{:?}", nested.nodes());
+    // x y is a factor too, so it is computed.
+    let pure = recorded(|x, y, z| vec![(x * y - z * z) + (y * z - x * x), -(x * z) - (y * y - x * y * z)]);
+    assert_eq!(pure.steps(), 1 + 3 + 3, "{:?}", pure.nodes());
+    // x y joins both sums, each of which has two other terms.
+    let shared = recorded(|x, y, z| vec![(x * y + z) - y, (x - x * y) - z]);
+    assert_eq!(shared.steps(), 2 + 2, "{:?}", shared.nodes());
+    let (x, y, z) = (0.3, -0.7, 2.0);
+    let (a, b) = (x + y, y - z);
+    let expected = [
+        vec![a, b, a * b - x * z + y * y - a - z + b * z + x * x],
+        vec![x * y - z * z + y * z - x * x, x * y * z - x * z - y * y],
+        vec![x * y + z - y, x - x * y - z],
+    ];
+    for (program, expected) in [nested, pure, shared].iter().zip(expected) {
+        let near = |(found, expected): (f64, f64)| (found - expected).abs() < 1e-14;
+        let found = at(program, &[x, y, z]);
+        assert!(
+            found.iter().copied().zip(expected.iter().copied()).all(near),
+            "{found:?} is not {expected:?}"
+        );
+    }
+}
+
+fn law(v: Expr) -> Vec<Expr> {
+    let law = Friction { viscous: 0.7, coulomb: 3.0, coulomb_velocity: 0.25 };
+    let d = friction(&law, v);
+    vec![d.value, d.first, d.second]
+}
+
+#[test]
+fn selections_are_right_on_both_sides_and_for_what_is_not_a_number() {
+    let program = recorded(|x, y, _| [law(x * y), vec![x.abs(), Expr::select(x.less(y), x, -y)]].concat());
+    let law = Friction { viscous: 0.7, coulomb: 3.0, coulomb_velocity: 0.25 };
+    for x in [-3.0, -0.1, -1e-9, 0.0, 1e-9, 0.2, 5.0, f64::INFINITY] {
+        for y in [-2.0, 0.3] {
+            let d = friction(&law, x * y);
+            let expected = [d.value, d.first, d.second, x.abs(), if x < y { x } else { -y }];
+            for (found, expected) in at(&program, &[x, y, 0.0]).into_iter().zip(expected) {
+                let same = found == expected || (found.is_nan() && expected.is_nan());
+                assert!(
+                    same || (found - expected).abs() <= 4e-16 * expected.abs(),
+                    "{found} is not {expected} at {x}, {y}"
+                );
+            }
+        }
+    }
+    let found = at(&program, &[f64::NAN, 1.0, 0.0]);
+    assert!(found[..4].iter().all(|value| value.is_nan()), "{found:?}");
+    assert_eq!(found[4], -1.0, "not-a-number is less than nothing");
+}
+
+#[test]
+fn an_expression_of_another_recording_is_an_error() {
+    let mut kept = None;
+    let first = recorded(|x, _, _| {
+        kept = Some((x + Expr::one(), x.less(Expr::one())));
+        vec![x]
+    });
+    assert_eq!(first.steps(), 0);
+    let (stale, mask) = kept.unwrap();
+    let refused = |use_it: &dyn Fn(Expr) -> Expr| {
+        let outcome = Program::record("second", &[("x", 1)], |arguments| {
+            vec![("r".into(), 1, 1, vec![use_it(arguments[0][0])])]
+        });
+        assert_eq!(outcome.unwrap_err(), CodegenError::Foreign);
+    };
+    refused(&|x| x * stale);
+    refused(&|_| stale);
+    refused(&|_| -stale);
+    refused(&|x| Expr::select(mask, x, -x));
+    refused(&|x| Expr::select(stale.less(x), x, -x));
+    let outside = stale * Expr::from_f64(2.0) + stale;
+    refused(&|x| x + outside);
+    let constant = Expr::from_f64(2.0) * Expr::from_f64(3.0);
+    assert_eq!(at(&recorded(|x, _, _| vec![x * constant]), &[2.0, 0.0, 0.0]), [12.0]);
+}
+
+#[test]
+fn a_recording_within_a_recording_is_apart_from_it() {
+    let program = recorded(|x, y, _| {
+        let before = x * y;
+        let inner = recorded(|a, b, _| vec![a - b]);
+        assert_eq!(at(&inner, &[5.0, 3.0, 0.0]), [2.0]);
+        vec![before + x]
+    });
+    assert_eq!(at(&program, &[2.0, 3.0, 0.0]), [8.0]);
+}
+
+#[test]
+fn a_branch_on_a_recorded_value_is_an_error() {
+    let outcome = Program::record("branching", &[("x", 1)], |arguments| {
+        let x = arguments[0][0];
+        let larger = if Scalar::is_finite(x) { x } else { Expr::zero() };
+        vec![("r".into(), 1, 1, vec![larger])]
+    });
+    assert_eq!(outcome.unwrap_err(), CodegenError::Branch);
+}
+
+#[test]
+fn names_and_shapes_that_source_cannot_have_are_refused() {
+    let record = |name: &str, argument: &str, result: &str, rows| {
+        Program::record(name, &[(argument, 1)], |x| vec![(result.into(), rows, 1, x[0].clone())])
+    };
+    assert!(record("f", "x", "r", 1).is_ok());
+    for (name, argument, result) in
+        [("2f", "x", "r"), ("f", "while", "r"), ("f", "x", "x"), ("f", "x", "F'"), ("f", "f", "r")]
+    {
+        assert!(
+            matches!(record(name, argument, result, 1), Err(CodegenError::Name { .. })),
+            "{name} {argument} {result}"
+        );
+    }
+    let shape = CodegenError::Shape { name: "r".into(), rows: 2, columns: 1, found: 1 };
+    assert_eq!(record("f", "x", "r", 2).unwrap_err(), shape);
+    assert!(at_wrong_length().to_string().contains("inputs has 1 entries, not 3"));
+}
+
+fn at_wrong_length() -> CodegenError {
+    recorded(|x, _, _| vec![x]).evaluate(&[1.0], &mut [0.0], &mut Vec::new()).unwrap_err()
+}
+
+/// A random straight-line computation: pairs of operands and what is done with them.
+fn run<S: Scalar>(x: [S; 3], steps: &[(u8, usize, usize, f64)]) -> Vec<S> {
+    let mut values = x.to_vec();
+    for &(kind, a, b, c) in steps {
+        let (a, b) = (values[a % values.len()], values[b % values.len()]);
+        values.push(match kind {
+            0 | 1 => a * b,
+            2 => a + b,
+            3 | 4 => a - b,
+            5 => a.times(c),
+            6 => a.plus(c),
+            7 => -a,
+            8 => a / (b * b).plus(1.0),
+            9 => a.sin_cos().0 - b.sin_cos().1,
+            10 => Scalar::tanh(a),
+            11 => S::select(a.less(b), a, -b),
+            12 => (a * a).plus(0.5).sqrt(),
+            _ => a * b + a * a - b * a,
+        });
+    }
+    values.split_off(3)
+}
+
+/// Whether a step depends on a selection between operands so near that rounding decides.
+fn near_a_selection(x: &[f64; 3], values: &[f64], steps: &[(u8, usize, usize, f64)]) -> Vec<bool> {
+    let values: Vec<f64> = x.iter().chain(values).copied().collect();
+    let mut unsure = vec![false; 3];
+    for &(kind, a, b, _) in steps {
+        let (a, b) = (a % unsure.len(), b % unsure.len());
+        let near = (values[a] - values[b]).abs() <= 1e-8 * (1.0 + values[a].abs() + values[b].abs());
+        unsure.push(unsure[a] || unsure[b] || (kind == 11 && near));
+    }
+    unsure.split_off(3)
+}
+
+proptest! {
+    #![proptest_config(config(300))]
+
+    /// Simplification changes nothing but rounding.
+    #[test]
+    fn random_computations_keep_their_values(
+        steps in prop::collection::vec(
+            (0..14_u8, 0..40_usize, 0..40_usize, prop::sample::select(vec![-2.0, -1.0, 0.0, 0.5, 1.0, 3.0])), 1..30),
+        x in prop::array::uniform3(-1.0..1.0_f64),
+    ) {
+        let program = recorded(|a, b, c| run([a, b, c], &steps));
+        let (found, expected) = (at(&program, &x), run(x, &steps));
+        let unsure = near_a_selection(&x, &expected, &steps);
+        let mut size = 1.0_f64;
+        for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            size = size.max(expected.abs());
+            prop_assume!(size < 1e6);
+            let agree = (found - expected).abs() <= 1e-9 * size;
+            prop_assert!(unsure[k] || agree, "step {k}: {found} is not {expected}");
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Code generation: recording, evaluation, emitted source.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+
+mod expr;
+mod programs;
+mod text;

@@ -1,0 +1,134 @@
+//! Programs of robots, evaluated step by step, against the generic code.
+
+use costate::codegen::{
+    CodegenError, Coordinates, Options, Program, Quantity, parameter_names, parameter_values, robot_program,
+};
+use costate::hamiltonian::Hamiltonian;
+use costate::robot::{LoadOptions, Robot};
+use costate_test_support::config;
+use costate_test_support::generic::{State, expected, judge};
+use costate_test_support::random_robot::{Case, cases, tolerance};
+use proptest::prelude::*;
+use std::path::Path;
+
+/// All quantities of a robot, in all coordinates, whole and alone.
+fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
+    let mut programs = Vec::new();
+    for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
+        for quantity in Quantity::ALL {
+            for only in [false, true] {
+                match robot_program(robot, quantity, coordinates, &Options { only, ..Options::default() }) {
+                    Ok(program) => programs.push((program, quantity, coordinates)),
+                    Err(CodegenError::Quantity { .. }) => {}
+                    Err(error) => panic!("{}: {error}", robot.name()),
+                }
+            }
+        }
+    }
+    assert_eq!(programs.len(), 2 * (7 + 6));
+    programs
+}
+
+/// Every program of a robot at one state (q, v).
+fn check(robot: &Robot, q: &[f64], v: &[f64], u: &[f64], y: &[f64]) -> Result<(), String> {
+    let p = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
+    let tolerance = tolerance(robot, q);
+    let mut work = Vec::new();
+    for (program, quantity, coordinates) in programs(robot) {
+        let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { v.to_vec() };
+        let d = y.iter().map(|y| 0.3 - y).collect();
+        let state = State { q: q.to_vec(), second, u: u.to_vec(), y: y.to_vec(), d };
+        let mut outputs = vec![0.0; program.outputs()];
+        program.evaluate(&state.inputs(&program), &mut outputs, &mut work).unwrap();
+        let expected = expected(robot, quantity, coordinates, &state);
+        judge(&program, &outputs, &expected, tolerance)?;
+    }
+    Ok(())
+}
+
+fn all_robots() -> Vec<Robot> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files: Vec<_> =
+        std::fs::read_dir(folder.join("robots")).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|e| e == "urdf" || e == "toml"));
+    files.push(folder.join("tests/fixtures/friction_tree.toml"));
+    files.sort();
+    assert!(files.len() >= 9);
+    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
+}
+
+#[test]
+fn programs_of_every_robot_file_agree_with_the_generic_code() {
+    for robot in all_robots() {
+        let n = robot.len();
+        for seed in 0..3 {
+            let mut random = fastrand::Rng::with_seed(seed);
+            let mut numbers = |count: usize, size: f64| -> Vec<f64> {
+                (0..count).map(|_| size * (2.0 * random.f64() - 1.0)).collect()
+            };
+            let (q, v, u, y) = (numbers(n, 3.0), numbers(n, 2.0), numbers(n, 5.0), numbers(2 * n, 1.0));
+            check(&robot, &q, &v, &u, &y).unwrap();
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(48))]
+
+    #[test]
+    fn programs_of_random_robots_agree_with_the_generic_code(case in cases(7)) {
+        let Case { q, v, u, y, .. } = &case;
+        check(&case.robot(), q, v, u, y).map_err(TestCaseError::fail)?;
+    }
+}
+
+/// The same joints with other masses, lengths, springs, friction, armature and gravity.
+fn varied(case: &Case, factor: f64) -> Case {
+    let mut other = case.clone();
+    for (i, part) in other.parts.iter_mut().enumerate() {
+        let shift = factor * (1.0 + i as f64);
+        part.xyz = part.xyz.map(|x| 0.7 * x + 0.1 * shift.sin());
+        part.com = part.com.map(|x| 0.5 * x - 0.1 * shift.cos());
+        part.radii = part.radii.map(|r| r * (1.2 + 0.3 * shift.sin()));
+        part.mass *= 1.5 + shift.sin();
+        part.massless = false;
+        part.armature *= 1.3;
+        part.spring = [part.spring[0] * 0.8, part.spring[1] * 1.1];
+        part.friction = [part.friction[0] * 1.2, part.friction[1] * 0.6, part.friction[2] * 1.5];
+    }
+    other.coupling.iter_mut().for_each(|entry| *entry *= 1.1);
+    other.gravity = other.gravity.map(|g| 1.2 * g + 0.3);
+    other
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    /// A program recorded from one robot, with the parameters of another one.
+    #[test]
+    fn programs_with_parameters_are_right_for_other_robots(case in cases(5), factor in 0.3..2.0_f64) {
+        let (recorded, other) = (case.robot(), varied(&case, factor).robot());
+        prop_assert_eq!(parameter_names(&recorded), parameter_names(&other));
+        prop_assume!(costate_test_support::random_robot::condition(&other, &case.q) < 1e9);
+        let p = Hamiltonian::<f64>::new(&other).momentum(&case.q, &case.v).unwrap().to_vec();
+        for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
+            for quantity in Quantity::ALL {
+                let options = Options { parameters: true, ..Options::default() };
+                let program = match robot_program(&recorded, quantity, coordinates, &options) {
+                    Err(CodegenError::Quantity { .. }) => continue,
+                    program => program.map_err(|error| TestCaseError::fail(error.to_string()))?,
+                };
+                let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { case.v.clone() };
+                let (q, u, y) = (case.q.clone(), case.u.clone(), case.y.clone());
+                let state = State { q, second, u, d: y.iter().map(|y| 0.3 - y).collect(), y };
+                let expected = expected(&other, quantity, coordinates, &state);
+                let mut inputs = state.inputs(&program);
+                inputs.extend(parameter_values(&other));
+                let mut outputs = vec![0.0; program.outputs()];
+                program.evaluate(&inputs, &mut outputs, &mut Vec::new()).unwrap();
+                judge(&program, &outputs, &expected, tolerance(&other, &case.q)).map_err(TestCaseError::fail)?;
+            }
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Properties of the state equation and its derivatives on random trees, and what happens at bad states.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+
+mod identities;
+mod inputs;
+mod kernels;
+mod lagrangian;
+mod rounding_scan;
+mod routes;
+mod second_order;
+mod singular;
+mod structure;
+mod tensors;

@@ -1,0 +1,117 @@
+//! Properties: all methods for derivatives agree on random trees.
+
+use costate::derivative::{Directional, Hessian, Jacobian, PhaseVelocity, Routes, relative_difference};
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use costate::matrix::{Block, Matrix};
+use costate::robot::Robot;
+use costate::step::StepRoutes;
+use costate_test_support::config;
+use costate_test_support::random_robot::{Case, cases, difference, tolerance};
+use proptest::prelude::*;
+
+fn flat(block: Block<'_, f64>) -> Vec<f64> {
+    block.iter_rows().flatten().copied().collect()
+}
+
+/// Everything that [`Routes`] compares, by the bound that it states.
+fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
+    let robot = case.robot();
+    let report = Routes::new(&robot).compare(&case.x(&robot), &case.u, &case.y).unwrap();
+    let failures: Vec<_> = report.failures(1.0).collect();
+    prop_assert!(failures.is_empty(), "{failures:#?}");
+    Ok(())
+}
+
+/// Robots a property.
+const CASES: u32 = 320;
+
+proptest! {
+    #![proptest_config(config(CASES))]
+
+    #[test]
+    fn routes_agree_on_random_trees(case in cases(12)) {
+        routes_agree(&case)?;
+    }
+
+    #[test]
+    fn routes_agree_for_one_joint(case in cases(1)) {
+        routes_agree(&case)?;
+    }
+
+    /// The contraction of the whole tensor, and the derivative of F_x' y along a direction.
+    #[test]
+    fn tensor_and_directional_derivative_contract_alike(case in cases(5)) {
+        let robot = case.robot();
+        let (x, n) = (case.x(&robot), case.n());
+        let tolerance = tolerance(&robot, &case.q);
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        let analytic = second.contract(&case.q, &x[n..], &case.u, &case.y).unwrap();
+        let mut hessian = Hessian::new(PhaseVelocity::new(&robot).under(&case.u));
+        let tensor = hessian.hessian_tensor(&x).unwrap();
+        let mut contracted = Vec::new();
+        for i in 0..2 * n {
+            for j in 0..2 * n {
+                contracted.push((0..2 * n).map(|k| case.y[k] * tensor.entry(k, i, j)).sum::<f64>());
+            }
+        }
+        let natural = flat(analytic.linearisation().matrix()).iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let contracted = Matrix::from_rows(2 * n, &contracted);
+        let found = relative_difference(analytic.matrix(), contracted.view(), natural);
+        prop_assert!(found <= tolerance, "tensor: {found:.2e}");
+        let mut directional = Directional::new(PhaseVelocity::new(&robot).under(&case.u));
+        let along = directional.jacobian_product(&x, &case.y).unwrap();
+        let f_x = analytic.linearisation();
+        let product: Vec<f64> =
+            f_x.matrix().iter_rows().map(|row| row.iter().zip(&case.y).map(|(a, b)| a * b).sum()).collect();
+        prop_assert!(difference(along.value, f_x.f()) <= tolerance);
+        prop_assert!(difference(along.derivative, &product) <= tolerance);
+    }
+
+    /// F and F_x do not depend on how they are asked for.
+    #[test]
+    fn one_sweep_gives_what_single_calls_give(case in cases(8)) {
+        let robot = case.robot();
+        let p = case.p(&robot);
+        let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
+        let f = hamiltonian.evaluate(&case.q, &p, &case.u).unwrap().to_vec();
+        let linear = hamiltonian.linearise(&case.q, &p, &case.u).unwrap();
+        prop_assert_eq!(linear.f(), &f[..]);
+        let (f_x, minv) = (flat(linear.matrix()), flat(linear.qp()));
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        let all = second.contract(&case.q, &p, &case.u, &case.y).unwrap();
+        prop_assert!(difference(all.linearisation().f(), &f) <= 1e-14);
+        prop_assert!(difference(&flat(all.linearisation().matrix()), &f_x) <= 1e-14);
+        prop_assert_eq!(hamiltonian.inverse_mass_matrix(&case.q).unwrap().as_slice(), &minv[..]);
+    }
+
+    /// Dual numbers of any chunk length give the same Jacobian.
+    #[test]
+    fn chunks_of_any_length_agree(case in cases(4)) {
+        let robot = case.robot();
+        let x = case.x(&robot);
+        let function = || PhaseVelocity::new(&robot).under(&case.u);
+        let one = Jacobian::<_, 1>::chunked(function()).linearise(&x).unwrap().jacobian.clone();
+        let three = Jacobian::<_, 3>::chunked(function()).linearise(&x).unwrap().jacobian.clone();
+        let many = Jacobian::<_, 16>::chunked(function()).linearise(&x).unwrap().jacobian.clone();
+        prop_assert!(difference(one.as_slice(), three.as_slice()) <= 1e-15);
+        prop_assert!(difference(one.as_slice(), many.as_slice()) <= 1e-15);
+    }
+}
+
+/// In every row, a relative change of 1e-8 of the largest entry of any block fails the comparison.
+#[test]
+fn a_wrong_entry_is_detected() {
+    for name in ["two_link.toml", "cart_pole.toml", "puma560.toml", "ur5.urdf", "panda.urdf", "biped.toml"] {
+        let robot = Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let n = robot.len();
+        let numbers = |count: usize, factor: f64| -> Vec<f64> {
+            (0..count).map(|i| (factor * (i + 1) as f64).sin()).collect()
+        };
+        let (q, v, u, y) = (numbers(n, 1.3), numbers(n, 0.9), numbers(n, 2.1), numbers(2 * n, 1.7));
+        let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
+        let x = [q, p].concat();
+        let nothing: [[&str; 2]; 0] = [];
+        assert_eq!(Routes::new(&robot).undetected(&x, &u, &y, 1e-8).unwrap(), nothing, "{name}");
+        assert_eq!(StepRoutes::new(&robot).undetected(&x, &u, 1e-3, &y, 1e-8).unwrap(), nothing, "{name}");
+    }
+}

@@ -1,0 +1,92 @@
+//! Mass matrices that are singular by structure are refused, regular ones are not, however badly scaled.
+
+use costate::EvalError;
+use costate::derivative::worse;
+use costate::hamiltonian::Hamiltonian;
+use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate::scalar::Scalar;
+use fastrand::Rng;
+use nalgebra::Matrix3;
+
+fn random_placement(rng: &mut Rng) -> Placement {
+    let mut uniform = |range: f64| range * (2.0 * rng.f64() - 1.0);
+    let xyz = [uniform(0.5), uniform(0.5), uniform(0.5)];
+    Placement::from_xyz_rpy(xyz, [uniform(3.0), uniform(3.0), uniform(3.0)])
+}
+
+/// A chain of revolute joints, each link as given; joint frames in random positions.
+fn chain(links: impl IntoIterator<Item = LinkInertia>, rng: &mut Rng) -> Robot {
+    let mut builder = Robot::builder("chain");
+    for (i, link) in links.into_iter().enumerate() {
+        let mut spec = JointSpec::revolute(format!("j{i}")).placed(random_placement(rng)).carrying(link);
+        if i > 0 {
+            spec = spec.on(format!("j{}", i - 1));
+        }
+        builder = builder.joint(spec);
+    }
+    builder.build().unwrap()
+}
+
+/// How many of 500 random states are refused, and the largest error of `M^-1 M v` among the others (|v| <= 1).
+fn refused_and_worst<S: Scalar>(robot: &Robot, rng: &mut Rng, value: impl Fn(S) -> f64) -> (usize, f64) {
+    let (mut hamiltonian, n) = (Hamiltonian::<S>::new(robot), robot.len());
+    let (mut refused, mut worst) = (0, 0.0_f64);
+    for _ in 0..500 {
+        let mut uniform =
+            |range: f64| (0..n).map(|_| S::from_f64(range * (2.0 * rng.f64() - 1.0))).collect::<Vec<_>>();
+        let (q, v) = (uniform(3.0), uniform(1.0));
+        let p = hamiltonian.momentum(&q, &v).unwrap().to_vec();
+        match hamiltonian.velocity(&q, &p) {
+            Ok(found) => {
+                let errors = found.iter().zip(&v).map(|(a, b)| (value(*a) - value(*b)).abs());
+                worst = errors.fold(worst, worse);
+            }
+            Err(EvalError::SingularMassMatrix { .. }) => refused += 1,
+            Err(error) => unreachable!("{error}"),
+        }
+    }
+    (refused, worst)
+}
+
+fn body(mass: f64) -> LinkInertia {
+    LinkInertia::about_com(mass, [0.1, -0.2, 0.15], Matrix3::from_diagonal(&[0.03, 0.04, 0.05].into()) * mass)
+}
+
+/// A point mass has three degrees of freedom, a body six: joints beyond that are redundant in every pose.
+#[test]
+fn redundant_joints_are_refused_in_every_pose() {
+    let mut rng = Rng::with_seed(3);
+    for _ in 0..4 {
+        let point = |n: usize| {
+            vec![LinkInertia::massless(); n - 1].into_iter().chain([LinkInertia::point(1.0, [0.3, 0.2, 0.1])])
+        };
+        let rigid = |n: usize| vec![LinkInertia::massless(); n - 1].into_iter().chain([body(2.0)]);
+        for robot in [chain(point(4), &mut rng), chain(rigid(7), &mut rng)] {
+            let (refused, worst) = refused_and_worst::<f64>(&robot, &mut rng, |x| x);
+            assert!(refused == 500, "f64: {} accepted, error {worst:.1e}", 500 - refused);
+            let (refused, worst) = refused_and_worst::<f32>(&robot, &mut rng, f64::from);
+            assert!(refused == 500, "f32: {} accepted, error {worst:.1e}", 500 - refused);
+        }
+    }
+}
+
+/// What is accepted has digits; what is regular is accepted.
+#[test]
+fn badly_scaled_but_regular_robots_are_accepted() {
+    let mut rng = Rng::with_seed(5);
+    let tapering = (0..6).map(|i| body(10.0_f64.powi(2 - i)));
+    let light_wrist = [500.0, 300.0, 100.0, 1e-3, 1e-4, 1e-5].map(body);
+    let heavy_tip = [1e-6, 1e-6, 1e3].map(body);
+    let tiny = [1e-15; 4].map(body);
+    for robot in [
+        chain(tapering, &mut rng),
+        chain(light_wrist, &mut rng),
+        chain(heavy_tip, &mut rng),
+        chain(tiny, &mut rng),
+        chain(vec![body(1.0); 40], &mut rng),
+    ] {
+        let (refused, worst) = refused_and_worst::<f64>(&robot, &mut rng, |x| x);
+        assert!(refused <= 5, "{refused} of 500 refused, n = {}", robot.len());
+        assert!(worst < 1e-2, "error {worst:.1e}, n = {}", robot.len());
+    }
+}

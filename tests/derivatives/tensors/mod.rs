@@ -1,0 +1,203 @@
+//! Properties of the paper's route: agreement with the other routes. `relations` and `storage` test the coefficients.
+
+mod bench;
+mod relations;
+mod storage;
+
+use bench::{revolute, serial};
+use costate::EvalError;
+use costate::derivative::{Function, Hessian, Jacobian, PhaseVelocity, largest, relative_difference};
+use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
+use costate::kernels::{KernelOne, LagrangianHessian};
+use costate::matrix::{Block, Matrix};
+use costate::robot::Tree;
+use costate::scalar::Scalar;
+use costate::tensors::{Christoffel, ChristoffelKernel};
+use costate_test_support::config;
+use costate_test_support::random_robot::{Case, all_cases, cases, condition, tolerance};
+use proptest::prelude::*;
+
+/// Robots a property.
+const CASES: u32 = 192;
+
+/// What the three stages of a kernel give.
+fn stages<K: LagrangianHessian<f64>>(tree: &Tree, case: &Case) -> (K, f64) {
+    let mut kernel = K::new(tree);
+    kernel.set_position(tree, &case.q).unwrap();
+    kernel.set_velocity(tree, &case.v).unwrap();
+    kernel.second_order(tree);
+    let potential = kernel.potential(tree);
+    (kernel, potential)
+}
+
+fn as_rows(values: &[f64]) -> Matrix<f64> {
+    Matrix::from_rows(values.len(), values)
+}
+
+/// M, p, L_q, P, L_qq and V of both kernels, without a matrix to invert.
+fn kernels_agree(case: &Case) -> Result<(), TestCaseError> {
+    let tree = Tree::from(&case.robot());
+    let (tensors, v_tensors) = stages::<ChristoffelKernel<f64>>(&tree, case);
+    let (contracted, v_contracted) = stages::<KernelOne<f64>>(&tree, case);
+    let sizes: Vec<f64> = (0..case.n()).map(|k| tensors.size_of_entry(&tree, k)).collect();
+    for (k, size) in sizes.iter().enumerate() {
+        let bound = contracted.size_of_entry(&tree, k);
+        prop_assert!(*size <= bound * (1.0 + 1e-12), "size of entry {k}: {size} > {bound}");
+    }
+    let (inertia, rate) = (largest(&sizes), largest(&case.v));
+    let weight =
+        largest(&case.gravity) * (inertia + tree.joints().iter().map(|j| j.subtree_mass).sum::<f64>());
+    let stiffness = tree.joints().iter().map(|joint| joint.spring.stiffness).fold(0.0, f64::max);
+    let stretch = largest(&case.q) + 1.0;
+    let force = inertia * rate * rate + weight + stiffness * stretch;
+    let close = |what: &str, ours: Block<'_, f64>, theirs: Block<'_, f64>, natural: f64| {
+        let difference = relative_difference(ours, theirs, natural);
+        prop_assert!(difference <= 1e-12, "{what}: {difference:.1e}");
+        Ok(())
+    };
+    close("M", tensors.mass_matrix().view(), contracted.mass_matrix().view(), inertia)?;
+    let vector = |what, ours: &[f64], theirs: &[f64], natural| {
+        close(what, as_rows(ours).view(), as_rows(theirs).view(), natural)
+    };
+    vector("p", tensors.momentum(), contracted.momentum(), inertia * rate)?;
+    vector("L_q", tensors.l_q(), contracted.l_q(), force)?;
+    vector("V", &[v_tensors], &[v_contracted], weight + stiffness * stretch * stretch)?;
+    close("P", tensors.l_vq().view(), contracted.l_vq().view(), inertia * rate)?;
+    close("L_qq", tensors.l_qq().view(), contracted.l_qq().view(), force)
+}
+
+/// The state equation by the tensors, as a function to differentiate.
+struct TensorPhaseVelocity {
+    tree: Tree,
+    u: Vec<f64>,
+}
+
+impl Function for TensorPhaseVelocity {
+    type Workspace<S: Scalar> = Hamiltonian<S, Christoffel>;
+    type Error = EvalError;
+
+    fn inputs(&self) -> usize {
+        2 * self.tree.len()
+    }
+
+    fn outputs(&self) -> usize {
+        2 * self.tree.len()
+    }
+
+    fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
+        Hamiltonian::with_route(self.tree.clone(), Christoffel)
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        tensors: &mut Self::Workspace<S>,
+        x: &[S],
+        f: &mut [S],
+    ) -> Result<(), EvalError> {
+        let (q, p) = x.split_at(self.tree.len());
+        let u: Vec<S> = self.u.iter().map(|&u| S::from_f64(u)).collect();
+        f.copy_from_slice(tensors.evaluate(q, p, &u)?);
+        Ok(())
+    }
+}
+
+/// M, F, F_x and y'F_xx: tensors beside analytic and (hyper-)dual.
+///
+/// The tensors round M in another way than the other routes, which share theirs, and M^-1 enters y'F_xx three times: that
+/// may differ by `1e-12 max(1, cond(M) / 100)`.
+fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
+    let robot = case.robot();
+    let bound = tolerance(&robot, &case.q);
+    let (q, p, u, y, n) = (&case.q, case.p(&robot), &case.u, &case.y, case.n());
+    let tree = Tree::from(&robot);
+    let mut tensors = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
+    let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
+    let mut analytic = HamiltonianSecondOrder::<f64>::from_tree(tree);
+    let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot).under(u));
+    let mut hyperdual = Hessian::new(PhaseVelocity::new(&robot).under(u));
+    let x = case.x(&robot);
+    let ours = tensors.contract(q, &p, u, y).unwrap();
+    let theirs = analytic.contract(q, &p, u, y).unwrap();
+    let linear = first.linearise(q, &p, u).unwrap();
+    let by_dual = dual.linearise(&x).unwrap();
+    let by_hyperdual = hyperdual.contract(&x, y).unwrap();
+    let f = ours.linearisation().f();
+    let energy = p.iter().zip(f).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&f[n..]);
+    let f_x = theirs.linearisation().matrix();
+    let along = energy.max(1e-3 * f_x.iter_rows().map(largest).fold(0.0, f64::max));
+    let within = |bound: f64, what: &str, ours: Block<'_, f64>, theirs: Block<'_, f64>, natural: f64| {
+        let difference = relative_difference(ours, theirs, natural);
+        prop_assert!(difference <= bound, "{what}: {difference:.1e} > {bound:.1e}");
+        Ok(())
+    };
+    let close = |what: &str, ours: Block<'_, f64>, theirs: Block<'_, f64>, natural: f64| {
+        within(bound, what, ours, theirs, natural)
+    };
+    close("M", linear.mass_matrix().view(), theirs.linearisation().mass_matrix().view(), 0.0)?;
+    close("F, analytic", as_rows(linear.f()).view(), as_rows(theirs.linearisation().f()).view(), energy)?;
+    close("F, dual", as_rows(f).view(), as_rows(by_dual.value).view(), energy)?;
+    close("F_x, analytic", linear.matrix(), f_x, energy)?;
+    close("F_x, one sweep", ours.linearisation().matrix(), f_x, energy)?;
+    close("F_x, dual", linear.matrix(), by_dual.jacobian.view(), energy)?;
+    let natural = largest(y) * along;
+    let mut own = Hessian::new(TensorPhaseVelocity { tree: first.tree().clone(), u: u.clone() });
+    close("y'F_xx, hyperdual through tensors", ours.matrix(), own.contract(&x, y).unwrap().view(), natural)?;
+    let bound = 1e-12 * (condition(&robot, q) / 100.0).max(1.0);
+    within(bound, "y'F_xx, analytic", ours.matrix(), theirs.matrix(), natural)?;
+    within(bound, "y'F_xx, hyperdual", ours.matrix(), by_hyperdual.view(), natural)
+}
+
+proptest! {
+    #![proptest_config(config(CASES))]
+
+    #[test]
+    fn tensors_agree_with_analytic_and_dual_on_random_trees(case in cases(12)) {
+        routes_agree(&case)?;
+    }
+
+    #[test]
+    fn tensors_agree_with_analytic_and_dual_on_serial_chains(case in all_cases(12).prop_map(serial)) {
+        prop_assume!((0.0..1e9).contains(&condition(&case.robot(), &case.q)));
+        routes_agree(&case)?;
+    }
+
+    #[test]
+    fn kernels_agree_where_joints_are_redundant_too(case in all_cases(12)) {
+        kernels_agree(&case)?;
+    }
+
+    /// Every mixture of revolute and prismatic joints on a chain of five, and on a tree.
+    #[test]
+    fn kernels_agree_for_every_mixture_of_joints(mut case in all_cases(5)) {
+        let joints = case.n();
+        for mixture in 0..1_usize << joints {
+            for (i, part) in case.parts.iter_mut().enumerate() {
+                part.prismatic = (mixture >> i) % 2 == 1;
+            }
+            kernels_agree(&case)?;
+            kernels_agree(&serial(case.clone()))?;
+        }
+    }
+}
+
+/// The stages may be repeated, in any number, without a trace.
+#[test]
+fn stages_can_be_repeated() {
+    let tree = revolute(5, |i| i.checked_sub(1));
+    let q: Vec<f64> = (0..5).map(|i| 0.2 * f64::from(i)).collect();
+    let mut once = ChristoffelKernel::<f64>::new(&tree);
+    let mut again = once.clone();
+    again.set_position(&tree, &[1.0; 5]).unwrap();
+    again.set_velocity(&tree, &[2.0; 5]).unwrap();
+    again.second_order(&tree);
+    for kernel in [&mut once, &mut again] {
+        kernel.set_position(&tree, &q).unwrap();
+        kernel.set_velocity(&tree, &q).unwrap();
+        kernel.second_order(&tree);
+    }
+    again.second_order(&tree);
+    assert_eq!(once.l_vq().as_slice(), again.l_vq().as_slice());
+    assert_eq!(once.l_qq().as_slice(), again.l_qq().as_slice());
+    assert_eq!((once.l_q(), once.momentum()), (again.l_q(), again.momentum()));
+    assert!(once.set_velocity(&tree, &q[..4]).is_err());
+}

@@ -1,0 +1,6 @@
+//! Models, costs and steps in time.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+
+mod models;
+mod step;

@@ -1,0 +1,11 @@
+//! Descriptions of robots: URDF, TOML, tables; and the numbers of real robots.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+
+mod descriptions;
+mod known_robots;
+mod texts;
+mod toml_files;
+mod urdf;
+mod urdf_refused;
+mod urdf_stress;

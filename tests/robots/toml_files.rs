@@ -1,0 +1,179 @@
+//! Robots in TOML: what is refused, with the line and the reason, and what is loaded.
+
+use costate::robot::RobotError as E;
+use costate::robot::{JointKind, LoadOptions, Placement, Robot, Warning, file::parse};
+
+const BODY: &str = "mass = 2.0\ncom = [0.3, 0.0, 0.0]\ninertia = { xx = 0.1, yy = 0.2, zz = 0.25 }";
+
+/// The name of joint 'a' is in line 3, what is added to it in line 4; that of 'b' is in line 9.
+fn two(extra_a: &str, extra_b: &str) -> String {
+    format!("name = 'pair'\n[[joint]]\nname = 'a'\n{BODY}\n[[joint]]\nname = 'b'\n{BODY}\n{extra_b}\n")
+        .replacen("name = 'a'", &format!("name = 'a'\n{extra_a}"), 1)
+}
+
+fn refused(text: &str) -> (Option<usize>, E) {
+    match parse(text, LoadOptions::default()) {
+        Err(E::InFile { line, error, .. }) => (line, *error),
+        other => panic!("{other:?}"),
+    }
+}
+
+macro_rules! refuses {
+    ($($name:ident: $text:expr, $line:expr, $error:pat, $words:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            let (line, error) = refused(&$text);
+            let message = error.to_string();
+            assert!(matches!(error, $error), "{error:?}");
+            assert_eq!(line, $line, "{message}");
+            for word in $words {
+                assert!(message.contains(word), "'{word}' is not in: {message}");
+            }
+        }
+    )*};
+}
+
+refuses! {
+    malformed: "name = 'x'\n[[joint]\nname = 'a'\n", Some(2), E::Malformed { .. }, ["]"];
+    unknown_key: two("masss = 1.0", ""), Some(4), E::Malformed { .. }, ["masss", "mass"];
+    unknown_key_in_a_table: two("", "friction = { viscus = 1.0 }"), Some(13), E::Malformed { .. }, ["viscus", "viscous"];
+    unknown_key_of_the_robot: "nam = 'x'", Some(1), E::Malformed { .. }, ["nam", "name"];
+    unknown_type: two("type = 'spherical'", ""), Some(4), E::Malformed { .. }, ["spherical", "revolute", "prismatic"];
+    text_for_a_number: two("armature = 'big'", ""), Some(4), E::Malformed { .. }, ["big"];
+    empty_robot: "name = 'nothing'", None, E::NoJoints { .. }, ["nothing", "revolute"];
+    unknown_parent: two("", "parent = 'c'"), Some(9), E::UnknownParent { .. }, ["'b'", "'c'", "joint"];
+    duplicate: two("", "").replace("'b'", "'a'"), Some(9), E::DuplicateName { kind: "joint", .. }, ["'a'"];
+    cycle: two("parent = 'b'", "parent = 'a'"), Some(3), E::Cycle { .. }, ["a -> b", "world"];
+    its_own_parent: two("parent = 'a'", ""), Some(3), E::Cycle { .. }, ["a"];
+    called_world: two("", "").replace("'a'", "'world'"), Some(3), E::Malformed { .. }, ["'world'", "another name"];
+    no_name: "[[joint]]\nmass = 1.0", Some(1), E::Malformed { .. }, ["missing field `name`; add it"];
+    negative_mass: two("", "").replacen("2.0", "-2.0", 1), Some(3), E::NegativeMass { .. }, ["'a'", "-2 kg"];
+    mass_nan: two("", "").replacen("2.0", "nan", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "mass"];
+    com_infinite: two("", "").replacen("0.3", "inf", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "centre"];
+    indefinite: two("", "").replacen("zz = 0.25", "zz = 0.25, xy = 3.0", 1), Some(3), E::IndefiniteInertia { .. }, ["'a'"];
+    no_axis: two("axis = [0.0, 0.0, 0.0]", ""), Some(3), E::BadAxis { .. }, ["'a'", "0 0 1"];
+    placement_nan: two("placement = { xyz = [nan, 0.0, 0.0] }", ""), Some(3), E::BadPlacement { .. }, ["'a'"];
+    gravity_nan: two("", "").replacen("[[", "gravity = [0.0, nan, 0.0]\n[[", 1), Some(2), E::BadGravity, ["gravity"];
+    negative_friction: two("friction = { viscous = -1.0 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "-1"];
+    zero_transition: two("friction = { coulomb = 1.0, coulomb_velocity = 0.0 }", ""), Some(3), E::BadValue { .. }, ["'a'"];
+    negative_armature: two("armature = -0.1", ""), Some(3), E::BadValue { .. }, ["armature", "'a'"];
+    limits_swapped: two("limits = { lower = 1.0, upper = -1.0 }", ""), Some(3), E::BadValue { .. }, ["lower limit", "'a'"];
+    last_link_massless: two("", "").replace(&format!("'b'\n{BODY}"), "'b'"), Some(9), E::MovesNothing { .. }, ["'b'", "armature", "fixed"];
+    dh_without_convention: two("dh = { a = 1.0 }", ""), Some(3), E::Malformed { .. }, ["dh", "modified-dh", "'a'"];
+    axis_in_a_dh_table: two("axis = [1.0, 0.0, 0.0]", "").replacen("[[", "convention = 'modified-dh'\n[[", 1), Some(4), E::Malformed { .. }, ["axis", "placements"];
+    armature_ragged: two("", "").replacen("[[", "armature = [[1.0, 0.0], [0.0]]\n[[", 1), Some(2), E::BadArmature { n: 2, .. }, ["row of 1"];
+    armature_size: two("", "").replacen("[[", "armature = [[1.0]]\n[[", 1), Some(2), E::BadArmature { n: 2, .. }, ["1 x 1", "2 x 2"];
+    armature_skew: two("", "").replacen("[[", "armature = [[1.0, 0.5], [0.0, 1.0]]\n[[", 1), Some(2), E::BadArmature { .. }, ["symmetric"];
+    armature_indefinite: two("", "").replacen("[[", "armature = [[1.0, 2.0], [2.0, 1.0]]\n[[", 1), Some(2), E::BadArmature { .. }, ["eigenvalue"];
+}
+
+#[test]
+fn a_missing_file_and_a_strange_name_are_named() {
+    let error = Robot::from_file("robots/nowhere.toml").unwrap_err();
+    assert!(error.to_string().starts_with("robots/nowhere.toml: cannot be read"), "{error}");
+    let error = Robot::from_file("robots/arm.xacro").unwrap_err();
+    assert!(error.to_string().contains(".urdf or .toml"), "{error}");
+}
+
+#[test]
+fn errors_in_a_file_start_with_path_and_line() {
+    let path = std::env::temp_dir().join(format!("costate-{}.toml", std::process::id()));
+    std::fs::write(&path, two("masss = 1.0", "")).unwrap();
+    let message = Robot::from_file(&path).unwrap_err().to_string();
+    std::fs::remove_file(&path).unwrap();
+    assert!(message.starts_with(&format!("{}:4: ", path.display())), "{message}");
+}
+
+#[test]
+fn a_violated_triangle_inequality_is_a_warning_and_strict_makes_it_an_error() {
+    let odd = two("", "").replacen("zz = 0.25", "zz = 0.9", 1);
+    let robot = parse(&odd, LoadOptions::default()).unwrap();
+    assert!(matches!(robot.warnings(), [Warning::TriangleInequality { link, .. }] if link == "a"));
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    let error = parse(&odd, strict).unwrap_err();
+    assert!(error.to_string().contains("'a'"), "{error}");
+    assert!(parse(&two("", ""), strict).is_ok());
+}
+
+#[test]
+fn every_key_arrives() {
+    let text = two(
+        "type = 'prismatic'\nplacement = { xyz = [1.0, 2.0, 3.0], rpy = [0.1, 0.2, 0.3] }\naxis = [0.0, 3.0, 4.0]\n\
+         armature = 0.7\nspring = { stiffness = 5.0, rest = 0.1 }\nlimits = { upper = 2.0, effort = 9.0 }\n\
+         friction = { viscous = 0.2, coulomb = 0.3, coulomb_velocity = 0.4 }",
+        "parent = 'world'\ninertia_about = 'frame'",
+    );
+    let text = text.replacen(
+        "[[",
+        "gravity = [1.0, 0.0, 0.0]\narmature = [[0.5, 0.1], [0.1, 0.6]]\nsources = ['x']\n[[",
+        1,
+    );
+    let robot = parse(&text, LoadOptions::default()).unwrap();
+    let (a, b) = (&robot.joints()[0], &robot.joints()[1]);
+    assert_eq!((a.kind, a.parent, b.parent), (JointKind::Prismatic, None, None));
+    assert_eq!((a.placement.translation.z, a.axis.y, a.axis.z), (3.0, 0.6, 0.8));
+    assert_eq!((robot.armature()[(0, 0)], robot.armature()[(1, 0)]), (0.5 + 0.7, 0.1));
+    assert_eq!((a.spring.stiffness, a.spring.rest, a.friction.coulomb_velocity), (5.0, 0.1, 0.4));
+    assert_eq!((a.limits.lower, a.limits.upper, a.limits.effort), (f64::NEG_INFINITY, 2.0, 9.0));
+    assert_eq!((b.inertia.inertia[(0, 0)], robot.gravity().x), (0.1, 1.0));
+    assert!((b.inertia.inertia[(2, 2)] - (0.25 - 2.0 * 0.09)).abs() < 1e-15);
+}
+
+/// A branched standard table with a prismatic joint, beside the placements it stands for.
+#[test]
+fn standard_tables_branch() {
+    let table = format!(
+        "name = 't'\nconvention = 'standard-dh'\n\
+         [[joint]]\nname = 'a'\ndh = {{ alpha = 0.3, a = 0.5, d = 0.2, theta = 0.1 }}\n{BODY}\n\
+         [[joint]]\nname = 'b'\ntype = 'prismatic'\ndh = {{ alpha = -0.4, a = 0.1, d = 0.7, theta = 0.6 }}\n{BODY}\n\
+         [[joint]]\nname = 'c'\nparent = 'a'\ndh = {{ a = 0.2, theta = -1.0 }}\n{BODY}\n"
+    );
+    let robot = parse(&table, LoadOptions::default()).unwrap();
+    let about = |x: f64, z: f64| Placement::from_xyz_rpy([0.0; 3], [x, 0.0, z]);
+    let along = |x: f64, z: f64| Placement::from_xyz_rpy([x, 0.0, z], [0.0; 3]);
+    let far = along(0.5, 0.0).then(&about(0.3, 0.0));
+    let expected = [
+        about(0.0, 0.1).then(&along(0.0, 0.2)),
+        far.then(&about(0.0, 0.6)).then(&along(0.0, 0.7)),
+        far.then(&about(0.0, -1.0)),
+    ];
+    for (joint, expected) in robot.joints().iter().zip(expected) {
+        let found = joint.placement;
+        assert!((found.rotation - expected.rotation).amax() < 1e-15, "{}", joint.name);
+        assert!((found.translation - expected.translation).amax() < 1e-15, "{}", joint.name);
+    }
+    assert_eq!(robot.joints()[2].parent, Some(0));
+    assert!(
+        (robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15,
+        "0.3 in frame 3, which stands 0.2 further"
+    );
+}
+
+/// Rows of the armature matrix are in the order of the file, which parents may change.
+#[test]
+fn the_armature_matrix_follows_reordered_joints() {
+    let joint =
+        |name: &str, parent: &str| format!("[[joint]]\nname = '{name}'\nparent = '{parent}'\n{BODY}\n");
+    let text = [
+        "name = 'r'\narmature = [[1.0, 0.2], [0.2, 3.0]]\n".into(),
+        joint("hand", "arm"),
+        joint("arm", "world"),
+    ];
+    let robot = parse(&text.concat(), LoadOptions::default()).unwrap();
+    assert_eq!(
+        (robot.joints()[0].name.as_str(), robot.armature()[(0, 0)], robot.armature()[(1, 0)]),
+        ("arm", 3.0, 0.2)
+    );
+}
+
+#[test]
+fn joints_stand_in_the_order_of_the_file_as_far_as_parents_allow() {
+    let joint =
+        |name: &str, parent: &str| format!("[[joint]]\nname = '{name}'\nparent = '{parent}'\n{BODY}\n");
+    let text =
+        ["name = 'r'\n".into(), joint("hand", "arm"), joint("leg", "world"), joint("arm", "world")].concat();
+    let robot = parse(&text, LoadOptions::default()).unwrap();
+    let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["leg", "arm", "hand"]);
+    assert_eq!(robot.joints()[2].parent, Some(1));
+}

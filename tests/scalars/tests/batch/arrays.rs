@@ -1,0 +1,110 @@
+//! Node-major arrays of a model, from a batch and from single evaluations.
+
+use costate::batch::{Batch, Failure, FirstOrderArrays, Model, ModelQuantity, Packed, SecondOrderArrays};
+use costate::dynamics::Dynamics;
+use costate::matrix::Block;
+use costate::robot::{Robot, file};
+use costate_test_support::random_robot::difference;
+
+/// Node-major arrays of a model: what is read and what was written.
+#[derive(Clone, Debug, Default)]
+pub struct Arrays {
+    pub x: Vec<f64>,
+    pub u: Vec<f64>,
+    pub y: Vec<f64>,
+    /// f, f_x, f_u, xx, ux, uu.
+    pub results: [Vec<f64>; 6],
+    /// y'f_x, y'f_u.
+    pub adjoint: [Vec<f64>; 2],
+}
+
+impl Arrays {
+    /// States that differ from node to node.
+    pub fn new(states: usize, controls: usize, nodes: usize) -> Self {
+        let fill = |length: usize, phase: f64| {
+            (0..nodes * length).map(|i| 0.9 * (1.7 * i as f64 + phase).sin()).collect::<Vec<_>>()
+        };
+        Self { x: fill(states, 0.1), u: fill(controls, 0.5), y: fill(states, 0.8), ..Self::default() }
+    }
+
+    pub fn nodes(&self, states: usize) -> usize {
+        self.x.len() / states
+    }
+
+    /// Everything that a batch computes of a model.
+    pub fn evaluate<S, D>(&mut self, batch: &mut Batch<S, Model<D>>) -> Vec<Failure<D::Error>>
+    where
+        S: Packed<Lane = f64>,
+        D: Dynamics<S, Error: Send + Clone> + Send,
+    {
+        let layout = batch.layout(ModelQuantity::Contraction).unwrap().clone();
+        let nodes = self.nodes(layout.inputs[0].length);
+        for (result, argument) in self.results.iter_mut().zip(&layout.outputs) {
+            *result = vec![7.0; nodes * argument.length];
+        }
+        self.adjoint = [vec![7.0; self.x.len()], vec![7.0; self.u.len()]];
+        let [f, f_x, f_u, xx, ux, uu] = &mut self.results;
+        let [y_f_x, y_f_u] = &mut self.adjoint;
+        batch.adjoint([&self.x, &self.u, &self.y], [y_f_x, y_f_u]).unwrap();
+        let first = FirstOrderArrays { f, f_x, f_u };
+        let second = SecondOrderArrays { xx, ux, uu };
+        batch.contract([&self.x, &self.u, &self.y], first, second).unwrap().to_vec()
+    }
+}
+
+/// What one node has in the arrays of results.
+pub type NodeResults = ([Vec<f64>; 6], [Vec<f64>; 2]);
+
+/// The same from single evaluations in f64; columns and blocks that do not exist are zero.
+pub fn one_by_one<D: Dynamics<f64>>(model: &mut D, arrays: &Arrays) -> Vec<NodeResults> {
+    let (n, m) = (model.states(), model.controls());
+    let flat = |block: Block<'_, f64>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+    let mut evaluate = |k: usize| {
+        let (x, u, y) = (&arrays.x[k * n..][..n], &arrays.u[k * m..][..m], &arrays.y[k * n..][..n]);
+        let mut adjoint = [vec![0.0; n], vec![0.0; m]];
+        let [y_f_x, y_f_u] = &mut adjoint;
+        model.adjoint(x, u, y, y_f_x, y_f_u).unwrap();
+        let second = model.contract(x, u, y).unwrap();
+        let (mut ux, mut uu) = (vec![0.0; m * n], vec![0.0; m * m]);
+        for (row, found) in ux.chunks_mut(n).zip(second.ux.iter().flat_map(Block::iter_rows)) {
+            row[..found.len()].copy_from_slice(found);
+        }
+        for (row, found) in uu.chunks_mut(m).zip(second.uu.iter().flat_map(Block::iter_rows)) {
+            row.copy_from_slice(found);
+        }
+        let first = second.first;
+        ([first.f.to_vec(), flat(first.f_x), flat(first.f_u), flat(second.xx), ux, uu], adjoint)
+    };
+    (0..arrays.nodes(n)).map(&mut evaluate).collect()
+}
+
+/// Entries of node `k` in a node-major array of so many nodes.
+pub fn node(array: &[f64], k: usize, nodes: usize) -> &[f64] {
+    let length = array.len() / nodes;
+    &array[k * length..(k + 1) * length]
+}
+
+/// Every result of every node against single evaluations.
+pub fn agree<D: Dynamics<f64>>(model: &mut D, arrays: &Arrays, allowed: f64) {
+    let nodes = arrays.nodes(model.states());
+    for (k, (results, adjoint)) in one_by_one(model, arrays).iter().enumerate() {
+        let found = arrays.results.iter().chain(&arrays.adjoint);
+        for (which, (found, expected)) in found.zip(results.iter().chain(adjoint)).enumerate() {
+            let difference = difference(node(found, k, nodes), expected);
+            assert!(difference <= allowed, "result {which} of node {k} of {nodes}: {difference:e}");
+        }
+    }
+}
+
+pub fn robot(name: &str) -> Robot {
+    Robot::from_file(format!("{}/../../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// Three turning axes in one point; no inverse of M where the second is at a right angle.
+pub fn gimbal() -> Robot {
+    let text = "name = 'gimbal'\n\
+        [[joint]]\nname = 'z'\naxis = [0.0, 0.0, 1.0]\n\
+        [[joint]]\nname = 'y'\naxis = [0.0, 1.0, 0.0]\n\
+        [[joint]]\nname = 'x'\naxis = [1.0, 0.0, 0.0]\nmass = 1.0\ninertia = { xx = 0.2, yy = 0.3, zz = 0.4 }\n";
+    file::parse(text, Default::default()).unwrap()
+}

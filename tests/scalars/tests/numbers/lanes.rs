@@ -1,0 +1,269 @@
+//! Every lane of every quantity is what `f64` gives for the state of that lane, on any tree.
+
+use costate::EvalError;
+use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
+use costate::lagrangian::{self, LagrangianSecondOrder};
+use costate::matrix::Block;
+use costate::robot::Robot;
+use costate::scalar::{Lanes, Scalar, Tangent, Vector};
+use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StoermerVerlet};
+use costate_test_support::config;
+use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
+use num_dual::Dual;
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+type Quantities<S> = Vec<(&'static str, Vec<S>)>;
+
+/// q, v, p, u and y of one state.
+#[derive(Clone, Debug)]
+struct State([Vec<f64>; 5]);
+
+/// All that is computed at one state.
+fn quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantities<S> {
+    let n = robot.len();
+    let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+    let mut second = HamiltonianSecondOrder::<S>::new(robot);
+    let mut lagrangian = LagrangianSecondOrder::<S>::new(robot);
+    let mut all = vec![("F", second.first().evaluate(q, p, u).unwrap().to_vec())];
+    all.push(("F_x", flat(second.first().linearise(q, p, u).unwrap().matrix())));
+    all.push(("y'F_x", second.first().adjoint(q, p, u, y).unwrap().y_f_x.to_vec()));
+    all.push(("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix())));
+    all.push(("y'F_xx y", second.hessian_product(q, p, y, y).unwrap().to_vec()));
+    let mut dual_pass = DualPass::<S>::new(robot);
+    all.push(("y'F_xx by a dual pass", flat(dual_pass.contract(q, p, u, y).unwrap().matrix())));
+    all.push(("p", second.first().momentum(q, v).unwrap().to_vec()));
+    all.push(("M^-1", second.first().inverse_mass_matrix(q).unwrap().as_slice().to_vec()));
+    all.push(("a", lagrangian.first().forward_dynamics(q, v, u).unwrap().to_vec()));
+    all.push(("tau", lagrangian.first().inverse_dynamics(q, v, u).unwrap().to_vec()));
+    all.push(("a_z", flat(lagrangian.first().linearise_forward_dynamics(q, v, u).unwrap().matrix())));
+    all.push((
+        "y'a_zz",
+        lagrangian.contract_forward_dynamics(q, v, u, &y[n..]).unwrap().to_matrix().as_slice().to_vec(),
+    ));
+    all
+}
+
+/// The first three quantities only, as number types nest.
+fn fewer_quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantities<S> {
+    let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+    let mut second = HamiltonianSecondOrder::<S>::new(robot);
+    let mut lagrangian = lagrangian::Lagrangian::<S>::new(robot);
+    vec![
+        ("F", second.first().evaluate(q, p, u).unwrap().to_vec()),
+        ("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix())),
+        ("a", lagrangian.forward_dynamics(q, v, u).unwrap().to_vec()),
+    ]
+}
+
+/// Poses where joints are straight, folded or at a right angle, and some without meaning.
+fn pose(case: &Case, k: usize) -> Vec<f64> {
+    let change = |i: usize, q: f64| match k % 6 {
+        0 => q,
+        1 => 0.0,
+        2 => {
+            if i.is_multiple_of(2) {
+                FRAC_PI_2
+            } else {
+                -FRAC_PI_2
+            }
+        }
+        3 => {
+            if i.is_multiple_of(2) {
+                PI
+            } else {
+                0.0
+            }
+        }
+        4 => 3.0 * q - 0.1 * i as f64,
+        _ => -q + 40.0 * PI,
+    };
+    case.q.iter().enumerate().map(|(i, &q)| change(i, q)).collect()
+}
+
+/// A state for every lane; where M is singular, the pose of the case.
+fn states(case: &Case, robot: &Robot, count: usize) -> Vec<State> {
+    let state = |k: usize| {
+        let regular = |q: &Vec<f64>| (0.0..1e9).contains(&condition(robot, q));
+        let q = Some(pose(case, k)).filter(regular).unwrap_or_else(|| case.q.clone());
+        let factor = 1.0 - 0.3 * k as f64;
+        let scaled = |x: &[f64]| x.iter().map(|x| x * factor).collect::<Vec<_>>();
+        let v = if k == 5 { vec![0.0; q.len()] } else { scaled(&case.v) };
+        let p = Hamiltonian::<f64>::new(robot).momentum(&q, &v).unwrap().to_vec();
+        State([q, v, p, scaled(&case.u), scaled(&case.y)])
+    };
+    (0..count).map(state).collect()
+}
+
+/// Argument `which` of all states, one lane a state.
+fn packed<V: Vector>(states: &[State], which: usize) -> Vec<Lanes<V>> {
+    let lane = |i: usize| states.iter().map(|state| state.0[which][i]).collect::<Vec<_>>();
+    (0..states[0].0[which].len()).map(|i| Lanes::from_lanes(&lane(i))).collect()
+}
+
+/// Part `part` of every quantity: lane k of those of all states against those of state k alone.
+fn compare<S, L>(
+    robot: &Robot,
+    states: &[State],
+    (lanes, alone): (&Quantities<L>, &[Quantities<S>]),
+    (of_lanes, of_alone): (impl Fn(&L, usize) -> f64, impl Fn(&S) -> f64),
+) {
+    for (k, (state, alone)) in states.iter().zip(alone).enumerate() {
+        let allowed = tolerance(robot, &state.0[0]);
+        for ((name, lanes), (_, alone)) in lanes.iter().zip(alone) {
+            let found: Vec<f64> = lanes.iter().map(|entry| of_lanes(entry, k)).collect();
+            let expected: Vec<f64> = alone.iter().map(&of_alone).collect();
+            let difference = difference(&found, &expected);
+            assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {allowed:e} allowed");
+        }
+    }
+}
+
+fn lanes_are_states<V: Vector>(case: &Case) {
+    let robot = case.robot();
+    let states = states(case, &robot, V::LANES);
+    let packed: [_; 5] = std::array::from_fn(|which| packed::<V>(&states, which));
+    let lanes = quantities(&robot, packed.each_ref().map(Vec::as_slice));
+    let alone: Vec<_> =
+        states.iter().map(|state| quantities::<f64>(&robot, state.0.each_ref().map(Vec::as_slice))).collect();
+    compare(&robot, &states, (&lanes, &alone), (|entry, k| entry.lane(k), |entry| *entry));
+}
+
+/// Derivatives along one direction, which differs from lane to lane.
+fn derivatives_are_those_of_states<V: Vector>(case: &Case) {
+    let robot = case.robot();
+    let states = states(case, &robot, V::LANES);
+    let direction = |which: usize, i: usize, k: usize| (1.3 * (which + 2 * i + 3 * k) as f64).sin();
+    let seeds = |which: usize| -> Vec<Lanes<V>> {
+        let lane = |i: usize| (0..V::LANES).map(|k| direction(which, i, k)).collect::<Vec<_>>();
+        (0..states[0].0[which].len()).map(|i| Lanes::from_lanes(&lane(i))).collect()
+    };
+    let pairs = |which: usize| packed::<V>(&states, which).into_iter().zip(seeds(which));
+    let tangents: [Vec<_>; 5] =
+        std::array::from_fn(|which| pairs(which).map(|(x, d)| Tangent::new(x, d)).collect());
+    let duals: [Vec<_>; 5] =
+        std::array::from_fn(|which| pairs(which).map(|(x, d)| Dual::new(x, d)).collect());
+    let tangents = fewer_quantities(&robot, tangents.each_ref().map(Vec::as_slice));
+    let duals = fewer_quantities(&robot, duals.each_ref().map(Vec::as_slice));
+    let alone: Vec<_> = states
+        .iter()
+        .enumerate()
+        .map(|(k, state)| {
+            let lift = |which: usize| -> Vec<_> {
+                let values = state.0[which].iter().enumerate();
+                values.map(|(i, &x)| Tangent::new(x, direction(which, i, k))).collect()
+            };
+            let arguments: [_; 5] = std::array::from_fn(lift);
+            fewer_quantities(&robot, arguments.each_ref().map(Vec::as_slice))
+        })
+        .collect();
+    compare(&robot, &states, (&tangents, &alone), (|entry, k| entry.re.lane(k), |entry| entry.re));
+    compare(&robot, &states, (&tangents, &alone), (|entry, k| entry.eps.lane(k), |entry| entry.eps));
+    compare(&robot, &states, (&duals, &alone), (|entry, k| entry.re.lane(k), |entry| entry.re));
+    compare(&robot, &states, (&duals, &alone), (|entry, k| entry.eps.lane(k), |entry| entry.eps));
+}
+
+/// Cases whose own pose is regular enough for the tolerance to mean something.
+fn cases() -> impl Strategy<Value = Case> {
+    all_cases(7).prop_filter("M is regular", |case| (0.0..1e9).contains(&condition(&case.robot(), &case.q)))
+}
+
+proptest! {
+    #![proptest_config(config(48))]
+
+    #[test]
+    fn four_lanes_are_four_states(case in cases()) {
+        lanes_are_states::<wide::f64x4>(&case);
+    }
+
+    #[test]
+    fn eight_lanes_are_eight_states(case in cases()) {
+        lanes_are_states::<wide::f64x8>(&case);
+    }
+
+    #[test]
+    fn derivatives_in_four_lanes_are_those_of_four_states(case in cases()) {
+        derivatives_are_those_of_states::<wide::f64x4>(&case);
+    }
+
+    #[test]
+    fn derivatives_in_eight_lanes_are_those_of_eight_states(case in cases()) {
+        derivatives_are_those_of_states::<wide::f64x8>(&case);
+    }
+}
+
+fn robot(name: &str) -> Robot {
+    Robot::from_file(format!("{}/../../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// Explicit and implicit steps: the iterations of the implicit ones end when all lanes have converged.
+#[test]
+fn steps_are_made_in_every_lane() {
+    fn check<S: Step<f64>, L: Step<Lanes<wide::f64x4>>>(mut alone: S, mut lanes: L) {
+        let (n, m) = (alone.states(), alone.controls());
+        let x = |k: usize| (0..n).map(|i| 0.1 + 0.3 * ((i + 2 * k) as f64).cos()).collect::<Vec<_>>();
+        let states: Vec<_> = (0..4).map(x).collect();
+        let lane = |i: usize| Lanes::from_lanes(&states.iter().map(|x| x[i]).collect::<Vec<_>>());
+        let (u, h) = (vec![0.4; m], 0.02);
+        let (x, lifted): (Vec<_>, Vec<_>) =
+            ((0..n).map(lane).collect(), u.iter().map(|&u| Lanes::from(u)).collect());
+        let y = vec![1.0; n];
+        let y_lanes: Vec<_> = y.iter().map(|&y| Lanes::from(y)).collect();
+        let all = lanes.contract(&x, &lifted, Lanes::from(h), &y_lanes).unwrap();
+        for (k, x) in states.iter().enumerate() {
+            let one = alone.contract(x, &u, h, &y).unwrap();
+            let of_lane = |block: Block<'_, Lanes<_>>| {
+                block.iter_rows().flatten().map(|e| e.lane(k)).collect::<Vec<_>>()
+            };
+            let flat = |block: Block<'_, f64>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+            let next: Vec<f64> = all.first.next.iter().map(|entry| entry.lane(k)).collect();
+            assert!(difference(&next, one.first.next) < 1e-12);
+            assert!(difference(&of_lane(all.first.phi_x), &flat(one.first.phi_x)) < 1e-12);
+            assert!(difference(&of_lane(all.xx), &flat(one.xx)) < 1e-11);
+        }
+    }
+    let ur5 = robot("ur5.urdf");
+    check(
+        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
+        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+    check(
+        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
+        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+    check(
+        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
+        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
+    );
+}
+
+/// One lane of a call that is not finite, or singular, is an error of the call: no lane is passed over.
+#[test]
+fn one_bad_lane_is_an_error_of_the_call() {
+    let ur5 = robot("ur5.urdf");
+    let mut hamiltonian = Hamiltonian::<Lanes<wide::f64x8>>::new(&ur5);
+    let good = vec![Lanes::from(0.3); 6];
+    assert!(hamiltonian.evaluate(&good, &good, &good).is_ok());
+    for k in 0..8 {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut bad = good.clone();
+            bad[2].as_mut_slice()[k] = value;
+            let error = hamiltonian.evaluate(&good, &bad, &good).unwrap_err();
+            assert!(matches!(error, EvalError::NonFinite { what: "p", index: 2, .. }), "{error}");
+        }
+    }
+    let text = "name = 'gimbal'\n\
+        [[joint]]\nname = 'z'\naxis = [0.0, 0.0, 1.0]\n\
+        [[joint]]\nname = 'y'\naxis = [0.0, 1.0, 0.0]\n\
+        [[joint]]\nname = 'x'\naxis = [1.0, 0.0, 0.0]\nmass = 1.0\ninertia = { xx = 0.2, yy = 0.3, zz = 0.4 }\n";
+    let gimbal = costate::robot::file::parse(text, Default::default()).unwrap();
+    let mut hamiltonian = Hamiltonian::<Lanes<wide::f64x4>>::new(&gimbal);
+    for k in 0..4 {
+        let mut q = vec![Lanes::from(0.3); 3];
+        let p = vec![Lanes::from(0.1); 3];
+        assert!(hamiltonian.evaluate(&q, &p, &p).is_ok());
+        q[1].as_mut_slice()[k] = FRAC_PI_2;
+        let error = hamiltonian.evaluate(&q, &p, &p).unwrap_err();
+        assert!(matches!(error, EvalError::SingularMassMatrix { .. }), "{error}");
+    }
+}

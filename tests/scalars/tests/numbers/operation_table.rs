@@ -1,0 +1,80 @@
+//! The table of operations: the same at every state, and in order.
+
+use costate::derivative::{Extent, OperationTable};
+use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
+use costate::scalar::Constants::{Folded, Kept};
+use nalgebra::Matrix3;
+
+/// Three joints, one of them sliding, one with friction, in general directions.
+fn robot() -> Robot {
+    let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.1 };
+    let link = || LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity() * 0.2);
+    let place = |turn: f64| Placement::from_xyz_rpy([0.3, 0.1, 0.2], [0.4, turn, 0.6]);
+    let joints = [
+        JointSpec::revolute("a"),
+        JointSpec::prismatic("b").on("a"),
+        JointSpec::revolute("c").on("b").friction(friction),
+    ];
+    let mut builder = Robot::builder("three");
+    for (i, joint) in joints.into_iter().enumerate() {
+        builder = builder.joint(joint.axis([0.2, -0.4, 0.7]).placed(place(i as f64)).carrying(link()));
+    }
+    builder.build().unwrap()
+}
+
+#[test]
+fn counts_do_not_depend_on_the_state() {
+    let robot = robot();
+    for constants in [Folded, Kept] {
+        let table = OperationTable::new(&robot, constants).unwrap();
+        let states: [fn(usize) -> f64; 3] =
+            [|_| 0.0, |i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
+        for number in states {
+            assert_eq!(OperationTable::counted_at(&robot, constants, &number).unwrap(), table);
+        }
+    }
+}
+
+#[test]
+fn more_takes_more() {
+    let [folded, kept] = [Folded, Kept].map(|constants| OperationTable::new(&robot(), constants).unwrap());
+    for table in [&folded, &kept] {
+        let mul = |quantity, route| table.get(quantity, route).unwrap().mul;
+        for pair in OperationTable::QUANTITIES.windows(2) {
+            for route in OperationTable::ROUTES {
+                assert!(mul(pair[0], route) < mul(pair[1], route), "{pair:?} {route}");
+            }
+        }
+    }
+    for (few, all) in folded.rows().zip(kept.rows()) {
+        let (few, all) = (few.operations, all.operations);
+        assert!(few.mul <= all.mul && few.add <= all.add && few.less <= all.less);
+        assert_eq!((few.sincos, few.exp, few.sqrt, few.other), (all.sincos, all.exp, all.sqrt, 0));
+    }
+}
+
+#[test]
+fn rows_are_found_by_name() {
+    let table = OperationTable::new(&robot(), Folded).unwrap();
+    assert_eq!(table.rows().count(), 16 + OperationTable::MORE.len());
+    for row in table.rows() {
+        assert_eq!(table.get(row.quantity, row.route), Some(row.operations));
+    }
+    assert_eq!(table.get("f_x", "by magic"), None);
+    assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
+    assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
+}
+
+#[test]
+fn what_is_not_counted_is_missing_and_the_rest_is_the_same() {
+    let robot = robot();
+    let all = OperationTable::new(&robot, Folded).unwrap();
+    for (extent, rows) in [(Extent::ByHand, 12), (Extent::Matrices, 7)] {
+        let some = OperationTable::counted(&robot, Folded, extent).unwrap();
+        assert_eq!(some.rows().count(), rows);
+        for row in some.rows() {
+            assert_eq!(all.get(row.quantity, row.route), Some(row.operations));
+        }
+        assert_eq!(some.get("f_x", "hyperdual"), None);
+    }
+}
