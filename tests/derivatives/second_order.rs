@@ -1,15 +1,14 @@
 //! Properties of the second derivatives of the phase velocities.
 
 use costate::EvalError;
-use costate::derivative::{Hessian, NestedHessian, PhaseVelocity, RoundingBounds, Verdict, largest};
+use costate::derivative::{Hessian, PhaseVelocity, largest};
 use costate::dynamics::Dynamics;
-use costate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
+use costate::hamiltonian::{FullHessian, HamiltonianSecondOrder};
 use costate::lagrangian::LagrangianSecondOrder;
-use costate::matrix::{Block, Matrix};
-use costate::robot::{Robot, Tree};
-use costate::tensors::Christoffel;
+use costate::matrix::Matrix;
+use costate::robot::Robot;
 use costate_test_support::config;
-use costate_test_support::random_robot::{Case, cases, condition, tolerance};
+use costate_test_support::random_robot::{Case, cases, tolerance};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 

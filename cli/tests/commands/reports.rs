@@ -89,7 +89,7 @@ fn chain(n: usize) -> String {
         let parent = if k == 0 { String::new() } else { format!("parent = \"j{}\"\n", k - 1) };
         format!(
             "[[joint]]\nname = \"j{k}\"\ntype = \"revolute\"\n{parent}axis = [0.0, 1.0, 0.0]\nxyz = [0.1, 0.0, 0.0]\n\
-             mass = 1.0\ncom = [0.05, 0.0, 0.0]\ninertia = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]\n\n"
+             mass = 1.0\ncom = [0.05, 0.0, 0.0]\ninertia = {{ xx = 0.01, yy = 0.01, zz = 0.01 }}\n\n"
         )
     };
     format!("name = \"chain\"\n\n{}", (0..n).map(joint).collect::<String>())
