@@ -1,11 +1,11 @@
-//! Throughput of batches in nodes per second, by number and threads: `cargo bench -p costate-benches --bench batch`.
-//! With `COSTATE_WRITE=1` in the environment the tables are also written to `docs/batch.md`: those of the instructions that
-//! the bench is compiled for, see there.
+//! Throughput of batches in nodes per second, by number and threads:
+//! `cargo bench --bench batch --features wide,rayon`. With `COSTATE_WRITE=1` in the environment the tables
+//! are also written to `docs/batch.md`: those for the instruction set that the bench is compiled for.
 //!
 //! Inside the timed region: one call for all nodes, from node-major arrays to node-major arrays.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
-use costate::batch::{Batch, FirstOrderArrays, Model, NodeFunction, Packed, SecondOrderArrays};
+use costate::batch::{Batch, FirstOrderArrays, Model, NodeArray, NodeFunction, Packed, SecondOrderArrays};
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::Robot;
@@ -17,10 +17,10 @@ use std::time::Duration;
 
 const ROBOTS: [&str; 3] = ["ur5.urdf", "panda.urdf", "biped.toml"];
 
-/// Nodes of one call: what a collocation has, and few enough for the second-level cache.
+/// Nodes of one call: typical for collocation, and few enough for the level-2 cache.
 const NODES: usize = 128;
 
-/// Nodes of one call that two threads share.
+/// Nodes of one call on two threads.
 const MANY: usize = 1024;
 
 fn main() {
@@ -160,7 +160,7 @@ fn call<S: Packed<Lane = f64>>(
     assert!(failures.unwrap().is_empty());
 }
 
-/// Sine and cosine of as many angles, and the way of node-major arrays into lanes and back.
+/// Sines and cosines, and packing of node-major arrays into lanes and back.
 fn parts(group: &mut BenchmarkGroup<'_, WallTime>) {
     let angles: Vec<f64> = (0..NODES).map(|i| 3.0 * (1.7 * i as f64).sin()).collect();
     sin_cos::<f64>("f64", &angles, group);
@@ -187,13 +187,16 @@ fn sin_cos<S: Packed<Lane = f64>>(name: &str, angles: &[f64], group: &mut Benchm
     });
 }
 
-/// A batch that computes nothing: as many entries in and out as F, F_x and y'F_xx of six joints have.
+/// A batch that computes nothing, with as many inputs and outputs as F, F_x and y'F_xx of six joints.
 fn copies<S: Packed<Lane = f64>>(name: &str, group: &mut BenchmarkGroup<'_, WallTime>) {
     let nothing = |input: &[S], output: &mut [S]| output[0] = input[0];
-    let (inputs, outputs) = ([("x", 12), ("u", 6), ("y", 12)], [("f", 12), ("f_x", 144), ("xx", 144)]);
+    let (inputs, outputs) = (
+        [NodeArray::new("x", 12), NodeArray::new("u", 6), NodeArray::new("y", 12)],
+        [NodeArray::new("f", 12), NodeArray::new("f_x", 144), NodeArray::new("xx", 144)],
+    );
     let mut batch = Batch::<S, _>::new(NodeFunction::new(&inputs, &outputs, nothing));
-    let [x, u, y] = inputs.map(|(_, length)| vec![0.5; NODES * length]);
-    let [mut f, mut f_x, mut xx] = outputs.map(|(_, length)| vec![0.0; NODES * length]);
+    let [x, u, y] = inputs.map(|array| vec![0.5; NODES * array.length]);
+    let [mut f, mut f_x, mut xx] = outputs.map(|array| vec![0.0; NODES * array.length]);
     group.bench_function(format!("{name} copies"), |b| {
         b.iter(|| {
             let failed = batch.run((), NODES, [black_box(&x), &u, &y], [&mut f, &mut f_x, &mut xx]);
@@ -202,7 +205,7 @@ fn copies<S: Packed<Lane = f64>>(name: &str, group: &mut BenchmarkGroup<'_, Wall
     });
 }
 
-/// What stands in a row of the table: title, name of the figures, nodes of a call.
+/// A row of the table: title, name of the samples, nodes of a call.
 const ROWS: [(&str, &str, usize); 6] = [
     ("one call a node, `f64`", "alone", NODES),
     ("batch, `f64`", "f64", NODES),
@@ -214,14 +217,14 @@ const ROWS: [(&str, &str, usize); 6] = [
 
 const QUANTITIES: [(&str, &str); 3] = [("F", "f"), ("F, F_x", "f_x"), ("F, F_x, y'F_xx", "y_f_xx")];
 
-/// Where criterion keeps its figures: beside the build of this program, `TARGET/release/deps/batch-...`.
+/// The directory of criterion's samples, beside this program: `TARGET/release/deps/batch-...`.
 fn figures() -> PathBuf {
     let program = std::env::current_exe().unwrap();
     program.ancestors().nth(3).unwrap().join("criterion")
 }
 
-/// The tables, from the samples that criterion has kept: the least of each hundred, which a neighbour on the processor
-/// disturbs least.
+/// The tables from criterion's samples: the minimum of each hundred, which is least disturbed by other
+/// processes.
 fn report() {
     let figures = figures();
     let least = |group: &str, route: &str| -> Option<f64> {
@@ -271,7 +274,7 @@ fn report() {
     }
 }
 
-/// What the program is compiled for, and where its tables stand in the document.
+/// The compile target, and the place of its tables in the document.
 const INSTRUCTIONS: &str = if cfg!(target_feature = "avx512f") {
     "AVX-512"
 } else if cfg!(target_feature = "avx2") {

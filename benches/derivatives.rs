@@ -1,7 +1,8 @@
 //! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench -p costate-benches --bench derivatives`.
 //! With `COSTATE_WRITE=1` in the environment the table is also written to `docs/times.md`.
 //!
-//! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state, one core.
+//! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state,
+//! one core.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
@@ -31,7 +32,7 @@ fn main() {
     report();
 }
 
-/// One route: its name in the table and the file name under which its figures are kept.
+/// One route: its name in the table and the file name of its samples.
 const ROUTES: [(&str, &str); 17] = [
     ("F", "f"),
     ("F, F_x: analytic", "f_x analytic"),
@@ -147,13 +148,13 @@ fn differences(work: &mut [f64], x: &[f64], columns: &mut [f64], g: Accumulate<'
     }
 }
 
-/// Where criterion keeps its figures: beside the build of this program, `TARGET/release/deps/derivatives-...`.
+/// The directory of criterion's samples, beside this program: `TARGET/release/deps/derivatives-...`.
 fn figures() -> PathBuf {
     let program = std::env::current_exe().unwrap();
     program.ancestors().nth(3).unwrap().join("criterion")
 }
 
-/// The table, from the medians that criterion has kept.
+/// The table from criterion's medians.
 fn report() {
     let figures = figures();
     let median = |robot: &str, route: &str| -> Option<f64> {
@@ -186,7 +187,7 @@ fn report() {
     }
 }
 
-/// How the program was optimised, as far as this text can know; and where its table stands in the document.
+/// The optimisation of this build as far as known, and the place of its table in the document.
 const LTO: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() { "no LTO" } else { "fat LTO" };
 const BEGIN: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() {
     "<!-- plain: begin -->"

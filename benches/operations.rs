@@ -1,7 +1,7 @@
-//! Operations of M, F, F_x and y'F_xx by every route, beside those that the paper gives.
+//! Operations of M, F, F_x and y'F_xx by every route, compared with the figures of the paper.
 //!
-//! `cargo bench -p costate-benches --bench operations` prints the table, `cargo bench -p costate-benches --bench operations -- --write` also puts it into
-//! `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails where the table there is not the one counted now.
+//! `cargo bench --bench operations` prints the table, `cargo bench --bench operations -- --write` also writes
+//! it into `docs/operations.md`; `cargo test --bench operations` fails if the table there is out of date.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -20,8 +20,8 @@ const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/operations.md")
 const BEGIN: &str = "<!-- table: begin -->";
 const END: &str = "<!-- table: end -->";
 
-/// Name for the table, robot, and multiplications for F and F_x in the paper for a robot with as many joints: by the
-/// Hamiltonian, by the Lagrangian model.
+/// Name for the table, robot, and multiplications for F and F_x in the paper for a robot with as many joints:
+/// by the Hamiltonian, by the Lagrangian model.
 fn all() -> [(&'static str, Robot, [u64; 2]); 4] {
     let (six, twelve) = ([1167, 1775], [14_610, 18_067]);
     [
@@ -32,7 +32,7 @@ fn all() -> [(&'static str, Robot, [u64; 2]); 4] {
     ]
 }
 
-/// Of 10 inertial constants a link, those that are not 0: of the links themselves, and once they are regrouped.
+/// Nonzero inertial constants, of 10 per link: before and after regrouping.
 fn inertial_constants(robot: &Robot) -> String {
     let of = |mass: f64, moment: &[f64], matrix: [f64; 6]| {
         [&[mass], moment, &matrix].concat().iter().filter(|&&constant| constant != 0.0).count()
@@ -49,7 +49,7 @@ fn inertial_constants(robot: &Robot) -> String {
     format!("{}, {}", links.sum::<usize>(), regrouped.sum::<usize>())
 }
 
-/// Forward dynamics in (q, v), and with its Jacobian.
+/// Forward dynamics in (q, v), alone and with its Jacobian.
 fn lagrangian(robot: &Robot) -> [Operations; 2] {
     let numbers = |from: f64| (0..robot.len()).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
     let (q, v, u) = (numbers(0.3), numbers(0.5), numbers(0.7));

@@ -1,7 +1,8 @@
-//! What compilers make of generated code: `cargo run -p costate-examples --example codegen_size`, with `-- --write` into
-//! `docs/codegen.md`.
+//! Size of generated code and the time of its compilation: `cargo run -p costate-examples --example codegen_size`; with `--
+//! --write` the table is written into `docs/codegen.md`.
 //!
-//! Needs `rustc` and `cc`; a compilation that takes longer than five minutes is ended, and said to be.
+//! Needs `rustc` and `cc`. A compilation that takes longer than a minute is stopped and marked with `>` in
+//! the table.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -9,7 +10,9 @@
     reason = "an example may stop on what a library may not"
 )]
 
-use costate::codegen::{COptions, Coordinates, Options, Program, Quantity, RustOptions, robot_program};
+use costate::codegen::{
+    COptions, Coordinates, Program, ProgramOptions, Quantity, RustOptions, robot_program,
+};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use nalgebra::Matrix3;
 use std::fmt::Write;
@@ -17,7 +20,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A chain in general directions, the same every time.
 fn chain(n: usize) -> Robot {
@@ -72,17 +75,18 @@ fn for_f64(program: &Program, source: &str) -> String {
 
 fn row(robot: &Robot, quantity: Quantity, folder: &Path) -> String {
     let start = Instant::now();
-    let program = robot_program(robot, quantity, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let program =
+        robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let recording = start.elapsed().as_secs_f64() * 1e3;
     let limit = usize::MAX;
-    let rust = program.to_rust(&RustOptions { limit, ..RustOptions::default() }).unwrap();
+    let rust = program.to_rust(&RustOptions::default().with_limit(limit)).unwrap();
     let (source, object) = (folder.join("code.rs"), folder.join("code.o"));
     std::fs::write(&source, for_f64(&program, &rust)).unwrap();
     let mut rustc = Command::new("rustc");
     rustc.args(["--edition=2024", "--emit=obj", "-Copt-level=3", "-Ctarget-cpu=native", "-o"]);
     let [rust_time, rust_size] = timed(rustc.arg(&object).arg(&source), &object);
     let source = folder.join("code.c");
-    std::fs::write(&source, program.to_c(&COptions { limit }).unwrap()).unwrap();
+    std::fs::write(&source, program.to_c(&COptions::default().with_limit(limit)).unwrap()).unwrap();
     let mut cc = Command::new("cc");
     cc.args(["-std=c99", "-O3", "-march=native", "-c", "-o"]);
     let [c_time, c_size] = timed(cc.arg(&object).arg(&source), &object);

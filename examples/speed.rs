@@ -1,7 +1,8 @@
-//! Time of machine code against the generic code, and what it costs to make it.
+//! Times of machine code and of the generic code, and of recording and compiling.
 //!
-//! `cargo run --release -p costate-examples --example speed` prints the table, with `-- --write` it also puts it into
-//! docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under "this processor".
+//! `cargo run --release -p costate-examples --example speed` prints the tables; with `-- --write` it also writes
+//! them into docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under "this
+//! processor".
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -9,7 +10,7 @@
     reason = "an example may stop on what a library may not"
 )]
 
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
 use costate_jit::{Compiled, Evaluator, JitError, Status};
@@ -75,7 +76,8 @@ fn making<T>(make: impl Fn() -> T) -> f64 {
 
 /// One line of the table; none for a program that cannot be compiled whatever the limit.
 fn line(name: &str, robot: &Robot, quantity: Quantity) -> Option<String> {
-    let record = || robot_program(robot, quantity, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let record =
+        || robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let program = record();
     let compiled = match Compiled::<f64>::with_limit(&program, usize::MAX) {
         Err(error @ JitError::TooWide { .. }) => {
@@ -117,7 +119,7 @@ fn line(name: &str, robot: &Robot, quantity: Quantity) -> Option<String> {
     ))
 }
 
-/// How long it takes to find out that a quantity is too long.
+/// The time until a quantity is refused as too long.
 fn refusals() -> String {
     let mut table = String::from(
         "| robot | quantity | steps | given up after (ms) |\n\
@@ -131,7 +133,9 @@ fn refusals() -> String {
             let time = start.elapsed().as_secs_f64() * 1e3;
             let steps = match evaluator.status() {
                 Status::Generic { reason: JitError::TooLong { steps, .. } } => steps.to_string(),
-                Status::Generic { reason: JitError::GivenUp { .. } } => "not known".into(),
+                Status::Generic { reason: JitError::GivenUp { .. } | JitError::LargeRobot { .. } } => {
+                    "not known".into()
+                }
                 _ => continue,
             };
             writeln!(table, "| general chain, n = {n} | {} | {steps} | {time:.0} |", quantity.name())

@@ -1,45 +1,69 @@
-//! What can be wrong with a state.
+//! Why an evaluation was refused.
 
-/// Why an evaluation was refused. The workspace stays usable.
+/// An argument of the wrong length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} has {found} entries, not {expected}")]
+pub struct LengthError {
+    /// The argument.
+    pub what: &'static str,
+    /// The length that it must have.
+    pub expected: usize,
+    /// The length that it has.
+    pub found: usize,
+}
+
+impl LengthError {
+    /// `Ok` if `found` is `expected`.
+    ///
+    /// # Errors
+    /// The error itself if they differ.
+    pub fn check(what: &'static str, expected: usize, found: usize) -> Result<(), Self> {
+        if found == expected { Ok(()) } else { Err(Self { what, expected, found }) }
+    }
+}
+
+use crate::robot::printable;
+
+/// Why an evaluation was refused. The workspace remains usable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvalError {
-    /// An argument of the wrong length.
-    #[error("{what} has {found} entries, not {expected}")]
-    WrongLength {
-        /// The argument.
-        what: &'static str,
-        /// Length it must have.
-        expected: usize,
-        /// Length it has.
-        found: usize,
-    },
-    /// An argument with an infinite or undefined entry.
-    #[error("{what}[{index}] (joint '{joint}') is not finite; check what produced it")]
+    /// An argument has the wrong length.
+    #[error(transparent)]
+    WrongLength(#[from] LengthError),
+    /// An argument has an entry that is infinite or not a number.
+    #[error(
+        "{what}[{index}] (joint '{}') is not finite; check the computation that produced it",
+        printable(joint)
+    )]
     NonFinite {
         /// The argument.
         what: &'static str,
-        /// Position of the entry, from 0.
+        /// Index of the entry, from 0.
         index: usize,
-        /// The joint it belongs to.
+        /// The joint of the entry.
         joint: String,
     },
-    /// The mass matrix has no inverse in working precision.
+    /// The mass matrix is singular in working precision.
     #[error(
-        "the mass matrix is singular at joint '{joint}': with the joints beyond it free, nothing resists its motion; \
-         give the links beyond it a mass or the joint armature, or leave this pose if it is special \
-         (a floating joint made of six is singular where its second angle is +-pi/2)"
+        "the mass matrix is singular at joint '{}': with the joints beyond it free, nothing resists its motion; \
+         give the links beyond it a mass or the joint armature, or avoid this pose if it is special \
+         (a floating joint made of six is singular where its second angle is +-pi/2)",
+        printable(joint)
     )]
     SingularMassMatrix {
         /// The joint whose pivot vanished.
         joint: String,
     },
+    /// A model of a user cannot be evaluated.
+    #[error("the model cannot be evaluated: {reason}")]
+    Model {
+        /// The error of the model.
+        reason: String,
+    },
 }
 
 /// `slice` must have `expected` entries.
 pub(crate) fn check_length<T>(what: &'static str, slice: &[T], expected: usize) -> Result<(), EvalError> {
-    if slice.len() == expected {
-        return Ok(());
-    }
-    Err(EvalError::WrongLength { what, expected, found: slice.len() })
+    Ok(LengthError::check(what, expected, slice.len())?)
 }

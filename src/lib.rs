@@ -1,8 +1,9 @@
 //! Exact first and second derivatives of robot dynamics, for optimisers.
 //!
-//! A robot (URDF, TOML, Denavit-Hartenberg table or code) goes in; the Hamiltonian state equation, its analytic
-//! Jacobian and its costate-contracted Hessian come out, through one pipeline that is generic over the scalar:
-//! `f64` runs hand-derived algebra, num-dual's numbers judge it, [`scalar::Count`] counts its operations.
+//! For a robot (URDF, TOML, Denavit-Hartenberg table or code), the library computes the Hamiltonian state equation
+//! $\dot x = F(x) + (0, u)$, its analytic Jacobian $F\_x$ and its costate-contracted Hessian $y^T F\_{xx}$. One pipeline
+//! is generic over the scalar: `f64` evaluates the analytic formulas, num-dual's numbers check them, and
+//! [`scalar::Count`] counts their operations.
 //!
 //! ```
 //! use costate::hamiltonian::Hamiltonian;
@@ -17,13 +18,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules depend on each other in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
-//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`],
-//! [`dynamics`], [`step`], [`batch`]. Formulas are numbered as in G. Bessonnet,
-//! P. Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005)
-//! 452-471.
+//! Every map has the same methods: `evaluate` (its value), `linearise` (value and Jacobian), `contract` (value, Jacobian
+//! and costate-contracted Hessian), `adjoint` and `hessian_product` (products without the matrix).
+//!
+//! A module uses only modules before it in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
+//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`], [`dynamics`], [`step`], [`batch`].
+//! Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal dynamics of actuated kinematic chains.
+//! Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
 
 #![deny(unsafe_code)]
+#![warn(missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
 pub mod batch;
@@ -43,7 +47,7 @@ pub mod step;
 pub mod tensors;
 
 pub use coordinates::{Coordinates, UnknownCoordinates};
-pub use error::EvalError;
+pub use error::{EvalError, LengthError};
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
 pub use num_dual;
 

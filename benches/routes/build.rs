@@ -3,7 +3,7 @@
 #[path = "src/robots.rs"]
 mod robots;
 
-use costate::codegen::{Coordinates, Options, Program, Quantity, RustOptions, robot_program};
+use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, RustOptions, robot_program};
 use std::error::Error;
 use std::fmt::Write;
 
@@ -22,14 +22,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     for robot in files.into_iter().chain(chains) {
         let robot = robot?;
         for quantity in [Quantity::F, Quantity::FX, Quantity::YFXX] {
-            let program = robot_program(&robot, quantity, Coordinates::Hamiltonian, &Options::default())?;
+            let program =
+                robot_program(&robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default())?;
             if program.steps() > limit {
                 break;
             }
             let name = program.name();
             // The first text defines what a number is, the others ask for that.
             let number = (!modules.is_empty()).then(|| "super::Number".to_owned());
-            let text = program.to_rust(&RustOptions { number, limit })?;
+            let text = program.to_rust(&RustOptions::default().with_number(number).with_limit(limit))?;
             if modules.is_empty() {
                 writeln!(modules, "use {name}::Number;")?;
             }

@@ -3,8 +3,8 @@
 use crate::output::is_standard;
 use crate::terminal;
 use clap::{Args, ValueEnum, ValueHint};
-use costate::robot::{LoadOptions, Robot, RobotError, file, urdf};
-use std::io::Read;
+use costate::robot::{LoadOptions, Robot, RobotError, RobotFormat};
+use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
 /// The robot and how to read it.
@@ -39,7 +39,7 @@ impl RobotArguments {
 
     /// How to read the robot.
     pub fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict, friction: self.friction }
+        LoadOptions::default().strict(self.strict).friction(self.friction)
     }
 
     /// Reads the robot.
@@ -56,16 +56,18 @@ impl RobotArguments {
             RobotError::InFile { line, error, .. } => RobotError::InFile { path: path.clone(), line, error },
             error => RobotError::InFile { path: path.clone(), line: None, error: Box::new(error) },
         };
-        let bytes = if from_input { standard_input() } else { std::fs::read(&self.robot) };
-        let bytes = bytes.map_err(|error| in_file(RobotError::Unreadable { reason: error.to_string() }))?;
-        let text = String::from_utf8_lossy(&bytes);
-        let is_urdf = || text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
-        let parsed = match self.format {
-            Some(Format::Toml) => file::parse(&text, self.options()),
-            None if !is_urdf() => file::parse(&text, self.options()),
-            Some(Format::Urdf) | None => urdf::parse(&text, self.options()),
-        };
-        parsed.map_err(in_file)
+        let unreadable = |source| in_file(RobotError::Unreadable { source });
+        let read =
+            |source: &mut dyn Read, format| Robot::read(source, format, self.options()).map_err(in_file);
+        let format = self.format.map(RobotFormat::from);
+        if !from_input {
+            let mut file = std::fs::File::open(&self.robot).map_err(unreadable)?;
+            return read(&mut file, format.unwrap_or(RobotFormat::Toml));
+        }
+        let mut input = std::io::BufReader::new(std::io::stdin().lock());
+        let start = input.fill_buf().map_err(unreadable)?;
+        let format = format.unwrap_or_else(|| RobotFormat::of_text(&String::from_utf8_lossy(start)));
+        read(&mut input, format)
     }
 
     /// Reads the robot and writes its warnings to standard error.
@@ -79,10 +81,13 @@ impl RobotArguments {
     }
 }
 
-fn standard_input() -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    std::io::stdin().lock().read_to_end(&mut bytes)?;
-    Ok(bytes)
+impl From<Format> for RobotFormat {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Urdf => Self::Urdf,
+            Format::Toml => Self::Toml,
+        }
+    }
 }
 
 /// Parser of arguments that are finite positive numbers.

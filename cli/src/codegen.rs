@@ -1,14 +1,13 @@
-//! `costate codegen`: straight-line source of a quantity.
+//! `costate codegen`: straight-line source code of a quantity.
 
-use crate::optimize::Task;
 use crate::output::{Output, STANDARD};
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
 use costate::codegen::{
-    COptions, Coordinates, DEFAULT_LIMIT, Options, Program, Quantity, RustOptions, robot_program,
+    COptions, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, RustOptions, robot_program,
 };
 use costate::robot::Robot;
-use costate_control::{Problem, ProgramOf, pontryagin_program};
+use costate_control::{Problem, ProblemFile, ProgramOf, pontryagin_program};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,28 +18,30 @@ pub struct Arguments {
     robot: RobotArguments,
     #[arg(long, value_parser = quantity, value_name = "QUANTITY", help = quantities())]
     quantity: Computed,
-    /// pontryagin: problem file of the same robot, whose criterion holds: effort, gain, bounds, penalties; 1/2 |u|^2 without one
+    /// For pontryagin: a problem file of the same robot with effort weights, gains, bounds and penalties
+    /// [default: 1/2 |u|^2]
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
-    /// In which coordinates
+    /// Coordinates of the state
     #[arg(long, value_enum, default_value_t = CoordinatesArgument::Hamiltonian)]
     coordinates: CoordinatesArgument,
-    /// In which language
+    /// Language of the source
     #[arg(long, value_enum, default_value_t = Language::Rust)]
     lang: Language,
-    /// The quantity alone, without f and f_x where they are not asked for
+    /// The quantity alone, without the results it builds on (f, f_x)
     #[arg(long)]
     only: bool,
-    /// Masses, lengths and other constants as one more argument, listed in the head of the text
+    /// Masses, lengths and other constants as an argument, listed at the head of the source
     #[arg(long)]
     parameters: bool,
-    /// Rust: an existing trait of numbers instead of one in the text, such as costate::scalar::Scalar
+    /// Rust: path of an existing trait of numbers, such as costate::scalar::Scalar, instead of one in the
+    /// source
     #[arg(long, value_name = "PATH")]
     number: Option<String>,
-    /// Most steps that are written down
+    /// Most steps of the program; recording stops early where there would be more
     #[arg(long, default_value_t = DEFAULT_LIMIT)]
     limit: usize,
-    /// Where to write, instead of to standard output
+    /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -57,7 +58,7 @@ enum Language {
     C,
 }
 
-/// What a text computes.
+/// The quantity to write.
 #[derive(Clone, Copy)]
 enum Computed {
     /// A quantity of the robot alone.
@@ -68,7 +69,7 @@ enum Computed {
 
 fn quantities() -> String {
     let names = Quantity::ALL.into_iter().map(Quantity::name).chain(ProgramOf::ALL.map(ProgramOf::name));
-    format!("What is computed: {}", names.collect::<Vec<_>>().join(", "))
+    format!("Quantity: {}", names.collect::<Vec<_>>().join(", "))
 }
 
 fn quantity(name: &str) -> Result<Computed, String> {
@@ -88,8 +89,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     };
     let limit = arguments.limit;
     let text = match arguments.lang {
-        Language::Rust => program.to_rust(&RustOptions { number: arguments.number.clone(), limit })?,
-        Language::C => program.to_c(&COptions { limit })?,
+        Language::Rust => program
+            .to_rust(&RustOptions::default().with_number(arguments.number.clone()).with_limit(limit))?,
+        Language::C => program.to_c(&COptions::default().with_limit(limit))?,
     };
     output.write(&text)?;
     Ok(ExitCode::SUCCESS)
@@ -97,24 +99,29 @@ pub fn run(arguments: &Arguments) -> Outcome {
 
 fn of_model(robot: &Robot, quantity: Quantity, arguments: &Arguments) -> Result<Program, Box<dyn Error>> {
     if arguments.problem.is_some() {
-        return Err("--problem goes with --quantity pontryagin or pontryagin_rate; remove it".into());
+        return Err(
+            "--problem can only be used with --quantity pontryagin or pontryagin_rate; remove it".into()
+        );
     }
     let coordinates = match arguments.coordinates {
         CoordinatesArgument::Hamiltonian => Coordinates::Hamiltonian,
         CoordinatesArgument::Lagrangian => Coordinates::Lagrangian,
     };
-    let options = Options { only: arguments.only, parameters: arguments.parameters };
+    let options = ProgramOptions::default()
+        .with_only(arguments.only)
+        .with_parameters(arguments.parameters)
+        .with_limit(arguments.limit);
     Ok(robot_program(robot, quantity, coordinates, &options)?)
 }
 
-/// With the criterion of the problem file, or `1/2 |u|^2`.
+/// The extremals for the running cost of the problem file, or for `1/2 |u|^2`.
 fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Program, Box<dyn Error>> {
     let Arguments { only, parameters, .. } = arguments;
     let lagrangian = matches!(arguments.coordinates, CoordinatesArgument::Lagrangian);
     let refused =
         [("--only", *only), ("--parameters", *parameters), ("--coordinates lagrangian", lagrangian)];
     if let Some((option, _)) = refused.into_iter().find(|(_, asked)| *asked) {
-        return Err(format!("{option} does not go with --quantity {}; remove it", of.name()).into());
+        return Err(format!("{option} cannot be used with --quantity {}; remove it", of.name()).into());
     }
     let problem = match &arguments.problem {
         None => {
@@ -122,7 +129,7 @@ fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Pro
             Problem::rest_to_rest(robot, &zeros, &zeros, 1.0)
         }
         Some(file) => {
-            let problem = Task::read(file, arguments.robot.options())?.problem;
+            let problem = ProblemFile::read(file, arguments.robot.options())?.problem;
             if problem.robot != robot {
                 let (asked, found) = (robot.name(), problem.robot.name());
                 let file = file.display();
@@ -133,5 +140,13 @@ fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Pro
             problem
         }
     };
+    // Extremals contain these quantities: a robot that is too large is refused here, before all of them are
+    // recorded.
+    let contained = match of {
+        ProgramOf::Rate => Quantity::YFX,
+        ProgramOf::Jacobian => Quantity::YFXX,
+    };
+    let options = ProgramOptions::default().with_limit(arguments.limit);
+    robot_program(&problem.robot, contained, Coordinates::Hamiltonian, &options)?;
     Ok(pontryagin_program(&problem, of)?)
 }

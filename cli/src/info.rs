@@ -55,7 +55,7 @@ fn as_json(robot: &Robot) -> Value {
             "mass": link.mass,
             "com": link.com.as_slice(),
             "inertia": rows(&link.inertia),
-            "armature": robot.armature()[(i, i)],
+            "armature": robot.armature_entry(i, i),
             "spring": { "stiffness": joint.spring.stiffness, "rest": joint.spring.rest },
             "friction": {
                 "viscous": joint.friction.viscous,
@@ -85,11 +85,10 @@ fn rows(matrix: &impl Index<(usize, usize), Output = f64>) -> [[f64; 3]; 3] {
 
 /// The entries of the armature matrix above its diagonal that are not zero.
 fn couplings(robot: &Robot) -> Vec<Value> {
-    let (armature, joints) = (robot.armature(), robot.joints());
-    let pairs = (0..joints.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-    pairs
-        .filter(|&pair| armature[pair] != 0.0)
-        .map(|(i, j)| json!({ "joints": [joints[i].name, joints[j].name], "armature": armature[(i, j)] }))
+    let joints = robot.joints();
+    let above = robot.armature().iter().filter(|(i, j, _)| i > j);
+    above
+        .map(|&(j, i, entry)| json!({ "joints": [joints[i].name, joints[j].name], "armature": entry }))
         .collect()
 }
 
@@ -113,7 +112,7 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
             parent(robot, joint).unwrap_or("world").into(),
             format!("({}, {}, {})", short(x), short(y), short(z)),
             fixed(joint.inertia.mass, 4),
-            fixed(robot.armature()[(i, i)], 4),
+            fixed(robot.armature_entry(i, i), 4),
             if joint.friction.is_none() { "-".into() } else { "yes".into() },
             format!("{} .. {}", limit(joint.limits.lower), limit(joint.limits.upper)),
         ]);

@@ -23,25 +23,38 @@ mod problem;
 mod result;
 mod search;
 mod solve;
+mod solve_dynamics;
 mod solver;
 mod status;
 
 pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
-pub use extremal::generated::GeneratedExtremal;
+pub use extremal::dynamics::DynamicsExtremal;
+pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
+pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
 pub use extremal::hamiltonian::RobotExtremal;
 pub use extremal::lagrangian::LagrangianExtremal;
 pub use extremal::program::{ProgramOf, pontryagin_program};
-pub use extremal::{Ease, Extremal, Law, Rate, Side};
+pub use extremal::wrapped::{Hooks, Wrapped};
+pub use extremal::{
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, Extremal, HamiltonianTerms, Homotopy,
+    Relaxation,
+};
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, Iteration, Jacobian, Method, Options, Ways};
+pub use options::{Coordinates, Iteration, JacobianRoute, Method, SolverOptions, Ways};
+pub use problem::check::CheckedProblem;
 pub use problem::error::{ProblemError, SourceError};
+#[cfg(feature = "toml")]
+pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
+pub use problem::key::Key;
 pub use problem::running_cost::{RunningCost, UserTerm};
-pub use problem::{Bounds, Cost, End, Penalty, Problem, Start, Time};
+pub use problem::warning::ProblemWarning;
+pub use problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::solution::{RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
 pub use search::solve_extremal;
+pub use solve_dynamics::solve_dynamics;
 pub use solver::Solver;
 pub use status::Status;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The matrix of Newton's method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Jacobian {
+pub enum JacobianRoute {
     /// Exact, with the contracted Hessian y'F_xx.
     #[default]
     Exact,
@@ -43,7 +43,7 @@ pub enum Ways {
 /// How to solve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Options {
+pub struct SolverOptions {
     /// Largest estimated error of a component, in parts of the largest value that it takes along the motion.
     pub tolerance: f64,
     /// How motions between nodes are found.
@@ -55,7 +55,7 @@ pub struct Options {
     /// Most Newton steps on one mesh.
     pub max_iterations: usize,
     /// The matrix of Newton's method.
-    pub jacobian: Jacobian,
+    pub jacobian: JacobianRoute,
     /// The coordinates of z.
     pub coordinates: Coordinates,
     /// What is tried.
@@ -68,7 +68,7 @@ pub struct Options {
     pub seed: u64,
 }
 
-impl Default for Options {
+impl Default for SolverOptions {
     fn default() -> Self {
         Self {
             tolerance: 1e-9,
@@ -76,7 +76,7 @@ impl Default for Options {
             nodes: 21,
             max_nodes: 6001,
             max_iterations: 60,
-            jacobian: Jacobian::Exact,
+            jacobian: JacobianRoute::Exact,
             coordinates: Coordinates::Hamiltonian,
             ways: Ways::All,
             points: 4,
@@ -86,7 +86,7 @@ impl Default for Options {
     }
 }
 
-impl Options {
+impl SolverOptions {
     /// Whether all are in range.
     ///
     /// # Errors

@@ -3,8 +3,9 @@
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::{Mapped, OfRobot};
-use crate::options::{Coordinates, Iteration, Options};
+use crate::options::{Coordinates, Iteration, SolverOptions};
 use crate::problem::Problem;
+use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
 use crate::result::motion::{ExtremalSolution, Motion};
 use crate::result::solution::{RobotNames, Solution, StartResult};
@@ -23,19 +24,19 @@ use costate::EvalError;
 /// motion that costs more than a path of low cost near the cubics, the search goes on from that path.
 ///
 /// ```
-/// use costate_control::{Options, Problem, Solver};
+/// use costate_control::{SolverOptions, Problem, Solver};
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let solution = Solver::new(&problem, Options::default())?.solve();
+/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
 /// assert!(solution.status.is_converged());
 /// assert!((solution.cost - 74.0616592202).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Solver<'a> {
-    problem: &'a Problem,
-    options: Options,
+    problem: CheckedProblem<'a>,
+    options: SolverOptions,
     start: Option<Trajectory>,
     listener: Option<Listener<'a>>,
 }
@@ -45,8 +46,8 @@ impl<'a> Solver<'a> {
     ///
     /// # Errors
     /// [`ProblemError`].
-    pub fn new(problem: &'a Problem, options: Options) -> Result<Self, ProblemError> {
-        problem.check()?;
+    pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
+        let problem = problem.check()?;
         options.check()?;
         Ok(Self { problem, options, start: None, listener: None })
     }
@@ -72,10 +73,9 @@ impl<'a> Solver<'a> {
         let mut best: Option<Solution> = None;
         let (mut starts, mut steps) = (Vec::new(), 0);
         for number in 0..self.options.starts {
-            let solution = self.solve_from(number).unwrap_or_else(|error| {
-                let status = Status::evaluation_failed(error);
-                Solution::missing(&self.problem.robot, status, self.problem.time.value())
-            });
+            let solution = self
+                .solve_from(number)
+                .unwrap_or_else(|error| self.missing(Status::evaluation_failed(error)));
             steps += solution.newton_iterations;
             let (total, status) = (solution.motion.total(), solution.motion.status.clone());
             starts.push(StartResult { total, status });
@@ -87,13 +87,15 @@ impl<'a> Solver<'a> {
                 best = Some(solution);
             }
         }
-        let nothing =
-            || Solution::missing(&self.problem.robot, Status::NewtonFailed, self.problem.time.value());
-        let mut best = best.unwrap_or_else(nothing);
+        let mut best = best.unwrap_or_else(|| self.missing(Status::NewtonFailed));
         best.newton_iterations = steps;
         best.starts = starts;
         best.options = self.options.clone();
         best
+    }
+
+    fn missing(&self, status: Status) -> Solution {
+        Solution::missing(&self.problem.robot, status, self.problem.time.value())
     }
 
     fn solve_from(&mut self, number: usize) -> Result<Solution, EvalError> {
@@ -117,8 +119,8 @@ impl<'a> Solver<'a> {
     ) -> ExtremalSolution {
         let mut context = Context::new(&self.options, self.listener.take());
         let guess = RobotGuess {
-            problem: self.problem,
-            disturbance: Disturbance::draw(self.problem, self.options.seed, number),
+            problem: self.problem.problem(),
+            disturbance: Disturbance::draw(&self.problem, self.options.seed, number),
             saved: self.start.as_ref().filter(|_| number == 0),
             momenta: momenta.clone(),
             path: None,

@@ -5,7 +5,8 @@
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Extremal, LagrangianExtremal, Law, Penalty, Problem, RobotExtremal, RunningCost, Side, UserTerm,
+    BoundSide, Bounds, ControlLaw, Extremal, LagrangianExtremal, Penalty, Problem, RobotExtremal,
+    RunningCost, UserTerm,
 };
 use costate_test_support::allocations::{Counting, allocations};
 
@@ -20,7 +21,7 @@ fn robot(name: &str) -> Robot {
 struct Swing;
 
 impl RunningCost for Swing {
-    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+    fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
         q.iter().zip(v).fold(S::zero(), |sum, (&q, &v)| sum + q.sin_cos().1 * v * v)
     }
 }
@@ -40,18 +41,26 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
         let (mut g, mut jacobian, mut u) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n], vec![0.0; n]);
         let mut count = |extremal: &mut dyn Extremal| {
             allocations(|| {
-                extremal.rate(&z, Law::Maximal, &mut g).unwrap();
-                extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+                extremal.evaluate(&z, ControlLaw::Maximal, &mut g).unwrap();
+                extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
                 extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
                 extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
-                extremal.controls_at(&z, Law::Maximal, &mut u);
-                extremal.switching(0, (Side::Inside, Side::High), &z, &mut g);
+                extremal.controls_at(&z, ControlLaw::Maximal, &mut u);
+                extremal.switching(0, (BoundSide::Inside, BoundSide::High), &z, &mut g);
             })
         };
-        use costate_control::Jacobian::{Differences, Exact, WithoutHessian};
+        use costate_control::JacobianRoute::{Differences, Exact, WithoutHessian};
         for matrix in [Exact, Differences, WithoutHessian] {
-            assert_eq!(count(&mut RobotExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
-            assert_eq!(count(&mut LagrangianExtremal::new(&problem, matrix).unwrap()), 0, "{file}");
+            assert_eq!(
+                count(&mut RobotExtremal::new(problem.check().unwrap(), matrix).unwrap()),
+                0,
+                "{file}"
+            );
+            assert_eq!(
+                count(&mut LagrangianExtremal::new(problem.check().unwrap(), matrix).unwrap()),
+                0,
+                "{file}"
+            );
         }
     }
 }

@@ -1,30 +1,30 @@
-//! A small quadratic programme with bounds: what one stage of the backward sweep asks for.
+//! A small quadratic program with bounds, solved at each stage of the backward sweep.
 //!
-//! `min 1/2 d'H d + g'd  subject to  lower <= d <= upper`, by projected Newton steps: components that stand at a bound
-//! and are pushed against it are held, the others take the Newton step of the free block of H, cut back to the box.
-//! Only the free block must be positive definite; a held component may have any curvature.
+//! `min 1/2 d'H d + g'd  subject to  lower <= d <= upper`, by projected Newton steps: components at an active
+//! bound are held, the others take the Newton step of the free block of H, projected to the box. Only the
+//! free block must be positive definite; a held component may have any curvature.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Steps after which the programme is given up; two or three are usual.
+/// Maximum number of iterations; two or three are usual.
 const MAX_STEPS: usize = 60;
-/// Part of the predicted decrease that a projected step must bring.
+/// Required fraction of the predicted decrease.
 const ARMIJO: f64 = 0.1;
-/// Step length below which no decrease is looked for any more.
+/// Smallest step length of the line search.
 const SHORTEST: f64 = 1e-10;
 
-/// The minimum of one programme.
+/// The minimum of one program.
 pub struct Minimum {
-    /// Where it is.
+    /// The minimiser.
     pub d: DVector<f64>,
-    /// The components that stand at no bound, or would leave it.
+    /// The free components: those not at an active bound.
     pub free: Vec<usize>,
     /// Cholesky factor of the free block of H; `None` if nothing is free.
     factor: Option<Cholesky<f64, Dyn>>,
 }
 
 impl Minimum {
-    /// `K = dd/dx` where the gradient moves as `g + G x`: `-H_ff^-1 G_f` in the free rows, 0 in the held ones.
+    /// `K = dd/dx` for a gradient `g + G x`: `-H_ff^-1 G_f` in the free rows, 0 in the held ones.
     pub fn gain(&self, g_x: &DMatrix<f64>) -> DMatrix<f64> {
         let mut gain = DMatrix::zeros(g_x.nrows(), g_x.ncols());
         if let Some(factor) = &self.factor {
@@ -41,7 +41,7 @@ impl Minimum {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Indefinite;
 
-/// Solves the programme, starting from d = 0, which must be in the box.
+/// Solves the program, starting from d = 0, which must be in the box.
 ///
 /// # Errors
 /// A free block of H that is not positive definite.
@@ -66,18 +66,19 @@ pub fn minimise(
         let newton = factor.solve(&gradient.select_rows(&free));
         let whole;
         (d, whole) = projected_step(h, &gradient, d, &free, &newton, [lower, upper]);
-        // A whole step inside the box solves the programme of its free set; done if that set is still the free one.
+        // A full step inside the box solves the program on its free set; done if the free set is unchanged.
         solved_for = whole.then_some(free);
     }
     Err(Indefinite)
 }
 
-/// Whether a component stands at a bound with the cost falling only beyond it.
+/// Whether the bound of a component is active.
 pub fn pushed_against(gradient: f64, value: f64, [lower, upper]: [f64; 2]) -> bool {
     (value <= lower && gradient > 0.0) || (value >= upper && gradient < 0.0)
 }
 
-/// The longest of the steps 1, 1/2, ... against `newton`, cut back to the box, that decreases the programme enough.
+/// The longest of the steps 1, 1/2, ... against `newton`, cut back to the box, that decreases the programme
+/// enough.
 ///
 /// Also returned: whether it is the whole step, not cut anywhere.
 fn projected_step(

@@ -1,15 +1,15 @@
-//! Both methods on one task, and what their logs say.
+//! Both methods on one task, and the evaluation of their logs.
 
 use super::problem::{Curvature, Failure, Iteration, Options, Solution, Status};
 use super::problems::Task;
 use costate::dynamics::Cost;
 use costate::step::Step;
 
-/// The gradient, relative to the terms that cancel in it, at which a search ends.
+/// The relative gradient at which a search ends.
 pub const TOLERANCE: f64 = 1e-12;
-/// Gradients below this are rounding where convergence is concerned.
+/// Gradients below this are rounding errors in the estimate of the order.
 pub const FLOOR: f64 = 1e-10;
-/// How often a search is timed; the fastest counts.
+/// Number of timed runs; the fastest counts.
 const REPETITIONS: usize = 10;
 
 /// Two solutions of one task.
@@ -20,27 +20,27 @@ pub struct Comparison {
     pub twin: Solution,
 }
 
-/// Something to be reached: by which iteration, and after how long (s).
+/// When a goal was reached: iteration and time (s).
 #[derive(Clone, Copy)]
 pub struct Reached {
     pub iteration: usize,
     pub seconds: f64,
 }
 
-/// The goals that both are timed for.
+/// The goals that are timed.
 #[derive(Clone, Copy)]
 pub enum Goal {
-    /// The cost exceeds that of the method's own solution by so much of it.
+    /// Relative excess of the cost over that of the method's own solution.
     Cost(f64),
     /// The relative projected gradient.
     Gradient(f64),
 }
 
 impl Comparison {
-    /// Solves the task both ways.
+    /// Solves the task by both methods.
     ///
     /// # Errors
-    /// Those of the solver.
+    /// The errors of the solver.
     pub fn of<P: Step<f64>, L: Cost<f64>, T: Cost<f64>>(mut task: Task<P, L, T>) -> Result<Self, Failure> {
         let mut solve = |curvature| {
             let options = Options { curvature, iterations: 500, tolerance: TOLERANCE };
@@ -54,7 +54,7 @@ impl Comparison {
         Ok(Self { title: task.title, about: task.about, exact, twin })
     }
 
-    /// Whether both end at one cost.
+    /// Whether both end at the same cost.
     pub fn agree(&self) -> bool {
         let [a, b] = [&self.exact, &self.twin].map(|solution| solution.trajectory.cost);
         (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
@@ -78,8 +78,8 @@ pub fn reached(solution: &Solution, goal: Goal) -> Option<Reached> {
     Some(Reached { iteration, seconds: solution.log[iteration].seconds })
 }
 
-/// The local order of convergence at each iteration, `ln(g_k/g_{k-1}) / ln(g_{k-1}/g_{k-2})` for gradients that fall by
-/// a third at least.
+/// The local order of convergence at each iteration, `ln(g_k/g_{k-1}) / ln(g_{k-1}/g_{k-2})` for gradients
+/// that fall by at least a third.
 pub fn orders(log: &[Iteration]) -> Vec<Option<f64>> {
     let mut orders = vec![None; log.len().min(2)];
     orders.extend(log.windows(3).map(|three| {
@@ -89,7 +89,7 @@ pub fn orders(log: &[Iteration]) -> Vec<Option<f64>> {
     orders
 }
 
-/// The gradients of the tail: at most the last five above rounding that whole steps without regularisation lead to,
+/// The gradients of the tail: at most the last five above rounding after full steps without regularisation,
 /// and the first one below.
 fn tail(solution: &Solution) -> Vec<f64> {
     let share = solution.log.iter().map(|line| line.share).fold(0.0, f64::max);
@@ -102,7 +102,7 @@ fn tail(solution: &Solution) -> Vec<f64> {
 
 /// The order of convergence at the end: the larger one of the last two local orders of the tail.
 ///
-/// The last gradient may be rounding, which can only make its order smaller.
+/// The last gradient may be a rounding error, which can only reduce its order.
 pub fn order(solution: &Solution) -> Option<f64> {
     let tail = tail(solution);
     let local = |three: &[f64]| {
@@ -119,7 +119,7 @@ pub fn rate(solution: &Solution) -> Option<f64> {
     (tail.len() > 1).then(|| (last / first).powf(1.0 / (tail.len() - 1) as f64))
 }
 
-/// How a search ended, in words.
+/// The status of a search as text.
 pub fn ending(status: Status) -> &'static str {
     match status {
         Status::Converged => "converged",

@@ -1,12 +1,14 @@
-//! Differential dynamic programming with exact second derivatives, beside iLQR, its Gauss-Newton twin.
+//! Differential dynamic programming with exact second derivatives, compared with iLQR, its Gauss-Newton
+//! variant.
 //!
-//! `cargo run --release -p costate-examples --example ddp` solves six tasks both ways and prints the iterations side by side, with what
-//! exact second derivatives gained or did not gain; `-- --write` puts the same into `docs/ddp.md`.
+//! `cargo run --release --example ddp` solves six tasks by both methods, prints the iterations side by side,
+//! and summarises the effect of exact second derivatives; `-- --write` writes the same into `docs/ddp.md`.
 //!
 //! - `solver.rs`: the algorithm; `sweep.rs`: its recursion; `trajectory.rs`: roll-outs; `box_qp.rs`: bounds;
-//!   `problem.rs`: what goes in and comes out. These five know the traits `Step` and `Cost` and nothing of robots.
+//!   `problem.rs`: its input and output. These five files use the traits `Step` and `Cost` only, and no
+//!   robots.
 //! - `problems.rs`, `reach.rs`: the tasks.
-//! - `compare.rs`, `table.rs`, `verdict.rs`: what is printed.
+//! - `compare.rs`, `table.rs`, `verdict.rs`: the printed report.
 
 mod box_qp;
 mod compare;
@@ -59,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Puts the report between the markers of `docs/ddp.md`.
+/// Writes the report between the markers of `docs/ddp.md`.
 fn write(report: &str) -> Result<(), Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ddp.md");
     let old = std::fs::read_to_string(&path)?;

@@ -1,4 +1,4 @@
-//! What is to be solved, how, and what comes of it.
+//! The problem, the options and the solution.
 
 use super::box_qp::pushed_against;
 use super::sweep::Policy;
@@ -18,10 +18,10 @@ pub struct Problem<P, L, T> {
     pub terminal: T,
     /// Duration of a step (s).
     pub h: f64,
-    /// Bounds of the controls; infinite where there is none.
+    /// Bounds of the controls; infinite if there is none.
     pub lower: DVector<f64>,
     pub upper: DVector<f64>,
-    /// What the solver has evaluated so far.
+    /// Evaluation counters of the solver.
     pub count: Evaluations,
 }
 
@@ -31,10 +31,10 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
         Self { step, running, terminal, h, lower, upper, count: Evaluations::default() }
     }
 
-    /// Whether everything is as long as it has to be.
+    /// Checks all lengths and bounds.
     ///
     /// # Errors
-    /// What is not.
+    /// The mismatch.
     pub fn check(&self, x: &[f64], u: &[DVector<f64>]) -> Result<(), Failure> {
         let (states, controls) = (self.step.states(), self.step.controls());
         let lengths = [
@@ -64,7 +64,7 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
 /// Evaluations of single steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Evaluations {
-    /// Values alone.
+    /// Values only.
     pub advances: usize,
     /// With first derivatives.
     pub linearisations: usize,
@@ -72,7 +72,7 @@ pub struct Evaluations {
     pub contractions: usize,
 }
 
-/// What becomes of the second derivatives of the step.
+/// Treatment of the second derivatives of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curvature {
     /// They are used: differential dynamic programming.
@@ -81,13 +81,13 @@ pub enum Curvature {
     GaussNewton,
 }
 
-/// How a solution is looked for.
+/// Options of the search.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     pub curvature: Curvature,
-    /// Largest number of iterations.
+    /// Maximum number of iterations.
     pub iterations: usize,
-    /// The projected gradient, relative to the terms that cancel in it, below which a solution is found.
+    /// Tolerance of the relative projected gradient.
     pub tolerance: f64,
 }
 
@@ -96,38 +96,38 @@ pub struct Options {
 pub enum Status {
     /// The projected gradient is below the tolerance.
     Converged,
-    /// The cost can no longer tell two trajectories apart, and the gradient no longer falls.
+    /// Changes of the cost are below rounding, and the gradient no longer falls.
     Rounding,
-    /// No step, however regularised, made the cost smaller.
+    /// No step, with any regularisation, reduced the cost.
     Stuck,
-    /// The iterations are used up.
+    /// The iteration limit was reached.
     Iterations,
 }
 
-/// One line of the log: a trajectory, and the step made from it.
+/// One line of the log: a trajectory and the step from it.
 #[derive(Clone, Copy, Debug)]
 pub struct Iteration {
     /// Cost of the trajectory.
     pub cost: f64,
     /// Largest component of the projected gradient over all stages, relative to the terms that cancel in it.
     pub gradient: f64,
-    /// Controls that stand at a bound and are pushed against it.
+    /// Number of controls at an active bound.
     pub held: usize,
-    /// Share of the second derivatives that was kept; 0 for Gauss-Newton.
+    /// Fraction of the second derivatives that was used; 0 for Gauss-Newton.
     pub share: f64,
-    /// What was added to the diagonal of Q_uu.
+    /// The regularisation added to the diagonal of Q_uu.
     pub mu: f64,
-    /// Length of the step; 0 if none was made.
+    /// Length of the step; 0 if there was none.
     pub alpha: f64,
-    /// Sweeps and roll-outs that it took.
+    /// Number of sweeps and roll-outs.
     pub sweeps: usize,
     pub roll_outs: usize,
-    /// Time since the start of the search, when the gradient was known (s).
+    /// Time since the start of the search, until the gradient was known (s).
     pub seconds: f64,
 }
 
 impl Iteration {
-    /// Nothing known but the cost.
+    /// A row with the cost only.
     pub fn of(now: &Trajectory) -> Self {
         Self {
             cost: now.cost,
@@ -159,7 +159,7 @@ impl Iteration {
     }
 }
 
-/// The best trajectory found and how it was found.
+/// The best trajectory and the log of the search.
 #[derive(Clone, Debug)]
 pub struct Solution {
     pub trajectory: Trajectory,
@@ -168,22 +168,22 @@ pub struct Solution {
     pub count: Evaluations,
 }
 
-/// Why there is no solution at all. What fails in a line search only shortens the step.
+/// Why there is no solution. Errors within a line search only shorten the step.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The pieces of a problem do not fit together.
+    /// The parts of a problem have inconsistent lengths.
     #[error("{what} has {found} entries, not {expected}")]
     WrongLength { what: &'static str, expected: usize, found: usize },
-    /// A lower bound above an upper one, or no number at all.
+    /// A lower bound is above an upper one, or a bound is NaN.
     #[error("control {control}: the bounds {lower} and {upper} leave nothing between them")]
     Bounds { control: usize, lower: f64, upper: f64 },
-    /// The step or the cost could not be evaluated where it has to be: along the present trajectory.
+    /// The step or the cost could not be evaluated along the current trajectory.
     #[error("stage {stage}: {source}")]
     Evaluation { stage: usize, source: Box<dyn Error> },
-    /// However much was added to its diagonal, Q_uu did not become positive definite.
+    /// No regularisation made Q_uu positive definite.
     #[error("the second derivatives in the controls are no finite numbers, or far below zero")]
     Indefinite,
-    /// A cost that is infinite or no number.
+    /// A cost is infinite or NaN.
     #[error("stage {stage}: the cost is not a finite number; start from other controls")]
     NotFinite { stage: usize },
 }

@@ -1,4 +1,4 @@
-//! The tasks on which both are compared.
+//! The tasks of the comparison.
 
 use super::problem::Problem;
 use super::reach::{Coordinates, Reach};
@@ -13,14 +13,14 @@ use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::path::{Path, PathBuf};
 
-/// A problem, where it starts, and what to say about it.
+/// A problem with its start and description.
 pub struct Task<P, L, T> {
     pub title: String,
     pub about: &'static str,
     pub problem: Problem<P, L, T>,
-    /// The state that the motion starts from.
+    /// The initial state.
     pub x: Vec<f64>,
-    /// The controls that the search starts from.
+    /// The initial controls.
     pub u: Vec<DVector<f64>>,
 }
 
@@ -35,7 +35,7 @@ fn robot(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(file)
 }
 
-/// The two-link arm from `from` to rest at `to` (rad) in two seconds, in 100 steps, nothing known of the controls.
+/// The two-link arm from `from` to rest at `to` (rad) in two seconds, in 100 steps, from zero controls.
 fn two_link(
     [title, about]: [&'static str; 2],
     gravity: f64,
@@ -59,7 +59,7 @@ fn two_link(
 /// A large motion of the two-link arm in the horizontal plane.
 ///
 /// # Errors
-/// A robot that cannot be read; as for all that follow.
+/// An unreadable robot file; likewise below.
 pub fn large_motion() -> Result<Task<WithMomenta, Quadratic, Quadratic>, Box<dyn Error>> {
     let about = "Two-link arm in the horizontal plane, state (q, p), from rest at (0, 0) towards rest at (2, 1) rad in\n\
                  2 s, 100 steps. Cost: integral of u'u/2, plus 50 times the squared distance from the goal at the\n\
@@ -68,13 +68,13 @@ pub fn large_motion() -> Result<Task<WithMomenta, Quadratic, Quadratic>, Box<dyn
     two_link(["two-link arm, large motion", about], 0.0, [[0.0, 0.0], [2.0, 1.0]], 1.0, f64::INFINITY)
 }
 
-/// The same with bounds that bind.
+/// The same with active bounds.
 pub fn large_motion_with_bounds() -> Result<Task<WithMomenta, Quadratic, Quadratic>, Box<dyn Error>> {
     let about = "The same with |u| <= 4 N m: both joints saturate for a large part of the motion.";
     two_link(["two-link arm, large motion, bounds", about], 0.0, [[0.0, 0.0], [2.0, 1.0]], 1.0, 4.0)
 }
 
-/// The two-link arm from hanging to upright with motors that cannot lift it.
+/// Swing-up of the two-link arm with motors that cannot lift it statically.
 pub fn swing_up() -> Result<Task<WithMomenta, Quadratic, Quadratic>, Box<dyn Error>> {
     let about = "Two-link arm in the vertical plane, state (q, p), from hanging towards rest upright in 2 s, 100 steps,\n\
                  |u| <= 10 N m: a quarter of the 39 N m that hold the arm stretched out, so it must swing. Cost:\n\
@@ -127,7 +127,7 @@ pub fn panda_with_momenta() -> Result<Task<WithMomenta, Quadratic, AutomaticCost
     PANDA.reach(["Panda, reaching, momenta", about], Coordinates::Momenta, step)
 }
 
-/// A robot whose tip is to reach a point.
+/// A reaching task for the tip of a robot.
 struct Arm<const N: usize> {
     file: &'static str,
     /// In the frame of the last joint (m).

@@ -1,4 +1,5 @@
-//! The cost of not having reached a point, as a function generic over the scalar: its derivatives are automatic.
+//! The cost of the distance from a goal, as a function generic over the scalar, for automatic
+//! differentiation.
 
 use costate::EvalError;
 use costate::derivative::Function;
@@ -8,7 +9,7 @@ use costate::robot::{JointKind, Robot};
 use costate::scalar::Scalar;
 use costate::spatial::Vec3;
 
-/// What the second half of a state holds.
+/// The second half of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinates {
     /// p = M v.
@@ -17,8 +18,8 @@ pub enum Coordinates {
     Velocities,
 }
 
-/// `distance_weight/2 |r(q) - goal|^2 + energy_weight T`, r the tip and T the kinetic energy: the same in both
-/// coordinates.
+/// `distance_weight/2 |r(q) - goal|^2 + energy_weight T`, r the tip and T the kinetic energy: the same in
+/// both coordinates.
 #[derive(Clone)]
 pub struct Reach {
     pub robot: Robot,
@@ -40,7 +41,7 @@ impl Reach {
         while let Some(i) = next {
             let (joint, axis) = (&joints[i], joints[i].axis.into());
             r = match joint.kind {
-                JointKind::Revolute => turned(r, axis, q[i]),
+                JointKind::Revolute => rotated(r, axis, q[i]),
                 JointKind::Prismatic => r + scaled(axis, q[i]),
             };
             let rows = [0, 1, 2].map(|row| {
@@ -87,8 +88,8 @@ impl Function for Reach {
     }
 }
 
-/// `r cos + (a x r) sin + a (a.r) (1 - cos)`: r turned about the axis a.
-fn turned<S: Scalar>(r: Vec3<S>, axis: [f64; 3], angle: S) -> Vec3<S> {
+/// `r cos + (a x r) sin + a (a.r) (1 - cos)`: r rotated about the axis a.
+fn rotated<S: Scalar>(r: Vec3<S>, axis: [f64; 3], angle: S) -> Vec3<S> {
     let (sin, cos) = angle.sin_cos();
     let across = r.cross_constant(axis);
     let along = scaled(axis, r.dot_constant(axis) * (S::one() - cos));

@@ -1,16 +1,17 @@
-//! Differential dynamic programming with control bounds, and iLQR, its Gauss-Newton twin.
+//! Differential dynamic programming with control bounds, and iLQR, its Gauss-Newton variant.
 //!
-//! Each iteration sweeps backwards ([`sweep`](super::sweep)), which gives a policy for each stage and the change of
-//! cost that its quadratic model promises, then rolls out the policy for alpha = 1, 1/2, ... until the cost falls by a
-//! part of the promise.
+//! Each iteration sweeps backwards ([`sweep`](super::sweep)) for the policy of each stage and the predicted
+//! change of the cost, then rolls out the policy for alpha = 1, 1/2, ... until the cost falls by a fraction
+//! of the prediction.
 //!
-//! Away from a minimum, Q_uu with exact second derivatives may be indefinite. Then first the share of these
-//! derivatives is lowered, down to none: what is left is the Gauss-Newton model, convex if the costs are. Only if that
-//! is not enough is mu added to the diagonal of Q_uu, and also when no step length is accepted. Both are taken back as
-//! soon as possible: near a minimum with positive definite Q_uu the share is 1 and mu is 0, exactly, and the
-//! iteration is Newton's.
+//! Away from a minimum, Q_uu with exact second derivatives may be indefinite. Then the fraction of these
+//! derivatives is reduced first, down to zero: the Gauss-Newton model, which is convex if the costs are. Only
+//! if that is not enough, or if no step length is accepted, mu is added to the diagonal of Q_uu. Both are
+//! reset as soon as possible: near a minimum with positive definite Q_uu the fraction is exactly 1, mu is
+//! exactly 0, and the iteration is Newton's.
 //!
-//! Control bounds: Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic programming", ICRA 2014.
+//! Control bounds: Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic programming", ICRA
+//! 2014.
 
 use super::problem::{Curvature, Evaluations, Failure, Iteration, Options, Problem, Solution, Status};
 use super::sweep::{Policy, Promise, Stage, Value};
@@ -21,27 +22,28 @@ use nalgebra::DVector;
 use std::error::Error;
 use std::time::Instant;
 
-/// Part of the promised decrease that a step must bring.
+/// Required fraction of the predicted decrease.
 const ARMIJO: f64 = 1e-4;
-/// Shortest step that is tried.
+/// Smallest step length.
 const SHORTEST: f64 = 1e-4;
-/// Smallest share of the second derivatives; below it they are dropped.
+/// Smallest fraction of the second derivatives; below it they are dropped.
 const SMALLEST_SHARE: f64 = 1.0 / 16.0;
-/// Smallest mu, below which it is 0, and largest, above which the search is stuck.
+/// Smallest nonzero mu, and largest, above which the search is stuck.
 const MU: [f64; 2] = [1e-6, 1e10];
-/// By how much mu grows at first and falls at first. Fast up and slow down: a Q_uu barely positive definite makes
-/// long, useless steps.
+/// Initial factors of increase and decrease of mu. Decreasing slowly avoids a barely positive definite Q_uu,
+/// which gives long, useless steps.
 const MU_UP: f64 = 4.0;
 const MU_DOWN: f64 = 0.5;
-/// Iterations without a better gradient, all below the rounding of the cost, after which the search ends.
+/// Number of iterations below the rounding of the cost and without a better gradient, after which the search
+/// ends.
 const PATIENCE: usize = 5;
 
-/// How the model is made convex.
+/// Regularisation of the model.
 struct Regularisation {
     share: f64,
     largest_share: f64,
     mu: f64,
-    /// By how much mu changed last: it grows and falls faster and faster.
+    /// The last factor of mu; it accelerates.
     factor: f64,
 }
 
@@ -95,10 +97,10 @@ struct Search {
 }
 
 impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
-    /// Looks for a local minimum from state `x` and controls `u`, one for each stage.
+    /// Searches a local minimum from state `x` and controls `u`, one per stage.
     ///
     /// # Errors
-    /// Pieces that do not fit together, or a failure at the start or in the derivatives along a trajectory.
+    /// Inconsistent lengths, or a failure at the start or in the derivatives along a trajectory.
     pub fn solve(&mut self, x: &[f64], u: &[DVector<f64>], options: &Options) -> Result<Solution, Failure> {
         self.check(x, u)?;
         self.count = Evaluations::default();
@@ -140,7 +142,7 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
         Ok(Solution { trajectory: search.now, log, status, count: self.count })
     }
 
-    /// The policies of all stages and what they promise; as regularised as it takes.
+    /// The policies of all stages and the predicted change, with sufficient regularisation.
     fn sweep(&mut self, search: &mut Search, line: &mut Iteration) -> Result<Promise, Failure> {
         loop {
             line.sweeps += 1;
@@ -179,7 +181,7 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
         Ok(Some(promise))
     }
 
-    /// The derivatives at one stage, as far as they are not known from the sweep before.
+    /// The derivatives at one stage, unless known from the previous sweep.
     fn differentiate(
         &mut self,
         stage: &mut Stage,
@@ -206,9 +208,10 @@ impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
         Ok(())
     }
 
-    /// Steps of length 1, 1/2, ... until one lowers the cost by a part of the promise; whether there is one.
+    /// Line search with steps 1, 1/2, ...; returns whether one has sufficient decrease.
     ///
-    /// What cannot be evaluated counts as no decrease. Changes below the rounding of the cost count as none either way.
+    /// A trajectory that cannot be evaluated counts as no decrease. Changes below the rounding of the cost
+    /// count as zero.
     fn search_line(&mut self, search: &mut Search, promise: Promise, line: &mut Iteration) -> bool {
         let Search { now, trial, stages, end, policies, .. } = search;
         let rounding = now.rounding();

@@ -12,8 +12,8 @@
 //! V_x  = Q_x + K'(Q_u + Q_uu d) + Q_ux'd,        V_xx = Q_xx + K'Q_uu K + K'Q_ux + Q_ux'K
 //! ```
 //!
-//! Exact DDP keeps the three terms V_x'Phi; its Gauss-Newton twin, iLQR, leaves them out. That is all that differs.
-//! The gradient of the whole cost comes along, by the costate y: `y = l_x + A'y`, `dJ/du = l_u + B'y`.
+//! Exact DDP keeps the three terms V_x'Phi; iLQR, its Gauss-Newton variant, drops them. This is the only
+//! difference. The gradient of the total cost comes from the costate y: `y = l_x + A'y`, `dJ/du = l_u + B'y`.
 
 use super::box_qp::{self, Indefinite};
 use costate::dynamics::CostHessian;
@@ -32,11 +32,11 @@ pub struct Stage {
     pub l_xx: DMatrix<f64>,
     pub l_ux: DMatrix<f64>,
     pub l_uu: DMatrix<f64>,
-    /// What is kept of V_x'Phi_xx, V_x'Phi_ux and V_x'Phi_uu; zero for Gauss-Newton.
+    /// The used part of V_x'Phi_xx, V_x'Phi_ux and V_x'Phi_uu; zero for Gauss-Newton.
     pub xx: DMatrix<f64>,
     pub ux: DMatrix<f64>,
     pub uu: DMatrix<f64>,
-    /// Whether everything but the last three belongs to the present trajectory.
+    /// Whether all but the last three belong to the current trajectory.
     pub fresh: bool,
 }
 
@@ -59,7 +59,7 @@ impl Stage {
         }
     }
 
-    /// Takes the derivatives of a cost, `h` times.
+    /// Stores `h` times the derivatives of a cost.
     pub fn set_cost(&mut self, cost: &CostHessian<'_, f64>, h: f64) {
         self.l_x.iter_mut().zip(cost.gradient.x).for_each(|(to, from)| *to = h * from);
         self.l_u.iter_mut().zip(cost.gradient.u).for_each(|(to, from)| *to = h * from);
@@ -68,20 +68,20 @@ impl Stage {
         set_or_clear(&mut self.l_ux, cost.ux, h);
     }
 
-    /// Takes the Jacobians of a step.
+    /// Stores the Jacobians of a step.
     pub fn set_step(&mut self, step: &StepLinearisation<'_, f64>) {
         set(&mut self.a, step.phi_x, 1.0);
         set(&mut self.b, step.phi_u, 1.0);
     }
 
-    /// Takes `share` of the second derivatives of a step.
+    /// Stores `share` times the second derivatives of a step.
     pub fn set_curvature(&mut self, step: &StepContraction<'_, f64>, share: f64) {
         set(&mut self.xx, step.xx, share);
         set_or_clear(&mut self.ux, step.ux, share);
         set_or_clear(&mut self.uu, step.uu, share);
     }
 
-    /// Takes none of them.
+    /// Stores zero second derivatives.
     pub fn drop_curvature(&mut self) {
         [&mut self.xx, &mut self.ux, &mut self.uu].into_iter().for_each(|block| block.fill(0.0));
     }
@@ -129,12 +129,12 @@ impl Stage {
     }
 }
 
-/// What a stage needs to know of the stages after it.
+/// The result of the later stages that a stage needs.
 pub struct Value {
     /// Gradient and Hessian of the value, the cost from here to the end under the new policy.
     pub v_x: DVector<f64>,
     pub v_xx: DMatrix<f64>,
-    /// Costate: the gradient of the cost from here to the end under the present controls.
+    /// Costate: the gradient of the cost from here to the end under the current controls.
     pub y: DVector<f64>,
 }
 
@@ -145,21 +145,21 @@ impl Value {
     }
 }
 
-/// What one stage does next: `u + alpha d + K (x - x_before)`, cut back to the box.
+/// The policy of one stage: `u + alpha d + K (x - x_before)`, projected to the box.
 pub struct Policy {
     pub d: DVector<f64>,
     /// K.
     pub gain: DMatrix<f64>,
-    /// Gradient of the whole cost in the controls of this stage, all others held.
+    /// Gradient of the total cost in the controls of this stage, with all others fixed.
     pub gradient: DVector<f64>,
-    /// Size of the terms that cancel in it at a minimum: what its rounding is relative to.
+    /// Size of the terms that cancel in it at a minimum: the scale of its rounding error.
     pub gradient_terms: f64,
-    /// This stage's part of the promise.
+    /// The contribution of this stage to the prediction.
     pub promise: Promise,
 }
 
 impl Policy {
-    /// To change nothing.
+    /// The policy that changes nothing.
     pub fn none(states: usize, controls: usize) -> Self {
         let zero = DVector::zeros(controls);
         Self {
@@ -172,7 +172,8 @@ impl Policy {
     }
 }
 
-/// What the quadratic model promises for a step of length alpha: a change of `alpha slope + alpha^2 / 2 curvature`.
+/// The prediction of the quadratic model for a step of length alpha: a change of
+/// `alpha slope + alpha^2 / 2 curvature`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Promise {
     pub slope: f64,
@@ -180,13 +181,13 @@ pub struct Promise {
 }
 
 impl Promise {
-    /// The promised change of the cost; not positive for alpha from 0 to 1.
+    /// The predicted change of the cost; not positive for alpha from 0 to 1.
     pub fn change(&self, alpha: f64) -> f64 {
         alpha * (self.slope + 0.5 * alpha * self.curvature)
     }
 }
 
-/// A block that may be zero by structure, in the columns that it has.
+/// Copies a block that may be zero by structure, up to its number of columns.
 fn set_or_clear(to: &mut DMatrix<f64>, from: Option<Block<'_, f64>>, factor: f64) {
     to.fill(0.0);
     if let Some(from) = from {

@@ -3,14 +3,14 @@
 use super::compare::{Comparison, FLOOR, orders};
 use super::problem::{Curvature, Solution};
 
-/// Longest table of one method that is printed whole; of longer ones only the first and last lines are.
+/// Longest table that is printed in full; longer ones are shortened to their first and last lines.
 const LONGEST: usize = 24;
 const FIRST: usize = 8;
 const LAST: usize = 12;
-/// Lines printed of what follows when a gradient is rounding.
+/// Number of lines printed after the gradient has reached rounding.
 const ROUNDING: usize = 2;
 
-/// What the columns mean.
+/// Explanation of the columns.
 pub const LEGEND: &str = "\
 it        iteration, 0 being the controls that the search starts from
 cost      what the cost exceeds that of the better of the two solutions by

@@ -1,4 +1,4 @@
-//! Trajectories, and rolling them out.
+//! Trajectories and roll-outs.
 
 use super::problem::{Failure, Problem};
 use super::sweep::Policy;
@@ -13,17 +13,17 @@ pub struct Trajectory {
     pub u: Vec<DVector<f64>>,
     /// `h sum_k l(x_k, u_k) + l_end(x_N)`.
     pub cost: f64,
-    /// The sum of the absolute values of these terms: what the rounding of the cost is relative to.
+    /// The sum of the absolute values of these terms: the scale of the rounding error of the cost.
     pub terms: f64,
 }
 
 impl Trajectory {
-    /// Controls from a state; the states after it are still to be rolled out.
+    /// An initial state and controls; the later states are not rolled out yet.
     pub fn start(x: &[f64], u: &[DVector<f64>]) -> Self {
         Self { x: vec![DVector::from_column_slice(x); u.len() + 1], u: u.to_vec(), cost: 0.0, terms: 0.0 }
     }
 
-    /// Changes of the cost below this are rounding.
+    /// Changes of the cost below this are rounding errors.
     pub fn rounding(&self) -> f64 {
         self.u.len() as f64 * f64::EPSILON * self.terms
     }
@@ -34,7 +34,7 @@ impl Trajectory {
     }
 }
 
-/// The policies of all stages and how far to follow them.
+/// The policies of all stages and the step length.
 #[derive(Clone, Copy)]
 pub struct Following<'a> {
     pub policies: &'a [Policy],
@@ -42,10 +42,10 @@ pub struct Following<'a> {
 }
 
 impl<P: Step<f64>, L: Cost<f64>, T: Cost<f64>> Problem<P, L, T> {
-    /// Rolls `old` out anew into `new`, following the policies if there are any, always inside the box.
+    /// Rolls out `old` into `new` with the policies, if given, projected to the box.
     ///
     /// # Errors
-    /// A stage that could not be evaluated, or whose cost is not finite. `new` is then not to be used.
+    /// A stage that could not be evaluated, or whose cost is not finite. `new` is invalid then.
     pub fn roll_out(
         &mut self,
         old: &Trajectory,

@@ -1,16 +1,16 @@
-//! What the numbers say, in words made of the numbers.
+//! The verdict, generated from the numbers.
 
 use super::compare::{Comparison, Goal, Reached, ending, order, rate, reached};
 use super::problem::Solution;
 
-/// What both are timed for.
+/// The goals that are timed.
 const GOALS: [(&str, Goal); 3] = [
     ("cost within 1 %", Goal::Cost(0.01)),
     ("gradient 1e-4", Goal::Gradient(1e-4)),
     ("gradient 1e-10", Goal::Gradient(1e-10)),
 ];
 
-/// Times whose ratio is nearer to 1 are called equal: a busy machine does not repeat them better.
+/// Times whose ratio is closer to 1 are called equal, since timings vary by this much.
 const EQUAL: f64 = 1.2;
 
 /// The paragraph below the table of a task.
@@ -44,7 +44,7 @@ pub fn of_task(comparison: &Comparison) -> String {
     text
 }
 
-/// One search in a line.
+/// One search as a line.
 fn summary(solution: &Solution) -> String {
     let count = solution.count;
     let last = solution.log.len() - 1;
@@ -65,7 +65,7 @@ fn summary(solution: &Solution) -> String {
     )
 }
 
-/// Which of two was there first.
+/// Which of the two was first.
 fn times(exact: Option<Reached>, twin: Option<Reached>) -> String {
     match (exact, twin) {
         (Some(exact), Some(twin)) => {
@@ -116,7 +116,7 @@ pub fn of_all(comparisons: &[Comparison]) -> String {
     text
 }
 
-/// Who was first how often.
+/// How often each method was first.
 fn sentence(comparisons: &[Comparison], what: &str, goal: Goal) -> String {
     let (mut wins, mut losses, mut equal) = (0, 0, 0);
     for comparison in comparisons {
@@ -134,7 +134,7 @@ fn sentence(comparisons: &[Comparison], what: &str, goal: Goal) -> String {
     )
 }
 
-/// What the orders of convergence are.
+/// The orders of convergence.
 fn orders(comparisons: &[Comparison]) -> String {
     let of = |pick: fn(&Comparison) -> &Solution| {
         let orders: Vec<f64> = comparisons.iter().filter_map(|comparison| order(pick(comparison))).collect();

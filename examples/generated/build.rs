@@ -1,6 +1,6 @@
 //! Writes straight-line code for some robots into `OUT_DIR`.
 
-use costate::codegen::{Coordinates, Options, Quantity, RustOptions, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, RustOptions, robot_program};
 use costate::robot::Robot;
 use costate_control::{ProgramOf, pontryagin_program};
 use std::error::Error;
@@ -21,8 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let path = robots.join(file);
         println!("cargo::rerun-if-changed={}", path.display());
-        let program = robot_program(&Robot::from_file(path)?, quantity, coordinates, &Options::default())?;
-        let source = program.to_rust(&RustOptions { number, ..RustOptions::default() })?;
+        let program =
+            robot_program(&Robot::from_file(path)?, quantity, coordinates, &ProgramOptions::default())?;
+        let source = program.to_rust(&RustOptions::default().with_number(number))?;
         std::fs::write(Path::new(&out).join(format!("{}.rs", program.name())), source)?;
     }
     // The extremals of two problems: whole, and without their Jacobian.

@@ -6,12 +6,12 @@ use nalgebra::DVector;
 /// One vector for each node.
 pub type Nodes = Vec<DVector<f64>>;
 
-/// How near to a bound a start may lie, relative to the room between two bounds or to the bound itself.
+/// Smallest distance of the start from a bound, relative to the range between the bounds or to the bound.
 const INSIDE: f64 = 1e-2;
 /// A multiplier stays within this factor of mu over the distance.
 const DRIFT: f64 = 1e10;
 
-/// Bounds of every node and their multipliers, which are positive where there is a bound and zero where there is none.
+/// Bounds of every node and their multipliers: positive for a bound, else zero.
 #[derive(Clone)]
 pub struct Barrier {
     pub sides: [Side; 2],
@@ -30,12 +30,12 @@ impl Side {
         Self { sign, multipliers: bounds.iter().map(|node| node.map(|_| 0.0)).collect(), bounds }
     }
 
-    /// Distances to the bounds; infinite where there is none.
+    /// Distances to the bounds; infinite if there is none.
     pub fn distance(&self, k: usize, node: &DVector<f64>) -> DVector<f64> {
         (node - &self.bounds[k]) * self.sign
     }
 
-    /// (distance, step towards the inside, multiplier) of every bound there is.
+    /// (distance, inward step, multiplier) of every bound.
     fn each(&self, nodes: &Nodes, steps: &Nodes) -> Vec<[f64; 3]> {
         let mut all = Vec::new();
         for (k, node) in nodes.iter().enumerate() {
@@ -62,7 +62,7 @@ impl Barrier {
         Self { sides: [Side::new(1.0, lower), Side::new(-1.0, upper)] }
     }
 
-    /// Is there any bound?
+    /// Whether there is any bound.
     pub fn is_empty(&self) -> bool {
         self.sides
             .iter()
@@ -107,7 +107,8 @@ impl Barrier {
         nodes.iter().enumerate().map(|(k, node)| at(k, node)).collect()
     }
 
-    /// Multiplier over distance, summed over the two sides: the diagonal that the barrier adds to the Hessian.
+    /// Multiplier over distance, summed over the two sides: the diagonal that the barrier adds to the
+    /// Hessian.
     pub fn diagonal(&self, nodes: &Nodes) -> Nodes {
         let at = |k: usize, node: &DVector<f64>| {
             let parts =
@@ -130,7 +131,7 @@ impl Barrier {
         each.map(|[distance, _, multiplier]| (multiplier * distance - mu).abs()).fold(0.0, f64::max)
     }
 
-    /// The longest part of a step, at most all of it, that leaves the share `1 - tau` of each distance.
+    /// The largest fraction of a step, at most 1, that keeps the fraction `1 - tau` of each distance.
     pub fn longest(&self, nodes: &Nodes, steps: &Nodes, tau: f64) -> f64 {
         let each = self.sides.iter().flat_map(|side| side.each(nodes, steps));
         each.filter(|[_, towards, _]| *towards < 0.0)
@@ -138,7 +139,7 @@ impl Barrier {
             .fold(1.0, f64::min)
     }
 
-    /// Newton's step of the multipliers, shortened to keep the share `1 - tau` of each, then made.
+    /// Makes the Newton step of the multipliers, shortened to keep the fraction `1 - tau` of each.
     pub fn move_multipliers(&mut self, nodes: &Nodes, steps: &Nodes, mu: f64, tau: f64) {
         let mut changes = Vec::new();
         let mut longest = 1.0_f64;

@@ -1,13 +1,13 @@
-//! Damped BFGS on each node's block: what a solver does that is given no second derivatives.
+//! Damped BFGS on each node's block, for a solver without second derivatives.
 
 use crate::barrier::Nodes;
 use crate::curvature::Model;
 use nalgebra::{DMatrix, DVector};
 
-/// One block for each node, and what the last update is made from.
+/// One block per node, and the data of the last update.
 pub struct Blocks {
     pub hessian: Vec<DMatrix<f64>>,
-    /// Updates made.
+    /// Number of updates.
     pub updates: usize,
     before: Option<(Nodes, Model)>,
 }
@@ -22,7 +22,8 @@ impl Blocks {
         Self { hessian: hessian.collect(), updates: 0, before: None }
     }
 
-    /// Learns from the change of the Lagrangian's gradient since the last call, both with the costates of now.
+    /// Updates from the change of the gradient of the Lagrangian since the last call, both with the current
+    /// costates.
     pub fn learn(&mut self, nodes: &Nodes, model: Model, costates: &Nodes) {
         if let Some((old_nodes, old)) = &self.before {
             self.updates += 1;
@@ -36,7 +37,7 @@ impl Blocks {
     }
 }
 
-/// Powell's damped update: stays positive definite whatever the curvature seen.
+/// Powell's damped update: stays positive definite for any curvature.
 fn update(block: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
     let image = &*block * step;
     let curvature = step.dot(&image);

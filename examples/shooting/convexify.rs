@@ -1,21 +1,22 @@
-//! The Hessian made as convex as the step needs, and no more.
+//! Minimal convexification of the Hessian.
 //!
-//! The Hessian of the Lagrangian may have negative curvature along the linear dynamics far from a solution; then the
-//! step of Newton's method need not go down. Each node's block is moved towards its positive part, `H + share (H+ - H)`,
-//! H+ the block with its negative eigenvalues set to zero; the share is zero wherever that suffices, as it does near a
-//! solution that satisfies the second-order conditions, and Newton's method converges quadratically there.
+//! The Hessian of the Lagrangian may have negative curvature along the linear dynamics far from a solution;
+//! then the Newton step need not be a descent step. Each node's block is moved towards its positive part,
+//! `H + share (H+ - H)`, with H+ the block with its negative eigenvalues set to zero. The share is zero where
+//! that suffices, as near a solution that satisfies the second-order conditions, so that Newton's method
+//! converges quadratically there.
 
 use crate::barrier::Nodes;
 use crate::riccati::{End, Factor, NotConvex, factorise};
 use nalgebra::DMatrix;
 
-/// The least share that is tried after zero, and the factor from one to the next.
+/// The smallest nonzero share, and the factor between shares.
 const LEAST: f64 = 1.0 / 64.0;
 const FACTOR: f64 = 4.0;
 /// The least eigenvalue of a positive part, relative to its largest.
 const FLOOR: f64 = 1e-8;
-/// How stiffly a given end is held, relative to [`scale`]; the stiffer, the fewer Hessians are taken for not convex,
-/// the softer, the more digits are left.
+/// Weight of a given end, relative to [`scale`]: a large weight misjudges fewer convex Hessians, a small one
+/// keeps more digits.
 const STIFFNESS: [f64; 4] = [1e2, 1e4, 1e6, 1e8];
 
 /// A Hessian with the barrier's part, its factor, and the share of the positive parts in it.
@@ -25,7 +26,8 @@ pub struct Convex {
     pub share: f64,
 }
 
-/// Finds the smallest of the shares 0, ..., 1 that gives a convex problem. `last`: the one before; `least`: where to start.
+/// Finds the smallest of the shares 0, ..., 1 that gives a convex problem. `last`: the previous share;
+/// `least`: the first to try.
 pub fn convexify(
     blocks: &[DMatrix<f64>],
     diagonal: &Nodes,

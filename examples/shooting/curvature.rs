@@ -1,4 +1,4 @@
-//! Values, first derivatives and, by choice, second derivatives of the problem, node by node.
+//! Values, first and optionally second derivatives of the problem, node by node.
 
 use crate::problem::{NotEvaluated, Problem, Values};
 use costate::dynamics::{Cost, CostHessian};
@@ -6,16 +6,17 @@ use costate::matrix::Block;
 use costate::step::Step;
 use nalgebra::{DMatrix, DVector};
 
-/// Which second derivatives the solver is given.
+/// The second derivatives that the solver uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curvature {
     /// Of the Lagrangian: those of the cost and those of y'Phi, exact.
     Exact,
     /// Of the cost alone: those of Phi are dropped.
     CostOnly,
-    /// The same and a multiple of the identity in the states: more after a step that was shortened, less after others.
+    /// The same and a multiple of the identity in the states: more after a step that was shortened, less
+    /// after others.
     Damped,
-    /// None beyond the cost at the start: each node's block is learnt by damped BFGS.
+    /// Those of the cost at the start, then damped BFGS on each node's block.
     Bfgs,
 }
 
@@ -58,7 +59,7 @@ impl Model {
 }
 
 impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
-    /// Everything a step of the solver needs; second derivatives of y'Phi only where they are asked for.
+    /// All data of a solver step; second derivatives of y'Phi only if requested.
     pub fn model(
         &mut self,
         nodes: &[DVector<f64>],

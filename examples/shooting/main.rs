@@ -1,9 +1,9 @@
-//! Direct multiple shooting with the exact Hessian of the Lagrangian, beside solvers that are given less.
+//! Direct multiple shooting with the exact Hessian of the Lagrangian, compared with solvers that use less.
 //!
-//! A motion from rest to rest with least effort, under bounds on actuation, angles and rates: the unknowns are the states at
-//! the nodes and the controls between them, the constraints `x_(k+1) = Phi(x_k, u_k, h)`. `Step::contract` with the
-//! multipliers of these constraints as costates is all that the exact Hessian of the Lagrangian needs. The solver is
-//! written against `Step` and `Cost` alone.
+//! A motion from rest to rest with least effort, under bounds on actuation, angles and rates: the unknowns
+//! are the states at the nodes and the controls between them, the constraints `x_(k+1) = Phi(x_k, u_k, h)`.
+//! `Step::contract` with the multipliers of these constraints as costates gives the exact Hessian of the
+//! Lagrangian. The solver uses only `Step` and `Cost`.
 //!
 //!     cargo run --release -p costate-examples --example shooting             # iterations, summary, verdict
 //!     cargo run --release -p costate-examples --example shooting -- --write  # and writes them into docs/shooting.md
@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The document with another text between the markers of this name.
+/// Replaces the text between the markers of this name.
 fn replaced(document: &str, name: &str, table: &str) -> Result<String, String> {
     let [begin, end] = ["begin", "end"].map(|edge| format!("<!-- {name}: {edge} -->"));
     let parts = document.split_once(&begin).and_then(|(head, rest)| Some((head, rest.split_once(&end)?.1)));

@@ -1,7 +1,7 @@
-//! How far to go along a step: an exact penalty of the barrier problem has to fall.
+//! Line search on an exact penalty of the barrier problem.
 //!
-//! The penalty is `cost + barrier + weight |defects|_1`. Where the full step does not lower it because the
-//! defects curve, a second-order correction is tried before the step is shortened.
+//! The penalty is `cost + barrier + weight |defects|_1`. If the full step does not reduce it because of the
+//! curvature of the defects, a second-order correction is tried before the step is shortened.
 
 use crate::barrier::Nodes;
 use crate::convexify::Convex;
@@ -12,14 +12,14 @@ use costate::dynamics::Cost;
 use costate::step::Step;
 use nalgebra::DVector;
 
-/// Share of the predicted fall that has to come true.
+/// Required fraction of the predicted decrease.
 const FALL: f64 = 1e-4;
-/// Corrections at most; each has to leave at most this much of the defects of the one before.
+/// Maximum number of corrections, and the factor by which each must reduce the defects.
 const CORRECTIONS: usize = 4;
 const SHRINK: f64 = 0.9;
-/// Rounds of refinement of each linear-quadratic solution.
+/// Number of refinements of each linear-quadratic solution.
 const ROUNDS: usize = 2;
-/// Shortest part of a step.
+/// Smallest step length.
 const SHORTEST: f64 = 1e-8;
 
 /// The weight of the defects.
@@ -31,12 +31,12 @@ pub struct Merit {
 /// A step that was accepted.
 pub struct Move {
     pub nodes: Nodes,
-    /// The step as Newton's method proposed it, or corrected.
+    /// The Newton step, possibly corrected.
     pub full: Nodes,
-    /// The costates that belong to the end of the full step.
+    /// The costates at the end of the full step.
     pub costates: Nodes,
     pub part: f64,
-    /// Shortened for the penalty's sake, not only for that of the bounds.
+    /// Whether the penalty shortened it, not only the bounds.
     pub shortened: bool,
     pub second_order: bool,
 }
@@ -50,12 +50,12 @@ fn moved(nodes: &[DVector<f64>], step: &[DVector<f64>], part: f64) -> Nodes {
 }
 
 impl Merit {
-    /// The next weight owes nothing to those before.
+    /// Resets the weight.
     pub fn forget(&mut self) {
         self.weight = 0.0;
     }
 
-    /// The step of the linear-quadratic problem, as far as the penalty falls.
+    /// The step of the linear-quadratic problem after the line search.
     pub fn search<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
         &mut self,
         problem: &mut Problem<M, L, F>,
@@ -91,7 +91,7 @@ impl Merit {
             (if total.is_finite() { total } else { f64::INFINITY }, values)
         };
         let here = model.values.cost + at.barrier.value(&at.nodes, mu) + weight * violation;
-        // What rounding alone may do to the penalty.
+        // The possible rounding error of the penalty.
         let noise = 10.0 * f64::EPSILON * (here.abs() + weight.max(1.0));
         let tau = (1.0 - mu).max(0.99);
         let longest = at.barrier.longest(&at.nodes, &step.nodes, tau);

@@ -7,7 +7,7 @@ use costate::lagrangian::LagrangianSecondOrder as Rates;
 use costate::robot::{Robot, RobotError};
 use costate::step::RungeKutta4;
 
-/// A robot's motion: data, before it is a problem in one or the other coordinates.
+/// The data of a motion, independent of the coordinates.
 #[derive(Clone)]
 pub struct Motion {
     pub robot: Robot,
@@ -17,7 +17,7 @@ pub struct Motion {
     pub intervals: usize,
     /// Largest actuation.
     pub effort: Vec<f64>,
-    /// Actuation that costs as much in one joint as in the other.
+    /// Actuation units: the cost of one unit is the same in all joints.
     pub unit: Vec<f64>,
     /// Smallest and largest joint angles, and largest rates.
     pub angles: Bounds,
@@ -44,7 +44,8 @@ impl Motion {
         })
     }
 
-    /// The UR5 lifts its arm and turns it by 1.8 rad about the base within 1 s, with at most a third of its rated torques.
+    /// The UR5 lifts its arm and turns it by 1.8 rad about the base within 1 s, with at most a third of its
+    /// rated torques.
     pub fn ur5() -> Result<Self, RobotError> {
         Ok(Self {
             robot: Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/ur5.urdf"))?,
@@ -62,7 +63,7 @@ impl Motion {
         })
     }
 
-    /// The same robot, within the same bounds, between other places: `reach` is the largest change of an angle.
+    /// The same robot and bounds with other end points: `reach` is the largest change of an angle.
     pub fn elsewhere(&self, random: &mut fastrand::Rng, reach: f64) -> Self {
         let mut other = self.clone();
         for i in 0..other.from.len() {

@@ -4,7 +4,7 @@ use costate::dynamics::Cost;
 use costate::step::Step;
 use nalgebra::DVector;
 
-/// Bounds on the components of a vector; infinite where there is none.
+/// Bounds on the components of a vector; infinite if there is none.
 #[derive(Clone, Debug)]
 pub struct Bounds {
     pub lower: Vec<f64>,
@@ -22,7 +22,7 @@ impl Bounds {
         Self { lower: limits.iter().map(|limit| -limit).collect(), upper: limits.to_vec() }
     }
 
-    /// These and, after them, others.
+    /// These bounds followed by others.
     pub fn then(mut self, other: &Self) -> Self {
         self.lower.extend(&other.lower);
         self.upper.extend(&other.upper);
@@ -30,8 +30,8 @@ impl Bounds {
     }
 }
 
-/// Minimise `sum_k h l(x_k, u_k) + l_N(x_N)` subject to `x_(k+1) = Phi(x_k, u_k, h)`, x_0 given, x_N given or free, and
-/// bounds on u_0 .. u_(N-1), x_1 .. x_(N-1) and a free x_N.
+/// Minimise `sum_k h l(x_k, u_k) + l_N(x_N)` subject to `x_(k+1) = Phi(x_k, u_k, h)`, x_0 given, x_N given or
+/// free, and bounds on u_0 .. u_(N-1), x_1 .. x_(N-1) and a free x_N.
 ///
 /// The unknowns are nodes: node k < N holds (x_k, u_k), node N holds x_N.
 pub struct Problem<M, L, F> {
@@ -46,7 +46,7 @@ pub struct Problem<M, L, F> {
     pub control_bounds: Bounds,
 }
 
-/// Why the problem was not even evaluated, as the model or the cost puts it.
+/// The error of the model or the cost.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotEvaluated(pub String);
 
@@ -63,7 +63,7 @@ pub struct Values {
 }
 
 impl Values {
-    /// Refuses what is not finite: a model may not have noticed.
+    /// Rejects values that are not finite.
     pub fn new(cost: f64, defects: Vec<DVector<f64>>) -> Result<Self, NotEvaluated> {
         if !cost.is_finite() {
             return Err(NotEvaluated("the cost is not finite".into()));
@@ -101,7 +101,7 @@ impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
         if k == self.intervals { states } else { states.then(&self.control_bounds) }
     }
 
-    /// The same without bounds.
+    /// The same problem without bounds.
     pub fn without_bounds(mut self) -> Self {
         self.state_bounds = Bounds::none(self.states());
         self.control_bounds = Bounds::none(self.controls());

@@ -1,4 +1,4 @@
-//! What to do when the solver does not arrive: find how near to the end the motion can come at all.
+//! Fallback of the solver: finds how close to the end a motion can come.
 
 use crate::curvature::Curvature;
 use crate::problem::{Bounds, Problem};
@@ -7,14 +7,15 @@ use costate::dynamics::{Cost, QuadraticCost};
 use costate::step::Step;
 use nalgebra::DVector;
 
-/// Weight of the effort, relative to the bounds, beside the squared distance from the end: makes the controls unique.
+/// Weight of the effort, relative to the bounds, added to the squared distance from the end; it makes the
+/// controls unique.
 const EFFORT: f64 = 1e-6;
-/// An end is out of reach if this distance, relative to its largest component or 1, is left.
+/// An end is out of reach if the remaining distance, relative to its largest component or 1, exceeds this.
 const MISSED: f64 = 1e-3;
 
-/// [`solve`]; where that does not arrive at a given end, the end is replaced by the squared distance from it. If the motion
-/// that comes nearest misses the end, the problem is infeasible, as far as a local method can tell; if not, that motion
-/// is where the solver starts once more.
+/// [`solve`]; if that does not reach a given end, the squared distance from the end is minimised. If the
+/// nearest motion misses the end, the problem is locally infeasible; if not, the solver restarts from that
+/// motion.
 pub fn solve_or_explain<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
     problem: &mut Problem<M, L, F>,
     guess: &[DVector<f64>],

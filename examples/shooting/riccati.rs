@@ -1,26 +1,27 @@
 //! The linear-quadratic problem of one Newton step, solved by a Riccati recursion from the end to the start.
 //!
 //! Minimise `sum_k 1/2 d_k'H_k d_k + g_k'd_k` over node steps d_k = (dx_k, du_k), subject to
-//! `dx_(k+1) = J_k d_k + c_k`, dx_0 = 0 and, if the end is given, dx_N = 0. The recursion meets, at each node, the Hessian
-//! in du_k of everything still to come; it is positive definite at every node exactly if the whole Hessian is so on the
-//! solutions of the linear dynamics, and that is what Newton's method has to know of an exact Hessian.
+//! `dx_(k+1) = J_k d_k + c_k`, dx_0 = 0 and, if the end is given, dx_N = 0. At each node the recursion
+//! factorises the Hessian in du_k of the cost to go. It is positive definite at every node if and only if the
+//! whole Hessian is positive definite on the solutions of the linear dynamics: the inertia condition of
+//! Newton's method.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A given end adds `weight/2 |dx_N|^2`, which is zero at the solution, so that curvature is asked for only where the end
-/// stays where it is.
+/// A given end adds `weight/2 |dx_N|^2`, which is zero at the solution, so that only curvature with the end
+/// fixed counts.
 #[derive(Clone, Copy, Debug)]
 pub enum End {
     Free,
     Given { weight: f64 },
 }
 
-/// The matrices of the recursion, made once for any number of right-hand sides.
+/// The matrices of the recursion, factorised once for any number of right-hand sides.
 pub struct Factor {
     nodes: Vec<NodeFactor>,
     /// Hessian of the cost to go at the last node.
     last: DMatrix<f64>,
-    /// How far a costate at the given end moves the end; factorised.
+    /// The sensitivity of the end to its costate; factorised.
     reach: Option<Cholesky<f64, Dyn>>,
 }
 
@@ -76,7 +77,7 @@ pub fn factorise(hessian: &[DMatrix<f64>], jacobian: &[DMatrix<f64>], end: End) 
     nodes.reverse();
     let reach = match end {
         End::Free => None,
-        // Not positive definite: some direction of the end cannot be moved by any control.
+        // Not positive definite: the end is not controllable.
         End::Given { .. } => Some(Cholesky::new(reach).ok_or(NotConvex { node: intervals })?),
     };
     Ok(Factor { nodes, last, reach })
@@ -147,7 +148,8 @@ impl Factor {
         self.nodes.get(k + 1).map_or(&self.last, |node| &node.to_go)
     }
 
-    /// `solve`, then its residual solved for again: the barrier spreads the entries of H over many orders.
+    /// `solve` with iterative refinement: with the barrier, the entries of H differ by many orders of
+    /// magnitude.
     pub fn solve_refined(
         &self,
         hessian: &[DMatrix<f64>],
@@ -186,7 +188,8 @@ mod tests {
     const CONTROLS: usize = 2;
     const NODE: usize = STATES + CONTROLS;
 
-    /// A symmetric Hessian with curvature `controls` in du and any sign in dx, and Jacobians without structure.
+    /// A symmetric Hessian with curvature `controls` in du and any sign in dx, and Jacobians without
+    /// structure.
     fn random(seed: u64, controls: f64) -> (Vec<DMatrix<f64>>, Vec<DMatrix<f64>>) {
         let mut random = fastrand::Rng::with_seed(seed);
         let mut entries = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| random.f64() - 0.5);

@@ -1,7 +1,7 @@
 //! A primal-dual interior-point method on the nodes: Newton's method on the conditions of a barrier problem.
 //!
 //! The weight mu of the barrier goes to zero superlinearly; each step is that of a linear-quadratic problem
-//! ([`crate::riccati`]), made as convex as necessary ([`crate::convexify`]) and shortened by [`crate::merit`].
+//! ([`crate::riccati`]), convexified by [`crate::convexify`] and shortened by [`crate::merit`].
 
 use crate::barrier::{Barrier, Nodes};
 use crate::bfgs::Blocks;
@@ -13,17 +13,17 @@ use costate::dynamics::Cost;
 use costate::step::Step;
 use nalgebra::DVector;
 
-/// Damping at the start, where it is asked for.
+/// Initial damping, if requested.
 const DAMPING: f64 = 1e-3;
 
-/// What may be chosen.
+/// Options of the solver.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     pub curvature: Curvature,
-    /// Of the conditions of optimality, each component.
+    /// Tolerance of each component of the optimality conditions.
     pub tolerance: f64,
     pub iterations: usize,
-    /// Weight of the barrier at the start, and where it stops to fall.
+    /// Initial and final weight of the barrier.
     pub barrier: f64,
     pub least_barrier: f64,
 }
@@ -34,16 +34,17 @@ impl Options {
     }
 }
 
-/// How it ended.
+/// Status of the solver.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
-    /// The conditions of optimality hold to the tolerance.
+    /// The optimality conditions hold to the tolerance.
     Solved,
-    /// The end is out of reach: no admissible motion nearby comes nearer to it than this, in its largest component.
+    /// The end is out of reach: no admissible motion nearby comes nearer to it than this, in its largest
+    /// component.
     Infeasible { distance: f64 },
     /// No step makes progress.
     Stalled,
-    /// The iterations are used up.
+    /// The iteration limit was reached.
     IterationLimit,
     /// The start could not be evaluated.
     NotEvaluated(NotEvaluated),
@@ -55,13 +56,14 @@ pub struct Row {
     pub cost: f64,
     pub violation: f64,
     pub dual: f64,
-    /// The largest product of a multiplier and the distance to its bound, and the largest difference of one from mu.
+    /// The largest product of a multiplier and the distance to its bound, and the largest difference of one
+    /// from mu.
     pub complementarity: f64,
     pub centrality: f64,
     pub mu: f64,
     /// Largest component of the full step; 0 in the last row.
     pub step: f64,
-    /// Part of it that was made; 0 in the last row.
+    /// Step length; 0 in the last row.
     pub part: f64,
     /// Share of the positive parts in the Hessian.
     pub convexified: f64,
@@ -74,7 +76,7 @@ impl Row {
         self.violation.max(self.dual).max(self.complementarity)
     }
 
-    /// The same for the barrier problem of the row's mu: what Newton's method makes small.
+    /// The same for the barrier problem of the row's mu: the residual of Newton's method.
     pub fn barrier_error(&self) -> f64 {
         self.violation.max(self.dual).max(self.centrality)
     }
@@ -89,7 +91,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// Steps made.
+    /// Number of steps.
     pub fn iterations(&self) -> usize {
         self.log.len().saturating_sub(1)
     }
@@ -190,7 +192,7 @@ fn iterate<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
             blocks.for_each(|block| (0..problem.states()).for_each(|i| block[(i, i)] += damping));
         }
         let Some((convex, step)) = advance(problem, at, &model, &mut merit, mu, share) else {
-            // What was learnt may be the reason: once more without it.
+            // The BFGS updates may be the reason: retry without them.
             if learnt.take().is_some_and(|blocks| blocks.updates > 0) {
                 continue;
             }
@@ -217,7 +219,7 @@ fn iterate<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
     Ok(Status::IterationLimit)
 }
 
-/// The next nodes: with the Hessian as it is where that goes, with its positive part where it does not.
+/// The next nodes: with the Hessian itself if possible, else with its positive part.
 fn advance<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
     problem: &mut Problem<M, L, F>,
     at: &Solution,

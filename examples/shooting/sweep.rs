@@ -1,4 +1,4 @@
-//! Many motions between random places: how often each kind of Hessian arrives, and at what price.
+//! Many random motions: success rate and cost of each kind of Hessian.
 
 use crate::curvature::Curvature;
 use crate::motions::{Motion, RobotProblem};
@@ -10,7 +10,7 @@ use std::time::Instant;
 
 const MOTIONS: usize = 20;
 const ITERATIONS: usize = 150;
-/// An error that is small enough for many purposes.
+/// An error that suffices for many purposes.
 const NEAR: f64 = 1e-4;
 
 /// Iterations (if it was solved), cost and seconds of one motion.

@@ -29,7 +29,7 @@ pub fn iterations(log: &[Row]) -> String {
     text
 }
 
-/// What the last step with an unchanged mu left of the error of its barrier problem.
+/// The error reduction of the last step with constant mu.
 pub fn last_ratio(log: &[Row]) -> Option<f64> {
     let pairs = log.windows(2).rev();
     let mut ratios = pairs.filter(|pair| pair[0].mu == pair[1].mu);

@@ -1,4 +1,5 @@
-//! The solver judged from outside: optimality by dual numbers, defects by an integrator of its own, its log by theory.
+//! Independent checks of the solver: optimality by dual numbers, defects by a separate integrator, the log by
+//! theory.
 
 use crate::curvature::Curvature;
 use crate::motions::{Motion, RobotProblem};
@@ -47,7 +48,8 @@ fn the_conditions_of_optimality_hold_by_independent_means() {
     let solution = solved(&mut problem, &Options::new(Curvature::Exact));
     let n = problem.states();
 
-    // Stationarity: every derivative of the Lagrangian by a dual number, beside the multipliers of the bounds.
+    // Stationarity: every derivative of the Lagrangian by a dual number, compared with the multipliers of the
+    // bounds.
     let mut nodes: Vec<Vec<Dual64>> =
         solution.nodes.iter().map(|node| node.iter().map(|&z| Dual64::from_f64(z)).collect()).collect();
     for k in 0..problem.intervals {
@@ -75,7 +77,7 @@ fn the_conditions_of_optimality_hold_by_independent_means() {
     }
     assert!(active[0] > 3 && active[1] > 3, "active bounds on states and controls: {active:?}");
 
-    // Defects: the classical scheme written out, from the start to the end in one go.
+    // Defects: the classical scheme, written out, from start to end.
     let mut model = LagrangianSecondOrder::<f64>::new(&motion.robot);
     let mut x = problem.start.clone();
     for node in &solution.nodes[..problem.intervals] {

@@ -1,7 +1,8 @@
 //! The few AVX and FMA instructions that compiled programs are made of, as bytes.
 //!
-//! All of them have the form `VEX prefix, opcode, ModRM, displacement`: a target register, a first source register and a
-//! last operand, register or memory (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, section 2.3).
+//! All of them have the form `VEX prefix, opcode, ModRM, displacement`: a target register, a first source
+//! register and a last operand, register or memory (Intel 64 and IA-32 Architectures Software Developer's
+//! Manual, volume 2, section 2.3).
 
 use crate::place::{Base, Place, SLOTS, STRIDE};
 
@@ -15,12 +16,12 @@ pub(crate) enum Operand {
     Memory(Place),
 }
 
-/// What a register holds.
+/// The content of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
     /// One double.
     One,
-    /// Four doubles, with which everything is done alike.
+    /// Four doubles with the same operations.
     Four,
 }
 
@@ -34,7 +35,8 @@ pub(crate) enum Arithmetic {
     Div = 0x5E,
 }
 
-/// What a fused operation does with product and addend; the value is the opcode of its form 132 for four doubles.
+/// The signs of product and addend of a fused operation; the value is the opcode of its form 132 for four
+/// doubles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Fused {
@@ -46,7 +48,7 @@ pub(crate) enum Fused {
     NegMulAdd = 0x9C,
 }
 
-/// Which sources the three digits of a fused operation multiply: the target is 1, then come source and operand.
+/// The order of the operands of a fused operation: target is 1, source 2, operand 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Form {
@@ -68,7 +70,7 @@ enum Map {
 const PREFIX_66: u8 = 1;
 const PREFIX_F2: u8 = 3;
 
-/// Machine code as it grows.
+/// Machine code while it is written.
 #[derive(Debug)]
 pub(crate) struct Assembler {
     code: Vec<u8>,
@@ -89,7 +91,7 @@ impl Assembler {
         }
     }
 
-    /// The prefix that tells one double from packed ones.
+    /// The prefix for one double or packed ones.
     fn prefix(&self) -> u8 {
         match self.width {
             Width::One => PREFIX_F2,
@@ -97,7 +99,7 @@ impl Assembler {
         }
     }
 
-    /// Number of bytes so far: where the next instruction will stand.
+    /// Number of bytes so far: the position of the next instruction.
     pub fn position(&self) -> usize {
         self.code.len()
     }
@@ -124,7 +126,7 @@ impl Assembler {
         self.vex(Map::Of0F38, PREFIX_66, true, opcode, target, source, operand);
     }
 
-    /// `target = -source`; the operand is where numbers stand of which only the sign bits are set.
+    /// `target = -source`; the operand holds numbers with only the sign bits set.
     pub fn negate(&mut self, target: Register, source: Register, signs: Operand) {
         self.vex(Map::Of0F, PREFIX_66, false, 0x57, target, source, signs);
     }
@@ -157,7 +159,7 @@ impl Assembler {
         self.vex(Map::Of0F, PREFIX_66, false, 0x28, target, 0, Operand::Register(source));
     }
 
-    /// The further addresses of slots; at the beginning of each stretch of code.
+    /// Computes the further addresses of slots, at the begin of each stretch of code.
     pub fn begin(&mut self) {
         for (group, &target) in SLOTS.iter().enumerate().skip(1) {
             self.address(target, SLOTS[0], (group * STRIDE) as i32);
@@ -171,7 +173,8 @@ impl Assembler {
         self.code.extend(displacement.to_le_bytes());
     }
 
-    /// Back to the caller, the upper halves of registers cleared for code that uses the lower ones alone.
+    /// Returns to the caller, with the upper halves of registers cleared for code that uses the lower ones
+    /// only.
     pub fn back(&mut self) {
         if self.width == Width::Four {
             self.code.extend([0xC5, 0xF8, 0x77]);
@@ -188,7 +191,7 @@ impl Assembler {
             }
         };
         let long = u8::from(self.width == Width::Four) << 2;
-        // The high bits of register numbers stand inverted in the prefix.
+        // The prefix holds the high bits of register numbers inverted.
         let high = |register: u8| (register >> 3 & 1) ^ 1;
         let tail = (source & 15 ^ 15) << 3 | long | prefix;
         if matches!(map, Map::Of0F) && !wide && high(last_number) == 1 {

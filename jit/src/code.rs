@@ -1,17 +1,18 @@
-//! Memory that is executed, and calls into it.
+//! Executable memory, and calls into it.
 
 use crate::error::JitError;
 use crate::number::Number;
 use memmap2::{Mmap, MmapMut};
 use std::mem::MaybeUninit;
 
-/// Machine code in memory of its own, which is given back on drop.
+/// Machine code in its own memory, which is freed on drop.
 #[derive(Debug)]
 pub(crate) struct Code {
     memory: Mmap,
 }
 
-/// What machine code is called with, each moved by [`BIAS`](crate::place::BIAS): inputs, outputs, constants, slots.
+/// Machine code as a function of inputs, outputs, constants and slots, each address offset by
+/// [`BIAS`](crate::place::BIAS).
 #[cfg(target_arch = "x86_64")]
 type Entry = unsafe extern "sysv64" fn(*const u8, *mut u8, *const u8, *mut u8);
 
@@ -28,7 +29,7 @@ impl Code {
         Err(JitError::Processor { architecture: std::env::consts::ARCH })
     }
 
-    /// Copies machine code into memory that can be executed and not written.
+    /// Copies machine code into memory that is executable and not writable.
     ///
     /// # Errors
     /// [`JitError::Memory`].
@@ -46,9 +47,9 @@ impl Code {
     /// Runs the code that begins at `entry`.
     ///
     /// # Safety
-    /// `entry` is where a stretch of code begins that was made for numbers of this type and for inputs, outputs, constants
-    /// and slots of these lengths: it reads and writes nothing else, reads of the slots only what was written, and ends by
-    /// a return. The processor is [`supported`](Self::supported).
+    /// `entry` is where a stretch of code begins that was made for numbers of this type and for inputs,
+    /// outputs, constants and slots of these lengths: it reads and writes nothing else, reads of the slots
+    /// only what was written, and ends by a return. The processor is [`supported`](Self::supported).
     #[cfg(target_arch = "x86_64")]
     pub unsafe fn run<T: Number>(
         &self,
@@ -59,13 +60,14 @@ impl Code {
         slots: &mut [MaybeUninit<T::Stored>],
     ) {
         let address = self.memory[entry..].as_ptr();
-        // SAFETY: the memory holds a function of this type at `entry` (contract of this function) and cannot be written
-        // any more; it lives as long as `self`.
+        // SAFETY: the memory holds a function of this type at `entry` (contract of this function) and cannot
+        // be written any more; it lives as long as `self`.
         let function = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
         const BIAS: usize = crate::place::BIAS;
-        // SAFETY: the code stays within the four slices (contract of this function), which are borrowed for as long as it
-        // runs. The addresses are moved by wrapping arithmetic, since alone they may point outside, and the code's
-        // displacements move them back. It uses registers that the convention lets it change, and no stack.
+        // SAFETY: the code stays within the four slices (contract of this function), which are borrowed for
+        // as long as it runs. The addresses are moved by wrapping arithmetic, since alone they may point
+        // outside, and the code's displacements move them back. It uses registers that the convention lets it
+        // change, and no stack.
         unsafe {
             function(
                 inputs.as_ptr().cast::<u8>().wrapping_add(BIAS),

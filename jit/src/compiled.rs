@@ -6,18 +6,18 @@ use crate::number::Number;
 use crate::place::Place;
 use crate::plan::Function;
 use crate::translate::{Call, Stage, Translation, translate};
-use costate::EvalError;
 use costate::codegen::Program;
+use costate::{EvalError, LengthError};
 use std::mem::MaybeUninit;
 
-/// Most steps of a program that is compiled for one state where nothing else is said: straight code is read once a call, and
-/// longer than this more slowly than the loops of the generic code run, see docs/jit.md.
+/// Default limit of steps for one state: longer straight-line code is slower than the loops of the generic
+/// code, see docs/jit.md.
 pub const DEFAULT_LIMIT: usize = 25_000;
 
-/// The same for four states at once, which do four times as much with what is read.
+/// Default limit of steps for four states at once, which do four times the work with the code that is read.
 pub const LANES_LIMIT: usize = 100_000;
 
-/// Most numbers that one call may keep in memory of its own, which is on the stack.
+/// Most numbers that one call may keep in memory; they are on the stack.
 const MOST_SLOTS: usize = 1 << 13;
 
 /// A program as machine code of this processor: for numbers, or for the numbers of four states at once.
@@ -47,7 +47,7 @@ pub struct Compiled<T: Number = f64> {
     slots: usize,
     inputs: usize,
     outputs: usize,
-    /// Whether slot 0 holds the last result of the program, which is no output.
+    /// Whether the last result of the program is in slot 0 and not an output.
     guarded: bool,
 }
 
@@ -62,8 +62,8 @@ impl Compiled {
 }
 
 impl Compiled<[f64; 4]> {
-    /// Compiles a program of at most [`LANES_LIMIT`] steps for four states at once: argument k of all four stands in
-    /// entry k of the inputs, and so do results.
+    /// Compiles a program of at most [`LANES_LIMIT`] steps for four states at once: entry k of the inputs
+    /// holds argument k of all four, entry k of the outputs result k.
     ///
     /// ```
     /// use costate::codegen::Program;
@@ -97,7 +97,7 @@ impl<T: Number> Compiled<T> {
         Self::compile(program, limit, false)
     }
 
-    /// The same for a program whose last result, one number, is kept from the outputs where it is `guarded`: see
+    /// The same for a program whose last result, one number, is not an output if `guarded`: see
     /// [`call_guarded`](Self::call_guarded).
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl<T: Number> Compiled<T> {
         }
         let Translation { code, stages, constants, slots } = translate(program, T::WIDTH, guarded)?;
         if slots > MOST_SLOTS {
-            let what = "values that wait at once";
+            let what = "values that are alive at once";
             return Err(JitError::TooWide { what, found: slots, limit: MOST_SLOTS });
         }
         let constants = constants.into_iter().map(|constant| T::splat(constant).store()).collect();
@@ -140,7 +140,8 @@ impl<T: Number> Compiled<T> {
 
     /// Runs the program: all arguments one after the other in, all results likewise out, each row by row.
     ///
-    /// Nothing is allocated and no value is checked: what is not a number passes through. Several threads may call at once.
+    /// Nothing is allocated and no value is checked: NaN and infinities pass through. Several threads may
+    /// call at once.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]; the outputs are untouched then.
@@ -148,16 +149,14 @@ impl<T: Number> Compiled<T> {
         self.call_guarded(inputs, outputs).map(|_| ())
     }
 
-    /// As [`call`](Self::call); returns the result that is no output, 0 where there is none.
+    /// As [`call`](Self::call); returns the guard, 0 where there is none.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`].
     pub(crate) fn call_guarded(&self, inputs: &[T], outputs: &mut [T]) -> Result<T, EvalError> {
         let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
         for (what, expected, found) in lengths {
-            if expected != found {
-                return Err(EvalError::WrongLength { what, expected, found });
-            }
+            LengthError::check(what, expected, found)?;
         }
         Ok(match self.slots {
             0..=512 => self.run::<512>(inputs, outputs),
@@ -172,9 +171,10 @@ impl<T: Number> Compiled<T> {
         let mut slots = [MaybeUninit::uninit(); SLOTS];
         for stage in &self.stages {
             if let Some(entry) = stage.entry {
-                // SAFETY: the code at `entry` was made for slices of just these lengths (`call` compares those of inputs
-                // and outputs, the constants are its own, `SLOTS` is not below what it needs) and reads of the slots only
-                // what it or a function stored; `with_limit` made sure of the processor.
+                // SAFETY: the code at `entry` was made for slices of just these lengths (`call` compares
+                // those of inputs and outputs, the constants are its own, `SLOTS` is not below what it needs)
+                // and reads of the slots only what it or a function stored; `with_limit` made sure of the
+                // processor.
                 unsafe { self.code.run(entry, inputs, outputs, &self.constants, &mut slots) };
             }
             let (angles, others) = stage.calls.split_at(stage.angles);

@@ -6,13 +6,13 @@ use crate::place::Place;
 use crate::registers::{NEVER, Registers};
 use costate::codegen::{Id, Node};
 
-/// What a change of sign needs, the sign bits alone: entries 0 and 1 of the constants, since 16 bytes are read at least.
+/// The sign bits for negations: entries 0 and 1 of the constants, because at least 16 bytes are read.
 pub(crate) const SIGNS: [f64; 2] = [-0.0, -0.0];
 
-/// Writes the instructions of one step; the register that then holds its value.
+/// Writes the instructions of one step and returns the register that holds its value.
 ///
 /// # Errors
-/// [`JitError::Malformed`] where a value that it uses is nowhere.
+/// [`JitError::Malformed`] where an operand is neither in a register nor in memory.
 pub(crate) fn step(registers: &mut Registers, k: usize, node: &Node) -> Result<Register, JitError> {
     use Arithmetic::{Add, Div, Mul, Sub};
     registers.keep(&node.operands().map(Id::index).collect::<Vec<_>>())?;
@@ -45,7 +45,7 @@ pub(crate) fn step(registers: &mut Registers, k: usize, node: &Node) -> Result<R
             Ok(target)
         }
         Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) | Node::Exp(_) | Node::ExpM1(_) => {
-            // These stand in memory before any step: the plan has no such steps.
+            // These are in memory before any step: the plan has no such steps.
             Err(JitError::Malformed { node: k })
         }
     }
@@ -96,7 +96,8 @@ fn either_way(registers: &mut Registers, op: Arithmetic, a: usize, b: usize) -> 
 
 /// `a b + c` and its like, which overwrite one of their sources.
 ///
-/// It is one that is not used again or a copy; what is in memory is loaded as the copy or stays there as last operand.
+/// The overwritten source is one without further use, or a copy; a value in memory is loaded as the copy or
+/// is the last operand.
 fn fused(registers: &mut Registers, op: Fused, [a, b, c]: [usize; 3]) -> Result<Register, JitError> {
     let roles = [a, b, c];
     let mut locked = registers.lock(&roles);

@@ -1,18 +1,17 @@
-//! A quantity of a robot at the speed of machine code, or by the generic code where there is none.
+//! A quantity of a robot by machine code, or by the generic code where there is none.
 
 use crate::code::Code;
 use crate::compiled::{Compiled, DEFAULT_LIMIT};
 use crate::error::JitError;
-use crate::generic::{Generic, Shape};
 use costate::EvalError;
-use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
+use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, RobotQuantity, Shape, guarded_program};
 use costate::robot::Robot;
 use std::fmt;
 
-/// One quantity of one robot: recorded, compiled, and checked as the generic code is.
+/// One quantity of one robot: recorded, compiled, and checked like the generic code.
 ///
-/// Arguments and results are those of [`robot_program`](costate::codegen::robot_program), each slice all of them one after the
-/// other, matrices row by row.
+/// Arguments and results are those of [`robot_program`](costate::codegen::robot_program), each slice all of
+/// them one after the other, matrices row by row.
 ///
 /// ```
 /// use costate::codegen::{Coordinates, Quantity};
@@ -21,7 +20,7 @@ use std::fmt;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let mut f_x = Evaluator::new(&robot, Quantity::FX, Coordinates::Hamiltonian)?;
-/// println!("{}", f_x.status()); // how it is computed, and why not otherwise
+/// println!("{}", f_x.status()); // machine code or generic code, and why
 /// let mut results = vec![0.0; f_x.outputs()];
 /// f_x.evaluate(&[0.3, -0.8, 1.0, 0.5, 0.0, 0.0], &mut results)?; // q, p, u
 /// let (f, f_x) = results.split_at(4);
@@ -29,22 +28,16 @@ use std::fmt;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Evaluator {
-    inputs: usize,
-    outputs: usize,
     compiled: Result<Machine, JitError>,
-    generic: Generic,
+    generic: RobotQuantity<f64>,
 }
 
-/// Machine code and what it was made of.
+/// Machine code and the length of its program.
 #[derive(Debug)]
 struct Machine {
     steps: usize,
     code: Compiled,
 }
-
-/// Operations that an [`Evaluator`] records at the most, for each step of its limit: a recording has up to about twice as many
-/// as its program has steps, more only for energies.
-pub const OPERATIONS_PER_STEP: usize = 4;
 
 /// How an [`Evaluator`] computes.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +52,7 @@ pub enum Status<'a> {
     },
     /// The generic code.
     Generic {
-        /// Why there is no machine code.
+        /// The reason why there is no machine code.
         reason: &'a JitError,
     },
 }
@@ -76,32 +69,30 @@ impl fmt::Display for Status<'_> {
 impl Evaluator {
     /// Records and compiles a quantity; see [`Quantity`] for arguments and results.
     ///
-    /// That it could not be compiled is no error: see [`status`](Self::status).
+    /// A quantity that cannot be compiled is no error: [`status`](Self::status) has the reason.
     ///
     /// # Errors
-    /// [`CodegenError::Quantity`] where there is no such quantity in these coordinates.
+    /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
     pub fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
         Self::with_limit(robot, quantity, coordinates, DEFAULT_LIMIT)
     }
 
-    /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 for the generic code.
+    /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 selects the generic
+    /// code.
     ///
-    /// A program that is much too long is not recorded to its end: time and memory are those of the limit, whatever the robot.
+    /// A program that is much too long is not recorded to its end: memory is bounded by the limit for every
+    /// robot.
     ///
     /// # Errors
-    /// [`CodegenError::Quantity`].
+    /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
     pub fn with_limit(
         robot: &Robot,
         quantity: Quantity,
         coordinates: Coordinates,
         limit: usize,
     ) -> Result<Self, CodegenError> {
-        let generic = Generic::new(robot, quantity, coordinates);
-        let generic = generic.ok_or_else(|| quantity.undefined(coordinates))?;
-        let entries = |shapes: &[Shape]| shapes.iter().map(Shape::entries).sum();
-        let (inputs, outputs) = (entries(generic.arguments()), entries(generic.results()));
-        let compiled = Machine::new(robot, quantity, coordinates, limit)?;
-        Ok(Self { inputs, outputs, compiled, generic })
+        let generic = RobotQuantity::new(robot, quantity, coordinates)?;
+        Ok(Self { compiled: Machine::new(robot, quantity, coordinates, limit)?, generic })
     }
 
     /// How it computes.
@@ -124,32 +115,27 @@ impl Evaluator {
 
     /// Number of entries of all arguments.
     pub fn inputs(&self) -> usize {
-        self.inputs
+        self.generic.inputs()
     }
 
     /// Number of entries of all results.
     pub fn outputs(&self) -> usize {
-        self.outputs
+        self.generic.outputs()
     }
 
     /// Evaluates the quantity; nothing is allocated.
     ///
-    /// Machine code also gives what the pivots of the mass matrix have lost ([`guarded_program`](costate::codegen::guarded_program)). Where that may be too much,
-    /// and where an argument or a result is not finite, the generic code computes once more: the result is its own, and so is
-    /// the error. Outputs may have been written before an error is found.
+    /// Machine code also computes the guard of [`guarded_program`](costate::codegen::guarded_program). Where
+    /// the guard does not exclude a singular mass matrix, and where an argument or a result is not finite,
+    /// the generic code computes the quantity again: result and error are then its own. Outputs may be
+    /// written before an error is found.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`].
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
-        let lengths = [("inputs", self.inputs, inputs.len()), ("outputs", self.outputs, outputs.len())];
-        for (what, expected, found) in lengths {
-            if expected != found {
-                return Err(EvalError::WrongLength { what, expected, found });
-            }
-        }
         if let Ok(Machine { code, .. }) = &self.compiled {
-            let lost = code.call_guarded(inputs, outputs)?;
-            if lost < REGULAR && all_finite(inputs) && all_finite(outputs) {
+            let guard = code.call_guarded(inputs, outputs)?;
+            if guard < REGULAR && all_finite(inputs) && all_finite(outputs) {
                 return Ok(());
             }
         }
@@ -158,7 +144,7 @@ impl Evaluator {
 }
 
 impl Machine {
-    /// Machine code of at most `limit` steps, or why there is none.
+    /// Machine code of at most `limit` steps, or the reason why there is none.
     fn new(
         robot: &Robot,
         quantity: Quantity,
@@ -171,12 +157,9 @@ impl Machine {
         if let Err(reason) = Code::supported() {
             return Ok(Err(reason));
         }
-        let most = limit.saturating_mul(OPERATIONS_PER_STEP);
-        let program = match guarded_program(robot, quantity, coordinates, most) {
-            Err(CodegenError::LongRecording { limit: operations }) => {
-                return Ok(Err(JitError::GivenUp { operations, limit }));
-            }
-            program => program?,
+        let program = match guarded_program(robot, quantity, coordinates, limit) {
+            Ok(program) => program,
+            Err(error) => return JitError::of_length(error).map(Err),
         };
         let code = Compiled::compile(&program, limit, quantity.inverts(coordinates));
         Ok(code.map(|code| Self { steps: program.steps(), code }))
@@ -191,7 +174,7 @@ impl fmt::Debug for Evaluator {
     }
 }
 
-/// Whether every number is finite: `0 x` is 0 for those and not a number for the others.
+/// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
 fn all_finite(values: &[f64]) -> bool {
     let mut sums = [0.0; 8];
     let (chunks, rest) = values.as_chunks::<8>();

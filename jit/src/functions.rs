@@ -5,14 +5,15 @@
 //! sin r = r + r^3 (-1/3! + r^2/5! - ...)      cos r = 1 + r^2 (-1/2! + r^2/4! - ...)
 //! ```
 //!
-//! Both series end where their remainder is below a tenth of the rounding. pi/2 is taken in three parts; with fused
-//! operations the first difference is exact. What lies beyond [`LIMIT`], and what is no number, goes to the standard library.
+//! Both series end where their remainder is below a tenth of the rounding error. pi/2 is taken in three
+//! parts; with fused operations the first difference is exact. Angles beyond [`LIMIT`], and NaN, are left to
+//! the standard library.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// Largest angle (rad) that is reduced here.
 const LIMIT: f64 = 1e5;
-/// pi/2 - FRAC_PI_2, and what is left of pi/2 after both.
+/// pi/2 - FRAC_PI_2, and the rest of pi/2 after both.
 const LOW: f64 = 6.123233995736766e-17;
 const LOWEST: f64 = -1.4973849048591698e-33;
 /// 1.5 2^52: a number of moderate size that is added to it is rounded to an integer, in the lowest bits.
@@ -35,7 +36,7 @@ const COSINE: [f64; 8] = series(0);
 
 /// Sines and cosines of four angles.
 ///
-/// The angles come one by one, in registers: four stores and one load of all would have to wait for each other.
+/// The angles are passed one by one, in registers: four stores followed by one load of all would stall.
 ///
 /// # Safety
 /// The processor has AVX2 and FMA.
@@ -107,7 +108,7 @@ mod tests {
     fn worst(angles: impl Iterator<Item = f64>) -> f64 {
         assert!(Code::supported().is_ok());
         let error = |x: f64| {
-            // SAFETY: the processor was asked.
+            // SAFETY: `Code::supported` checked the processor.
             let (sines, cosines) = unsafe { sin_cos(x, 0.1, x, -0.3) };
             assert_eq!((sines[0], cosines[0]), (sines[2], cosines[2]), "lanes differ at {x}");
             let (sin, cos) = x.sin_cos();
@@ -140,7 +141,7 @@ mod tests {
         }
         for x in [0.0, -0.0, PI, 1e5, 100_000.1, -1e22, f64::MAX, f64::MIN_POSITIVE, f64::NAN, f64::INFINITY]
         {
-            // SAFETY: the processor was asked.
+            // SAFETY: `Code::supported` checked the processor.
             let (sines, cosines) = unsafe { sin_cos(0.5, x, -0.5, x) };
             let (sin, cos) = x.sin_cos();
             for lane in [1, 3] {

@@ -1,4 +1,4 @@
-//! What machine code computes with: a double, or four doubles of four states.
+//! The numbers of machine code: one double, or four doubles of four states.
 
 use crate::assembler::Width;
 use crate::functions;
@@ -10,11 +10,11 @@ pub trait Number: Lanes {}
 impl Number for f64 {}
 impl Number for [f64; 4] {}
 
-/// What the library knows of a [`Number`]; not for others.
+/// The operations of a [`Number`]; implemented by this crate only.
 pub trait Lanes: Copy + Debug + 'static {
-    /// The same number where memory belongs to the library, so that none lies in two cache lines.
+    /// The same number in memory of the library, aligned so that it never spans two cache lines.
     type Stored: Copy + Debug + Send + Sync;
-    /// How the assembler calls it.
+    /// The operand width of the assembler.
     const WIDTH: Width;
     /// Angles whose sines and cosines are computed together.
     const ANGLES: usize;

@@ -1,17 +1,17 @@
-//! In which order steps are computed: those that the longest chains hang on first, within a window.
+//! The order of computation: list scheduling by the length of dependent chains, within a window.
 
 use costate::codegen::{Id, Node};
 
-/// Steps that are looked at together. Wider windows find more to do at once and need more registers: of 1, 8, 16, 24, 32,
-/// 48, 64 and 128, 16 was fastest on UR5 and Panda.
+/// Steps that are considered together. Wider windows find more parallel work and need more registers: of 1,
+/// 8, 16, 24, 32, 48, 64 and 128, 16 was fastest on UR5 and Panda.
 const WINDOW: usize = 16;
-/// Steps that start in one cycle; the processors of today do two products or sums each.
+/// Steps that start in one cycle: current processors start two products or sums.
 const WIDTH: usize = 2;
 
-/// The longest that a step in machine code takes, in cycles.
+/// Latency of the slowest step of machine code, in cycles.
 const LONGEST: u32 = 20;
 
-/// Cycles until the value of a step can be used, roughly.
+/// Approximate latency of a step, in cycles.
 fn latency(node: &Node) -> u32 {
     match node {
         Node::Constant(_) | Node::Input(_) => 0,
@@ -24,7 +24,7 @@ fn latency(node: &Node) -> u32 {
     }
 }
 
-/// Cycles from the start of each step to the end of the longest chain that hangs on it.
+/// Cycles from the start of each step to the end of the longest chain that depends on it.
 fn heights(nodes: &[Node]) -> Vec<u32> {
     let mut heights = vec![0; nodes.len()];
     for (k, node) in nodes.iter().enumerate().rev() {
@@ -36,11 +36,11 @@ fn heights(nodes: &[Node]) -> Vec<u32> {
     heights
 }
 
-/// Puts the steps of one stage after the other into an order.
+/// Orders the steps of one stage after the other.
 pub(crate) struct Scheduler<'a> {
     nodes: &'a [Node],
     heights: Vec<u32>,
-    /// When the value of each node can be used; what was not started never can.
+    /// The cycle from which the value of each node can be used; never for steps that have not started.
     ready: Vec<u32>,
     cycle: u32,
 }
@@ -51,9 +51,10 @@ impl<'a> Scheduler<'a> {
         Self { nodes, heights: heights(nodes), ready, cycle: 0 }
     }
 
-    /// The same steps, reordered: at every point the highest of those that can start, among the next [`WINDOW`].
+    /// The same steps, reordered: at every point the highest of those that can start, among the next
+    /// [`WINDOW`].
     ///
-    /// Operands must stand before, among these steps or among those of earlier calls of this function.
+    /// Operands must be earlier steps of this list or steps of earlier calls of this function.
     pub fn stage(&mut self, steps: &[usize]) -> Vec<usize> {
         let mut order = Vec::with_capacity(steps.len());
         let mut waiting: Vec<usize> = steps.iter().rev().copied().collect();
@@ -71,7 +72,7 @@ impl<'a> Scheduler<'a> {
         order
     }
 
-    /// Whatever was started has its value.
+    /// The end of a stage: all values that were started are known.
     pub fn finish(&mut self, functions: impl Iterator<Item = usize>) {
         self.cycle += LONGEST;
         functions.for_each(|node| self.ready[node] = self.cycle);

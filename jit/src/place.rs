@@ -1,4 +1,4 @@
-//! Where values stand in memory while a program runs, and how machine code addresses them.
+//! The places of values in memory while a program runs, and their addresses in machine code.
 
 /// A general register that addresses are relative to, by its number in the encoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,21 +10,22 @@ pub(crate) enum Place {
     Input(u32),
     Output(u32),
     Constant(u32),
-    /// Memory that belongs to one call.
+    /// Memory of one call.
     Slot(u32),
 }
 
 /// Most entries of each kind: displacements stay far within 32 bits.
 pub(crate) const MOST: usize = 1 << 24;
 
-/// Machine code gets its four addresses moved by this many bytes, so that one byte of displacement reaches 256 bytes.
+/// The four addresses passed to machine code are offset by this many bytes, so that one byte of displacement
+/// reaches 256 bytes.
 pub(crate) const BIAS: usize = 128;
 
 /// Arguments of the calling convention of System V: inputs, outputs, constants, slots.
 const INPUTS: Base = Base(7);
 const OUTPUTS: Base = Base(6);
 const CONSTANTS: Base = Base(2);
-/// The first address of slots is an argument; each further one lies [`STRIDE`] bytes on.
+/// The first address of slots is an argument; each further one is [`STRIDE`] bytes later.
 pub(crate) const SLOTS: [Base; 6] = [Base(1), Base(8), Base(9), Base(10), Base(11), Base(0)];
 pub(crate) const STRIDE: usize = 256;
 

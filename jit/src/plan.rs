@@ -1,4 +1,4 @@
-//! Which steps are computed by machine code, in which order, and which functions are called in between.
+//! Division of a program into stretches of machine code and the function calls between them.
 
 use crate::error::JitError;
 use crate::order::Scheduler;
@@ -21,7 +21,7 @@ pub(crate) struct PlannedCall {
     pub values: [Option<usize>; 2],
 }
 
-/// A stretch of machine code, and what is called after it.
+/// A stretch of machine code, and the functions that are called after it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlannedStage {
     pub steps: Vec<usize>,
@@ -36,10 +36,11 @@ fn argument(node: &Node) -> Option<usize> {
     }
 }
 
-/// Divides a program: stage k holds what the functions of nesting k need, and what is needed by none comes last.
+/// Divides a program: stage k holds the steps that functions of nesting k need, the last stage those that
+/// none needs.
 ///
-/// Functions of arguments of the program come before any machine code, in a first stage without steps; a robot with
-/// Coulomb friction has a second one, for the exponential functions of its velocities.
+/// Functions of the arguments of the program are called before any machine code, in a first stage without
+/// steps; a robot with Coulomb friction has a second one, for the exponential functions of its velocities.
 ///
 /// # Errors
 /// [`JitError::Malformed`] for a node that is not computed from nodes before it.
@@ -73,7 +74,7 @@ pub(crate) fn plan(nodes: &[Node]) -> Result<Vec<PlannedStage>, JitError> {
     Ok(stages)
 }
 
-/// Every node uses nodes before it; a choice hangs on a comparison, and nothing else does.
+/// Checks that every node uses earlier nodes, and that selections, and only these, use comparisons.
 fn check(nodes: &[Node]) -> Result<(), JitError> {
     let is_comparison = |id: Id| matches!(nodes[id.index()], Node::Less(..));
     let sound = |k: usize, node: &Node| {

@@ -1,7 +1,7 @@
-//! Where the values of a program are while its machine code is written: registers and memory.
+//! The registers and memory that hold the values of a program while its machine code is written.
 //!
-//! The next use of every value is known, so that what leaves a register for another value is always the one that is
-//! used latest (Belady's rule); it is stored only where memory does not hold it yet.
+//! The next use of every value is known. The value that is evicted from a register is always the one that is
+//! used latest (Belady's rule); it is stored only if memory does not hold it yet.
 
 use crate::assembler::{Assembler, Operand, Register, Width};
 use crate::error::JitError;
@@ -10,8 +10,9 @@ use std::collections::BTreeSet;
 
 const REGISTERS: usize = 16;
 
-/// A value that is used again within so many steps is loaded where it is used, and stays: one load in place of several.
-/// Of 0, 4, 16, 64 and 256, the two around it were fastest on UR5 and Panda, and it was no slower than they.
+/// A value that is used again within this many steps is loaded into a register at its first use: one load
+/// instead of several. Of 0, 4, 16, 64 and 256, the two next to it were fastest on UR5 and Panda, and it was
+/// no slower.
 const SOON: u32 = 8;
 
 /// Registers that must keep their values during one step, a bit each.
@@ -31,20 +32,20 @@ impl Locked {
 #[derive(Clone, Debug, Default)]
 struct Value {
     register: Option<Register>,
-    /// Where memory holds it.
+    /// Its place in memory.
     home: Option<Place>,
-    /// When it is used, latest first.
+    /// Times of its uses, latest first.
     uses: Vec<u32>,
 }
 
-/// The state of registers and memory at one point of the code, and the code up to there.
+/// The state of registers and memory at one point of the code, and the code up to that point.
 pub(crate) struct Registers {
     pub assembler: Assembler,
     values: Vec<Value>,
     owners: [Option<usize>; REGISTERS],
     free_slots: BTreeSet<u32>,
     slots: u32,
-    /// That of the last use that was passed.
+    /// Time of the last use that was passed.
     time: u32,
 }
 
@@ -52,7 +53,7 @@ pub(crate) struct Registers {
 pub(crate) const NEVER: u32 = u32::MAX;
 
 impl Registers {
-    /// Nothing is computed yet; `uses[v]` are the times when value v is used, rising.
+    /// The state before the first step; `uses[v]` are the times of the uses of value v, rising.
     pub fn new(width: Width, uses: Vec<Vec<u32>>) -> Self {
         let value = |mut uses: Vec<u32>| {
             uses.reverse();
@@ -88,12 +89,12 @@ impl Registers {
         self.values[value].home = Some(home);
     }
 
-    /// When a value is used next.
+    /// Time of the next use of a value.
     pub fn next_use(&self, value: usize) -> u32 {
         self.values[value].uses.last().copied().unwrap_or(NEVER)
     }
 
-    /// The use at `time` is being made; later ones count from here on.
+    /// Passes the use at `time`: later ones count from here on.
     pub fn pass(&mut self, value: usize, time: u32) {
         self.time = time;
         if self.values[value].uses.last() == Some(&time) {
@@ -114,7 +115,7 @@ impl Registers {
         register.or(home.map(Operand::Memory)).ok_or(JitError::Malformed { node: value })
     }
 
-    /// A register that is not locked; what it held stands in memory if it is needed again.
+    /// A register that is not locked; its previous value is in memory if it is needed again.
     pub fn take(&mut self, locked: Locked) -> Register {
         let rank = |register: usize| self.owners[register].map_or(NEVER, |value| self.next_use(value));
         let open = (0..REGISTERS).rev().filter(|&register| !locked.holds(register));
@@ -142,7 +143,7 @@ impl Registers {
         Ok(register)
     }
 
-    /// Loads the operands of a step that are used again soon, each before what would make room for it.
+    /// Loads the operands of a step that are used again soon.
     pub fn keep(&mut self, operands: &[usize]) -> Result<(), JitError> {
         for &value in operands {
             let next = self.next_use(value);
@@ -158,7 +159,7 @@ impl Registers {
         Ok(())
     }
 
-    /// Loads a value into a register that is not to hold it for long.
+    /// Loads a value into a register for one use.
     pub fn load(&mut self, value: usize, locked: Locked) -> Result<Register, JitError> {
         let home = self.home(value).ok_or(JitError::Malformed { node: value })?;
         let register = self.take(locked);
@@ -173,7 +174,7 @@ impl Registers {
         self.values[value].register = Some(register);
     }
 
-    /// Nobody's any more.
+    /// Marks a register as free.
     fn drop_register(&mut self, register: Register) {
         if let Some(value) = self.owners[usize::from(register)].take() {
             self.values[value].register = None;
@@ -212,7 +213,7 @@ impl Registers {
         }
     }
 
-    /// Everything that is still needed goes to memory: a stretch of code ends.
+    /// The end of a stretch of code: stores every value that is still needed.
     pub fn clear(&mut self) {
         for register in 0..REGISTERS {
             if let Some(value) = self.owners[register] {

@@ -1,4 +1,4 @@
-//! A program becomes machine code, calls of functions, and a table of constants.
+//! Translation of a program into machine code, function calls and a table of constants.
 
 use crate::assembler::Width;
 use crate::emit;
@@ -9,7 +9,7 @@ use crate::registers::Registers;
 use costate::codegen::{Id, Node, Program};
 use std::collections::HashMap;
 
-/// A function call: where its argument is, and the slots for those of its values that are used.
+/// A function call: the place of its argument, and the slots of those of its values that are used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Call {
     pub function: Function,
@@ -17,7 +17,8 @@ pub(crate) struct Call {
     pub values: [Option<u32>; 2],
 }
 
-/// A stretch of machine code, where there is any, and what is called after it: sines and cosines first.
+/// A stretch of machine code, which may be empty, and the functions that are called after it: sines and
+/// cosines first.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     pub entry: Option<usize>,
@@ -26,7 +27,7 @@ pub(crate) struct Stage {
     pub angles: usize,
 }
 
-/// All that is needed to run a program.
+/// Everything that is needed to run a program.
 #[derive(Debug)]
 pub(crate) struct Translation {
     pub code: Vec<u8>,
@@ -78,8 +79,8 @@ fn uses(nodes: &[Node], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u
     uses
 }
 
-/// Writes the machine code of a program, for one state or four at a time; where it is `guarded` its last result goes into
-/// slot 0 and not to the outputs.
+/// Writes the machine code of a program, for one state or four at a time; if `guarded`, its last result is
+/// stored in slot 0 and not in the outputs.
 ///
 /// # Errors
 /// [`JitError::Malformed`], [`JitError::TooWide`].
@@ -147,7 +148,7 @@ pub(crate) fn translate(program: &Program, width: Width, guarded: bool) -> Resul
     Ok(Translation { code: registers.assembler.into_code(), stages, constants, slots })
 }
 
-/// One step: its instructions, its stores to results, and what is free afterwards.
+/// One step: its instructions, its stores to results, and the release of its operands.
 fn step(
     registers: &mut Registers,
     nodes: &[Node],
@@ -162,7 +163,7 @@ fn step(
     for &output in outputs {
         registers.assembler.store(target, output);
     }
-    // Not the slot, which would be given away with the value.
+    // Not the slot, which would be released with the value.
     if let Some(&output) = outputs.iter().find(|output| matches!(output, Place::Output(_))) {
         registers.set_home(k, output);
     }

@@ -1,54 +1,58 @@
-//! What a batch evaluates.
+//! The interface of what a batch evaluates.
 
 use super::Packed;
 use std::fmt::Debug;
 
-/// One array of a quantity: its name and how many entries a node has in it.
+/// One array of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Argument {
+pub struct NodeArray {
     /// Name, for errors.
     pub name: &'static str,
-    /// Entries a node.
+    /// Number of entries per node.
     pub length: usize,
 }
 
-/// The arrays that a quantity is computed from and those it fills, in order.
+impl NodeArray {
+    /// An array with so many entries per node.
+    pub const fn new(name: &'static str, length: usize) -> Self {
+        Self { name, length }
+    }
+}
+
+/// The arrays that a quantity reads and those it writes, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// What is read.
-    pub inputs: Vec<Argument>,
-    /// What is written.
-    pub outputs: Vec<Argument>,
+    /// The arrays that are read.
+    pub inputs: Vec<NodeArray>,
+    /// The arrays that are written.
+    pub outputs: Vec<NodeArray>,
 }
 
 impl Layout {
-    /// From names and lengths.
-    pub fn new(inputs: &[(&'static str, usize)], outputs: &[(&'static str, usize)]) -> Self {
-        let arguments = |pairs: &[(&'static str, usize)]| {
-            pairs.iter().map(|&(name, length)| Argument { name, length }).collect()
-        };
-        Self { inputs: arguments(inputs), outputs: arguments(outputs) }
+    /// A layout with these inputs and outputs.
+    pub fn new(inputs: &[NodeArray], outputs: &[NodeArray]) -> Self {
+        Self { inputs: inputs.to_vec(), outputs: outputs.to_vec() }
     }
 
-    /// Entries that a node has in all inputs together.
+    /// Number of entries of one node in all inputs together.
     pub fn input_length(&self) -> usize {
         self.inputs.iter().map(|argument| argument.length).sum()
     }
 
-    /// Entries that a node has in all outputs together.
+    /// Number of entries of one node in all outputs together.
     pub fn output_length(&self) -> usize {
         self.outputs.iter().map(|argument| argument.length).sum()
     }
 }
 
-/// Quantities of one node, or of as many as a number of type `S` holds: a workspace, a generated function, a closure.
+/// Computes quantities at one node, or at as many nodes as a number of type `S` has lanes.
 ///
-/// Implemented by [`Model`](super::Model) for every
-/// [`Dynamics`](crate::dynamics::Dynamics), by [`StepMap`](super::StepMap) for every [`Step`](crate::step::Step), and by
-/// [`NodeFunction`](super::NodeFunction) for straight-line functions and whatever can be called with two slices.
+/// Implemented by [`Model`](super::Model) for every [`Dynamics`](crate::dynamics::Dynamics), by
+/// [`StepMap`](super::StepMap) for every [`Step`](crate::step::Step), and by
+/// [`NodeFunction`](super::NodeFunction) for generated functions and closures of two slices.
 ///
 /// ```
-/// use costate::batch::{Batch, Evaluator, Layout, Packed};
+/// use costate::batch::{Batch, Evaluator, Layout, NodeArray, Packed};
 /// use costate::hamiltonian::Hamiltonian;
 /// use costate::{EvalError, robot::Robot};
 ///
@@ -60,7 +64,8 @@ impl Layout {
 ///     type Error = EvalError;
 ///     fn layouts(&self) -> Vec<((), Layout)> {
 ///         let n = self.0.dof();
-///         vec![((), Layout::new(&[("q", n), ("p", n)], &[("H", 1)]))]
+///         let inputs = [NodeArray::new("q", n), NodeArray::new("p", n)];
+///         vec![((), Layout::new(&inputs, &[NodeArray::new("H", 1)]))]
 ///     }
 ///     fn evaluate(&mut self, _: (), input: &[S], output: &mut [S]) -> Result<(), EvalError> {
 ///         let (q, p) = input.split_at(self.0.dof());
@@ -76,20 +81,20 @@ impl Layout {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Evaluator<S: Packed>: Send {
-    /// Names a quantity; `()` where there is one only.
+    /// Names a quantity; `()` if there is only one.
     type Quantity: Copy + PartialEq + Debug + Send + Sync;
 
-    /// Why a node may be refused.
+    /// Why a node is refused.
     type Error: std::error::Error + Send;
 
-    /// Every quantity with the arrays that belong to it.
+    /// All quantities, each with its arrays.
     fn layouts(&self) -> Vec<(Self::Quantity, Layout)>;
 
-    /// Fills `output` from `input`: the entries of one node, all arrays of the layout one behind the other.
+    /// Computes `output` from `input`: the entries of one node, all arrays of the layout one after the other.
     ///
     /// # Errors
-    /// Whatever the evaluator has to say of any of the nodes in the lanes: all are then evaluated one by one, the same node
-    /// in every lane.
+    /// An error of any of the nodes in the lanes. The batch then evaluates these nodes one by one, with the
+    /// same node in every lane.
     fn evaluate(
         &mut self,
         quantity: Self::Quantity,

@@ -1,16 +1,18 @@
 //! Functions of two slices as evaluators: closures, generated and compiled functions.
 
-use super::{Evaluator, Layout, Packed};
+use super::{Evaluator, Layout, NodeArray, Packed};
 use std::convert::Infallible;
 
-/// A function that fills the outputs of a node from its inputs, both one behind the other in one slice.
+/// A function that computes the outputs of a node from its inputs; each slice holds all arrays one after the
+/// other.
 ///
-/// For generated functions, which are generic over the scalar and take arrays ([`on_slices!`](crate::on_slices) makes slices
-/// of them), and for anything that can be called with `f64` slices. The function cannot refuse a node: one whose inputs or
-/// outputs are not finite counts as failed; derivatives that a scalar carries are not looked at.
+/// For generated functions, which are generic over the scalar and take arrays
+/// ([`on_slices!`](crate::on_slices) adapts them to slices), and for any function of `f64` slices. The
+/// function cannot refuse a node; a node whose inputs or outputs are not finite counts as failed. Derivatives
+/// that a scalar carries are not checked.
 ///
 /// ```
-/// use costate::batch::{Batch, NodeFunction, Packed};
+/// use costate::batch::{Batch, NodeArray, NodeFunction, Packed};
 /// use costate::on_slices;
 /// use costate::scalar::Scalar;
 ///
@@ -21,12 +23,13 @@ use std::convert::Infallible;
 /// }
 /// fn of_nodes<S: Packed>() -> Batch<S, NodeFunction<impl Fn(&[S], &mut [S]) + Send>> {
 ///     let function = on_slices!(S, pendulum, (q: 1, p: 1, u: 1) -> (f: 2));
-///     Batch::new(NodeFunction::new(&[("x", 2), ("u", 1)], &[("f", 2)], function))
+///     let inputs = [NodeArray::new("x", 2), NodeArray::new("u", 1)];
+///     Batch::new(NodeFunction::new(&inputs, &[NodeArray::new("f", 2)], function))
 /// }
 /// let (x, u, mut f) = ([0.1, 1.0, 0.0, f64::NAN, 0.3, 0.0], [0.0; 3], [0.0; 6]);
 /// let mut batch = of_nodes::<f64>();
 /// let failures = batch.run((), 3, [&x, &u], [&mut f])?;
-/// assert_eq!(failures[0].to_string(), "node 1: x[1] is not finite; check what produced it");
+/// assert_eq!(failures[0].to_string(), "node 1: x[1] is not finite; check the computation that produced it");
 /// assert!(f[2].is_nan() && (f[5] + 9.81 * 0.3_f64.sin()).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -37,8 +40,8 @@ pub struct NodeFunction<F> {
 }
 
 impl<F> NodeFunction<F> {
-    /// From the names of the arrays, how many entries a node has in each, and the function.
-    pub fn new(inputs: &[(&'static str, usize)], outputs: &[(&'static str, usize)], function: F) -> Self {
+    /// A function with these input and output arrays, each with its name and number of entries per node.
+    pub fn new(inputs: &[NodeArray], outputs: &[NodeArray], function: F) -> Self {
         Self { layout: Layout::new(inputs, outputs), function }
     }
 }
@@ -59,15 +62,15 @@ impl<S: Packed, F: FnMut(&[S], &mut [S]) + Send> Evaluator<S> for NodeFunction<F
 
 /// A function of arrays as a closure of two slices: for [`NodeFunction`](crate::batch::NodeFunction).
 ///
-/// `on_slices!(S, function, (q: 6, p: 6) -> (f: 12))` takes q and p from the front of the first slice and f from the front
-/// of the second, in this order. Where one of them is too short, outputs are filled with NaN, which a batch takes for a failure.
-/// Names are free.
+/// `on_slices!(S, function, (q: 6, p: 6) -> (f: 12))` reads q and p from the front of the first slice and
+/// writes f to the front of the second, in this order. If a slice is too short, outputs are filled with NaN,
+/// which a batch reports as a failure. The names are arbitrary.
 #[macro_export]
 macro_rules! on_slices {
     ($scalar:ty, $function:expr, ($($input:ident: $in:expr),*) -> ($($output:ident: $out:expr),*)) => {
         |inputs: &[$scalar], outputs: &mut [$scalar]| {
             let function = $function;
-            // What is not written is no number, so that slices of another length cannot pass for results.
+            // Outputs that are not written are NaN, so that a wrong length cannot pass for a result.
             outputs.fill(<$scalar as $crate::scalar::Scalar>::from_f64(f64::NAN));
             $(let Some(($input, inputs)) = inputs.split_first_chunk::<{ $in }>() else { return };)*
             $(let Some(($output, outputs)) = outputs.split_first_chunk_mut::<{ $out }>() else { return };)*

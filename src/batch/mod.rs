@@ -1,20 +1,20 @@
-//! Many states at once: node-major arrays in and out, lanes over states, threads over chunks of them.
+//! Evaluation at many states at once: node-major arrays, vector lanes over states, threads over chunks.
 //!
-//! A [`Batch`] evaluates what an [`Evaluator`] computes at N nodes. Arrays hold the entries of node 0, then those of node 1,
-//! and so on, matrices row by row: x is N x 2n, f_x is N x 2n x 2n. They are the caller's, contiguous, and in the form that a
-//! solver works on. The same driver runs
+//! A [`Batch`] runs an [`Evaluator`] at N nodes. Arrays hold the entries of node 0, then those of node 1, and
+//! so on, matrices row by row: x is N x 2n, f_x is N x 2n x 2n. They belong to the caller and are contiguous.
+//! The evaluators are
 //!
 //! | evaluator | of | quantities |
 //! |---|---|---|
-//! | [`Model`] | any [`Dynamics`](crate::dynamics::Dynamics): robots in both coordinates, functions differentiated automatically | f; f_x, f_u; y'f_x; y'f_xx: what collocation asks for |
-//! | [`StepMap`] | any [`Step`](crate::step::Step) | Phi; its Jacobians; second derivatives of y'Phi: what multiple shooting asks for |
-//! | [`NodeFunction`] | generated and compiled functions, closures | whatever they compute |
-//! | yours | | |
+//! | [`Model`] | any [`Dynamics`](crate::dynamics::Dynamics): robots in both coordinates, functions differentiated automatically | f; f_x, f_u; y'f_x; y'f_xx: for collocation |
+//! | [`StepMap`] | any [`Step`](crate::step::Step) | Phi; its Jacobians; second derivatives of y'Phi: for multiple shooting |
+//! | [`NodeFunction`] | generated and compiled functions, closures | their outputs |
+//! | your own | | |
 //!
-//! in any [`Packed`] number: `f64` takes one node at a time, `F64x4` and `F64x8` (feature `wide`) four and eight, dual numbers
-//! over any of them carry derivatives along. [`Native`] is the widest that pays on the processor that is compiled for.
-//! `Batch::parallel` (feature `rayon`) spreads the nodes over threads. Neither lanes nor threads change a result by more
-//! than rounding, the number of threads not at all. `docs/batch.md` has the figures.
+//! Each runs with any [`Packed`] scalar: `f64` evaluates one node at a time, `F64x4` and `F64x8` (feature
+//! `wide`) four and eight; dual numbers over them carry derivatives. [`Native`] is the widest that pays off
+//! on the target processor. `Batch::parallel` (feature `rayon`) distributes the nodes over threads. Lanes
+//! change results by rounding only, the number of threads not at all. `docs/batch.md` has the figures.
 //!
 //! ```
 //! use costate::batch::{Batch, FirstOrderArrays, Model, Native, SecondOrderArrays};
@@ -46,52 +46,64 @@ mod packed;
 mod step_map;
 mod worker;
 
-pub use error::{BatchError, Failure, NodeError};
-pub use evaluator::{Argument, Evaluator, Layout};
+pub use error::{ArrayRole, BatchError, Failure, NodeError};
+pub use evaluator::{Evaluator, Layout, NodeArray};
 pub use function::NodeFunction;
 pub use model::{FirstOrderArrays, Model, ModelQuantity, SecondOrderArrays};
 pub use packed::Packed;
 pub use step_map::{StepArrays, StepMap, StepQuantity};
 
+use crate::error::LengthError;
+use std::fmt;
 #[cfg(feature = "rayon")]
 use std::sync::TryLockError;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use worker::{Nodes, Worker};
 
-/// The number to take where nothing speaks for another: `F64x8` where the program is compiled for AVX-512, `F64x4` elsewhere.
+/// The recommended scalar: `F64x8` if the program is compiled for AVX-512, else `F64x4`.
 #[cfg(all(feature = "wide", target_feature = "avx512f"))]
 pub type Native = crate::scalar::F64x8;
-/// The number to take where nothing speaks for another: `F64x8` where the program is compiled for AVX-512, `F64x4` elsewhere.
+/// The recommended scalar: `F64x8` if the program is compiled for AVX-512, else `F64x4`.
 #[cfg(all(feature = "wide", not(target_feature = "avx512f")))]
 pub type Native = crate::scalar::F64x4;
-/// The number to take where nothing speaks for another: lanes with the feature `wide`, `f64` without.
+/// The recommended scalar: lanes with the feature `wide`, `f64` without.
 #[cfg(not(feature = "wide"))]
 pub type Native = f64;
 
-/// Pieces that each thread gets: enough that all threads end together, few enough that sharing them costs little.
+/// Pieces of work per thread: enough to balance the load, few enough to keep the overhead small.
 #[cfg(feature = "rayon")]
 const PIECES: usize = 4;
 
 /// Evaluates a quantity at many nodes; no call allocates as long as no node fails.
 ///
-/// One workspace a thread, built with the batch. A node that cannot be evaluated is reported, its outputs are
-/// not-a-number, and all others are computed.
+/// There is one workspace per thread. A node that cannot be evaluated is reported and its outputs are NaN;
+/// all other nodes are computed.
 pub struct Batch<S: Packed, E: Evaluator<S>> {
     layouts: Vec<(E::Quantity, Layout)>,
     workers: Vec<Mutex<Worker<S, E>>>,
     failures: Vec<Failure<E::Error>>,
 }
 
+impl<S: Packed, E: Evaluator<S>> fmt::Debug for Batch<S, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Batch")
+            .field("layouts", &self.layouts)
+            .field("threads", &self.workers.len())
+            .finish_non_exhaustive()
+    }
+}
+
 impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
-    /// On the thread that calls.
+    /// A batch on the calling thread.
     pub fn new(evaluator: E) -> Self {
         Self::with(vec![evaluator])
     }
 
-    /// On the threads of the rayon pool that is current here; `build` makes an evaluator for each. Call it from that pool too.
+    /// A batch on the threads of the current rayon pool; `build` makes an evaluator for each thread. Evaluate
+    /// it from the same pool.
     ///
-    /// The pool may take memory for its own queue now and then where it is called from outside (`ThreadPool::install`
-    /// moves inside). Evaluators must not use the pool themselves, and must all be alike.
+    /// A call from outside the pool may allocate in rayon's queue; `ThreadPool::install` avoids that.
+    /// Evaluators must be identical, and must not use the pool themselves.
     ///
     /// ```
     /// # use costate::{batch::{Batch, Model, Native}, hamiltonian::HamiltonianSecondOrder, robot::Robot};
@@ -106,19 +118,19 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
         Self::with((0..rayon::current_num_threads()).map(|_| build()).collect())
     }
 
-    /// One worker an evaluator.
+    /// One worker per evaluator.
     fn with(evaluators: Vec<E>) -> Self {
         let layouts = evaluators.first().map(E::layouts).unwrap_or_default();
         let worker = |evaluator| Mutex::new(Worker::new(evaluator, &layouts));
         Self { workers: evaluators.into_iter().map(worker).collect(), layouts, failures: Vec::new() }
     }
 
-    /// Number of threads that share the work.
+    /// Number of threads.
     pub fn threads(&self) -> usize {
         self.workers.len()
     }
 
-    /// The arrays that belong to a quantity.
+    /// The arrays of a quantity.
     pub fn layout(&self, quantity: E::Quantity) -> Option<&Layout> {
         self.layouts.iter().find(|(listed, _)| *listed == quantity).map(|(_, layout)| layout)
     }
@@ -127,13 +139,13 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
         self.layouts.first().map(|(_, layout)| layout)
     }
 
-    /// Evaluates a quantity at so many nodes; returns those that failed, in order.
+    /// Evaluates a quantity at `nodes` nodes; returns the failed nodes in order.
     ///
-    /// Arrays as the [`layout`](Self::layout) names them, `nodes` times the length of each; an output that is empty is not
-    /// written.
+    /// The arrays follow the [`layout`](Self::layout), each `nodes` times its length; empty outputs are
+    /// skipped.
     ///
     /// # Errors
-    /// [`BatchError`] where the arrays do not fit; nothing is evaluated then.
+    /// [`BatchError`] if the arrays do not fit; nothing is evaluated then.
     pub fn run<const I: usize, const O: usize>(
         &mut self,
         quantity: E::Quantity,
@@ -144,11 +156,11 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
         let layout = self.layout(quantity);
         let layout =
             layout.ok_or_else(|| BatchError::UnknownQuantity { quantity: format!("{quantity:?}") })?;
-        for (what, expected, found) in
-            [("inputs", layout.inputs.len(), I), ("outputs", layout.outputs.len(), O)]
-        {
+        let numbers =
+            [(ArrayRole::Input, layout.inputs.len(), I), (ArrayRole::Output, layout.outputs.len(), O)];
+        for (role, expected, found) in numbers {
             if found != expected {
-                return Err(BatchError::WrongNumber { what, expected, found });
+                return Err(BatchError::WrongNumber { role, expected, found });
             }
         }
         let lengths = inputs.iter().map(|input| input.len());
@@ -160,7 +172,7 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
             check(argument, nodes, found)?;
         }
         let all = Nodes { first: 0, count: nodes, inputs, outputs };
-        // Those of a call that an evaluator left by a panic may be there still.
+        // Failures may be left over from a call in which an evaluator panicked.
         self.workers.iter().for_each(|worker| free(worker).failures.clear());
         self.share((quantity, layout), all);
         self.failures.clear();
@@ -171,7 +183,7 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
         Ok(&self.failures)
     }
 
-    /// Evaluates all nodes on the workers there are.
+    /// Evaluates all nodes on the workers.
     fn share<const I: usize, const O: usize>(
         &self,
         of: (E::Quantity, &Layout),
@@ -189,7 +201,7 @@ impl<S: Packed, E: Evaluator<S>> Batch<S, E> {
     }
 }
 
-/// Halves the nodes until there are at most so many chunks; every chunk is the one it is on a single thread.
+/// Halves the nodes until at most `most` chunks remain. Chunks are the same as on a single thread.
 #[cfg(feature = "rayon")]
 fn divide<S: Packed, E: Evaluator<S>, const I: usize, const O: usize>(
     workers: &[Mutex<Worker<S, E>>],
@@ -205,7 +217,7 @@ fn divide<S: Packed, E: Evaluator<S>, const I: usize, const O: usize>(
     rayon::join(|| divide(workers, of, left, most), || divide(workers, of, right, most));
 }
 
-/// A worker that nobody uses, that of this thread first.
+/// A free worker, preferably that of this thread.
 #[cfg(feature = "rayon")]
 fn any_free<W>(workers: &[Mutex<W>]) -> MutexGuard<'_, W> {
     let own = rayon::current_thread_index().unwrap_or(0) % workers.len();
@@ -219,16 +231,14 @@ fn any_free<W>(workers: &[Mutex<W>]) -> MutexGuard<'_, W> {
     free(&workers[own])
 }
 
-/// A worker, once nobody uses it, also after a panic: buffers are written anew by every call.
+/// Waits for a worker, also after a panic: every call overwrites its buffers.
 fn free<W>(worker: &Mutex<W>) -> MutexGuard<'_, W> {
     worker.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// `nodes` times the length of the argument.
-fn check(argument: &Argument, nodes: usize, found: usize) -> Result<(), BatchError> {
-    let &Argument { name: what, length } = argument;
-    if nodes.checked_mul(length) == Some(found) {
-        return Ok(());
-    }
-    Err(BatchError::WrongLength { what, nodes, length, found })
+/// Checks the length of an array.
+fn check(array: &NodeArray, nodes: usize, found: usize) -> Result<(), BatchError> {
+    let expected = nodes.saturating_mul(array.length);
+    LengthError::check(array.name, expected, found)
+        .map_err(|length| BatchError::WrongLength { nodes, length })
 }

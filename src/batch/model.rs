@@ -1,6 +1,6 @@
-//! Models dx/dt = f(x, u) at many nodes: what direct collocation asks for.
+//! Models dx/dt = f(x, u) at many nodes, for direct collocation.
 
-use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed};
+use super::{Batch, BatchError, Evaluator, Failure, Layout, NodeArray, Packed};
 use crate::dynamics::Dynamics;
 use crate::matrix::Block;
 
@@ -8,7 +8,7 @@ use crate::matrix::Block;
 #[derive(Clone, Debug)]
 pub struct Model<D>(pub D);
 
-/// What is computed of a model at every node.
+/// The quantities of a model at every node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModelQuantity {
     /// (x, u) to f.
@@ -21,25 +21,26 @@ pub enum ModelQuantity {
     Contraction,
 }
 
-/// Where f and its Jacobians go, node by node; what is left empty is not written.
+/// Output arrays for f and its Jacobians, node by node; empty ones are skipped.
 #[derive(Debug)]
 pub struct FirstOrderArrays<'a, L> {
     /// N x states.
     pub f: &'a mut [L],
     /// N x states x states.
     pub f_x: &'a mut [L],
-    /// N x states x controls; the same at every node where [`Structure`](crate::dynamics::Structure) says so.
+    /// N x states x controls; the same at every node if
+    /// [`Structure::constant_f_u`](crate::dynamics::Structure::constant_f_u).
     pub f_u: &'a mut [L],
 }
 
-/// Where the second derivatives of y'f go, node by node; what is left empty is not written.
+/// Output arrays for the second derivatives of y'f, node by node; empty ones are skipped.
 #[derive(Debug)]
 pub struct SecondOrderArrays<'a, L> {
     /// N x states x states.
     pub xx: &'a mut [L],
-    /// N x controls x states; zero where the model has none.
+    /// N x controls x states; zero if the model has none.
     pub ux: &'a mut [L],
-    /// N x controls x controls; zero where the model has none.
+    /// N x controls x controls; zero if the model has none.
     pub uu: &'a mut [L],
 }
 
@@ -55,7 +56,7 @@ impl<L> Default for SecondOrderArrays<'_, L> {
     }
 }
 
-/// Writes results one behind the other.
+/// Writes results one after the other.
 pub(super) struct Writer<'a, S>(pub &'a mut [S]);
 
 impl<S: Packed> Writer<'_, S> {
@@ -69,7 +70,7 @@ impl<S: Packed> Writer<'_, S> {
         block.iter_rows().for_each(|row| self.slice(row));
     }
 
-    /// A block whose columns end where the rest is zero by structure, or that is zero as a whole.
+    /// A block padded with zeros to `rows` x `columns`; all zero if `None`.
     pub fn padded(&mut self, block: Option<Block<'_, S>>, rows: usize, columns: usize) {
         let (here, behind) = std::mem::take(&mut self.0).split_at_mut(rows * columns);
         here.fill(S::zero());
@@ -88,13 +89,23 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Evaluator<S> for Model<D> {
 
     fn layouts(&self) -> Vec<(ModelQuantity, Layout)> {
         let (n, m) = (self.0.states(), self.0.controls());
-        let (at, with) = ([("x", n), ("u", m)], [("x", n), ("u", m), ("y", n)]);
-        let first = [("f", n), ("f_x", n * n), ("f_u", n * m)];
-        let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
+        let (at, with) = (
+            [NodeArray::new("x", n), NodeArray::new("u", m)],
+            [NodeArray::new("x", n), NodeArray::new("u", m), NodeArray::new("y", n)],
+        );
+        let first = [NodeArray::new("f", n), NodeArray::new("f_x", n * n), NodeArray::new("f_u", n * m)];
+        let second = [
+            first.as_slice(),
+            &[NodeArray::new("xx", n * n), NodeArray::new("ux", m * n), NodeArray::new("uu", m * m)],
+        ]
+        .concat();
         vec![
             (ModelQuantity::Value, Layout::new(&at, &first[..1])),
             (ModelQuantity::Linearisation, Layout::new(&at, &first)),
-            (ModelQuantity::Adjoint, Layout::new(&with, &[("y_f_x", n), ("y_f_u", m)])),
+            (
+                ModelQuantity::Adjoint,
+                Layout::new(&with, &[NodeArray::new("y_f_x", n), NodeArray::new("y_f_u", m)]),
+            ),
             (ModelQuantity::Contraction, Layout::new(&with, &second)),
         ]
     }
@@ -130,12 +141,12 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Evaluator<S> for Model<D> {
     }
 }
 
-/// What the nodes of a model that failed have to say.
+/// The failed nodes, or an error of the whole batch.
 type Failures<'a, S, D> = Result<&'a [Failure<<D as Dynamics<S>>::Error>], BatchError>;
 
-/// x, u and y are N x states, N x controls and N x states, node by node; N is what x has room for.
+/// x, u and y are N x states, N x controls and N x states, node by node; x determines N.
 ///
-/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes that could not be evaluated.
+/// All methods return the nodes that could not be evaluated, or a [`BatchError`] if an array does not fit.
 impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
     /// f at every node: N x states.
     ///
@@ -173,7 +184,8 @@ impl<S: Packed, D: Dynamics<S, Error: Send> + Send> Batch<S, Model<D>> {
         self.run(ModelQuantity::Adjoint, nodes, [x, u, y], [y_f_x, y_f_u])
     }
 
-    /// f, its Jacobians and the second derivatives of y'f at every node, y the multipliers of its equation.
+    /// f, its Jacobians and the second derivatives of y'f at every node, y the multipliers of the state
+    /// equations.
     ///
     /// # Errors
     /// [`BatchError`].

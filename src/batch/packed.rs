@@ -1,41 +1,41 @@
-//! Numbers of several nodes in one: what a batch is evaluated in.
+//! Scalars that hold the values of several nodes.
 
 use crate::scalar::{Count, Scalar, Tangent};
 use num_dual::{Dual, DualNum};
 
-/// A scalar that holds the numbers of [`LANES`](Self::LANES) nodes, one for `f64`.
+/// A scalar with the values of [`LANES`](Self::LANES) nodes; one for `f64`.
 ///
-/// The arrays that a batch reads and writes are made of [`Lane`](Self::Lane): `f64` for `f64` and its lanes, a dual number
-/// over `f64` for a dual number over lanes.
+/// The arrays of a batch have the element type [`Lane`](Self::Lane): `f64` for `f64` and its lanes, a dual
+/// number over `f64` for a dual number over lanes.
 pub trait Packed: Scalar + Send + Sync {
-    /// The number of one node.
+    /// The scalar of one node.
     type Lane: Scalar + Send + Sync;
 
-    /// How many nodes one number holds.
+    /// Number of nodes per scalar.
     const LANES: usize;
 
-    /// The number of node `k`.
+    /// The value of node `k`.
     fn lane(&self, k: usize) -> Self::Lane;
 
-    /// Sets the number of node `k`.
+    /// Sets the value of node `k`.
     fn set_lane(&mut self, k: usize, value: Self::Lane);
 
-    /// Packs nodes that lie one behind the other, `width` numbers each: lane k of `into[j]` is entry j of node k.
+    /// Packs consecutive nodes of `width` entries each: lane k of `into[j]` is entry j of node k.
     ///
-    /// Where there are fewer nodes than lanes the last one is repeated; where there is none, nothing is done.
+    /// If there are fewer nodes than lanes, the last one is repeated; if there is none, nothing is done.
     #[inline]
     fn gather(nodes: &[Self::Lane], width: usize, into: &mut [Self]) {
         gather_columns(nodes, width, into, 0);
     }
 
-    /// The opposite of [`gather`](Self::gather), for as many nodes as `nodes` has room for.
+    /// The inverse of [`gather`](Self::gather), for as many nodes as `nodes` can hold.
     #[inline]
     fn scatter(from: &[Self], width: usize, nodes: &mut [Self::Lane]) {
         scatter_columns(from, width, nodes, 0);
     }
 }
 
-/// [`Packed::gather`], number by number, from column `start` on.
+/// [`Packed::gather`], entry by entry, from column `start`.
 #[inline]
 fn gather_columns<S: Packed>(nodes: &[S::Lane], width: usize, into: &mut [S], start: usize) {
     let Some(last) = (nodes.len() / width.max(1)).checked_sub(1) else { return };
@@ -46,7 +46,7 @@ fn gather_columns<S: Packed>(nodes: &[S::Lane], width: usize, into: &mut [S], st
     }
 }
 
-/// [`Packed::scatter`], number by number, from column `start` on.
+/// [`Packed::scatter`], entry by entry, from column `start`.
 #[inline]
 fn scatter_columns<S: Packed>(from: &[S], width: usize, nodes: &mut [S::Lane], start: usize) {
     for k in 0..(nodes.len() / width.max(1)).min(S::LANES) {
@@ -56,7 +56,7 @@ fn scatter_columns<S: Packed>(from: &[S], width: usize, nodes: &mut [S::Lane], s
     }
 }
 
-/// A number that is its own only lane.
+/// A scalar with one lane.
 macro_rules! impl_packed_alone {
     ($($scalar:ty),*) => {$(
         impl Packed for $scalar {
@@ -86,7 +86,7 @@ macro_rules! impl_packed_alone {
 
 impl_packed_alone!(f64, f32, Count);
 
-/// A number made of two.
+/// A scalar with two components.
 macro_rules! impl_packed_by_parts {
     ($dual:ident, $($bound:ident)?) => {
         impl<S: Packed<Lane: $($bound +)? Scalar> $(+ $bound)? + Send + Sync> Packed for $dual<S>
@@ -112,14 +112,14 @@ macro_rules! impl_packed_by_parts {
 impl_packed_by_parts!(Tangent,);
 impl_packed_by_parts!(Dual, DualNum);
 
-/// Entries of four nodes that are turned at once, in registers.
+/// Size of the square blocks that are transposed in registers.
 #[cfg(feature = "wide")]
 const QUAD: usize = 4;
 
-/// Four rows of four entries as columns.
+/// Transposes a block of four rows of four entries.
 #[cfg(feature = "wide")]
 #[inline(always)]
-fn turned(rows: [&[f64; QUAD]; QUAD]) -> [wide::f64x4; QUAD] {
+fn transposed(rows: [&[f64; QUAD]; QUAD]) -> [wide::f64x4; QUAD] {
     let [a, b, c, d] = rows;
     wide::f64x4::transpose([
         wide::f64x4::new(*a),
@@ -129,7 +129,7 @@ fn turned(rows: [&[f64; QUAD]; QUAD]) -> [wide::f64x4; QUAD] {
     ])
 }
 
-/// Squares of four nodes and four entries are turned in registers; what is left over goes number by number.
+/// Blocks of four nodes and four entries are transposed in registers; the rest is copied entry by entry.
 #[cfg(feature = "wide")]
 macro_rules! impl_packed_for_lanes {
     ($($scalar:ty, $lanes:literal;)*) => {$(
@@ -153,7 +153,7 @@ macro_rules! impl_packed_for_lanes {
                     let [first, second, third, fourth] = rows(quad, width);
                     let above = first.iter().zip(second).zip(third.iter().zip(fourth));
                     for (square, ((a, b), (c, d))) in into.as_chunks_mut::<QUAD>().0.iter_mut().zip(above) {
-                        let columns = turned([a, b, c, d]);
+                        let columns = transposed([a, b, c, d]);
                         for (packed, column) in square.iter_mut().zip(&columns) {
                             let lanes = &mut packed.as_mut_slice()[QUAD * k..QUAD * (k + 1)];
                             lanes.copy_from_slice(column.as_array());
@@ -175,9 +175,9 @@ macro_rules! impl_packed_for_lanes {
                     let lower = third.as_chunks_mut().0.iter_mut().zip(fourth.as_chunks_mut().0);
                     for ([p, q, r, s], ((a, b), (c, d))) in from.as_chunks().0.iter().zip(upper.zip(lower)) {
                         let quarters = [p, q, r, s].map(|packed| quarter(packed.as_slice(), k));
-                        let [turned_a, turned_b, turned_c, turned_d] = turned(quarters);
-                        (*a, *b) = (turned_a.to_array(), turned_b.to_array());
-                        (*c, *d) = (turned_c.to_array(), turned_d.to_array());
+                        let [column_a, column_b, column_c, column_d] = transposed(quarters);
+                        (*a, *b) = (column_a.to_array(), column_b.to_array());
+                        (*c, *d) = (column_c.to_array(), column_d.to_array());
                     }
                 }
                 scatter_columns(from, width, nodes, squares * QUAD);
@@ -210,7 +210,8 @@ mod tests {
     use super::Packed;
     use crate::scalar::Tangent;
 
-    /// Nodes that are packed and unpacked are what they were, however many there are; lanes left over repeat the last.
+    /// Packing and unpacking returns the same nodes, for any number of them; unused lanes repeat the last
+    /// node.
     fn round_trip<S: Packed>(number: impl Fn(f64) -> S::Lane, value: impl Fn(S::Lane) -> f64) {
         for width in 0..20 {
             for count in 1..=S::LANES {

@@ -1,14 +1,14 @@
-//! Steps in time from many states: what multiple shooting asks for.
+//! Time steps from many states, for multiple shooting.
 
 use super::model::Writer;
-use super::{Batch, BatchError, Evaluator, Failure, Layout, Packed, SecondOrderArrays};
+use super::{Batch, BatchError, Evaluator, Failure, Layout, NodeArray, Packed, SecondOrderArrays};
 use crate::step::{Step, StepLinearisation};
 
 /// A step as an evaluator of nodes, each with its own x, u and h.
 #[derive(Clone, Debug)]
 pub struct StepMap<P>(pub P);
 
-/// What is computed of a step at every node.
+/// The quantities of a step at every node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepQuantity {
     /// (x, u, h) to Phi.
@@ -19,7 +19,7 @@ pub enum StepQuantity {
     Contraction,
 }
 
-/// Where Phi and its Jacobians go, node by node; what is left empty is not written.
+/// Output arrays for Phi and its Jacobians, node by node; empty ones are skipped.
 #[derive(Debug)]
 pub struct StepArrays<'a, L> {
     /// N x states.
@@ -53,9 +53,21 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Evaluator<S> for StepMap<P> {
 
     fn layouts(&self) -> Vec<(StepQuantity, Layout)> {
         let (n, m) = (self.0.states(), self.0.controls());
-        let (at, with) = ([("x", n), ("u", m), ("h", 1)], [("x", n), ("u", m), ("h", 1), ("y", n)]);
-        let first = [("next", n), ("phi_x", n * n), ("phi_u", n * m), ("phi_h", n)];
-        let second = [first.as_slice(), &[("xx", n * n), ("ux", m * n), ("uu", m * m)]].concat();
+        let (at, with) = (
+            [NodeArray::new("x", n), NodeArray::new("u", m), NodeArray::new("h", 1)],
+            [NodeArray::new("x", n), NodeArray::new("u", m), NodeArray::new("h", 1), NodeArray::new("y", n)],
+        );
+        let first = [
+            NodeArray::new("next", n),
+            NodeArray::new("phi_x", n * n),
+            NodeArray::new("phi_u", n * m),
+            NodeArray::new("phi_h", n),
+        ];
+        let second = [
+            first.as_slice(),
+            &[NodeArray::new("xx", n * n), NodeArray::new("ux", m * n), NodeArray::new("uu", m * m)],
+        ]
+        .concat();
         vec![
             (StepQuantity::Next, Layout::new(&at, &first[..1])),
             (StepQuantity::Linearisation, Layout::new(&at, &first)),
@@ -84,12 +96,12 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Evaluator<S> for StepMap<P> {
     }
 }
 
-/// What the nodes whose step was not made have to say.
+/// The failed nodes, or an error of the whole batch.
 type Failures<'a, S, P> = Result<&'a [Failure<<P as Step<S>>::Error>], BatchError>;
 
 /// x, u, h and y are N x states, N x controls, N and N x states, node by node; N is the length of h.
 ///
-/// All fail with [`BatchError`] where an array does not fit; what comes back are the nodes whose step was not made.
+/// All methods return the nodes whose step failed, or a [`BatchError`] if an array does not fit.
 impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
     /// Phi(x, u, h) at every node: N x states.
     ///
@@ -112,7 +124,8 @@ impl<S: Packed, P: Step<S, Error: Send> + Send> Batch<S, StepMap<P>> {
         self.run(StepQuantity::Linearisation, h.len(), [x, u, h], outputs)
     }
 
-    /// Phi, its Jacobians and the second derivatives of y'Phi at every node, y the multipliers of what follows.
+    /// Phi, its Jacobians and the second derivatives of y'Phi at every node, y the multipliers of the next
+    /// states.
     ///
     /// # Errors
     /// [`BatchError`].

@@ -1,7 +1,6 @@
 //! One workspace and the chunks of nodes it evaluates.
 
-use super::evaluator::{Argument, Layout};
-use super::{Evaluator, Failure, NodeError, Packed};
+use super::{Evaluator, Failure, Layout, NodeArray, NodeError, Packed};
 use crate::scalar::Scalar;
 use std::ops::Range;
 
@@ -10,11 +9,11 @@ pub(super) struct Worker<S: Packed, E: Evaluator<S>> {
     evaluator: E,
     input: Vec<S>,
     output: Vec<S>,
-    /// Failures since they were taken last.
+    /// Failures since they were last collected.
     pub failures: Vec<Failure<E::Error>>,
 }
 
-/// Nodes that lie one behind the other, with their place in the batch.
+/// Consecutive nodes, with their position in the batch.
 pub(super) struct Nodes<'a, L, const I: usize, const O: usize> {
     pub first: usize,
     pub count: usize,
@@ -29,7 +28,7 @@ impl<L, const I: usize, const O: usize> Nodes<'_, L, I, O> {
         let mut lengths = layout.inputs.iter().map(|argument| argument.length * count);
         let inputs = self.inputs.map(|input| input.split_at(lengths.next().unwrap_or(0)));
         let mut lengths = layout.outputs.iter().map(|argument| argument.length * count);
-        // An output that is not asked for has no entries.
+        // An output that is skipped has no entries.
         let mut outputs = self.outputs.map(|output| {
             let at = lengths.next().unwrap_or(0).min(output.len());
             output.split_at_mut(at)
@@ -55,7 +54,7 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
         }
     }
 
-    /// Evaluates all nodes, as many at once as a number has lanes, or, where one of those fails, each by itself.
+    /// Evaluates all nodes, as many at once as a scalar has lanes; if one of these fails, each separately.
     pub fn evaluate<const I: usize, const O: usize>(
         &mut self,
         of: (E::Quantity, &Layout),
@@ -99,7 +98,7 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
         let input = &mut self.input[..layout.input_length()];
         let output = &mut self.output[..layout.output_length()];
         let mut place = 0;
-        for (k, &Argument { length, .. }) in layout.inputs.iter().enumerate() {
+        for (k, &NodeArray { length, .. }) in layout.inputs.iter().enumerate() {
             let entries = &nodes.inputs[k][range.start * length..range.end * length];
             S::gather(entries, length, &mut input[place..place + length]);
             place += length;
@@ -114,7 +113,7 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
             return Err(NodeError::Output { what, index });
         }
         let mut place = 0;
-        for (k, &Argument { length, .. }) in layout.outputs.iter().enumerate() {
+        for (k, &NodeArray { length, .. }) in layout.outputs.iter().enumerate() {
             if !nodes.outputs[k].is_empty() {
                 let entries = &mut nodes.outputs[k][range.start * length..range.end * length];
                 S::scatter(&output[place..place + length], length, entries);
@@ -125,7 +124,8 @@ impl<S: Packed, E: Evaluator<S>> Worker<S, E> {
     }
 }
 
-/// Zero times a finite number is zero, times any other it is not; summed eight at a time, so that no sum waits for the last.
+/// 0 x is 0 for finite x and NaN otherwise. The products are summed eight at a time to shorten the chain of
+/// dependent additions.
 #[inline]
 fn all_finite<S: Scalar>(entries: &[S]) -> bool {
     let nothing = |entry: S| entry.times(0.0);
@@ -141,7 +141,7 @@ fn all_finite<S: Scalar>(entries: &[S]) -> bool {
     (left + right).is_finite()
 }
 
-fn first_that_is_not_finite<S: Scalar>(arguments: &[Argument], mut entries: &[S]) -> (&'static str, usize) {
+fn first_that_is_not_finite<S: Scalar>(arguments: &[NodeArray], mut entries: &[S]) -> (&'static str, usize) {
     for argument in arguments {
         let (here, behind) = entries.split_at(argument.length);
         if let Some(index) = here.iter().position(|entry| !entry.is_finite()) {

@@ -1,47 +1,39 @@
-//! Straight-line code: a computation recorded once, simplified, written down as Rust or C.
+//! Straight-line code: a computation recorded once, simplified, and written as Rust or C.
 //!
-//! [`Expr`] is a scalar that records; [`Program`] what was recorded, of any function of numbers or, by [`robot_program`], of
-//! a quantity of a robot; [`Program::to_rust`] and [`Program::to_c`] write it down.
+//! [`Expr`] is a scalar that records. A [`Program`] is a recorded function of numbers or, by
+//! [`robot_program`], a quantity of a robot. [`Program::to_rust`] and [`Program::to_c`] write it as source
+//! text.
+//!
+//! The flow, by folder: `record` turns a function into nodes, `simplify` turns nodes into the steps of a
+//! [`Program`], `emit` writes them as text; `robot` records the quantities of a robot.
 //!
 //! ```
-//! use costate::codegen::{Coordinates, Options, Quantity, RustOptions, robot_program};
+//! use costate::codegen::{Coordinates, ProgramOptions, Quantity, RustOptions, robot_program};
 //! use costate::robot::Robot;
 //!
 //! # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
 //! let robot = Robot::from_file("robots/two_link.toml")?;
-//! let program = robot_program(&robot, Quantity::FX, Coordinates::Hamiltonian, &Options::default())?;
+//! let program = robot_program(&robot, Quantity::FX, Coordinates::Hamiltonian, &ProgramOptions::default())?;
 //! let source = program.to_rust(&RustOptions::default())?;
 //! assert!(source.contains("pub fn two_link_hamiltonian_f_x<T: Number>("));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod arena;
-mod c;
+mod emit;
 mod error;
-mod expr;
-mod guarded;
-mod lower;
-mod node;
-mod order;
-mod parameters;
+mod interpret;
+mod names;
 mod program;
-mod quantity;
-mod recording;
+mod record;
 mod robot;
-mod rust;
-mod sums;
-mod text;
-mod value;
+mod simplify;
 
-pub use c::COptions;
+pub use emit::{COptions, DEFAULT_LIMIT, RustOptions};
 pub use error::CodegenError;
-pub use expr::{Expr, ExprMask};
-pub use guarded::{REGULAR, guarded_program};
-pub use node::{Id, Node};
-pub use parameters::{parameter_names, parameter_values};
-pub use program::{Argument, Outcome, Program, RecordedResult};
-pub use quantity::{Coordinates, Quantity};
-pub use robot::{Options, robot_program};
-pub use rust::RustOptions;
-pub use text::DEFAULT_LIMIT;
-pub use text::name_from;
+pub use names::name_from;
+pub use program::{Program, ProgramArgument, ProgramResult, RecordedResult};
+pub use record::{Expr, ExprMask, Id, Node, OPERATIONS_PER_STEP};
+pub use robot::{
+    Coordinates, ProgramOptions, Quantity, REGULAR, RobotQuantity, Shape, guarded_program, parameter_names,
+    parameter_values, robot_program,
+};

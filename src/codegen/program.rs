@@ -1,30 +1,26 @@
-//! A recorded computation, ready to be evaluated, written down or compiled.
+//! A recorded computation, ready to be evaluated, written as source text, or compiled.
 
 use super::error::CodegenError;
-use super::expr::Expr;
-use super::lower::{Graph, lower};
-use super::node::{Id, Node};
-use super::order;
-use super::recording::record;
-use super::text::check_names;
-use crate::error::check_length;
-use crate::scalar::{Operations, Scalar};
+use super::names::check_names;
+use super::record::{Expr, Id, Node, RecordingLimit, record};
+use super::simplify::{Graph, simplify};
+use crate::scalar::Operations;
 use std::collections::HashSet;
 
 /// One argument of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Argument {
+pub struct ProgramArgument {
     /// Its name, an identifier.
     pub name: String,
     /// Number of its entries.
     pub entries: usize,
-    /// What it is, with units; one line, may be empty.
+    /// Its meaning, with units; one line, may be empty.
     pub meaning: String,
 }
 
 /// One result of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Outcome {
+pub struct ProgramResult {
     /// Its name, an identifier.
     pub name: String,
     /// Number of rows.
@@ -33,11 +29,11 @@ pub struct Outcome {
     pub columns: usize,
     /// The nodes that hold its entries, row by row.
     pub entries: Vec<Id>,
-    /// What it is, with units; one line, may be empty.
+    /// Its meaning, with units; one line, may be empty.
     pub meaning: String,
 }
 
-/// A computation as a list of steps on numbers, without branch or loop: results from arguments.
+/// A computation as a list of steps on numbers, without branches or loops: results from arguments.
 ///
 /// ```
 /// use costate::codegen::Program;
@@ -57,9 +53,9 @@ pub struct Outcome {
 pub struct Program {
     name: String,
     notes: Vec<String>,
-    arguments: Vec<Argument>,
+    arguments: Vec<ProgramArgument>,
     nodes: Vec<Node>,
-    results: Vec<Outcome>,
+    results: Vec<ProgramResult>,
 }
 
 /// A result as a recorded function returns it: name, rows, columns and entries, row by row.
@@ -70,7 +66,8 @@ impl Program {
     ///
     /// # Errors
     /// [`CodegenError::Foreign`] and [`CodegenError::Branch`] for a function that cannot be recorded,
-    /// [`CodegenError::Shape`] and [`CodegenError::Name`] for results that are not as they should be.
+    /// [`CodegenError::Shape`] and [`CodegenError::Name`] for results with a wrong number of entries or an
+    /// unusable name.
     pub fn record(
         name: &str,
         arguments: &[(&str, usize)],
@@ -82,49 +79,62 @@ impl Program {
     /// As [`record`](Self::record), for a function that may fail.
     ///
     /// # Errors
-    /// That of the function, and those of [`record`](Self::record).
+    /// Those of the function and of [`record`](Self::record).
     pub fn try_record(
         name: &str,
         arguments: &[(&str, usize)],
         function: impl FnOnce(&[Vec<Expr>]) -> Result<Vec<RecordedResult>, CodegenError>,
     ) -> Result<Self, CodegenError> {
+        Self::try_record_within(name, arguments, usize::MAX, function)
+    }
+
+    /// As [`try_record`](Self::try_record), for a program of at most `limit` steps.
+    ///
+    /// The recording stops after [`OPERATIONS_PER_STEP`] operations for each step of the limit, so its memory
+    /// is bounded. The function then runs to its end without recording.
+    ///
+    /// # Errors
+    /// Those of [`try_record`](Self::try_record); [`CodegenError::LongRecording`] where the recording was
+    /// stopped,
+    /// [`CodegenError::TooLarge`] where the program is longer than the limit.
+    pub fn try_record_within(
+        name: &str,
+        arguments: &[(&str, usize)],
+        limit: usize,
+        function: impl FnOnce(&[Vec<Expr>]) -> Result<Vec<RecordedResult>, CodegenError>,
+    ) -> Result<Self, CodegenError> {
         let inputs = arguments.iter().map(|(_, entries)| entries).sum();
-        let (outcome, (nodes, entries)) = record(inputs, |expressions| {
-            let mut rest = expressions;
-            let mut split = Vec::new();
-            for &(_, entries) in arguments {
-                let (argument, more) = rest.split_at(entries);
-                split.push(argument.to_vec());
-                rest = more;
-            }
-            match function(&split) {
+        let limited = RecordingLimit { name, steps: limit };
+        let (outcome, (nodes, entries)) =
+            record(inputs, limited, |expressions| match function(&split(expressions, arguments)) {
                 Ok(results) => {
                     let entries = results.iter().flat_map(|(.., entries)| entries.iter().copied()).collect();
                     (Ok(results), entries)
                 }
                 Err(error) => (Err(error), Vec::new()),
-            }
-        })?;
+            })?;
         let results = outcome?;
-        let Graph { nodes, results: ids } = order::few_waiting(&lower(nodes, &entries));
-        let mut ids = ids.into_iter();
-        let outcomes = results.into_iter().map(|(name, rows, columns, entries)| {
-            let found = entries.len();
-            if found != rows * columns {
-                return Err(CodegenError::Shape { name, rows, columns, found });
-            }
-            let entries = ids.by_ref().take(found).collect();
-            Ok(Outcome { name, rows, columns, entries, meaning: String::new() })
-        });
-        let results: Vec<Outcome> = outcomes.collect::<Result<_, _>>()?;
-        let argument = |&(name, entries): &(&str, usize)| {
-            let (name, meaning) = (String::from(name), String::new());
-            Argument { name, entries, meaning }
+        let Graph { nodes, results: ids } = simplify(&nodes, &entries);
+        let program = Self {
+            name: name.into(),
+            notes: Vec::new(),
+            arguments: arguments.iter().map(|&(name, entries)| ProgramArgument::new(name, entries)).collect(),
+            nodes,
+            results: shaped(results, ids)?,
         };
-        let arguments: Vec<Argument> = arguments.iter().map(argument).collect();
-        let names = arguments.iter().map(|argument| &argument.name);
-        check_names(name, names.chain(results.iter().map(|result| &result.name)))?;
-        Ok(Self { name: name.into(), notes: Vec::new(), arguments, nodes, results })
+        let names = program.arguments.iter().map(|argument| &argument.name);
+        check_names(name, names.chain(program.results.iter().map(|result| &result.name)))?;
+        program.check_limit(limit)?;
+        Ok(program)
+    }
+
+    /// Refuses a program of more steps than the limit.
+    pub(super) fn check_limit(&self, limit: usize) -> Result<(), CodegenError> {
+        let steps = self.steps();
+        if steps <= limit {
+            return Ok(());
+        }
+        Err(CodegenError::TooLarge { name: self.name.clone(), steps, limit })
     }
 
     /// Its name, an identifier.
@@ -132,7 +142,7 @@ impl Program {
         &self.name
     }
 
-    /// Lines about it for the head of generated code.
+    /// Lines about it that the head of generated code begins with.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -157,7 +167,7 @@ impl Program {
     }
 
     /// Its arguments.
-    pub fn arguments(&self) -> &[Argument] {
+    pub fn arguments(&self) -> &[ProgramArgument] {
         &self.arguments
     }
 
@@ -167,7 +177,7 @@ impl Program {
     }
 
     /// Its results.
-    pub fn results(&self) -> &[Outcome] {
+    pub fn results(&self) -> &[ProgramResult] {
         &self.results
     }
 
@@ -181,12 +191,13 @@ impl Program {
         self.results.iter().map(|result| result.entries.len()).sum()
     }
 
-    /// Number of steps, constants and inputs left out: what code that is generated from it is as long as.
+    /// Number of steps without constants and inputs: the length of generated code is in proportion.
     pub fn steps(&self) -> usize {
         self.nodes.iter().filter(|node| !node.is_leaf()).count()
     }
 
-    /// Operations of one evaluation, each product once; one that is joined with a sum is a product and a sum.
+    /// Operations of one evaluation, each product once; a product joined with a sum counts as a product and a
+    /// sum.
     pub fn operations(&self) -> Operations {
         let mut o = Operations::default();
         let mut joined = HashSet::new();
@@ -210,56 +221,35 @@ impl Program {
         o.sincos = angles.iter().filter(|angle| **angle).count() as u64;
         o
     }
+}
 
-    /// Evaluates it step by step: all arguments one after the other, all results likewise, each row by row.
-    ///
-    /// Slow beside generated code, and its judge. `work` is resized to the number of nodes; nothing else is allocated.
-    ///
-    /// # Errors
-    /// [`EvalError::WrongLength`](crate::EvalError::WrongLength), as [`CodegenError::Eval`].
-    pub fn evaluate<S: Scalar>(
-        &self,
-        inputs: &[S],
-        outputs: &mut [S],
-        work: &mut Vec<S>,
-    ) -> Result<(), CodegenError> {
-        check_length("inputs", inputs, self.inputs())?;
-        check_length("outputs", outputs, self.outputs())?;
-        work.clear();
-        for node in &self.nodes {
-            let value = self.step(*node, inputs, work);
-            work.push(value);
-        }
-        let entries = self.results.iter().flat_map(|result| &result.entries);
-        outputs.iter_mut().zip(entries).for_each(|(output, id)| *output = work[id.index()]);
-        Ok(())
+impl ProgramArgument {
+    fn new(name: &str, entries: usize) -> Self {
+        Self { name: name.into(), entries, meaning: String::new() }
     }
+}
 
-    /// The value of one step.
-    fn step<S: Scalar>(&self, node: Node, inputs: &[S], work: &[S]) -> S {
-        let of = |id: Id| work[id.index()];
-        match node {
-            Node::Constant(value) => S::from_f64(value),
-            Node::Input(k) => inputs[k as usize],
-            Node::Neg(a) => -of(a),
-            Node::Add(a, b) => of(a) + of(b),
-            Node::Sub(a, b) => of(a) - of(b),
-            Node::Mul(a, b) => of(a) * of(b),
-            Node::Div(a, b) => of(a) / of(b),
-            Node::MulAdd(a, b, c) => of(a).mul_add(of(b), of(c)),
-            Node::MulSub(a, b, c) => of(a).mul_add(of(b), -of(c)),
-            Node::NegMulAdd(a, b, c) => (-of(a)).mul_add(of(b), of(c)),
-            Node::Sqrt(a) => of(a).sqrt(),
-            Node::Sin(a) => of(a).sin_cos().0,
-            Node::Cos(a) => of(a).sin_cos().1,
-            Node::Exp(a) => of(a).exp(),
-            Node::ExpM1(a) => of(a).exp_m1(),
-            // Its truth value is found where it is used.
-            Node::Less(..) => S::zero(),
-            Node::Select(mask, a, b) => match self.nodes[mask.index()] {
-                Node::Less(x, y) => S::select(of(x).less(of(y)), of(a), of(b)),
-                _ => of(b),
-            },
+/// The entries of each argument.
+fn split(entries: &[Expr], arguments: &[(&str, usize)]) -> Vec<Vec<Expr>> {
+    let mut rest = entries;
+    let part = |&(_, entries): &(&str, usize)| {
+        let (part, more) = rest.split_at(entries);
+        rest = more;
+        part.to_vec()
+    };
+    arguments.iter().map(part).collect()
+}
+
+/// Results whose entries are in these nodes, one result after the other.
+fn shaped(results: Vec<RecordedResult>, ids: Vec<Id>) -> Result<Vec<ProgramResult>, CodegenError> {
+    let mut ids = ids.into_iter();
+    let shaped = results.into_iter().map(|(name, rows, columns, entries)| {
+        let found = entries.len();
+        if found != rows * columns {
+            return Err(CodegenError::Shape { name, rows, columns, found });
         }
-    }
+        let entries = ids.by_ref().take(found).collect();
+        Ok(ProgramResult { name, rows, columns, entries, meaning: String::new() })
+    });
+    shaped.collect()
 }

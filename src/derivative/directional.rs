@@ -3,8 +3,9 @@
 use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::scalar::Scalar;
 use num_dual::Dual;
+use std::fmt;
 
-/// Computes `f(x)` and `f_x d`; no call allocates but what the function itself does.
+/// Computes `f(x)` and `f_x d`; calls allocate only if the function does.
 ///
 /// `T`: as for [`Jacobian`](super::Jacobian).
 pub struct Directional<F: Function, T: InnerNumber = f64> {
@@ -14,6 +15,16 @@ pub struct Directional<F: Function, T: InnerNumber = f64> {
     y: Vec<Dual<T>>,
     value: Vec<T>,
     derivative: Vec<T>,
+}
+
+impl<F: Function, T: InnerNumber> fmt::Debug for Directional<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Directional")
+            .field("inputs", &self.x.len())
+            .field("value", &self.value)
+            .field("derivative", &self.derivative)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Value and derivative along one direction; borrowed from the workspace.

@@ -1,4 +1,4 @@
-//! Forward dynamics as a function to differentiate.
+//! Forward dynamics as a function for automatic differentiation.
 
 use super::function::Function;
 use crate::error::{EvalError, check_length};

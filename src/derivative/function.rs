@@ -1,12 +1,13 @@
-//! What can be differentiated.
+//! Functions for automatic differentiation.
 
+use crate::error::LengthError;
 use crate::scalar::Scalar;
 use num_dual::DualNum;
 
 /// A function from n to m numbers, written once for any [`Scalar`].
 ///
-/// The workspace is what the function needs besides its arguments; `()` if nothing. It is built once for each
-/// scalar type, so that a function with buffers does not allocate when it is evaluated.
+/// The workspace holds the buffers of the function; `()` if it needs none. It is built once for each scalar
+/// type, so that a function with buffers does not allocate when it is evaluated.
 ///
 /// ```
 /// use costate::derivative::{Function, Hessian, Jacobian};
@@ -40,7 +41,7 @@ use num_dual::DualNum;
 pub trait Function {
     /// Buffers for one scalar type.
     type Workspace<S: Scalar>;
-    /// Why an evaluation may fail.
+    /// The error of an evaluation.
     type Error: std::error::Error;
 
     /// Number of inputs, n.
@@ -55,7 +56,7 @@ pub trait Function {
     /// Evaluates the m outputs `y` at the n inputs `x`.
     ///
     /// # Errors
-    /// Whatever the function has to say.
+    /// The function's own error.
     fn evaluate<S: Scalar>(
         &self,
         workspace: &mut Self::Workspace<S>,
@@ -64,30 +65,25 @@ pub trait Function {
     ) -> Result<(), Self::Error>;
 }
 
-/// A number that dual numbers can be made of: `f64`, `f32`, [`Count`](crate::scalar::Count), dual numbers themselves.
+/// A number that can be the component type of dual numbers: `f64`, `f32`, [`Count`](crate::scalar::Count),
+/// dual numbers themselves.
 pub trait InnerNumber: DualNum + Scalar<Mask = bool> {}
 
 impl<T: DualNum + Scalar<Mask = bool>> InnerNumber for T {}
 
-/// Why a derivative was not computed.
+/// Why a derivative could not be computed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DerivativeError<E: std::error::Error> {
-    /// An argument of the wrong length.
-    #[error("{what} has {found} entries, not {expected}")]
-    WrongLength {
-        /// The argument.
-        what: &'static str,
-        /// Length it must have.
-        expected: usize,
-        /// Length it has.
-        found: usize,
-    },
-    /// An argument with an infinite or undefined entry.
-    #[error("{what}[{index}] is not finite; check what produced it")]
+    /// An argument has the wrong length.
+    #[error(transparent)]
+    WrongLength(LengthError),
+    /// An argument has an entry that is infinite or not a number.
+    #[error("{what}[{index}] is not finite; check the computation that produced it")]
     NonFinite {
         /// The argument.
         what: &'static str,
-        /// Position of the entry, from 0.
+        /// Index of the entry, from 0.
         index: usize,
     },
     /// The function itself failed.
@@ -101,8 +97,5 @@ pub(crate) fn check_length<T, E: std::error::Error>(
     slice: &[T],
     expected: usize,
 ) -> Result<(), DerivativeError<E>> {
-    if slice.len() == expected {
-        return Ok(());
-    }
-    Err(DerivativeError::WrongLength { what, expected, found: slice.len() })
+    LengthError::check(what, expected, slice.len()).map_err(DerivativeError::WrongLength)
 }

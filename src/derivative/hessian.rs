@@ -4,6 +4,7 @@ use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 use num_dual::HyperDual;
+use std::fmt;
 
 /// Computes `f(x)`, `f_x` and all second derivatives by one hyper-dual evaluation for each pair i <= j.
 ///
@@ -18,6 +19,17 @@ pub struct Hessian<F: Function, T: InnerNumber = f64> {
     /// Row k: the pairs (i, j), i <= j, of output k at `j (j + 1) / 2 + i`.
     tensor: Matrix<T>,
     contracted: Matrix<T>,
+}
+
+impl<F: Function, T: InnerNumber> fmt::Debug for Hessian<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Hessian")
+            .field("inputs", &self.x.len())
+            .field("value", &self.value)
+            .field("jacobian", &self.jacobian)
+            .field("contracted", &self.contracted)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Value, Jacobian and second derivatives at one point; borrowed from the workspace.
@@ -105,7 +117,8 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
         Ok(SecondDerivatives { value: &self.value, jacobian: &self.jacobian, tensor: &self.tensor })
     }
 
-    /// `sum_k y_k d2 f_k / dx dx` (n x n) at x (n) for the weights y (m); for one output and y = 1 its Hessian.
+    /// `sum_k y_k d2 f_k / dx dx` (n x n) at x (n) for the weights y (m); for one output and y = 1 its
+    /// Hessian.
     ///
     /// # Errors
     /// A wrong length, or the function's own error.
@@ -122,7 +135,7 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
         Ok(&self.contracted)
     }
 
-    /// The contracted matrix of the last call of [`contracted`](Self::contracted).
+    /// The matrix of the last call of [`contract`](Self::contract).
     pub fn last_contraction(&self) -> &Matrix<T> {
         &self.contracted
     }

@@ -5,11 +5,12 @@ use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 use num_dual::DualSVec;
+use std::fmt;
 
-/// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; no call allocates but what the function does.
+/// Computes `f(x)` and `f_x` by dual numbers with `C` derivatives; calls allocate only if the function does.
 ///
-/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is that of it. The numbers that values and
-/// derivatives are made of are `T`: `f64` where nothing else is said.
+/// For a function with one output, [`gradient`](FirstDerivatives::gradient) is its gradient. Values and
+/// derivatives have the type `T`, `f64` by default.
 pub struct Jacobian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     function: F,
     workspace: F::Workspace<DualSVec<T, C>>,
@@ -17,6 +18,16 @@ pub struct Jacobian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     y: Vec<DualSVec<T, C>>,
     value: Vec<T>,
     jacobian: Matrix<T>,
+}
+
+impl<F: Function, const C: usize, T: InnerNumber> fmt::Debug for Jacobian<F, C, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Jacobian")
+            .field("inputs", &self.x.len())
+            .field("value", &self.value)
+            .field("jacobian", &self.jacobian)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Value and Jacobian at one point; borrowed from the workspace.
@@ -29,7 +40,7 @@ pub struct FirstDerivatives<'a, T = f64> {
 }
 
 impl<'a, T: Scalar> FirstDerivatives<'a, T> {
-    /// `df_0/dx_j`, n: the gradient of the first, for a function with one output of the only one.
+    /// `df_0/dx_j`, n: the gradient of the first output.
     pub fn gradient(&self) -> &'a [T] {
         self.jacobian.row(0)
     }

@@ -7,9 +7,10 @@
 //! | [`Hessian`], contracted or whole | hyper-dual numbers, pairs i <= j | n (n + 1) / 2 |
 //! | [`NestedHessian`], contracted | dual numbers in dual numbers | n times n / C |
 //!
-//! Values and derivatives are `f64`, or any other [`InnerNumber`] by `over` in place of `new`. [`Routes`] compares the
-//! library's own derivatives with these, [`OperationTable`] counts the operations of each.
+//! Values and derivatives are `f64`, or with `over` in place of `new` any other [`InnerNumber`]. [`Routes`]
+//! compares the library's analytic derivatives with these, and [`OperationTable`] counts their operations.
 
+mod called;
 mod directional;
 mod forward_dynamics;
 mod function;
@@ -25,6 +26,7 @@ mod rounded;
 mod routes;
 mod row;
 
+pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
 pub(crate) use function::check_length;
@@ -42,7 +44,7 @@ pub(crate) use routes::scales;
 pub use row::SAFETY;
 pub(crate) use row::{Judged, Row};
 
-/// Number of derivatives that a dual number carries at once where nobody says otherwise.
+/// Number of derivatives that a dual number carries at once by default.
 ///
-/// Of 1, 2, 4, 6, 8, 12 the fastest or not far from it for robots of 6, 7 and 12 joints: see `docs/times.md`.
+/// Of 1, 2, 4, 6, 8 and 12, the fastest or close to it for robots of 6, 7 and 12 joints: see `docs/times.md`.
 pub const CHUNK: usize = 8;

@@ -5,17 +5,28 @@ use super::function::{DerivativeError, Function, InnerNumber, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 use num_dual::{Dual, DualSVec};
+use std::fmt;
 
 /// Computes `sum_k y_k d2 f_k / dx dx` by differentiating the dual-number Jacobian with dual numbers.
 ///
-/// The outer number carries direction i, the inner one `C` directions j. Each entry is computed in both orders, so
-/// the result is symmetric only up to rounding: a judge of symmetry too. `T`: as for [`Jacobian`](super::Jacobian).
+/// The outer number carries direction i, the inner one `C` directions j. Each entry is computed in both
+/// orders, so the result is symmetric only up to rounding, which also tests the symmetry. `T`: as for
+/// [`Jacobian`](super::Jacobian).
 pub struct NestedHessian<F: Function, const C: usize = CHUNK, T: InnerNumber = f64> {
     function: F,
     workspace: F::Workspace<Dual<DualSVec<T, C>>>,
     x: Vec<Dual<DualSVec<T, C>>>,
     y: Vec<Dual<DualSVec<T, C>>>,
     contracted: Matrix<T>,
+}
+
+impl<F: Function, const C: usize, T: InnerNumber> fmt::Debug for NestedHessian<F, C, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("NestedHessian")
+            .field("inputs", &self.x.len())
+            .field("contracted", &self.contracted)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<F: Function> NestedHessian<F> {

@@ -3,6 +3,7 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
 
+use super::called::ByCalls;
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
@@ -240,7 +241,7 @@ fn automatic(
     constants: Constants,
     State { x, y, .. }: &State,
 ) -> Result<[[Operations; 2]; 2], DerivativeError<EvalError>> {
-    let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]);
+    let function = || ByCalls(PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]));
     let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
     let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
     let mut hessian = Hessian::<_, Count>::over(function());

@@ -1,4 +1,4 @@
-//! The state equation as a function to differentiate.
+//! The state equation as a function for automatic differentiation.
 
 use super::function::Function;
 use crate::error::{EvalError, check_length};
@@ -21,6 +21,7 @@ impl PhaseVelocity {
     }
 
     /// The same under the actuation u (N m, N), length n.
+    #[must_use]
     pub fn under(mut self, u: &[f64]) -> Self {
         self.u = u.to_vec();
         self

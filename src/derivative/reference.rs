@@ -3,6 +3,7 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
 
+use super::called::{ByCalls, Called};
 use super::function::{DerivativeError, Function};
 use super::methods::State;
 use super::rounded::Rounded;
@@ -62,19 +63,19 @@ impl Function for TotalEnergy {
 
 /// By num-dual's numbers.
 pub(super) struct NumDual {
-    dual: Jacobian<PhaseVelocity>,
-    nested: NestedHessian<PhaseVelocity>,
-    hyperdual: Hessian<PhaseVelocity>,
-    dual_a: Jacobian<ForwardDynamics>,
-    nested_a: NestedHessian<ForwardDynamics>,
-    hyperdual_a: Hessian<ForwardDynamics>,
-    energy: Jacobian<TotalEnergy>,
+    dual: Jacobian<ByCalls<PhaseVelocity>>,
+    nested: NestedHessian<ByCalls<PhaseVelocity>>,
+    hyperdual: Hessian<ByCalls<PhaseVelocity>>,
+    dual_a: Jacobian<ByCalls<ForwardDynamics>>,
+    nested_a: NestedHessian<ByCalls<ForwardDynamics>>,
+    hyperdual_a: Hessian<ByCalls<ForwardDynamics>>,
+    energy: Jacobian<ByCalls<TotalEnergy>>,
 }
 
 impl NumDual {
     #[inline]
     pub fn new(robot: &Robot) -> Self {
-        let (f, a) = (|| PhaseVelocity::new(robot), || ForwardDynamics::new(robot));
+        let (f, a) = (|| ByCalls(PhaseVelocity::new(robot)), || ByCalls(ForwardDynamics::new(robot)));
         Self {
             dual: Jacobian::new(f()),
             nested: NestedHessian::new(f()),
@@ -82,7 +83,7 @@ impl NumDual {
             dual_a: Jacobian::new(a()),
             nested_a: NestedHessian::new(a()),
             hyperdual_a: Hessian::new(a()),
-            energy: Jacobian::new(TotalEnergy(robot.without_friction())),
+            energy: Jacobian::new(ByCalls(TotalEnergy(robot.without_friction()))),
         }
     }
 
@@ -92,7 +93,7 @@ impl NumDual {
         let (z, y_p) = (&state.z()[..], &y[u.len()..]);
         for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
         {
-            function.u.copy_from_slice(u);
+            function.0.u.copy_from_slice(u);
         }
         Ok(Reference {
             y_f_xx: self.hyperdual.contract(x, y)?.clone(),
@@ -113,17 +114,17 @@ pub(crate) type RoundedPair = Tangent<Tangent<Rounded>>;
 
 /// By tangents of tangents.
 pub(super) struct Tangents {
-    f: Pairs<PhaseVelocity>,
-    a: Pairs<ForwardDynamics>,
-    energy: Hamiltonian<Tangent<Rounded>>,
+    f: Pairs<ByCalls<PhaseVelocity>>,
+    a: Pairs<ByCalls<ForwardDynamics>>,
+    energy: Hamiltonian<Called<Tangent<Rounded>>>,
 }
 
 impl Tangents {
     #[inline]
     pub fn new(robot: &Robot) -> Self {
         Self {
-            f: Pairs::new(PhaseVelocity::new(robot)),
-            a: Pairs::new(ForwardDynamics::new(robot)),
+            f: Pairs::new(ByCalls(PhaseVelocity::new(robot))),
+            a: Pairs::new(ByCalls(ForwardDynamics::new(robot))),
             energy: Hamiltonian::new(&robot.without_friction()),
         }
     }
@@ -133,15 +134,15 @@ impl Tangents {
     pub fn evaluate(&mut self, state: &State<f64>) -> Result<Reference<Rounded>, EvalError> {
         let State { x, u, y, .. } = state;
         let n = u.len();
-        self.f.function.u.copy_from_slice(u);
+        self.f.function.0.u.copy_from_slice(u);
         let (f_x, y_f_xx) = self.f.evaluate(x, y)?;
         let (a_z, y_a_zz) = self.a.evaluate(&state.z(), &y[n..])?;
-        let mut z: Vec<_> = x.iter().map(|&x| Tangent::<Rounded>::from_f64(x)).collect();
+        let mut z: Vec<_> = x.iter().map(|&x| Called::<Tangent<Rounded>>::from_f64(x)).collect();
         let mut energy_gradient = Vec::with_capacity(2 * n);
         for j in 0..2 * n {
-            z[j].eps = Rounded::one();
-            energy_gradient.push(self.energy.hamiltonian(&z[..n], &z[n..])?.eps);
-            z[j].eps = Rounded::zero();
+            z[j].0.eps = Rounded::one();
+            energy_gradient.push(self.energy.hamiltonian(&z[..n], &z[n..])?.0.eps);
+            z[j].0.eps = Rounded::zero();
         }
         Ok(Reference {
             dual_f_x: f_x.clone(),

@@ -57,6 +57,7 @@ impl Rounded {
 
 impl Add for Rounded {
     type Output = Self;
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         if self.is(0.0) {
             return other;
@@ -70,6 +71,7 @@ impl Add for Rounded {
 
 impl Sub for Rounded {
     type Output = Self;
+    #[inline(never)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -84,6 +86,7 @@ impl Neg for Rounded {
 
 impl Mul for Rounded {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let (a, b) = (self.value, other.value);
         if self.is(0.0) || other.is(0.0) {
@@ -108,18 +111,21 @@ impl Div for Rounded {
 }
 
 impl AddAssign for Rounded {
+    #[inline(never)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
 impl SubAssign for Rounded {
+    #[inline(never)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
 impl MulAssign for Rounded {
+    #[inline(never)]
     fn mul_assign(&mut self, other: Self) {
         *self = *self * other;
     }
@@ -135,6 +141,7 @@ impl Scalar for Rounded {
         Self::exact(value)
     }
     /// Constants of the model are rounded themselves: other methods start from other ones.
+    #[inline(never)]
     fn times(self, factor: f64) -> Self {
         let factor = match factor {
             0.0 | 1.0 | -1.0 | 0.5 | 2.0 | -2.0 => Self::exact(factor),
@@ -142,9 +149,11 @@ impl Scalar for Rounded {
         };
         self * factor
     }
+    #[inline(never)]
     fn plus(self, term: f64) -> Self {
         self + Self::new(term, term)
     }
+    #[inline(never)]
     fn recip(self) -> Self {
         let value = self.value.recip();
         self.through(value, value * value)
@@ -153,6 +162,7 @@ impl Scalar for Rounded {
         let value = self.value.sqrt();
         self.through(value, 0.5 / value)
     }
+    #[inline(never)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         (self.through(sin, cos), self.through(cos, sin))
@@ -164,6 +174,7 @@ impl Scalar for Rounded {
     fn exp_m1(self) -> Self {
         self.through(self.value.exp_m1(), self.value.exp())
     }
+    #[inline(never)]
     fn tanh_and_slope(self) -> (Self, Self) {
         let (tanh, slope) = self.value.tanh_and_slope();
         (self.through(tanh, slope), self.through(slope, 2.0 * tanh * slope))

@@ -13,6 +13,7 @@ use crate::error::EvalError;
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, SymmetricEigen};
+use std::fmt;
 
 /// Compares all methods for the derivatives of one robot's state equations. The reference are hyper-dual numbers through
 /// F and the acceleration a.
@@ -49,6 +50,12 @@ pub struct Routes {
     reference: NumDual,
     rounded_methods: Methods<Rounded>,
     rounded_reference: Tangents,
+}
+
+impl fmt::Debug for Routes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Routes").field("dof", &self.methods.conservative.dof()).finish_non_exhaustive()
+    }
 }
 
 impl Routes {

@@ -1,11 +1,13 @@
-//! Any function generic over the scalar as a model, by automatic differentiation.
+//! Any function generic over the scalar as a model, differentiated automatically.
 
 use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::derivative::{CHUNK, DerivativeError, Function, Hessian, InnerNumber, Jacobian, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
+use std::fmt;
 
-/// `dx/dt = f(x, u)` of a function of the states and controls, one after the other, with as many outputs as states.
+/// `dx/dt = f(x, u)` of a function of the states and controls, one after the other, with as many outputs as
+/// states.
 ///
 /// f_x and f_u by dual numbers, y'f_xx, y'f_ux and y'f_uu by hyper-dual numbers. `T`: as for [`Jacobian`].
 ///
@@ -45,7 +47,16 @@ pub struct Automatic<F: Function, T: InnerNumber = f64> {
     f_u: Matrix<T>,
 }
 
-/// What every automatic model has in common: values and Hessians of a function of (x, u).
+impl<F: Function, T: InnerNumber> fmt::Debug for Automatic<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Automatic")
+            .field("states", &self.parts.states())
+            .field("controls", &self.parts.controls())
+            .finish_non_exhaustive()
+    }
+}
+
+/// The common part of automatic models and costs: values and Hessians of a function of (x, u).
 pub(super) struct Parts<F: Function, T: InnerNumber> {
     function: F,
     workspace: F::Workspace<T>,
@@ -94,7 +105,7 @@ impl<F: Function, T: InnerNumber> Parts<F, T> {
         Ok(())
     }
 
-    /// `y` belongs to the outputs.
+    /// `y` must be as long as the outputs.
     pub fn check_costate(&self, y: &[T]) -> Result<(), DerivativeError<F::Error>> {
         check_length("y", y, self.value.len())?;
         check_finite("y", y)
@@ -132,7 +143,7 @@ fn check_finite<T: InnerNumber, E: std::error::Error>(
 }
 
 impl<F: Function + Clone, T: InnerNumber> Automatic<F, T> {
-    /// The model of a function with as many states as it has outputs; what inputs there are beyond are controls.
+    /// The model of a function: as many states as outputs; all further inputs are controls.
     ///
     /// # Panics
     /// If the function has fewer inputs than outputs.

@@ -1,9 +1,10 @@
-//! Any function with one output as a cost, by automatic differentiation.
+//! Any function with one output as a cost, differentiated automatically.
 
 use super::automatic::Parts;
 use super::{Cost, CostGradient, CostHessian};
 use crate::derivative::{CHUNK, DerivativeError, Function, InnerNumber, Jacobian};
 use crate::scalar::Scalar;
+use std::fmt;
 
 /// The first output of a function of the states and controls, one after the other, as a cost.
 ///
@@ -43,8 +44,17 @@ pub struct AutomaticCost<F: Function, T: InnerNumber = f64> {
     one: Vec<T>,
 }
 
+impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticCost<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AutomaticCost")
+            .field("states", &self.parts.states())
+            .field("controls", &self.parts.controls())
+            .finish_non_exhaustive()
+    }
+}
+
 impl<F: Function + Clone, T: InnerNumber> AutomaticCost<F, T> {
-    /// A cost of so many states; what inputs there are beyond are controls.
+    /// A running cost with so many states; all further inputs are controls.
     ///
     /// # Panics
     /// If the function has fewer inputs than states, or no output.
@@ -57,7 +67,7 @@ impl<F: Function + Clone, T: InnerNumber> AutomaticCost<F, T> {
         Self { jacobian: Jacobian::over(function.clone()), parts: Parts::new(function, states), one }
     }
 
-    /// A cost of states alone.
+    /// A terminal cost: a function of the states alone.
     ///
     /// # Panics
     /// If the function has no output.

@@ -1,13 +1,14 @@
-//! Costs: what an optimiser makes small.
+//! Costs, which an optimiser minimises.
 
 use crate::matrix::Block;
 use crate::scalar::Scalar;
 
-/// A cost l(x, u) with its first two derivatives: running with controls, terminal without (`controls() == 0`, u = `&[]`).
+/// A cost l(x, u) with its first two derivatives: running with controls, terminal without (`controls() == 0`,
+/// u = `&[]`).
 ///
-/// A workspace, as [`Dynamics`](super::Dynamics).
+/// A workspace, like [`Dynamics`](super::Dynamics).
 pub trait Cost<S: Scalar> {
-    /// Why an evaluation may fail.
+    /// The error of an evaluation.
     type Error: std::error::Error + 'static;
 
     /// Length of x.
@@ -19,7 +20,7 @@ pub trait Cost<S: Scalar> {
     /// l(x, u).
     ///
     /// # Errors
-    /// A wrong length, or whatever the cost has to say.
+    /// A wrong length, or the cost's own error.
     fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<S, Self::Error>;
 
     /// l, l_x and l_u.
@@ -35,7 +36,7 @@ pub trait Cost<S: Scalar> {
     fn hessian(&mut self, x: &[S], u: &[S]) -> Result<CostHessian<'_, S>, Self::Error>;
 }
 
-/// A cost that is lent.
+/// A borrowed cost is a cost.
 impl<S: Scalar, C: Cost<S>> Cost<S> for &mut C {
     type Error = C::Error;
 
@@ -78,7 +79,7 @@ pub struct CostHessian<'a, S> {
     pub gradient: CostGradient<'a, S>,
     /// d2l/dx dx, states x states, symmetric.
     pub xx: Block<'a, S>,
-    /// d2l/du dx, controls x states; `None` where it is zero whatever the state.
+    /// d2l/du dx, controls x states; `None` if it is zero at every state.
     pub ux: Option<Block<'a, S>>,
     /// d2l/du du, controls x controls, symmetric.
     pub uu: Block<'a, S>,

@@ -1,16 +1,17 @@
-//! What a second-order optimiser asks of a model: values, linearisations and costate-contracted Hessians.
+//! The interface of a second-order optimiser: values, linearisations and costate-contracted Hessians of
+//! models and costs.
 //!
-//! [`Dynamics`] is the continuous model dx/dt = f(x, u), [`Step`](crate::step::Step) one step of it in time,
-//! [`Cost`] what is to be small along the way and at the end. An optimiser written against these three runs on every
-//! robot in both coordinate systems, and on whatever its user writes generically over the scalar:
+//! [`Dynamics`] is the continuous model dx/dt = f(x, u), [`Step`](crate::step::Step) one time step of it,
+//! [`Cost`] a running or terminal cost. An optimiser written against these three traits works with every
+//! robot in both coordinate systems, and with any function generic over the scalar:
 //!
 //! | implementation | of | derivatives |
 //! |---|---|---|
-//! | [`hamiltonian::HamiltonianSecondOrder`](crate::hamiltonian::HamiltonianSecondOrder) | [`Dynamics`], x = (q, p) | by hand |
-//! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | by hand, one dual pass |
-//! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | by hand, one dual pass |
+//! | [`hamiltonian::HamiltonianSecondOrder`](crate::hamiltonian::HamiltonianSecondOrder) | [`Dynamics`], x = (q, p) | analytic |
+//! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | analytic, one dual pass |
+//! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | analytic, one dual pass |
 //! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
-//! | [`QuadraticCost`] | [`Cost`] | by hand |
+//! | [`QuadraticCost`] | [`Cost`] | analytic |
 //! | [`AutomaticCost`] | [`Cost`] of any function of (x, u) with one output | automatic |
 //! | everything in [`step`](crate::step) | [`Step`](crate::step::Step) over any [`Dynamics`] | from those of the model |
 
@@ -30,10 +31,10 @@ use crate::scalar::Scalar;
 
 /// A model dx/dt = f(x, u) with its first two derivatives.
 ///
-/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, a costate, as many as x. A workspace:
-/// evaluation writes into it, results are borrowed from it, no call allocates.
+/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, a costate, as many as x. An
+/// implementation is a workspace: results are borrowed from it, and no call allocates.
 pub trait Dynamics<S: Scalar> {
-    /// Why an evaluation may fail.
+    /// The error of an evaluation.
     type Error: std::error::Error + 'static;
 
     /// Length of x.
@@ -42,13 +43,13 @@ pub trait Dynamics<S: Scalar> {
     /// Length of u.
     fn controls(&self) -> usize;
 
-    /// What is constant or zero in every state.
+    /// The derivatives that are constant or zero at every state.
     fn structure(&self) -> Structure;
 
     /// f(x, u).
     ///
     /// # Errors
-    /// A wrong length, or whatever the model has to say.
+    /// A wrong length, or the model's own error.
     fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], Self::Error>;
 
     /// f, f_x and f_u.
@@ -63,7 +64,8 @@ pub trait Dynamics<S: Scalar> {
     /// As [`evaluate`](Self::evaluate).
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, Self::Error>;
 
-    /// y'f_x and y'f_u, as long as x and u: what a costate equation and the gradient of a shooting method need.
+    /// y'f_x and y'f_u, as long as x and u: the products of a costate equation and of the gradient of a
+    /// shooting method.
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate).
@@ -79,7 +81,7 @@ pub trait Dynamics<S: Scalar> {
         Ok(())
     }
 
-    /// The second derivatives of y'f times (d_x, d_u): in the components of x and of u.
+    /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u.
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate).
@@ -96,7 +98,7 @@ pub trait Dynamics<S: Scalar> {
     }
 }
 
-/// A model that is lent.
+/// A borrowed model is a model.
 impl<S: Scalar, D: Dynamics<S>> Dynamics<S> for &mut D {
     type Error = D::Error;
 
@@ -147,19 +149,20 @@ impl<S: Scalar, D: Dynamics<S>> Dynamics<S> for &mut D {
     }
 }
 
-/// What of the derivatives of a model is constant or zero whatever the state.
+/// The derivatives of a model that are constant or zero at every state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Structure {
     /// f_u does not depend on x and u: then ux and uu of every [`Contraction`] are `None`.
     pub constant_f_u: bool,
     /// f_u does not depend on u: then uu of every [`Contraction`] is `None`.
     pub affine_in_u: bool,
-    /// f_u depends on the first so many components of x at most: the columns that [`Contraction::ux`] has.
+    /// f_u depends at most on this many leading components of x: the number of columns of
+    /// [`Contraction::ux`].
     pub f_u_depends_on: usize,
 }
 
 impl Structure {
-    /// Nothing is known of a model with so many states.
+    /// No structure: any derivative may be nonzero.
     pub fn general(states: usize) -> Self {
         Self { constant_f_u: false, affine_in_u: false, f_u_depends_on: states }
     }
@@ -177,7 +180,7 @@ pub struct Linearisation<'a, S> {
 }
 
 impl<S: Scalar> Linearisation<'_, S> {
-    /// y'f_x and y'f_u, as far as the slices and the Jacobians both reach.
+    /// y'f_x and y'f_u, truncated to the lengths of the slices.
     pub fn adjoint(&self, y: &[S], [y_f_x, y_f_u]: [&mut [S]; 2]) {
         y_f_x.fill(S::zero());
         y_f_u.fill(S::zero());
@@ -190,21 +193,23 @@ impl<S: Scalar> Linearisation<'_, S> {
 
 /// f, its Jacobians, and the second derivatives of y'f; borrowed from a workspace.
 ///
-/// Blocks in u that are zero by structure do not exist.
+/// Blocks in u that are zero by structure are `None`.
 #[derive(Clone, Copy, Debug)]
 pub struct Contraction<'a, S> {
     /// f, f_x, f_u.
     pub first: Linearisation<'a, S>,
     /// `sum_k y_k d2 f_k / dx dx`, states x states, symmetric.
     pub xx: Block<'a, S>,
-    /// `sum_k y_k d2 f_k / du dx`, controls x the first [`Structure::f_u_depends_on`] states; zero in the others.
+    /// `sum_k y_k d2 f_k / du dx`, controls x the first [`Structure::f_u_depends_on`] states; zero in the
+    /// others.
     pub ux: Option<Block<'a, S>>,
     /// `sum_k y_k d2 f_k / du du`, controls x controls, symmetric.
     pub uu: Option<Block<'a, S>>,
 }
 
 impl<S: Scalar> Contraction<'_, S> {
-    /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u, as far as the slices reach.
+    /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u, truncated to the
+    /// lengths of the slices.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
         times(self.xx, [self.ux, self.uu], d, product);
     }

@@ -1,11 +1,12 @@
-//! The cost of standing off a target.
+//! A quadratic cost of the distance from a target.
 
 use super::{Cost, CostGradient, CostHessian};
 use crate::error::{EvalError, check_length};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
-/// `1/2 sum_i Q_i (x_i - x*_i)^2 + 1/2 sum_j R_j (u_j - u*_j)^2`, with weights and targets of each component.
+/// `1/2 sum_i Q_i (x_i - x*_i)^2 + 1/2 sum_j R_j (u_j - u*_j)^2`, with a weight and a target for each
+/// component.
 ///
 /// ```
 /// use costate::dynamics::{Cost, QuadraticCost};
@@ -44,10 +45,11 @@ impl<S: Scalar> QuadraticCost<S> {
         Self::running(states, &[])
     }
 
-    /// The same about other targets, as long as the weights: `&[]` for the controls of a terminal cost.
+    /// The same cost about these targets, as long as the weights: `&[]` for the controls of a terminal cost.
     ///
     /// # Panics
     /// If a target is not as long as its weights.
+    #[must_use]
     pub fn about(mut self, states: &[f64], controls: &[f64]) -> Self {
         for (target, new) in self.targets.iter_mut().zip([states, controls]) {
             target.copy_from_slice(new);
@@ -55,7 +57,7 @@ impl<S: Scalar> QuadraticCost<S> {
         self
     }
 
-    /// The value, and the gradient into the workspace.
+    /// Returns the value and stores the gradient.
     fn update(&mut self, x: &[S], u: &[S]) -> Result<S, EvalError> {
         check_length("x", x, self.weights[0].len())?;
         check_length("u", u, self.weights[1].len())?;

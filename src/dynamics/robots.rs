@@ -10,7 +10,7 @@ use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
-/// What is constant in x = (q, p): f_u = (0; 1).
+/// The structure in x = (q, p): f_u = (0; 1) is constant.
 const HAMILTONIAN: Structure = Structure { constant_f_u: true, affine_in_u: true, f_u_depends_on: 0 };
 
 /// F and its Jacobians.
@@ -37,7 +37,7 @@ fn adjoint<S: Scalar, R: Route>(
     Ok(())
 }
 
-/// What every robot has in common as a model.
+/// The part of the trait that is the same for every robot.
 macro_rules! of_a_robot {
     () => {
         type Error = EvalError;
@@ -52,7 +52,7 @@ macro_rules! of_a_robot {
     };
 }
 
-/// Products from the whole contraction, of checked arguments.
+/// The product from the whole contraction, after a check of the arguments.
 macro_rules! product_by_contraction {
     () => {
         fn hessian_product(
@@ -70,7 +70,7 @@ macro_rules! product_by_contraction {
     };
 }
 
-/// What does not depend on how y'F_xx is computed.
+/// The part of the trait in (q, p) that does not depend on the method for y'F_xx.
 macro_rules! in_phase_space {
     () => {
         of_a_robot!();
@@ -178,7 +178,7 @@ impl<S: Scalar> Dynamics<S> for LagrangianSecondOrder<S> {
     }
 }
 
-/// What a product takes besides x and y, and where it goes.
+/// Checks the lengths of the arguments of a product other than x and y.
 fn check_product<S: Scalar>(
     tree: &Tree,
     [u, d_x, d_u]: [&[S]; 3],

@@ -16,11 +16,12 @@ pub struct AdjointProduct<'a, S> {
 }
 
 impl<S: Scalar, R: Route> Hamiltonian<S, R> {
-    /// F and y'F_x for the costate y = (y_q, y_p) of length 2n, at one and a half to two times the cost of F.
+    /// F and y'F_x for the costate y = (y_q, y_p) of length 2n, at 1.5 to 2 times the cost of F.
     ///
-    /// With `w = (-y_p, y_q + D_v y_p)` and the change of the velocities `V w = M^-1 (w_p - P w_q)` along it,
-    /// `y'F_x = Hess H w = ( -L_qq w_q - P' V w , V w )`: three products of a matrix of kernel one, gone to its third stage,
-    /// with a vector, and one more solution with the factors of M. No matrix is inverted or multiplied with another.
+    /// With `w = (-y_p, y_q + D_v y_p)` and the change of velocity `V w = M^-1 (w_p - P w_q)` along it,
+    /// `y'F_x = Hess H w = ( -L_qq w_q - P' V w , V w )`: three matrix-vector products with matrices of the
+    /// third stage of kernel one, and one more solve with the factors of M. No matrix is inverted, no two
+    /// matrices are multiplied.
     ///
     /// # Errors
     /// See [`Hamiltonian`].

@@ -13,16 +13,16 @@ use crate::scalar::Scalar;
 /// qq = -A + W' T + B' W      pq = -M^-1 T      pp = -M^-1 C M^-1
 /// ```
 ///
-/// That takes 4 1/2 n^3 multiplications (qq and pp are symmetric), and no row waits for another. In the coordinates in which M
-/// is diagonal it takes 4 n^3, and fewer where joints are on different branches; there each row waits for the one before. With
-/// `U = L^-1`, `M^-1 = U D^-1 U'`, `W = U Z`:
+/// This takes 4.5 n^3 multiplications (qq and pp are symmetric), and its rows are independent of each other.
+/// In coordinates in which M is diagonal it takes 4 n^3, fewer if joints are on different branches, but each
+/// row depends on the previous one. With `U = L^-1`, `M^-1 = U D^-1 U'`, `W = U Z`:
 ///
 /// ```text
 /// C^ = U' C U      B^ = U' B      T^ = B^ - C^ Z
 /// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
 /// ```
 ///
-/// Packs of several lanes take the first way, single numbers, of which each operation counts, the second.
+/// Packs of several lanes use the first form, scalars the second.
 #[derive(Clone, Debug)]
 pub(super) struct Congruence<S: Scalar> {
     b: Panel<S>,
@@ -55,7 +55,7 @@ impl<S: Scalar> Congruence<S> {
         }
     }
 
-    /// Fills the 2n x 2n matrix h, both triangles; `flow` has come to its second order.
+    /// Fills both triangles of the 2n x 2n matrix h; `flow` must be at its second order.
     pub fn apply<K>(&mut self, along: &KernelTwo<S>, flow: &Conservative<S, K>, h: &mut Matrix<S>) {
         if Panel::<S>::LANES == 1 {
             self.by_factors(along, &flow.factor, &flow.z);
@@ -111,7 +111,7 @@ impl<S: Scalar> Congruence<S> {
         self.fill::<N, W>(h);
     }
 
-    /// The blocks into their places.
+    /// Copies the blocks into the matrix.
     fn fill<const N: usize, const W: usize>(&self, h: &mut Matrix<S>) {
         let n = if N > 0 { N } else { self.qq.rows() };
         for i in 0..n {

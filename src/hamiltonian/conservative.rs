@@ -6,7 +6,7 @@ use crate::matrix::{Left, Panel, Part, dot, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
-/// `v = M^-1 p`, L_q and the blocks from which F_x and Hess H are put together.
+/// `v = M^-1 p`, L_q and the blocks of F_x and Hess H.
 #[derive(Clone, Debug)]
 pub(super) struct Conservative<S: Scalar, K> {
     pub kernel: K,
@@ -62,7 +62,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.kernel.set_velocity(tree, &self.v)
     }
 
-    /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p), after the third stage of the kernel.
+    /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p). Needs the third stage of the kernel.
     pub fn velocity_change(&self, d_q: &[S], d_p: &[S], change: &mut [S]) {
         for ((change, &d_p), i) in change.iter_mut().zip(d_p).zip(0..) {
             *change = d_p - dot(self.kernel.l_vq().row(i), d_q);
@@ -72,8 +72,8 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
 
     /// M^-1, `W = M^-1 P` and `L_qq - P' W` (21), after [`first_order`](Self::first_order).
     ///
-    /// In packs of several lanes by products with M^-1, no row of which waits for another; else by the factors of M, which have
-    /// zeros where joints are on different branches.
+    /// Packs of several lanes multiply by M^-1, whose rows are independent; scalars use the factors of M,
+    /// which are zero where joints are on different branches.
     pub fn second_order(&mut self, tree: &Tree) {
         self.kernel.second_order(tree);
         if Panel::<S>::LANES == 1 {
@@ -99,7 +99,8 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     }
 
     fn eliminate_by_products<const N: usize, const W: usize>(&mut self) {
-        // First what does not need the entries of P and L_qq, which were stored one by one just before.
+        // The inverse comes first: P and L_qq were stored entry by entry just before, and reading them whole
+        // would stall.
         self.factor.form_inverse::<N, W>(&mut self.inverse);
         self.p.read::<N>(self.kernel.l_vq());
         self.reduced.read::<N>(self.kernel.l_qq());

@@ -1,10 +1,10 @@
-//! The direction in which a costate asks for the derivatives of H.
+//! The direction along which a costate contracts the derivatives of H.
 
 use crate::kernels::friction;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
-/// `w = (-y_p, y_q + D_v y_p)`, for which `y'F_x = Hess H w`, and the change V w of the velocities along it.
+/// `w = (-y_p, y_q + D_v y_p)`, for which `y'F_x = Hess H w`, and the change V w of the velocity along it.
 ///
 /// Without friction F is J grad H, `y'F = w . grad H`. Friction D(v), v = H_p, adds y_p.D, whose gradient
 /// `V' D_v y_p` is Hess H times the shift of w.
@@ -25,7 +25,7 @@ impl<S: Scalar> Direction<S> {
         Self { q: zeros.clone(), p: zeros.clone(), v: zeros }
     }
 
-    /// That of the costate y, 2n.
+    /// Sets the direction of the costate y, 2n.
     pub fn set_costate(&mut self, tree: &Tree, velocity: &[S], y: &[S]) {
         let (y_q, y_p) = y.split_at(tree.len());
         self.q.iter_mut().zip(y_p).for_each(|(q, &y_p)| *q = -y_p);

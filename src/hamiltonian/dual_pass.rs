@@ -1,4 +1,4 @@
-//! The contracted Hessian of the phase velocities by one dual pass through the analytic Jacobian.
+//! The contracted Hessian of the state equation by one dual pass through the analytic Jacobian.
 
 use super::conservative::Conservative;
 use super::{Hamiltonian, HamiltonianContraction, check};
@@ -16,11 +16,12 @@ use crate::scalar::{Scalar, Tangent};
 /// y'F_xx = D_w (Hess H) ,   Hess H = J^-1 F_x :
 /// ```
 ///
-/// one dual number ([`Tangent`]), seeded with x' = w, carried through the analytic Jacobian gives the whole matrix. Friction
-/// D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`, `V = [-M^-1 P, M^-1]`; the
-/// dual pass goes through the conservative part alone.
+/// one dual number ([`Tangent`]), seeded with x' = w, carried through the analytic Jacobian gives the whole
+/// matrix. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`,
+/// `V = [-M^-1 P, M^-1]`; the dual pass covers the conservative part only.
 ///
-/// A second way to what [`HamiltonianSecondOrder`](super::HamiltonianSecondOrder) gives, and the way for every other [`Route`].
+/// An alternative to [`HamiltonianSecondOrder`](super::HamiltonianSecondOrder), and the method for every
+/// other [`Route`].
 #[derive(Clone, Debug)]
 pub struct DualPass<S: Scalar, R: Route = Contracted> {
     first: Hamiltonian<S, R>,
@@ -33,12 +34,12 @@ pub struct DualPass<S: Scalar, R: Route = Contracted> {
 }
 
 impl<S: Scalar> DualPass<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         Self::with_route(tree, Contracted)
     }
@@ -65,7 +66,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         self.first.dof()
     }
 
-    /// What gives F and F_x alone.
+    /// The first-order workspace: F and F_x.
     pub fn first(&mut self) -> &mut Hamiltonian<S, R> {
         &mut self.first
     }

@@ -1,4 +1,4 @@
-//! All second derivatives of the phase velocities.
+//! All second derivatives of the state equation.
 
 use super::{HamiltonianSecondOrder, HessianTensor};
 use crate::error::EvalError;
@@ -7,8 +7,8 @@ use crate::scalar::Scalar;
 
 /// Workspace for the whole tensor d2F_k/dx_i dx_j of one robot; no call allocates.
 ///
-/// The third derivative of H along each joint, by the same rule as [`HamiltonianSecondOrder`]: n times kernel two and its congruence.
-/// What is contracted with one costate only comes much cheaper from [`HamiltonianSecondOrder::contract`].
+/// The third derivative of H along each joint, by the same rule as [`HamiltonianSecondOrder`]: n times kernel
+/// two and its congruence. For one costate, [`HamiltonianSecondOrder::contract`] is much cheaper.
 ///
 /// ```
 /// use costate::hamiltonian::FullHessian;
@@ -29,12 +29,12 @@ pub struct FullHessian<S: Scalar> {
 }
 
 impl<S: Scalar> FullHessian<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         Self {
             tensor: HessianTensor::new(&tree),

@@ -2,33 +2,38 @@
 //!
 //! State x = (q, p) with conjugate momentum p = M v. With D the friction and u the actuation of the joints,
 //!
-//! ```text
-//! F^q = M^-1 p = v      F^p = L_q(q, v) + D(v)      dx/dt = F(x) + (0, u)                        (17), (19)
-//! ```
+//! $$ F^q = M^{-1} p = v, \qquad F^p = L\_q(q, v) + D(v), \qquad \dot x = F(x) + (0, u) \qquad (17), (19) $$
 //!
-//! [`Hamiltonian`] computes F, F_x and the adjoint product y'F_x for any scalar, [`HamiltonianSecondOrder`] adds y'F_xx and its product
-//! with a vector, [`FullHessian`] gives the whole tensor; [`DualPass`] is a second way to y'F_xx and the one for other routes.
-//! [`PhaseVelocity`](crate::derivative::PhaseVelocity) is F as a function that can be differentiated automatically.
+//! The Jacobian, with $P = L\_{vq}$, is
+//!
+//! $$ F\_x = \begin{pmatrix} -M^{-1} P & M^{-1} \\\\
+//! L\_{qq} - P^T M^{-1} P - D\_v M^{-1} P & P^T M^{-1} + D\_v M^{-1} \end{pmatrix}
+//! \qquad (21), (22) $$
+//!
+//! [`Hamiltonian`] computes F, F_x and the adjoint product y'F_x for any scalar, [`HamiltonianSecondOrder`]
+//! adds y'F_xx and its product with a vector, and [`FullHessian`] the whole tensor. [`DualPass`] is an
+//! alternative for y'F_xx, and works with every route. [`PhaseVelocity`](crate::derivative::PhaseVelocity) is
+//! F as a function for automatic differentiation.
 
 mod adjoint;
 mod congruence;
 mod conservative;
-mod contracted;
+mod contraction;
 mod direction;
 mod dual_pass;
 mod full;
-mod jacobian;
 mod legendre;
+mod linearisation;
 mod second_order;
 mod state;
 mod tensor;
 
 pub use adjoint::AdjointProduct;
-pub use contracted::HamiltonianContraction;
+pub use contraction::HamiltonianContraction;
 pub use dual_pass::DualPass;
 pub use full::FullHessian;
-pub use jacobian::HamiltonianLinearisation;
 pub use legendre::{MomentumLinearisation, VelocityLinearisation};
+pub use linearisation::HamiltonianLinearisation;
 pub use second_order::HamiltonianSecondOrder;
 pub use tensor::HessianTensor;
 
@@ -43,13 +48,13 @@ use state::StateEquation;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
 ///
-/// `R` is the route to the Hessian of the Lagrangian: [`Contracted`] where nothing else is said,
-/// [`Christoffel`](crate::tensors::Christoffel) for that of the paper.
+/// `R` is the method for the Hessian of the Lagrangian: [`Contracted`] by default, or the paper's
+/// [`Christoffel`](crate::tensors::Christoffel).
 ///
 /// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s) and u (N m, N) have n entries, in the order of
-/// [`Robot::joints`]. All of its functions fail with [`EvalError::WrongLength`], [`EvalError::NonFinite`] or, where
-/// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`]. Results are not checked: finite arguments so
-/// large that a product overflows give infinities.
+/// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
+/// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
+/// product overflows, they are infinite.
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,
@@ -66,24 +71,24 @@ pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
 pub struct Energy<S> {
     /// `1/2 p' M^-1 p`.
     pub kinetic: S,
-    /// V: weight, zero with all masses at the height of the world's origin, and springs.
+    /// V: gravity (zero with all masses at the height of the world origin) and springs.
     pub potential: S,
 }
 
 impl<S: Scalar> Hamiltonian<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         Self::with_route(tree, Contracted)
     }
 }
 
 impl<S: Scalar, R: Route> Hamiltonian<S, R> {
-    /// The workspace of another route.
+    /// The workspace for another route.
     ///
     /// ```
     /// use costate::{hamiltonian::Hamiltonian, robot::{Robot, Tree}, tensors::Christoffel};
@@ -125,6 +130,29 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         Ok(&self.state.f)
     }
 
+    /// F and its Jacobian F_x in x = (q, p) (21)-(24), from one sweep. `F_u = (0; 1)` is constant.
+    ///
+    /// # Errors
+    /// See [`Hamiltonian`].
+    pub fn linearise(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+    ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order(&self.tree, q, p)?;
+        self.flow.second_order(&self.tree);
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        Ok(self.assembled())
+    }
+
+    /// Assembles F_x from the blocks of the conservative part.
+    pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
+        self.state.assemble(&self.tree, &self.flow);
+        self.state.linearisation(self.flow.kernel.mass_matrix())
+    }
+
     /// Kinetic and potential energy (J); their sum is H(q, p).
     ///
     /// # Errors
@@ -144,7 +172,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.energy(q, p).map(|energy| energy.kinetic + energy.potential)
     }
 
-    /// Potential energy V(q) (J): weight and springs.
+    /// Potential energy V(q) (J): gravity and springs.
     ///
     /// # Errors
     /// See [`Hamiltonian`].
@@ -192,7 +220,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     }
 }
 
-/// `values` has `expected` finite entries; entries beyond n belong to the joints again.
+/// `values` must have `expected` finite entries; entry i belongs to joint i mod n.
 pub(crate) fn check<S: Scalar>(
     tree: &Tree,
     what: &'static str,

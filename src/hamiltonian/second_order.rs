@@ -1,4 +1,4 @@
-//! The contracted Hessian of the phase velocities by the 2n+1 rule.
+//! The contracted Hessian of the state equation by the 2n+1 rule.
 
 use super::congruence::Congruence;
 use super::{Hamiltonian, HamiltonianContraction, check};
@@ -10,16 +10,17 @@ use crate::scalar::Scalar;
 
 /// Workspace for F, F_x and y'F_xx of one robot; no call allocates.
 ///
-/// F without friction is J grad H, so `y'F = w . grad H` with `w = (-y_p, y_q)`, and y'F_xx is the third derivative of
-/// H along w. H is the extremal value of p.v - L(q, v) over v; third derivatives of an extremal value need only the
-/// first-order response of the extremiser (Wigner's 2n+1 rule), which is `V = dv/dx = [-M^-1 P, M^-1]`:
+/// F without friction is J grad H, so `y'F = w . grad H` with `w = (-y_p, y_q)`, and y'F_xx is the third
+/// derivative of H along w. H is the extremal value of p.v - L(q, v) over v; third derivatives of an extremal
+/// value need only the first-order response of the extremiser (Wigner's 2n+1 rule), which is
+/// `V = dv/dx = [-M^-1 P, M^-1]`:
 ///
-/// ```text
-/// y'F_xx = -E' ( D_w~ [ L_qq P' ; P M ] ) E ,    E = [ 1 0 ; V ] ,    w~ = (w_q, V w)
-/// ```
+/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix} L\_{qq} & P^T \\\\ P & M \end{pmatrix} \right) E, \qquad
+/// E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w) $$
 ///
-/// D_w~ is [`KernelTwo`]; what is left are products of n x n matrices with the factors of M, none of which is ever
-/// differentiated. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
+/// D_w~ is [`KernelTwo`]; the rest are products of n x n matrices with the factors of M. No factorisation is
+/// differentiated. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds
+/// `V' (y_p . D_vv) V`.
 ///
 /// ```
 /// use costate::hamiltonian::HamiltonianSecondOrder;
@@ -38,19 +39,19 @@ pub struct HamiltonianSecondOrder<S: Scalar> {
     along: KernelTwo<S>,
     congruence: Congruence<S>,
     y_f_xx: Matrix<S>,
-    /// V d and what multiplies V' in a product with d.
+    /// V d, and the factor of V' in a product with d.
     change: Vec<S>,
     pull: Vec<S>,
     product: Vec<S>,
 }
 
 impl<S: Scalar> HamiltonianSecondOrder<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.len();
         Self {
@@ -69,7 +70,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.first.dof()
     }
 
-    /// What gives F, F_x and y'F_x alone.
+    /// The first-order workspace: F, F_x and y'F_x.
     pub fn first(&mut self) -> &mut Hamiltonian<S> {
         &mut self.first
     }
@@ -95,10 +96,12 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
 
-    /// `y'F_xx d` for the costate y and a direction d = (d_q, d_p), 2n each, without the matrix and without F_x.
+    /// `y'F_xx d` for the costate y and a direction d = (d_q, d_p), 2n each, without the matrix and without
+    /// F_x.
     ///
-    /// With `e = V d` and kernel two as above, of which A, B, C are the blocks: `b = B d_q + C e`, minus the curvature of
-    /// friction, and `y'F_xx d = -( A d_q + B' e - P' M^-1 b , M^-1 b )`. All products are those of a matrix and a vector.
+    /// With `e = V d`, A, B, C the blocks of kernel two as above, and `b = B d_q + C e` minus the curvature
+    /// of friction: `y'F_xx d = -( A d_q + B' e - P' M^-1 b , M^-1 b )`. All products are matrix-vector
+    /// products.
     ///
     /// # Errors
     /// See [`Hamiltonian`].
@@ -134,7 +137,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         Ok(&self.product)
     }
 
-    /// Kernel two along w~, once kernel one has come to its third stage and M is factored.
+    /// Kernel two along w~. Kernel one must be at its third stage, and M factored.
     fn differentiate(&mut self, y: &[S]) -> Result<(), EvalError> {
         let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
         direction.set_costate(tree, &flow.v, y);

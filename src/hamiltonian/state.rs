@@ -1,4 +1,4 @@
-//! F and F_x put together from the conservative part, friction and actuation.
+//! Assembles F and F_x from the conservative part, friction and actuation.
 
 use super::HamiltonianLinearisation;
 use super::conservative::Conservative;
@@ -47,7 +47,7 @@ impl<S: Scalar> StateEquation<S> {
         }
     }
 
-    /// Puts F_x together from the blocks of the conservative part and the slopes of friction.
+    /// Assembles F_x from the blocks of the conservative part and the slopes of friction.
     pub fn assemble<K>(&mut self, tree: &Tree, flow: &Conservative<S, K>) {
         let blocks = [&flow.w, &flow.inverse, &flow.reduced];
         sized!(S, tree.len(), self.place(blocks));
@@ -61,7 +61,7 @@ impl<S: Scalar> StateEquation<S> {
         }
     }
 
-    /// The blocks into their places.
+    /// Copies the blocks into the matrix.
     fn place<const N: usize, const W: usize>(&mut self, [w, inverse, reduced]: [&Panel<S>; 3]) {
         let n = if N > 0 { N } else { w.rows() };
         [&self.across, w, inverse, reduced].into_iter().for_each(Panel::has_size::<N, W>);

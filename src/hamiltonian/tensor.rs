@@ -1,17 +1,18 @@
-//! Second derivatives of the phase velocities in packed storage.
+//! Second derivatives of the state equation in packed storage.
 
 use super::Hamiltonian;
-use crate::error::{EvalError, check_length};
+use crate::error::{EvalError, LengthError, check_length};
 use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 /// The tensor `d2 F_k / dx_i dx_j`, indices in the order x = (q, p), F = (F^q, F^p).
 ///
-/// F without friction is J grad H: its second derivatives are the third derivatives H,abc, which are symmetric in all
-/// three indices, and zero where all three are momenta. Stored are the triples a <= b <= c that begin with a joint
-/// position: 308 numbers for six joints instead of 12 x 12 x 12. The part of friction, `D'_k v_k,ij + D''_k v_k,i v_k,j` in the
-/// row of p_k, does not have this symmetry; D', D'' and V are kept apart, and only for a robot with friction.
+/// F without friction is J grad H: its second derivatives are the third derivatives H,abc, which are
+/// symmetric in all three indices, and zero where all three are momenta. The tensor stores the triples a <= b
+/// <= c that begin with a joint position: 308 numbers for six joints instead of 12 x 12 x 12. The friction
+/// term `D'_k v_k,ij + D''_k v_k,i v_k,j` in the row of p_k does not have this symmetry; D', D'' and V are
+/// stored separately, and only for a robot with friction.
 #[derive(Clone, Debug)]
 pub struct HessianTensor<S> {
     n: usize,
@@ -19,7 +20,7 @@ pub struct HessianTensor<S> {
     friction: Option<Friction<S>>,
 }
 
-/// What the second derivatives of friction are made of.
+/// Slopes and curvatures of friction, for its second derivatives.
 #[derive(Clone, Debug)]
 struct Friction<S> {
     /// D', n.
@@ -44,19 +45,20 @@ impl<S: Scalar> HessianTensor<S> {
         }
     }
 
-    /// Takes the third derivative of H along q_l, 2n x 2n: all triples whose first index is l.
+    /// Stores the third derivative of H along q_l, 2n x 2n: all triples whose first index is l.
     pub(super) fn fill_slice(&mut self, l: usize, slice: &Matrix<S>) {
         let first = start(2 * self.n, l);
         let mut slots = self.packed[first..].iter_mut();
         for i in l..2 * self.n {
-            // The entries come first: a zip takes one of its first before it finds the second at its end.
+            // `entries` must come first in the zip: a zip consumes an item of its first iterator before it
+            // sees that the second one has ended.
             for (&entry, slot) in slice.row(i)[l..=i].iter().zip(slots.by_ref()) {
                 *slot = entry;
             }
         }
     }
 
-    /// Takes slopes and curvatures from the state of the last Jacobian.
+    /// Stores slopes and curvatures of friction at the state of the last Jacobian.
     pub(super) fn fill_friction(&mut self, first: &Hamiltonian<S>) {
         if let Some(Friction { slope, curvature, velocity }) = &mut self.friction {
             for (i, friction) in first.state.friction.iter().enumerate() {
@@ -72,8 +74,8 @@ impl<S: Scalar> HessianTensor<S> {
         self.n
     }
 
-    /// The third derivatives of H that are stored: for each joint l the lower triangle, row by row, of H,l over the
-    /// indices from l on.
+    /// The third derivatives of H that are stored: for each joint l the lower triangle, row by row, of H,l
+    /// over the indices from l on.
     pub fn packed(&self) -> &[S] {
         &self.packed
     }
@@ -123,9 +125,7 @@ impl<S: Scalar> HessianTensor<S> {
         for (what, found) in
             [("a column of contracted", contracted.rows()), ("a row of contracted", contracted.columns())]
         {
-            if found != size {
-                return Err(EvalError::WrongLength { what, expected: size, found });
-            }
+            LengthError::check(what, size, found)?;
         }
         for i in 0..size {
             for j in 0..=i {

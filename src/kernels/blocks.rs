@@ -1,33 +1,32 @@
-//! Which forces are carried together.
+//! Groups of forces that are transformed together, in blocks of several lanes.
 
 use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
 
-/// Where the forces of all joints beyond a joint stand while they are carried inward, several to a block.
+/// Layout of the forces of all joints beyond a joint during the inward pass, several to a block.
 ///
-/// The forces that joint i sees, one for each j of its subtree, are those that its children see, seen from one frame
-/// further in, and one of its own. A block keeps its lanes on the way: all that is carried over a joint is carried by whole
-/// blocks, and the force of joint i itself takes the first lane that is still free, or a block of its own. Lanes that are not in
-/// use hold zero.
+/// Joint i has one force for each j of its subtree: those of its children, transformed one frame inward, and
+/// its own. A block keeps its lanes during the pass, so that whole blocks are transformed at once; the force
+/// of joint i takes the first free lane, or a new block. Unused lanes are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     starts: Vec<usize>,
     sources: Vec<Source>,
-    /// Joints in the lanes of each block, block after block, and where those of each begin and the last end.
+    /// The joints in the lanes of each block, block after block, and the offset of each block.
     joints: Vec<usize>,
     firsts: Vec<usize>,
-    /// Block and lane of joint i in its own frame.
+    /// Block and lane of the force of joint i in frame i.
     own: Vec<(usize, usize)>,
 }
 
-/// Where a block comes from.
+/// The source of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Source {
-    /// The joint it stands at.
+    /// The joint of the block.
     Own,
-    /// The block with this number, at this child of the joint.
+    /// This block of this child of the joint.
     Child(usize, usize),
 }
 
@@ -35,7 +34,7 @@ impl Blocks {
     /// For blocks of this many lanes.
     pub fn new(tree: &Tree, lanes: usize) -> Self {
         let n = tree.len();
-        // Joints of the lanes and source of each block, joint by joint; those at the tips come first.
+        // Lanes and source of each block, joint by joint, from the tips inward.
         let mut blocks: Vec<Vec<(Vec<usize>, Source)>> = vec![Vec::new(); n];
         let mut own = vec![(0, 0); n];
         for i in (0..n).rev() {
@@ -83,13 +82,13 @@ impl Blocks {
         self.starts[i]..self.starts[i + 1]
     }
 
-    /// Where this block comes from.
+    /// The source of this block.
     #[inline(always)]
     pub fn source(&self, block: usize) -> Source {
         self.sources[block]
     }
 
-    /// Block and lane of the force of joint i in its own frame.
+    /// Block and lane of the force of joint i in frame i.
     #[inline(always)]
     pub fn own(&self, i: usize) -> (usize, usize) {
         self.own[i]
@@ -111,7 +110,7 @@ impl Blocks {
         }
     }
 
-    /// Entries (i, j) and (j, i) of a matrix, j the joints of a block; (i, i) is that of the row.
+    /// Entries (i, j) and (j, i) of a matrix, j the joints of a block; (i, i) comes from the row.
     #[inline(always)]
     pub fn store<S: Scalar, P: Pack<S>>(
         &self,

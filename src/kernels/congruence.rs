@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 impl<S: Scalar> Factor<S> {
     /// `C <- L'^-1 C L^-1` for a symmetric matrix, n x n, in packs of one lane.
     ///
-    /// Row by row from the last; symmetry saves half of the products, which leaves n^3/2.
+    /// Row by row from the last; symmetry halves the number of products to n^3/2.
     pub(crate) fn reduce_symmetric(&self, c: &mut Panel<S>) {
         let width = c.width::<0>();
         for i in (0..c.rows()).rev() {
@@ -36,8 +36,9 @@ impl<S: Scalar> Factor<S> {
     }
 }
 
-/// `C <- E C E'`, E the identity but for row i with `terms` (k, E_ik), once row i has got its terms: the diagonal, which
-/// gets them twice, and column i, the mirror image of row i. Rows still to come find in it what they need of row i.
+/// `C <- E C E'`, E the identity but for row i with `terms` (k, E_ik), after row i has been updated:
+/// completes the diagonal entry, which needs the terms twice, and copies row i to column i, which later rows
+/// read.
 #[inline(always)]
 fn complete<S: Scalar>(c: &mut Panel<S>, i: usize, terms: impl Iterator<Item = (usize, S)>) {
     let diagonal = terms.fold(c.get(i, i), |sum, (k, factor)| factor.mul_add(c.get(i, k), sum));
@@ -83,7 +84,7 @@ mod tests {
         };
         let mut m = symmetric(0.4);
         (0..n).for_each(|i| m[(i, i)] += 4.0);
-        // Joints of different branches do not meet in M.
+        // M has no entries between different branches.
         for (i, j) in [(1, 3), (1, 4), (2, 3), (2, 4)] {
             m[(i, j)] = 0.0;
             m[(j, i)] = 0.0;

@@ -14,8 +14,8 @@ pub struct FrictionDerivatives<S> {
     pub second: S,
 }
 
-/// `D = -b v - c t`, `dD/dv = -b - c (1 - t^2) / s`, `d2D/dv2 = 2 c t (1 - t^2) / s^2` with `t = tanh(v / s)`,
-/// viscous coefficient b, Coulomb limit c, transition velocity s.
+/// `D = -b v - c t`, `dD/dv = -b - c (1 - t^2) / s`, `d2D/dv2 = 2 c t (1 - t^2) / s^2` with
+/// `t = tanh(v / s)`, viscous coefficient b, Coulomb limit c, transition velocity s.
 #[inline]
 pub fn friction<S: Scalar>(law: &Friction, v: S) -> FrictionDerivatives<S> {
     let mut d = FrictionDerivatives {

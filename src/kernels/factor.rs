@@ -7,15 +7,15 @@ use crate::scalar::{Pack, Scalar};
 
 /// `M = L' D L` with unit lower triangular L, no pivoting (Featherstone's branch-induced sparsity).
 ///
-/// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different branches, the
-/// pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
+/// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different
+/// branches, the pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
     pub(super) l: Triangle<S>,
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
     sizes: Vec<S>,
-    /// Whether the work matrix holds `U'` already.
+    /// Whether the work matrix already holds `U'`.
     inverted: bool,
     work: Panel<S>,
     product: Panel<S>,
@@ -41,17 +41,18 @@ impl<S: Scalar> Factor<S> {
         &self.inverse_pivots
     }
 
-    /// Factors the n x n matrix; `size_of(k)` is what the rounding of entry (k, k) is in proportion to.
+    /// Factors the n x n matrix; `size_of(k)` is the scale of the rounding error of entry (k, k).
     ///
     /// # Errors
-    /// A joint whose pivot is not above its rounding: M is singular to working precision. The factorisation runs to its end
-    /// all the same.
+    /// The index of a joint whose pivot is not above its rounding error: M is singular in working precision.
+    /// The factorisation is completed nevertheless.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         sized!(S, self.work.columns(), self.eliminate(mass_matrix));
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 
-    /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its last entry.
+    /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its
+    /// last entry.
     fn eliminate<const N: usize, const W: usize>(&mut self, mass_matrix: &Matrix<S>) {
         self.work.has_size::<N, W>();
         self.l.entries().has_size::<N, W>();
@@ -64,7 +65,7 @@ impl<S: Scalar> Factor<S> {
             self.l.minus_columns::<N, W>(i, row, below, width);
             let inverse = self.work.entry::<W>(i, i).recip();
             self.inverse_pivots[i] = inverse;
-            // With one lane only what stands left of the diagonal.
+            // With one lane, only the entries left of the diagonal.
             let end = if Panel::<S>::LANES == 1 { i } else { width };
             let row = &self.work.sized_row::<W>(i)[..end];
             let (_, l, _) = self.l.entries_mut().split_at_row::<W>(i);
@@ -75,11 +76,12 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// Compares each pivot with the rounding it may consist of.
+    /// Compares each pivot with its possible rounding error.
     ///
-    /// `D_i = w' M w` for the motion w of joint i and, free, the joints beyond it: column i of `U = L^-1`. An error of
-    /// `eps size_k` in each `M_kk` therefore moves D_i by `eps sum_k U_ki^2 size_k`; 128 times that must stay below D_i. U
-    /// is only computed where some pivot is below a thousandth of its size: elsewhere nothing has cancelled.
+    /// `D_i = w' M w` for the motion w of joint i with the joints beyond it free: column i of `U = L^-1`. An
+    /// error of `eps size_k` in each `M_kk` therefore moves D_i by `eps sum_k U_ki^2 size_k`; 128 times this
+    /// must be below D_i. U is computed only if some pivot is below a thousandth of its scale: otherwise
+    /// there is no cancellation.
     fn check_pivots(&mut self, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         let mut settled = true;
         for (k, (pivot, size)) in self.pivots.iter_mut().zip(&mut self.sizes).enumerate() {
@@ -116,7 +118,7 @@ impl<S: Scalar> Factor<S> {
             self.work.set_unit_row::<W>(i);
             let (_, row, below) = self.work.split_at_row::<W>(i);
             if Panel::<S>::LANES > 1 {
-                // Left of the pack of the diagonal all is zero.
+                // Packs left of the diagonal are zero.
                 let start = if W > 0 { 0 } else { i / Panel::<S>::LANES };
                 let below = below.get(start..).unwrap_or_default();
                 self.l.minus_columns::<N, W>(i, &mut row[start..], below, width);
@@ -148,7 +150,7 @@ impl<S: Scalar> Factor<S> {
             }
         }
         x.iter_mut().zip(&self.inverse_pivots).for_each(|(x, &inverse)| *x *= inverse);
-        // Column by column: sums wait for each other no longer than they must.
+        // Column by column, which shortens the chain of dependent sums.
         for i in 0..n {
             let from = -x[i];
             let mut subtract = |k: usize| x[k] = l.entry::<W>(k, i).mul_add(from, x[k]);
@@ -160,7 +162,7 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solution.
+    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solve.
     pub(crate) fn first_half(&self, y: &mut Panel<S>) {
         let width = y.width::<0>();
         for i in (0..y.rows()).rev() {
@@ -177,7 +179,7 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `Y <- L^-1 Y`: the second half of a solution.
+    /// `Y <- L^-1 Y`: the second half of a solve.
     pub(crate) fn second_half(&self, y: &mut Panel<S>) {
         let width = y.width::<0>();
         for k in 0..y.rows() {

@@ -33,7 +33,7 @@ impl<S: Scalar> KernelOne<S> {
                 let (carried, rate) = (&self.carried[block], &self.rates[block]);
                 let mut entries = psi.power(rate);
                 if kind == JointKind::Revolute {
-                    entries += turned_weight(gravity, carried);
+                    entries += gravity_power(gravity, carried);
                 }
                 self.blocks.store_both(i, block, entries, &mut self.l_qq);
                 let pair = [along_joint(kind, rate), psi.power(carried)];
@@ -45,13 +45,13 @@ impl<S: Scalar> KernelOne<S> {
         }
     }
 
-    /// Row and column i of P and L_qq for a joint on the world, where `psi_i = 0`.
+    /// Row and column i of P and L_qq for a joint on the fixed base, where `psi_i = 0`.
     fn meet_root_again(&mut self, tree: &Tree, i: usize) {
         self.l_vq[(i, i)] = S::zero();
         self.l_qq[(i, i)] = match tree.joints()[i].kind {
             JointKind::Revolute => {
                 let (block, lane) = self.blocks.own(i);
-                turned_weight(self.bodies[i].gravity.splat(), &self.carried[block]).lane(lane)
+                gravity_power(self.bodies[i].gravity.splat(), &self.carried[block]).lane(lane)
             }
             JointKind::Prismatic => S::zero(),
         };
@@ -67,8 +67,8 @@ impl<S: Scalar> KernelOne<S> {
     }
 }
 
-/// `gamma . f` of a revolute joint, for gravity seen from its frame.
+/// `gamma . f` of a revolute joint, with gravity in its frame.
 #[inline(always)]
-fn turned_weight<S: Scalar>(gravity: Vec3<S>, f: &Force<S>) -> S {
+fn gravity_power<S: Scalar>(gravity: Vec3<S>, f: &Force<S>) -> S {
     f.force.x.mul_add(gravity.y, -(f.force.y * gravity.x))
 }

@@ -1,4 +1,4 @@
-//! What everything is computed from: the Hessian of the Lagrangian, and the factorisation of the mass matrix.
+//! The numerical kernels: the Hessian of the Lagrangian and the factorisation of the mass matrix.
 
 mod blocks;
 mod congruence;
@@ -32,25 +32,25 @@ use blocks::Blocks;
 /// [`set_velocity`](KernelOne::set_velocity) gives p = L_v and L_q,
 /// [`second_order`](KernelOne::second_order) gives P = L_vq and L_qq.
 ///
-/// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every entry for
-/// a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
+/// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every
+/// entry for a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
 ///
-/// ```text
-/// M_ij = S_i . F_j     P_ij = S_i . G_j     P_ji = psi_i . F_j     L_qq,ij = psi_i . G_j + gamma_i . F_j
-/// p_i  = S_i . H_i     L_q,i = H_i . psi_i + F_i . a_g
-/// ```
+/// $$ M\_{ij} = S\_i \cdot F\_j, \qquad P\_{ij} = S\_i \cdot G\_j, \qquad P\_{ji} = \psi\_i \cdot F\_j, \qquad
+/// L\_{qq,ij} = \psi\_i \cdot G\_j + \gamma\_i \cdot F\_j $$
 ///
-/// Computed in body frames with the joint axis along z, where S is a unit vector and most products vanish: measured
-/// against one common frame in `docs/frames.md`. All F_j and G_j beyond a joint are carried over it together; where it
-/// stands on the world its S and gamma are carried to them instead. Armature is
-/// added to M and p, springs to L_q and L_qq.
+/// $$ p\_i = S\_i \cdot H\_i, \qquad L\_{q,i} = H\_i \cdot \psi\_i + F\_i \cdot a\_g $$
+///
+/// All is computed in body frames with the joint axis along z, where S is a unit vector and most products
+/// vanish; `docs/frames.md` compares this with one common frame. The F_j and G_j beyond a joint are
+/// transformed together. For a joint on the fixed base, its S and gamma are transformed outward instead.
+/// Armature is added to M and p, springs to L_q and L_qq.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S: Scalar> {
     bodies: Vec<Body<S>>,
     blocks: Blocks,
-    /// F_j seen from frame i, for every pair `i <= j` on a branch but those of joints i on the world with others.
+    /// F_j in frame i, for every pair `i <= j` on a branch, except pairs of a base joint i with other joints.
     carried: Vec<Force<S::Pack>>,
-    /// G_j seen from frame i, likewise.
+    /// G_j in frame i, likewise.
     rates: Vec<Force<S::Pack>>,
     q: Vec<S>,
     v: Vec<S>,
@@ -61,7 +61,7 @@ pub struct KernelOne<S: Scalar> {
     l_qq: Matrix<S>,
 }
 
-/// What the passes leave at one joint, seen from its frame.
+/// Quantities of one joint, in its frame.
 #[derive(Clone, Copy, Debug)]
 struct Body<S> {
     position: JointPosition<S>,
@@ -71,11 +71,11 @@ struct Body<S> {
     velocity: Motion<S>,
     /// H.
     momentum: Force<S>,
-    /// Where the parent is a joint on the world, how that one looks from here.
+    /// S and gamma of the parent in this frame, if the parent is a joint on the fixed base.
     root: RootAxis<S>,
 }
 
-/// S and gamma of a joint on the world, seen from the frame of a joint on its link.
+/// S and gamma of a joint on the fixed base, in the frame of a joint on its link.
 #[derive(Clone, Copy, Debug)]
 struct RootAxis<S> {
     /// S.
@@ -98,7 +98,7 @@ impl<S: Scalar> Body<S> {
 }
 
 impl<S: Scalar> RootAxis<S> {
-    /// The same in every lane.
+    /// The same value in every lane.
     #[inline(always)]
     fn splat<P: Pack<S>>(&self) -> RootAxis<P> {
         RootAxis { motion: self.motion.splat(), gravity: self.gravity.splat() }
@@ -106,7 +106,7 @@ impl<S: Scalar> RootAxis<S> {
 }
 
 impl<S: Scalar> KernelOne<S> {
-    /// Buffers for this tree.
+    /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
@@ -130,8 +130,8 @@ impl<S: Scalar> KernelOne<S> {
         &self.mass_matrix
     }
 
-    /// What the rounding of `M_kk` is in proportion to: for a revolute joint the inertia of all it moves about any axis
-    /// through its origin, in the pose where that is largest, since M_kk may be what is left of a rotation of that.
+    /// The scale of the rounding error of `M_kk`. For a revolute joint it is the largest inertia of the
+    /// composite body about any axis through the joint origin, since M_kk may result from a rotation of it.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
         let joints = tree.joints();
         let entry = self.mass_matrix[(k, k)];

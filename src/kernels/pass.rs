@@ -1,7 +1,7 @@
-//! Values handed from joint to joint.
+//! Values passed from joint to joint in a sweep.
 
-/// What joint i hands to its parent on the way inward. Where the parent comes next, as in a chain, it does so without a detour
-/// through memory; else it is added to what is kept for the parent.
+/// The contribution of joint i to its parent in an inward sweep. If the parent is next, as in a chain, it is
+/// passed on directly; else it is added to the record of the parent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inward<T>(Option<(usize, T)>);
 
@@ -12,7 +12,7 @@ impl<T: Copy> Inward<T> {
         Self(None)
     }
 
-    /// The sum of what is kept for joint i and what was handed to it last; `kept` finds it in a record.
+    /// The sum for joint i: its record, which `kept` looks up, plus the value passed on last.
     #[inline(always)]
     pub fn total<B>(
         &mut self,
@@ -33,14 +33,14 @@ impl<T: Copy> Inward<T> {
         }
     }
 
-    /// Hands a value to joint `to`, after [`total`](Self::total).
+    /// Passes a value to joint `to`, after [`total`](Self::total).
     #[inline(always)]
     pub fn hand(&mut self, to: usize, value: T) {
         self.0 = Some((to, value));
     }
 }
 
-/// What the joint before has left for its children on the way outward.
+/// The value of the previous joint in an outward sweep, for its children.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outward<T>(Option<(usize, T)>);
 
@@ -51,7 +51,7 @@ impl<T: Copy> Outward<T> {
         Self(None)
     }
 
-    /// The value of the parent, which `kept` finds in its record too.
+    /// The value of the parent; `kept` looks it up in the record.
     #[inline(always)]
     pub fn of<B>(&self, parent: usize, records: &[B], kept: impl Fn(&B) -> T) -> T {
         match self.0 {
@@ -60,7 +60,7 @@ impl<T: Copy> Outward<T> {
         }
     }
 
-    /// Leaves the value of joint i.
+    /// Stores the value of joint i.
     #[inline(always)]
     pub fn leave(&mut self, i: usize, value: T) {
         self.0 = Some((i, value));

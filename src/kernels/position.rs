@@ -8,7 +8,7 @@ use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Turn, Vec3};
 
-/// `F = IC S`: momentum of the composite body for unit velocity of its joint.
+/// `F = IC S`: momentum of the composite body at unit joint velocity.
 #[inline(always)]
 pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) -> Force<S> {
     let (h, j) = (composite.first_moment, &composite.matrix);
@@ -44,7 +44,7 @@ pub(super) fn unit_motion<S: Scalar>(kind: JointKind) -> Motion<S> {
     }
 }
 
-/// `S . f`: the component of a force that the joint sees.
+/// `S . f`: the component of a force along the joint axis.
 #[inline(always)]
 pub(crate) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
     match kind {
@@ -53,7 +53,7 @@ pub(crate) fn along_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> S {
     }
 }
 
-/// `S x* f`: how a force that does not move changes in the frame of a joint that moves back.
+/// `S x* f`: the change of a fixed force in the frame of a joint that moves backward.
 #[inline(always)]
 pub(super) fn across_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> Force<S> {
     let across = |a: &Vec3<S>| Vec3::new(-a.y, a.x, S::zero());
@@ -98,9 +98,9 @@ impl<S: Scalar> KernelOne<S> {
         Ok(())
     }
 
-    /// Row i of M for a joint on the world.
+    /// Row i of M for a joint on the fixed base.
     ///
-    /// Such a joint moves like its axis alone: S_i and gamma_i go one frame up, instead of all F_j and G_j one down.
+    /// S_i and gamma_i are transformed one frame outward, instead of all F_j and G_j one inward.
     fn meet_root(&mut self, tree: &Tree, i: usize) {
         let kind = tree.joints()[i].kind;
         let own = unit_momentum(kind, &self.bodies[i].composite);
@@ -137,7 +137,7 @@ impl<S: Scalar> KernelOne<S> {
         tree.joints()[i].transform_at(self.bodies[i].position.splat())
     }
 
-    /// Sine and cosine of the angles, as many at once as a pack has lanes, and distances.
+    /// Sines and cosines of the angles, a pack at a time, and displacements.
     fn set_positions(&mut self, tree: &Tree) {
         let lanes = <S::Pack as Pack<S>>::LANES;
         let mut angles = S::Pack::zero();
@@ -182,7 +182,8 @@ impl<S: Scalar> KernelOne<S> {
         }
     }
 
-    /// Potential energy V (J) at the position set last: weight (zero at the origin of the world) and springs.
+    /// Potential energy V (J) at the position set last: gravity (zero at the origin of the world) and
+    /// springs.
     pub fn potential(&self, tree: &Tree) -> S {
         let gravity = Vec3::constant(tree.gravity());
         let mut potential = S::from_f64(tree.fixed_potential());

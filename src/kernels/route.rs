@@ -1,4 +1,4 @@
-//! The ways to the Hessian of the Lagrangian.
+//! Routes to the Hessian of the Lagrangian.
 
 use super::KernelOne;
 use crate::error::EvalError;
@@ -7,12 +7,13 @@ use crate::robot::Tree;
 use crate::scalar::Scalar;
 use std::fmt::Debug;
 
-/// Value, gradient and Hessian of `L(q, v) = 1/2 v' M v - V`, in three stages, each building on the one before.
+/// Value, gradient and Hessian of `L(q, v) = 1/2 v' M v - V`, in three stages, each building on the one
+/// before.
 ///
-/// What state equations and their Jacobians need of a robot, whichever way it is computed: [`KernelOne`] contracts
-/// with v first, [`tensors`](crate::tensors) goes the paper's way over the derivatives of M one by one.
+/// The interface between the state equations and a route: [`KernelOne`] contracts with v first;
+/// [`tensors`](crate::tensors) computes the derivatives of M one by one, as in the paper.
 pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
-    /// Buffers for this tree.
+    /// Buffers for a tree.
     fn new(tree: &Tree) -> Self;
 
     /// First stage: M and V at q (rad, m; length n).
@@ -33,10 +34,11 @@ pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
     /// Mass matrix M, armature included, n x n, symmetric (kg m^2, kg m, kg).
     fn mass_matrix(&self) -> &Matrix<S>;
 
-    /// What the rounding of `M_kk` is in proportion to.
+    /// The scale of the rounding error of `M_kk`.
     fn size_of_entry(&self, tree: &Tree, k: usize) -> S;
 
-    /// Potential energy V (J) at the position set last: weight (zero at the origin of the world) and springs.
+    /// Potential energy V (J) at the position set last: gravity (zero at the origin of the world) and
+    /// springs.
     fn potential(&self, tree: &Tree) -> S;
 
     /// Conjugate momentum p = M v, n.
@@ -54,11 +56,11 @@ pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
 
 /// A route to the Hessian of the Lagrangian, for every scalar.
 pub trait Route: Clone + Debug {
-    /// What computes it for one scalar type.
+    /// The kernel for one scalar type.
     type Hessian<S: Scalar>: LagrangianHessian<S>;
 }
 
-/// The route of the library: contracted with the velocity before anything is differentiated.
+/// The default route: contracts with the velocity before differentiating.
 #[derive(Clone, Copy, Debug)]
 pub struct Contracted;
 

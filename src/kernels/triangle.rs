@@ -4,10 +4,10 @@ use crate::matrix::{Panel, add_rows, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
-/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature couples joints of
-/// different branches, the pattern is closed under elimination.
+/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature couples
+/// joints of different branches, the pattern is closed under elimination.
 ///
-/// Const parameters W of the methods: the packs in a row where that is known, else 0.
+/// Const parameters W of the methods: the number of packs per row if known at compile time, else 0.
 #[derive(Clone, Debug)]
 pub(super) struct Triangle<S: Scalar> {
     rows: Pattern,
@@ -18,7 +18,7 @@ pub(super) struct Triangle<S: Scalar> {
     entries: Panel<S>,
 }
 
-/// Where the rows (or columns) of a triangular matrix have entries off the diagonal.
+/// Positions of the off-diagonal entries by row (or column).
 #[derive(Clone, Debug)]
 struct Pattern {
     starts: Vec<usize>,
@@ -35,7 +35,7 @@ impl Pattern {
         Self { starts, entries }
     }
 
-    /// Entries of row (or column) k, rising.
+    /// Entries of row (or column) k, in ascending order.
     #[inline(always)]
     fn of(&self, k: usize) -> &[usize] {
         &self.entries[self.starts[k]..self.starts[k + 1]]
@@ -70,40 +70,40 @@ impl<S: Scalar> Triangle<S> {
         self.full
     }
 
-    /// Columns of the entries of row k, rising.
+    /// Columns of the entries of row k, ascending.
     #[inline(always)]
     pub fn row_pattern(&self, k: usize) -> &[usize] {
         self.rows.of(k)
     }
 
-    /// Rows of the entries of column i, rising.
+    /// Rows of the entries of column i, ascending.
     #[inline(always)]
     pub fn column_pattern(&self, i: usize) -> &[usize] {
         self.columns.of(i)
     }
 
-    /// Entries below the diagonal; outside the pattern stand numbers without meaning.
+    /// Entries below the diagonal; entries outside the pattern are undefined.
     #[inline(always)]
     pub fn entries(&self) -> &Panel<S> {
         &self.entries
     }
 
-    /// The same, to be written.
+    /// Mutable access to the same entries.
     #[inline(always)]
     pub fn entries_mut(&mut self) -> &mut Panel<S> {
         &mut self.entries
     }
 
-    /// `target -= sum_i L_ki row_i`: rows of the panel `above` that stand before row k, `width` packs each.
+    /// `target -= sum_i L_ki row_i`: rows of the panel `above` before row k, `width` packs each.
     #[inline(always)]
     pub fn minus_rows(&self, k: usize, target: &mut [S::Pack], above: &[S::Pack], width: usize) {
         let terms = self.rows.of(k).iter().map(|&i| (i, S::Pack::splat(-self.entries.get(k, i))));
         add_rows(target, above, width, terms);
     }
 
-    /// `target -= sum_k L_ki row_k`: rows of the panel `below` that stands after row i, `width` packs each.
+    /// `target -= sum_k L_ki row_k`: rows of the panel `below` after row i, `width` packs each.
     ///
-    /// The row computed last comes last: sums wait for it alone.
+    /// The row computed last is added last, which shortens the chain of dependent sums.
     #[inline(always)]
     pub fn minus_columns<const N: usize, const W: usize>(
         &self,
@@ -122,13 +122,13 @@ impl<S: Scalar> Triangle<S> {
         }
     }
 
-    /// Entries of row k as terms (i, -L_ki), rising.
+    /// Entries of row k as terms (i, -L_ki), ascending.
     #[inline(always)]
     pub fn row_terms(&self, k: usize) -> impl Iterator<Item = (usize, S)> + Clone {
         self.rows.of(k).iter().map(move |&i| (i, -self.entries.get(k, i)))
     }
 
-    /// Entries of column i below the diagonal as terms (k, -L_ki), rising.
+    /// Entries of column i below the diagonal as terms (k, -L_ki), ascending.
     #[inline(always)]
     pub fn column_terms(&self, i: usize) -> impl Iterator<Item = (usize, S)> + Clone {
         self.columns.of(i).iter().map(move |&k| (k, -self.entries.get(k, i)))

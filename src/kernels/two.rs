@@ -14,7 +14,8 @@ use std::ops::Add;
 
 /// Kernel two: the derivatives D M, D P and D L_qq of kernel one along a direction (dq, dv).
 ///
-/// In body frames `dS = 0`, only the transforms X move: `dX = -(S dq) x X`. By the product rule, X' for the way up,
+/// In body frames `dS = 0`, only the transforms X move: `dX = -(S dq) x X`. By the product rule, X' for the
+/// way up,
 ///
 /// ```text
 /// dv_i = X dv_parent + S_i dv_i + psi_i dq_i      dpsi_i = dv_i x S_i      dgamma_i = da_g x S_i
@@ -24,12 +25,13 @@ use std::ops::Add;
 /// D L_qq,ij = dpsi_i . G_j + psi_i . dG_j + dgamma_i . F_j + gamma_i . dF_j
 /// ```
 ///
-/// for i <= j in tree order: n d scalar products again, and no derivative of a factorisation anywhere. Along (dq, dv) =
-/// (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of inverse dynamics follow.
+/// for i <= j in tree order: n d scalar products again; no factorisation is differentiated. Along (dq, dv) =
+/// (v, a) these are the rates of M, P and L_qq in a motion, from which all first derivatives of inverse
+/// dynamics follow.
 #[derive(Clone, Debug)]
 pub struct KernelTwo<S: Scalar> {
     pub(super) bodies: Vec<Change<S>>,
-    /// dF_j seen from frame i, in the blocks of kernel one.
+    /// dF_j in frame i, in the blocks of kernel one.
     pub(super) forces: Vec<Force<S::Pack>>,
     /// dG_j, likewise.
     pub(super) rates: Vec<Force<S::Pack>>,
@@ -38,7 +40,7 @@ pub struct KernelTwo<S: Scalar> {
     pub(super) l_qq: Matrix<S>,
 }
 
-/// How what stands in a [`Body`](super::Body) changes, seen from the frame of the joint, which moves by S dq.
+/// Changes of the quantities in a [`Body`](super::Body), in the frame of the joint, which moves by S dq.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Change<S> {
     pub dq: S,
@@ -62,7 +64,7 @@ pub(super) fn moved<S: Scalar>(kind: JointKind, f: Force<S>, g: &Force<S>, dq: S
     sum
 }
 
-/// `D + S dq x* I - I S dq x`: the change of an inertia whose frame moves back by S dq.
+/// `D + S dq x* I - I S dq x`: the change of an inertia whose frame moves by -S dq.
 #[inline(always)]
 fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia<S>, dq: S) -> Inertia<S> {
     let (h, j) = (&body.first_moment, &body.matrix);
@@ -102,7 +104,7 @@ fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia
 }
 
 impl<S: Scalar> KernelTwo<S> {
-    /// Buffers for this tree.
+    /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
@@ -124,7 +126,7 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Derivatives at the position and velocity that `kernel` was set to, all three stages, along (dq, dv), n each.
+    /// Derivatives along (dq, dv), n each, at the state of `kernel`, which must have passed all three stages.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
@@ -158,7 +160,7 @@ impl<S: Scalar> KernelTwo<S> {
         &self.l_qq
     }
 
-    /// Changes of velocities and gravity, from the world outward.
+    /// Changes of velocities and gravity, from the base outward.
     fn outward(&mut self, tree: &Tree, kernel: &KernelOne<S>, dq: &[S], dv: &[S]) {
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
@@ -197,7 +199,8 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Changes of momenta and composite inertias, from the tips inward; those of joints on the world where they are read.
+    /// Changes of momenta and composite inertias, from the tips inward; for joints on the fixed base where
+    /// they are needed.
     fn inward(&mut self, tree: &Tree, kernel: &KernelOne<S>) {
         let bodies = &mut self.bodies[..tree.joints().len()];
         let (mut momenta, mut composites) = (Inward::new(), Inward::new());

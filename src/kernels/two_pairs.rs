@@ -1,4 +1,4 @@
-//! Kernel two, the scalar products of every pair of joints on a branch.
+//! Kernel two: the scalar products of all pairs of joints on a branch.
 
 use super::blocks::Source;
 use super::position::{along_joint, put};
@@ -11,7 +11,7 @@ use crate::spatial::{Force, Motion, Vec3};
 
 /// The linear part of `gamma = a_g x S` of a revolute joint, in its frame: its x and y components.
 #[inline(always)]
-fn turned_gravity<S: Scalar>(gravity: Vec3<S>) -> [S; 2] {
+fn gravity_of_axis<S: Scalar>(gravity: Vec3<S>) -> [S; 2] {
     [gravity.y, -gravity.x]
 }
 
@@ -21,7 +21,7 @@ fn weight<S: Scalar>([x, y]: [S; 2], force: &Force<S>) -> S {
     x.mul_add(force.force.x, y * force.force.y)
 }
 
-/// `m x (S dq)`: how a motion that does not move changes in the frame of a joint that moves by S dq.
+/// `m x (S dq)`: the change of a fixed motion in the frame of a joint that moves by S dq.
 #[inline(always)]
 fn left_behind<S: Scalar>(kind: JointKind, m: &Motion<S>, dq: S) -> Motion<S> {
     let across = |a: &Vec3<S>| Vec3::new(a.y * dq, -(a.x * dq), S::zero());
@@ -52,8 +52,8 @@ impl<S: Scalar> KernelTwo<S> {
             let (body, change) = (&kernel.bodies[i], &self.bodies[i]);
             let psi = AxisRate::new(kind, &body.velocity).splat();
             let dpsi = AxisRate::new(kind, &change.velocity).splat();
-            let gamma = turned_gravity(body.gravity).map(S::Pack::splat);
-            let dgamma = turned_gravity(change.gravity).map(S::Pack::splat);
+            let gamma = gravity_of_axis(body.gravity).map(S::Pack::splat);
+            let dgamma = gravity_of_axis(change.gravity).map(S::Pack::splat);
             for block in kernel.blocks.of(i) {
                 let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
                 let (dcarried, drate) = (&self.forces[block], &self.rates[block]);
@@ -69,7 +69,7 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Brings a block of dF_j and dG_j from the frame of `child` to that of its parent.
+    /// Transforms a block of dF_j and dG_j from the frame of `child` to that of its parent.
     #[inline(always)]
     fn carry(&mut self, tree: &Tree, kernel: &KernelOne<S>, child: usize, (from, to): (usize, usize)) {
         let (kind, dq) = (tree.joints()[child].kind, S::Pack::splat(self.bodies[child].dq));
@@ -79,11 +79,11 @@ impl<S: Scalar> KernelTwo<S> {
         self.rates[to] = transform.force_up(moved(kind, rate, &kernel.rates[from], dq));
     }
 
-    /// Rows and columns of a joint on the world, whose psi and dpsi are zero.
+    /// Rows and columns of a joint on the fixed base, whose psi and dpsi are zero.
     fn meet_root(&mut self, tree: &Tree, kernel: &KernelOne<S>, i: usize) {
         let kind = tree.joints()[i].kind;
         let (gamma, dgamma) =
-            (turned_gravity(kernel.bodies[i].gravity), turned_gravity(self.bodies[i].gravity));
+            (gravity_of_axis(kernel.bodies[i].gravity), gravity_of_axis(self.bodies[i].gravity));
         let (block, lane) = kernel.blocks.own(i);
         let (own, change) = (&kernel.carried[block], &self.forces[block]);
         self.mass_matrix[(i, i)] = along_joint(kind, change).lane(lane);
@@ -111,7 +111,7 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// How S and gamma of joint i, on the world, change as seen from the frame of `child`.
+    /// Changes of S and gamma of joint i, on the fixed base, in the frame of `child`.
     fn change_of_root(
         &self,
         tree: &Tree,

@@ -9,7 +9,7 @@ use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, Motion, Vec3};
 use std::ops::Add;
 
-/// `psi = v x S = dS/dt`: its parts have no z component, and a prismatic axis does not turn anything.
+/// `psi = v x S = dS/dt`: it has no z components, and no angular part for a prismatic joint.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum AxisRate<S> {
     /// `(w x e_z; v x e_z)`.
@@ -30,7 +30,7 @@ impl<S: Scalar> AxisRate<S> {
         }
     }
 
-    /// The same in every lane.
+    /// The same value in every lane.
     #[inline(always)]
     pub fn splat<P: Pack<S>>(&self) -> AxisRate<P> {
         match *self {
@@ -41,7 +41,7 @@ impl<S: Scalar> AxisRate<S> {
         }
     }
 
-    /// `I psi`: momentum of a body that moves by psi.
+    /// `I psi`: momentum of a body with velocity psi.
     #[inline(always)]
     pub fn momentum(&self, body: &Inertia<S>) -> Force<S> {
         let (h, i, mass) = (body.first_moment, &body.matrix, body.mass);
@@ -77,7 +77,7 @@ impl<S: Scalar> AxisRate<S> {
     }
 }
 
-/// `a_g . F_j = -V_,j`: what gravity, seen from the body frame, does on the composite body.
+/// `a_g . F_j = -V_,j`: power of gravity, in the body frame, on the composite body.
 #[inline(always)]
 fn weight<S: Scalar>(kind: JointKind, composite: &Inertia<S>, gravity: Vec3<S>) -> S {
     match kind {
@@ -119,7 +119,8 @@ impl<S: Scalar> KernelOne<S> {
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             let total = inward.total(i, bodies, |body| &mut body.momentum, Force::add);
             bodies[i].momentum = total;
-            // That of a joint on the world is only asked for along its axis, see `first_derivatives`.
+            // For a joint on the fixed base only the component along its axis is needed, see
+            // `first_derivatives`.
             if let Some(parent) = joint.parent.filter(|&parent| tree.joints()[parent].parent.is_some()) {
                 inward.hand(parent, joint.transform_at(bodies[i].position).force_up(total));
             }

@@ -1,4 +1,4 @@
-//! The rate of the mass matrix and the Coriolis matrix that belongs to it.
+//! The rate of the mass matrix and the Coriolis matrix.
 
 use super::Lagrangian;
 use crate::error::EvalError;
@@ -19,7 +19,8 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// `C = 1/2 (Mdot + P - P')`, `C_ij = 1/2 sum_k (M_ij,k + M_ik,j - M_jk,i) v_k`, n x n.
     ///
-    /// The one made of the Christoffel symbols of M: `Mdot - 2 C` is skew-symmetric, as P - P' is. P is L_vq.
+    /// This is the Coriolis matrix of the Christoffel symbols of M: `Mdot - 2 C = P' - P` is skew-symmetric.
+    /// P is L_vq.
     ///
     /// # Errors
     /// See [`Lagrangian`].

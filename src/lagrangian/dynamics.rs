@@ -1,4 +1,4 @@
-//! Inverse and forward dynamics, gravity, energy: no derivative.
+//! Inverse and forward dynamics, gravity and energy, without derivatives.
 
 use super::Lagrangian;
 use crate::error::EvalError;
@@ -8,7 +8,8 @@ use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
-    /// `tau = M a + C v + g - D = d/dt L_v - L_q - D`, n (N m, N): the actuation u that makes a, in O(n).
+    /// `tau = M a + C v + g - D = d/dt L_v - L_q - D`, n (N m, N): the actuation that produces the
+    /// acceleration a; O(n).
     ///
     /// # Errors
     /// See [`Lagrangian`].
@@ -39,7 +40,7 @@ impl<S: Scalar> Lagrangian<S> {
         Ok(&self.rate)
     }
 
-    /// `g(q) = V_q`, n (N m, N): what the joints must give against weight and springs to stay at q.
+    /// `g(q) = V_q`, n (N m, N): the actuation that holds the robot at q against gravity and springs.
     ///
     /// # Errors
     /// See [`Lagrangian`].
@@ -76,7 +77,7 @@ impl<S: Scalar> Lagrangian<S> {
         &self.rate[self.tree.len()..]
     }
 
-    /// tau from the sweep made last.
+    /// tau from the last sweep, with friction subtracted.
     pub(super) fn subtract_friction(&mut self, v: &[S]) {
         self.tau.copy_from_slice(&self.newton_euler.tau);
         for ((tau, joint), &v) in self.tau.iter_mut().zip(self.tree.joints()).zip(v) {
@@ -94,7 +95,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
     }
 
-    /// Factors M and fills (v, a); tau keeps what a = 0 would need.
+    /// Factors M and fills (v, a); tau holds the inverse dynamics for a = 0.
     pub(super) fn accelerate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.factor(q)?;
         self.accelerate_factored(q, v, u);

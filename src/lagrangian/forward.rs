@@ -99,12 +99,12 @@ impl<S: Scalar> Lagrangian<S> {
         }
     }
 
-    /// What was assembled last.
+    /// The last assembled state equation.
     pub(super) fn state(&self) -> StateLinearisation<'_, S> {
         StateLinearisation { f: &self.rate, f_x: &self.f_x, f_u: &self.f_u }
     }
 
-    /// What was computed last.
+    /// The last forward dynamics.
     pub(super) fn forward_jacobian(&self) -> ForwardDynamicsLinearisation<'_, S> {
         ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),

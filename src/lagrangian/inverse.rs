@@ -20,9 +20,10 @@ pub struct InverseDynamicsLinearisation<'a, S> {
     pub tau_a: &'a Matrix<S>,
 }
 
-/// `tau_q = Pdot - L_qq`, `tau_v = Mdot + P - P' - D_v` from kernel one at (q, v) and kernel two along (v, a).
+/// `tau_q = Pdot - L_qq`, `tau_v = Mdot + P - P' - D_v` from kernel one at (q, v) and kernel two along (v,
+/// a).
 ///
-/// The kernels may carry more than a value; `value` takes it out of them.
+/// The kernels may compute with dual numbers; `value` returns the real part.
 pub(super) fn torque_jacobian<S: Scalar, T: Scalar>(
     tree: &Tree,
     (kernel, along): (&KernelOne<T>, &KernelTwo<T>),
@@ -46,7 +47,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// tau and its Jacobian in (q, v, a).
     ///
     /// # Errors
-    /// See [`Lagrangian`]; a singular mass matrix is none.
+    /// See [`Lagrangian`]; a singular mass matrix is not an error here.
     pub fn linearise_inverse_dynamics(
         &mut self,
         q: &[S],

@@ -1,19 +1,20 @@
-//! From (q, v) to (q, p) and back: states, rates, Jacobians and costates under the Legendre map.
+//! The Legendre transform between (q, v) and (q, p): states, rates, Jacobians and costates.
 
 use super::{Lagrangian, StateLinearisation};
-use crate::error::{EvalError, check_length};
+use crate::error::{EvalError, LengthError, check_length};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
 /// Workspace for the change of coordinates (q, v) <-> (q, p), p = M v; no call allocates.
 ///
-/// The map has the Jacobian T and, along the motion, its rate:
+/// The map has the Jacobian T, with the rate dT/dt along the motion:
 ///
-/// ```text
-/// T = [ 1 0 ; P M ]      dT/dt = [ 0 0 ; Pdot Mdot ]      T^-1 = [ 1 0 ; -M^-1 P  M^-1 ]
-/// F = T G      F_x = (T G_z + dT/dt) T^-1      G_z = T^-1 (F_x T - dT/dt)      y_z = T' y_x
-/// ```
+/// $$ T = \begin{pmatrix} 1 & 0 \\\\ P & M \end{pmatrix}, \qquad
+/// \dot T = \begin{pmatrix} 0 & 0 \\\\ \dot P & \dot M \end{pmatrix}, \qquad
+/// T^{-1} = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix} $$
+///
+/// $$ F = T G, \qquad F\_x = (T G\_z + \dot T) T^{-1}, \qquad G\_z = T^{-1} (F\_x T - \dot T), \qquad y\_z = T^T y\_x $$
 ///
 /// for dz/dt = G(z), z = (q, v), and dx/dt = F(x), x = (q, p). Friction and actuation are part of F and G.
 ///
@@ -47,12 +48,12 @@ pub struct LegendreTransform<S: Scalar> {
 pub struct LegendreMap<'a, S: Scalar>(&'a mut LegendreTransform<S>);
 
 impl<S: Scalar> LegendreTransform<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.len();
         let mut f_u = Matrix::zeros(2 * n, n);
@@ -112,7 +113,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
         StateLinearisation { f: rate, f_x, f_u }
     }
 
-    /// The state equation in (q, p), made from that in (q, v): F = (v, P v + M a), F_x and `F_u = (0 ; 1)`.
+    /// The state equation in (q, p), transformed from that in (q, v): F = (v, P v + M a), F_x and
+    /// `F_u = (0 ; 1)`.
     pub fn hamiltonian(&mut self) -> StateLinearisation<'_, S> {
         let LegendreTransform { lagrangian, f, given, .. } = &mut *self.0;
         let (v, a) = lagrangian.rate.split_at(lagrangian.dof());
@@ -128,7 +130,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
         StateLinearisation { f: &self.0.f, f_x: &self.0.changed, f_u: &self.0.f_u }
     }
 
-    /// `F_x = (T G_z + dT/dt) T^-1`, 2n x 2n, of a Jacobian G_z in (q, v) of any G with this rate dz/dt.
+    /// `F_x = (T G_z + dT/dt) T^-1`, 2n x 2n: transforms the Jacobian G_z in (q, v) of any G with this rate
+    /// dz/dt.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] unless G_z is 2n x 2n.
@@ -138,7 +141,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
         Ok(&self.0.changed)
     }
 
-    /// `G_z = T^-1 (F_x T - dT/dt)`, 2n x 2n, of a Jacobian F_x in (q, p) of any F with this rate dx/dt.
+    /// `G_z = T^-1 (F_x T - dT/dt)`, 2n x 2n: transforms the Jacobian F_x in (q, p) of any F with this rate
+    /// dx/dt.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] unless F_x is 2n x 2n.
@@ -148,7 +152,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
         Ok(&self.0.changed)
     }
 
-    /// `y_z = T' y_x`: a costate (or gradient) of (q, p), 2n, becomes that of (q, v) in place.
+    /// `y_z = T' y_x`: transforms a costate (or gradient) of (q, p), 2n, into that of (q, v), in place.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`].
@@ -166,7 +170,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
         Ok(())
     }
 
-    /// `y_x = T'^-1 y_z`: a costate (or gradient) of (q, v), 2n, becomes that of (q, p) in place.
+    /// `y_x = T'^-1 y_z`: transforms a costate (or gradient) of (q, v), 2n, into that of (q, p), in place.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`].
@@ -185,9 +189,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
     fn take(&mut self, what: &'static str, jacobian: Block<'_, S>) -> Result<(), EvalError> {
         let size = 2 * self.n();
         for found in [jacobian.rows(), jacobian.columns()] {
-            if found != size {
-                return Err(EvalError::WrongLength { what, expected: size, found });
-            }
+            LengthError::check(what, size, found)?;
         }
         (0..size).for_each(|i| self.0.given.row_mut(i).copy_from_slice(jacobian.row(i)));
         Ok(())
@@ -238,7 +240,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
     }
 }
 
-/// Fills the lower half of a matrix with that of dT/dt, `[Pdot Mdot]`.
+/// Fills the lower half of a matrix with the lower half of dT/dt, `[Pdot Mdot]`.
 fn set_rate<S: Scalar>(lagrangian: &Lagrangian<S>, target: &mut Matrix<S>) {
     let n = lagrangian.dof();
     for i in 0..n {

@@ -2,15 +2,18 @@
 //!
 //! State x = (q, v). With `L = 1/2 v' M v - V`, D the friction and u the actuation of the joints,
 //!
-//! ```text
-//! M(q) a + C(q, v) v + g(q) = u + D(v)      dx/dt = (v, a)                                        (9)
-//! ```
+//! $$ M(q) a + C(q, v) v + g(q) = u + D(v), \qquad \dot x = (v, a) \qquad (9) $$
 //!
-//! M is the mass matrix with armature, C the Coriolis matrix, `g = V_q` the force of weight and springs. D is negative
-//! where v is positive: friction brakes. Inverse dynamics asks for u, forward dynamics for a. [`Lagrangian`] computes
-//! both with their Jacobians for any scalar, [`LagrangianSecondOrder`] adds contracted Hessians, [`LegendreTransform`] leads from
-//! (q, v) to (q, p) and back; [`ForwardDynamics`](crate::derivative::ForwardDynamics) is a(q, v, u) as a function that
-//! can be differentiated automatically.
+//! The Jacobian of forward dynamics follows from that of inverse dynamics, $\tau(q, v, a)$:
+//!
+//! $$ a\_q = -M^{-1} \tau\_q, \qquad a\_v = -M^{-1} \tau\_v, \qquad a\_u = M^{-1} $$
+//!
+//! M is the mass matrix with armature, C the Coriolis matrix, `g = V_q` the force of gravity and springs.
+//! Friction opposes the motion: D is negative where v is positive. Inverse dynamics computes u, forward
+//! dynamics a. [`Lagrangian`] computes both with their Jacobians for any scalar, [`LagrangianSecondOrder`]
+//! adds contracted Hessians, [`LegendreTransform`] converts between (q, v) and (q, p);
+//! [`ForwardDynamics`](crate::derivative::ForwardDynamics) is a(q, v, u) as a function for automatic
+//! differentiation.
 
 mod adjoint;
 mod coriolis;
@@ -37,9 +40,9 @@ use newton_euler::NewtonEuler;
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
 ///
 /// Slices q (rad, m), v (rad/s, m/s), a (rad/s^2, m/s^2) and u, tau (N m, N) have n entries, in the order of
-/// [`Robot::joints`]. All of its functions fail with [`EvalError::WrongLength`], [`EvalError::NonFinite`] or, where
-/// the mass matrix must be inverted, [`EvalError::SingularMassMatrix`]. Results are not checked: finite arguments so
-/// large that a product overflows give infinities.
+/// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
+/// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
+/// product overflows, they are infinite.
 ///
 /// ```
 /// use costate::lagrangian::Lagrangian;
@@ -70,7 +73,7 @@ pub struct Lagrangian<S: Scalar> {
     /// `(v, a)`, 2n.
     rate: Vec<S>,
     inverse: Matrix<S>,
-    /// `[tau_q, tau_v]`, and what becomes of it on the way to `M^-1 [tau_q, tau_v]`; n x 2n.
+    /// `[tau_q, tau_v]`, then the intermediate results of `M^-1 [tau_q, tau_v]`; n x 2n.
     torque: Matrix<S>,
     solved: Panel<S>,
     /// `[a_q, a_v, a_u]`, n x 3n.
@@ -82,12 +85,12 @@ pub struct Lagrangian<S: Scalar> {
 }
 
 impl<S: Scalar> Lagrangian<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.len();
         let square = Matrix::zeros(n, n);

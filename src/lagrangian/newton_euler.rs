@@ -1,27 +1,28 @@
-//! Inverse dynamics in one sweep out and one sweep back, without a matrix.
+//! Inverse dynamics by one outward and one inward sweep, without a matrix.
 
 use crate::kernels::along_joint;
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, JointPosition, Motion, Vec3};
 
-/// `tau = M a + C v + g` by the recursive Newton-Euler equations, O(n), in body frames with the joint axis along z.
+/// `tau = M a + C v + g` by the recursive Newton-Euler equations, O(n), in body frames with the joint axis
+/// along z.
 ///
-/// With `psi_i = v_i x S_i` and the base accelerated against gravity instead of weights:
+/// With `psi_i = v_i x S_i` and the base accelerated against gravity in place of weights:
 ///
 /// ```text
 /// v_i = v_parent + S_i v_i     a_i = a_parent + S_i a_i + psi_i v_i     f_i = I_i a_i + v_i x* I_i v_i + sum of f_child
 /// tau_i = S_i . f_i
 /// ```
 ///
-/// Nothing of this is shared with kernel one but the transforms and what stands for the links: the two judge each other.
+/// It shares only the transforms and the link parameters with kernel one, so that the two check each other.
 #[derive(Clone, Debug)]
 pub(super) struct NewtonEuler<S> {
     positions: Vec<JointPosition<S>>,
     velocities: Vec<Motion<S>>,
     accelerations: Vec<Motion<S>>,
     forces: Vec<Force<S>>,
-    /// What the joints must give, friction left out (N m, N).
+    /// Actuation without friction (N m, N).
     pub tau: Vec<S>,
 }
 
@@ -37,7 +38,7 @@ impl<S: Scalar> NewtonEuler<S> {
         }
     }
 
-    /// Fills tau: links, armature and springs, all arguments of length n.
+    /// Fills tau from links, armature and springs; all arguments have length n.
     pub fn solve(&mut self, tree: &Tree, q: &[S], v: &[S], a: &[S]) {
         let base = Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) };
         for (i, joint) in tree.joints().iter().enumerate() {
@@ -103,12 +104,12 @@ fn beyond_joint<S: Scalar>(
     (velocity, moved)
 }
 
-/// `I a + v x* I v` of one link, whose inertial parameters are regrouped.
+/// `I a + v x* I v` of one link, with regrouped inertial parameters.
 #[inline(always)]
 fn rate_of_momentum<S: Scalar>(joint: &JointFrame, velocity: Motion<S>, acceleration: Motion<S>) -> Force<S> {
     let momentum: Force<S> = joint.lumped.apply(velocity);
     let (w, v) = (velocity.angular, velocity.linear);
-    let turned =
+    let gyroscopic =
         Force { moment: w.cross(momentum.moment) + v.cross(momentum.force), force: w.cross(momentum.force) };
-    joint.lumped.apply(acceleration) + turned
+    joint.lumped.apply(acceleration) + gyroscopic
 }

@@ -11,25 +11,22 @@ use crate::scalar::{Scalar, Tangent};
 
 /// Workspace for a, its Jacobian and its contracted Hessian of one robot; no call allocates.
 ///
-/// For constant w the power `w.tau` of inverse dynamics is made of derivatives of L along directions,
+/// For constant w, the power `w.tau` of inverse dynamics consists of directional derivatives of L:
 ///
 /// ```text
 /// w.tau(q, v, a) = L''[(v, a), (0, w)] - L'[(w, 0)] - w.D ,
 /// ```
 ///
 /// so with `A = D_(0,w) L_qq`, `B = D_(0,w) P` (kernel one by a dual number along (0, w)) and the derivatives
-/// `E = D_(0,w) D_(v,a) - D_(w,0)` of M, P and L_qq (kernel two along (v, a), by the same dual number: the direction it
-/// is given has the derivative (-w, 0)) its Hessian in (q, v, a) is, the whole of it from one pass,
+/// `E = D_(0,w) D_(v,a) - D_(w,0)` of M, P and L_qq (kernel two along (v, a), by the same dual number, with
+/// the direction's own derivative (-w, 0)), one pass gives its Hessian in (q, v, a):
 ///
-/// ```text
-/// [ E_Lqq                  .          . ]
-/// [ E_P + A    E_M + B + B' - w D''   . ]        symmetric
-/// [ B                      0          0 ]
-/// ```
+/// $$ (w \cdot \tau)\_{zz} = \begin{pmatrix} E\_{L\_{qq}} & (E\_P + A)^T & B^T \\\\
+/// E\_P + A & E\_M + B + B^T - w D\_{vv} & 0 \\\\ B & 0 & 0 \end{pmatrix} $$
 ///
-/// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus that for `w = M^-1 y`, seen along
-/// the columns of (1, 0, 0; 0, 1, 0; a_q, a_v, a_u): `y'a_uv = y'a_uu = 0`, and no derivative of a factorisation is
-/// ever taken.
+/// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus this Hessian for
+/// `w = M^-1 y`, transformed by Z = (1, 0, 0; 0, 1, 0; a_q, a_v, a_u). Hence `y'a_uv = y'a_uu = 0`. No
+/// factorisation is differentiated.
 #[derive(Clone, Debug)]
 pub struct LagrangianSecondOrder<S: Scalar> {
     first: Lagrangian<S>,
@@ -70,19 +67,20 @@ impl<'a, S: Scalar> LagrangianContraction<'a, S> {
         self.xx.view()
     }
 
-    /// `sum_k y_k d2 a_k / du dq`, n x n: all others in u are zero by structure.
+    /// `sum_k y_k d2 a_k / du dq`, n x n: all other blocks in u are zero by structure.
     pub fn uq(&self) -> Block<'a, S> {
         self.uq.view()
     }
 
-    /// A copy with all zeros in their places: 3n x 3n, symmetric, rows and columns in the order z = (q, v, u).
+    /// A copy as a full symmetric 3n x 3n matrix, in the order z = (q, v, u).
     pub fn to_matrix(&self) -> Matrix<S> {
         whole_hessian(self.xx(), self.uq())
     }
 }
 
-/// The contracted Hessian of forward dynamics in z = (q, v, u) from its blocks [`xx`](LagrangianContraction::xx), 2n x 2n, and
-/// [`uq`](LagrangianContraction::uq), n x n, with all zeros in their places: 3n x 3n, symmetric.
+/// The contracted Hessian of forward dynamics in z = (q, v, u) from its blocks
+/// [`xx`](LagrangianContraction::xx), 2n x 2n, and [`uq`](LagrangianContraction::uq), n x n, as a full
+/// symmetric 3n x 3n matrix.
 pub fn whole_hessian<S: Scalar>(xx: Block<'_, S>, uq: Block<'_, S>) -> Matrix<S> {
     let n = uq.rows();
     let mut whole = Matrix::zeros(3 * n, 3 * n);
@@ -99,12 +97,12 @@ pub fn whole_hessian<S: Scalar>(xx: Block<'_, S>, uq: Block<'_, S>) -> Matrix<S>
 }
 
 impl<S: Scalar> LagrangianSecondOrder<S> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
         Self::from_tree(Tree::from(robot))
     }
 
-    /// As [`new`](Self::new), from a model that was turned already.
+    /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.len();
         let zero = Tangent::zero();
@@ -128,7 +126,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.first.dof()
     }
 
-    /// What gives a and its Jacobian alone.
+    /// The first-order workspace: a and its Jacobian.
     pub fn first(&mut self) -> &mut Lagrangian<S> {
         &mut self.first
     }
@@ -136,7 +134,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// `sum_k w_k d2 tau_k / dz dz`, z = (q, v, a): 3n x 3n, symmetric, for weights w of length n.
     ///
     /// # Errors
-    /// See [`Lagrangian`]; a singular mass matrix is none.
+    /// See [`Lagrangian`]; a singular mass matrix is not an error here.
     pub fn contract_inverse_dynamics(
         &mut self,
         q: &[S],
@@ -151,9 +149,11 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         Ok(&self.w_tau_zz)
     }
 
-    /// a, its Jacobian and `sum_k y_k d2 a_k / dz dz`, z = (q, v, u), for the costate y of the velocities, length n.
+    /// a, its Jacobian and `sum_k y_k d2 a_k / dz dz`, z = (q, v, u), for the costate y of the velocities,
+    /// length n.
     ///
-    /// The other half of the state equation, dq/dt = v, is linear: for a costate (y_q, y_v) of x = (q, v) give y_v.
+    /// The other half of the state equation, dq/dt = v, is linear: for a costate (y_q, y_v) of x = (q, v),
+    /// pass y_v.
     ///
     /// # Errors
     /// See [`Lagrangian`].
@@ -178,8 +178,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         Ok(LagrangianContraction { forward_dynamics, linearisation, xx: &self.xx, uq: &self.uq })
     }
 
-    /// dx/dt = (v, a), its Jacobians and `sum_k y_k d2 f_k / dx dx` for the costate y = (y_q, y_v) of x = (q, v),
-    /// length 2n. dq/dt = v is linear, so that y_q has no influence.
+    /// dx/dt = (v, a), its Jacobians and `sum_k y_k d2 f_k / dx dx` for the costate y = (y_q, y_v) of x = (q,
+    /// v), length 2n. dq/dt = v is linear, so that y_q has no influence.
     ///
     /// # Errors
     /// See [`Lagrangian`].
@@ -195,7 +195,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.contract_forward_dynamics(q, v, u, &y[n..])
     }
 
-    /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau from it.
+    /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau
+    /// from it.
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         let (tree, a) = (&self.first.tree, self.first.acceleration());
         for (i, &w) in self.w.iter().enumerate() {
@@ -236,8 +237,9 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         }
     }
 
-    /// `y'a_zz = -Z' (w.tau)_zz Z`, Z with the rows (1, 0, 0), (0, 1, 0), a_z; of its products only `K = a_z' B` is not
-    /// trivial: added to the rows of z and the columns of q, and transposed.
+    /// `y'a_zz = -Z' (w.tau)_zz Z`, Z with the rows (1, 0, 0), (0, 1, 0), a_z; of its products only
+    /// `K = a_z' B` is not trivial. It is added to the rows of z and the columns of q, and its transpose to
+    /// the transposed block.
     fn transform(&mut self) {
         let n = self.w.len();
         let (h, xx, uq) = (&self.w_tau_zz, &mut self.xx, &mut self.uq);
@@ -255,7 +257,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.add_transpose();
     }
 
-    /// Completes what [`transform`](Self::transform) leaves: K' in (q, q), and the transposed block beside it.
+    /// Completes [`transform`](Self::transform): K' in (q, q), and the transposed block.
     fn add_transpose(&mut self) {
         let n = self.w.len();
         let (h, xx) = (&self.w_tau_zz, &mut self.xx);

@@ -50,20 +50,20 @@ impl<S: Scalar> Matrix<S> {
         &self.data[i * self.columns..(i + 1) * self.columns]
     }
 
-    /// Row `i`, to be written.
+    /// Mutable access to row `i`.
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [S] {
         &mut self.data[i * self.columns..(i + 1) * self.columns]
     }
 
-    /// Row `i` to be written and row `k < i` to be read.
+    /// Row `i`, mutable, and row `k < i`.
     #[inline]
     pub(crate) fn row_mut_and_above(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
         let (above, from_i) = self.data.split_at_mut(i * self.columns);
         (&mut from_i[..self.columns], &above[k * self.columns..(k + 1) * self.columns])
     }
 
-    /// Row `i` to be written and row `k > i` to be read.
+    /// Row `i`, mutable, and row `k > i`.
     #[inline]
     pub(crate) fn row_mut_and_below(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
         let (to_k, from_k) = self.data.split_at_mut(k * self.columns);
@@ -109,7 +109,7 @@ impl<S> IndexMut<(usize, usize)> for Matrix<S> {
     }
 }
 
-/// A rectangular part of a [`Matrix`], to be read. Indices out of range panic, as those of a slice do.
+/// A read-only rectangular block of a [`Matrix`]. Indices out of range panic, as for a slice.
 #[derive(Clone, Copy, Debug)]
 pub struct Block<'a, S> {
     matrix: &'a Matrix<S>,
@@ -150,7 +150,7 @@ impl<'a, S: Scalar> Block<'a, S> {
 }
 
 impl<'a> Block<'a, f64> {
-    /// The same numbers as a view of nalgebra, without a copy.
+    /// The same entries as an nalgebra view, without a copy.
     pub fn as_nalgebra(&self) -> DMatrixView<'a, f64, Dyn, Dyn> {
         let columns = self.matrix.columns;
         let empty = self.rows == 0 || self.columns == 0;
@@ -165,7 +165,7 @@ impl<'a> Block<'a, f64> {
         )
     }
 
-    /// A copy as a matrix of nalgebra.
+    /// A copy as an nalgebra matrix.
     pub fn to_nalgebra(&self) -> DMatrix<f64> {
         self.as_nalgebra().into_owned()
     }

@@ -3,8 +3,8 @@
 use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
-/// A dense matrix whose rows are filled up to a whole number of packs, and their number to a multiple of the lanes of one: what
-/// products of matrices are computed with.
+/// A dense matrix whose rows are filled up to a whole number of packs, and their number to a multiple of the
+/// lanes of one: what products of matrices are computed with.
 ///
 /// What stands in the places beyond the last column and the last row is never read as a result.
 #[derive(Clone, Debug)]
@@ -18,8 +18,9 @@ pub(crate) struct Panel<S: Scalar> {
 /// The rows before one, that one, and those after it.
 type Split<'a, P> = (&'a [P], &'a mut [P], &'a [P]);
 
-/// Calls a method with the number of joints N and the packs W in a row of N entries as const parameters, where packs have several
-/// lanes: both for arms of 6 and 7 joints and machines of 12, W alone for others up to 12. 0 stands for "read the length".
+/// Calls a method with the number of joints N and the packs W in a row of N entries as const parameters,
+/// where packs have several lanes: both for arms of 6 and 7 joints and machines of 12, W alone for others up
+/// to 12. 0 stands for "read the length".
 macro_rules! sized {
     ($S:ty, $n:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
         match $crate::matrix::Panel::<$S>::known_size($n) {
@@ -80,7 +81,7 @@ impl<S: Scalar> Panel<S> {
         &self.data
     }
 
-    /// The same, to be written.
+    /// Mutable access to the same entries.
     #[inline(always)]
     pub fn packs_mut(&mut self) -> &mut [S::Pack] {
         &mut self.data
@@ -92,21 +93,21 @@ impl<S: Scalar> Panel<S> {
         &self.data[i * self.width..][..self.width]
     }
 
-    /// Row `i`. W: packs in a row where known, else 0.
+    /// Row `i`. W: packs per row if known, else 0.
     #[inline(always)]
     pub fn sized_row<const W: usize>(&self, i: usize) -> &[S::Pack] {
         let width = self.width::<W>();
         &self.data[i * width..][..width]
     }
 
-    /// Row `i`, to be written. W: packs in a row where known, else 0.
+    /// Mutable access to row `i`. W: packs per row if known, else 0.
     #[inline(always)]
     pub fn sized_row_mut<const W: usize>(&mut self, i: usize) -> &mut [S::Pack] {
         let width = self.width::<W>();
         &mut self.data[i * width..][..width]
     }
 
-    /// Row `i`, to be written.
+    /// Mutable access to row `i`.
     #[inline(always)]
     pub fn row_mut(&mut self, i: usize) -> &mut [S::Pack] {
         &mut self.data[i * self.width..][..self.width]
@@ -127,7 +128,7 @@ impl<S: Scalar> Panel<S> {
         self.data[i * self.width + j / Self::LANES].lane(j % Self::LANES)
     }
 
-    /// Entry (i, j). W: packs in a row where known, else 0.
+    /// Entry (i, j). W: packs per row if known, else 0.
     #[inline(always)]
     pub fn entry<const W: usize>(&self, i: usize, j: usize) -> S {
         self.data[i * self.width::<W>() + j / Self::LANES].lane(j % Self::LANES)
@@ -166,7 +167,7 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Takes the entries of a matrix of the same size.
+    /// Copies the entries of a matrix of the same size.
     #[inline(always)]
     pub fn read<const N: usize>(&mut self, from: &Matrix<S>) {
         for i in 0..if N > 0 { N } else { self.rows } {
@@ -174,7 +175,7 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Fills row `i` with the unit vector `e_i`. W: packs in a row where known, else 0.
+    /// Fills row `i` with the unit vector `e_i`. W: packs per row if known, else 0.
     #[inline(always)]
     pub fn set_unit_row<const W: usize>(&mut self, i: usize) {
         let zero = S::Pack::zero();
@@ -185,8 +186,8 @@ impl<S: Scalar> Panel<S> {
         row[i / Self::LANES] = zero.with_lane(i % Self::LANES, S::one());
     }
 
-    /// Lets the compiler know that a panel of N x N entries, W packs in a row, has as many packs as that takes: its checks of
-    /// indices vanish.
+    /// Tells the compiler the number of packs of a panel of N x N entries, W packs per row, so that it can
+    /// drop index checks.
     #[inline(always)]
     pub fn has_size<const N: usize, const W: usize>(&self) {
         if N > 0 {
@@ -194,7 +195,7 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Writes `function` of row `i` to `to`, which has as many places as there are columns.
+    /// Writes `function` of row `i` to `to`, whose length is the number of columns.
     #[inline(always)]
     pub fn write_row<const W: usize>(&self, i: usize, to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
         for (pack, to) in self.sized_row::<W>(i).iter().zip(to.chunks_mut(Self::LANES)) {

@@ -4,12 +4,12 @@ use super::Panel;
 use super::rows::add_rows;
 use crate::scalar::{Pack, Scalar};
 
-/// Which entries of a product are asked for.
+/// Which entries of a product are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     /// All.
     Whole,
-    /// Those at and below the diagonal; others may be left as they were or be computed in part.
+    /// The entries on and below the diagonal; the others are undefined.
     Lower,
 }
 
@@ -22,20 +22,20 @@ pub(crate) enum Left<'a, S: Scalar> {
     Columns(&'a Panel<S>),
 }
 
-/// Rows of a tile: as many as leave registers for the sums of all its columns.
+/// Rows of a tile, such that the sums of all its columns fit into registers.
 const ROWS: usize = if cfg!(target_feature = "avx") { 4 } else { 2 };
 
-/// Packs in a row of a tile, at most.
+/// Maximum number of packs per row of a tile.
 const COLUMNS: usize = 3;
 
-/// Where a tile begins: row and pack.
+/// First row and pack of a tile.
 type Corner = (usize, usize);
 
 impl<S: Scalar> Panel<S> {
     /// `T = A B` for the rows T of this panel. W: packs in a row where known, N: rows of all three, else 0.
     ///
-    /// Where packs have several lanes, tile by tile: the sums of a tile stay in registers while the rows of B pass by, and no
-    /// tile waits for another.
+    /// Packs of several lanes are computed tile by tile: the sums of a tile stay in registers during the loop
+    /// over the rows of B, and tiles are independent.
     #[inline(always)]
     pub fn set_product<const N: usize, const W: usize>(&mut self, a: Left<'_, S>, b: &Self, part: Part) {
         match a {
@@ -138,7 +138,7 @@ impl<S: Scalar> Panel<S> {
         }
         let b = &b.packs()[..terms * from];
         for block in 0..terms.div_ceil(Self::LANES) {
-            // Entries of A for these rows of B: packs of its rows, or for each row of B one pack across.
+            // Entries of A for these rows of B: packs of its rows, or one pack across for each row of B.
             let mut along = [&a.packs()[0]; R];
             if !ACROSS {
                 for (r, along) in along.iter_mut().enumerate() {
@@ -168,7 +168,7 @@ impl<S: Scalar> Panel<S> {
 mod tests {
     use super::*;
 
-    /// Entries that are no multiples of each other.
+    /// Entries without a common factor.
     fn panel(n: usize, from: f64) -> Panel<f64> {
         let mut panel = Panel::zeros(n, n);
         (0..n).for_each(|i| {
@@ -178,7 +178,7 @@ mod tests {
     }
 
     /// Both products, of both kinds, entry by entry.
-    fn judge<const N: usize, const W: usize>(n: usize) {
+    fn check<const N: usize, const W: usize>(n: usize) {
         let (a, b, at) = (panel(n, 0.2), panel(n, 1.1), panel(n, 2.3));
         for (left, across) in [(Left::Rows(&a), false), (Left::Columns(&a), true)] {
             let sum = |i: usize, j: usize| -> f64 {
@@ -204,18 +204,18 @@ mod tests {
     #[test]
     fn products_of_panels_are_those_of_matrices() {
         for n in 1..=29 {
-            judge::<0, 0>(n);
+            check::<0, 0>(n);
         }
     }
 
     #[cfg(feature = "wide")]
     #[test]
     fn a_size_that_is_known_changes_no_product() {
-        judge::<6, 2>(6);
-        judge::<7, 2>(7);
-        judge::<12, 3>(12);
-        (1..=4).for_each(judge::<0, 1>);
-        (5..=8).for_each(judge::<0, 2>);
-        (9..=12).for_each(judge::<0, 3>);
+        check::<6, 2>(6);
+        check::<7, 2>(7);
+        check::<12, 3>(12);
+        (1..=4).for_each(check::<0, 1>);
+        (5..=8).for_each(check::<0, 2>);
+        (9..=12).for_each(check::<0, 3>);
     }
 }

@@ -1,14 +1,14 @@
-//! Sums of rows, which all products of matrices are made of.
+//! Sums of rows, the building block of matrix products.
 
 use crate::scalar::Scalar;
 
-/// `sum_k a_k b_k`, as far as both reach.
+/// `sum_k a_k b_k`, truncated to the shorter slice.
 #[inline]
 pub fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| a.mul_add(b, sum))
 }
 
-/// `target += factor source`, as far as both reach.
+/// `target += factor source`, truncated to the shorter slice.
 #[inline]
 pub fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
     target.iter_mut().zip(source).for_each(|(target, &source)| *target = factor.mul_add(source, *target));
@@ -16,8 +16,8 @@ pub fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
 
 /// `target += sum of a row_k` over the terms (k, a), rows of `source` being `stride` apart.
 ///
-/// W: length of the target and stride where they are known, else 0, and some columns at a time. The sums stay in registers
-/// while the terms pass by.
+/// W: length of the target and stride where they are known, else 0, and some columns at a time. The sums stay
+/// in registers during the loop over the terms.
 #[inline(always)]
 pub(crate) fn sum_rows<const W: usize, S: Scalar>(
     target: &mut [S],
@@ -47,7 +47,7 @@ pub(crate) fn add_rows<S: Scalar>(
     terms: impl Iterator<Item = (usize, S)> + Clone,
 ) {
     let mut left = 0;
-    // As many sums as registers hold.
+    // The number of sums that fit into registers.
     while size_of::<S>() <= 32 && target.len() - left >= 12 {
         add_block::<12, S>(&mut target[left..], source, stride, left, terms.clone());
         left += 12;

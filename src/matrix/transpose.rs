@@ -24,7 +24,8 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Takes the transpose of a square panel of the same size. W: packs in a row where known, else 0.
+    /// Sets this panel to the transpose of a square panel of the same size. W: packs per row if known, else
+    /// 0.
     #[inline(always)]
     pub fn take_transpose<const W: usize>(&mut self, from: &Self) {
         for top in 0..self.width::<W>() {
@@ -36,7 +37,7 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// Copies what is below the diagonal of a square matrix to the other side.
+    /// Copies the lower triangle of a square matrix to the upper one.
     #[inline(always)]
     pub fn mirror_lower<const W: usize>(&mut self) {
         for top in 0..self.width::<W>() {
@@ -67,12 +68,12 @@ mod tests {
         for n in 1..=13 {
             let mut given = Panel::<f64>::zeros(n, n);
             (0..n).for_each(|i| (0..n).for_each(|j| given.set(i, j, (10 * i + j) as f64)));
-            let (mut turned, mut mirrored) = (Panel::zeros(n, n), given.clone());
-            turned.take_transpose::<0>(&given);
+            let (mut transposed, mut mirrored) = (Panel::zeros(n, n), given.clone());
+            transposed.take_transpose::<0>(&given);
             mirrored.mirror_lower::<0>();
             for i in 0..n {
                 for j in 0..n {
-                    assert_eq!(turned.get(i, j), given.get(j, i), "n = {n}");
+                    assert_eq!(transposed.get(i, j), given.get(j, i), "n = {n}");
                     assert_eq!(mirrored.get(i, j), given.get(i.max(j), i.min(j)), "n = {n}");
                 }
             }

@@ -1,14 +1,18 @@
 //! From descriptions of joints to a checked [`Robot`].
 
+use super::armature::Armature;
 use super::checks;
 use super::error::RobotError;
 use super::joint::{Joint, JointSpec};
 use super::warning::Warning;
 use super::{LoadOptions, Robot};
 use nalgebra::{DMatrix, Vector3};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
 
 /// Collects joints and builds a [`Robot`], see [`Robot::builder`].
 #[derive(Clone, Debug)]
+#[must_use = "a builder does nothing until `build` is called"]
 pub struct RobotBuilder {
     name: String,
     gravity: Vector3<f64>,
@@ -36,25 +40,27 @@ impl RobotBuilder {
         self
     }
 
-    /// Adds a joint. Parents may come after their children; the order is else kept.
+    /// Adds a joint. Children may come before their parents; `build` moves the parents first and keeps the
+    /// order otherwise.
     pub fn joint(mut self, joint: JointSpec) -> Self {
         self.joints.push(joint);
         self
     }
 
-    /// A full armature matrix (constant, symmetric, positive semidefinite), rows in the order in which the joints
-    /// were added; added to the joints' own armature.
+    /// A full armature matrix (constant, symmetric, positive semidefinite), rows in the order in which the
+    /// joints were added; added to the joints' own armature.
     pub fn armature_matrix(mut self, armature: DMatrix<f64>) -> Self {
         self.armature = Some(armature);
         self
     }
 
-    /// How strictly to check.
+    /// Whether warnings are errors: [`LoadOptions::strict`].
     pub fn options(mut self, options: LoadOptions) -> Self {
         self.options = options;
         self
     }
 
+    #[cfg(feature = "urdf")]
     pub(super) fn warn(&mut self, warning: Warning) {
         self.warnings.push(warning);
     }
@@ -62,29 +68,25 @@ impl RobotBuilder {
     /// Orders the joints, checks them, and builds the robot.
     ///
     /// # Errors
-    /// Every [`RobotError`] except those about files.
+    /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`],
+    /// [`RobotError::DuplicateName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
+    /// joints form no tree, [`RobotError::BadAxis`], [`RobotError::BadPlacement`], [`RobotError::BadValue`],
+    /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
+    /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
+    /// [`RobotError::MovesNothing`] where M would be singular, [`RobotError::Strict`] where the options
+    /// refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
-        let mut armature = match self.armature.take() {
-            Some(matrix) => reordered(&matrix, &order)?,
-            None => DMatrix::zeros(n, n),
-        };
+        let given = self.armature.take().map(|matrix| reordered(&matrix, &order)).transpose()?;
+        let mut index_of: HashMap<&str, usize> = HashMap::with_capacity(n);
         let mut joints: Vec<Joint> = Vec::with_capacity(n);
-        let mut virtual_links = Vec::with_capacity(n);
-        for (index, &source) in order.iter().enumerate() {
-            let spec = &self.joints[source];
-            let parent = match &spec.parent {
-                Some(name) => joints.iter().position(|j| &j.name == name),
-                None => None,
-            };
+        for (index, spec) in order.iter().map(|&source| &self.joints[source]).enumerate() {
             checks::joint(spec)?;
-            armature[(index, index)] += spec.armature;
-            virtual_links.push(spec.virtual_link);
             joints.push(Joint {
                 name: spec.name.clone(),
                 kind: spec.kind,
-                parent,
+                parent: spec.parent.as_deref().and_then(|parent| index_of.get(parent).copied()),
                 placement: spec.placement.orthonormalised(),
                 axis: spec.axis / spec.axis.norm(),
                 link: spec.link_name().into(),
@@ -93,65 +95,81 @@ impl RobotBuilder {
                 friction: spec.friction,
                 limits: spec.limits,
             });
+            index_of.insert(&spec.name, index);
         }
         if self.gravity.iter().any(|g| !g.is_finite()) {
             return Err(RobotError::BadGravity);
         }
+        let of_joints = order.iter().map(|&source| self.joints[source].armature);
+        let armature = match given {
+            Some(matrix) => Armature::from_matrix(
+                &(matrix + DMatrix::from_diagonal(&of_joints.collect::<Vec<_>>().into())),
+            )?,
+            None => Armature::diagonal(of_joints),
+        };
+        let virtual_links: Vec<bool> = order.iter().map(|&source| self.joints[source].virtual_link).collect();
         let mut warnings = self.warnings;
-        checks::armature(&armature)?;
         checks::robot(&joints, &armature, &virtual_links, &mut warnings)?;
-        let refused: Vec<String> =
-            warnings.iter().filter(|w| w.is_physical()).map(Warning::to_string).collect();
-        if self.options.strict && !refused.is_empty() {
-            return Err(RobotError::Strict { warnings: refused });
+        if self.options.strict {
+            let refused: Vec<Warning> =
+                warnings.iter().filter(|warning| warning.is_refused_when_strict()).cloned().collect();
+            if !refused.is_empty() {
+                return Err(RobotError::Strict { warnings: refused });
+            }
         }
         Ok(Robot { name: self.name, gravity: self.gravity, joints, armature, warnings })
     }
 
-    /// Indices of the joints, parents before children, else in the order given.
+    /// Indices of the joints in the order given, except that parents come before their children.
     fn parents_first(&self) -> Result<Vec<usize>, RobotError> {
         let n = self.joints.len();
         if n == 0 {
             return Err(RobotError::NoJoints { robot: self.name.clone() });
         }
-        let mut parents = Vec::with_capacity(n);
+        let mut index_of: HashMap<&str, usize> = HashMap::with_capacity(n);
         for (index, spec) in self.joints.iter().enumerate() {
-            if self.joints[..index].iter().any(|other| other.name == spec.name) {
+            if index_of.insert(&spec.name, index).is_some() {
                 return Err(RobotError::DuplicateName { kind: "joint", name: spec.name.clone() });
             }
-            parents.push(match &spec.parent {
-                None => None,
-                Some(name) => {
-                    Some(self.joints.iter().position(|other| &other.name == name).ok_or_else(|| {
-                        RobotError::UnknownParent {
-                            joint: spec.name.clone(),
-                            parent: name.clone(),
-                            kind: "joint",
-                        }
-                    })?)
-                }
-            });
         }
+        let mut parents = Vec::with_capacity(n);
+        let mut children = vec![Vec::new(); n];
+        for (index, spec) in self.joints.iter().enumerate() {
+            let Some(name) = &spec.parent else {
+                parents.push(None);
+                continue;
+            };
+            let Some(&parent) = index_of.get(name.as_str()) else {
+                let (joint, parent) = (spec.name.clone(), name.clone());
+                return Err(RobotError::UnknownParent { joint, parent, kind: "joint" });
+            };
+            parents.push(Some(parent));
+            children[parent].push(index);
+        }
+        // The joints whose parents have been placed; the first of them in the order given is next.
+        let mut ready: BinaryHeap<Reverse<usize>> =
+            (0..n).filter(|&joint| parents[joint].is_none()).map(Reverse).collect();
         let mut order = Vec::with_capacity(n);
-        let mut placed = vec![false; n];
-        while order.len() < n {
-            let ready = (0..n).find(|&i| !placed[i] && parents[i].is_none_or(|p| placed[p]));
-            let Some(next) = ready else { return Err(self.cycle(&parents, &placed)) };
-            placed[next] = true;
+        while let Some(Reverse(next)) = ready.pop() {
             order.push(next);
+            ready.extend(children[next].iter().copied().map(Reverse));
         }
-        Ok(order)
+        if order.len() < n { Err(self.cycle(&parents, &order)) } else { Ok(order) }
     }
 
-    /// Names the circle that the joints not yet placed run into.
-    fn cycle(&self, parents: &[Option<usize>], placed: &[bool]) -> RobotError {
+    /// Names the loop that contains, or leads to, the first joint that could not be placed.
+    fn cycle(&self, parents: &[Option<usize>], placed: &[usize]) -> RobotError {
+        let mut is_placed = vec![false; parents.len()];
+        placed.iter().for_each(|&joint| is_placed[joint] = true);
+        let mut step = vec![None; parents.len()];
         let mut walk: Vec<usize> = Vec::new();
-        let mut at = placed.iter().position(|done| !done);
+        let mut at = is_placed.iter().position(|done| !done);
         while let Some(joint) = at {
-            if let Some(start) = walk.iter().position(|&seen| seen == joint) {
+            if let Some(start) = step[joint] {
                 walk.drain(..start);
                 break;
             }
+            step[joint] = Some(walk.len());
             walk.push(joint);
             at = parents[joint];
         }

@@ -1,5 +1,6 @@
-//! Physical checks: what no robot can be is an error, what no real robot is becomes a warning.
+//! Physical checks: the impossible is an error, the unlikely a warning.
 
+use super::armature::Armature;
 use super::error::RobotError;
 use super::joint::{Joint, JointKind, JointSpec};
 use super::link::LinkInertia;
@@ -37,7 +38,7 @@ pub(super) fn triangle_inequality(link: &str, inertia: &LinkInertia) -> Option<W
     (a + b < c * (1.0 - ROUNDING)).then(|| Warning::TriangleInequality { link: link.into(), moments })
 }
 
-/// Everything about one joint that can be judged by itself.
+/// What one joint shows by itself.
 pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
     let name = || spec.name.clone();
     let length = spec.axis.norm();
@@ -95,10 +96,10 @@ pub(super) fn armature(matrix: &DMatrix<f64>) -> Result<(), RobotError> {
     Ok(())
 }
 
-/// Everything that needs the whole tree: joints that move nothing, massless links, odd inertias.
+/// What needs the whole tree: joints that move nothing, massless links, impossible inertias.
 pub(super) fn robot(
     joints: &[Joint],
-    armature: &DMatrix<f64>,
+    armature: &Armature,
     virtual_links: &[bool],
     warnings: &mut Vec<Warning>,
 ) -> Result<(), RobotError> {
@@ -113,7 +114,7 @@ pub(super) fn robot(
     }
     for (i, joint) in joints.iter().enumerate() {
         let link = &joint.inertia;
-        if !moves_mass[i] && armature[(i, i)] == 0.0 {
+        if !moves_mass[i] && armature.entry(i, i) == 0.0 {
             return Err(RobotError::MovesNothing { joint: joint.name.clone() });
         }
         if link.is_massless() && !virtual_links[i] {
@@ -123,7 +124,7 @@ pub(super) fn robot(
         let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));
         if is_last[i]
             && joint.kind == JointKind::Revolute
-            && armature[(i, i)] == 0.0
+            && armature.entry(i, i) == 0.0
             && about_axis <= 1e-14 * link.inertia_about_origin().amax()
         {
             warnings.push(Warning::OnAxis { joint: joint.name.clone() });

@@ -1,6 +1,6 @@
 //! Denavit-Hartenberg tables, modified and standard.
 //!
-//! Both conventions describe a joint by four numbers; they differ in where the frame of link i stands.
+//! Both conventions describe a joint by four numbers; they differ in where frame i is on link i.
 //!
 //! | | transform from frame i to frame i - 1 | axis of joint i | frame i |
 //! |---|---|---|---|
@@ -47,14 +47,14 @@ impl DhRow {
         Placement { rotation: rotation_z(self.theta), translation: Vector3::new(0.0, 0.0, self.d) }
     }
 
-    /// The far frame of a standard table in the joint frame: where masses are given.
+    /// The far frame of a standard table, in which masses are given, in the joint frame.
     fn far_frame(&self) -> Placement {
         self.along_x()
     }
 }
 
-/// Places a joint by its row and, for a standard table, that of its parent; moves its link inertia, given in frame i,
-/// to the joint frame.
+/// Places a joint by its row and, for a standard table, that of its parent; moves its link inertia, given in
+/// frame i, to the joint frame.
 pub fn place(spec: JointSpec, convention: Convention, row: &DhRow, parent: Option<&DhRow>) -> JointSpec {
     let spec = spec.axis([0.0, 0.0, 1.0]);
     match convention {
@@ -67,7 +67,7 @@ pub fn place(spec: JointSpec, convention: Convention, row: &DhRow, parent: Optio
     }
 }
 
-/// A serial chain from a table: each joint stands on the one before.
+/// A serial chain from a table: each joint is attached to the one before.
 ///
 /// ```
 /// use costate::robot::{JointSpec, LinkInertia, dh};

@@ -1,4 +1,4 @@
-//! Turning the frames of a robot so that every placement becomes a fixed screw.
+//! Rotates the frames of a robot so that every placement becomes a fixed screw.
 
 use super::link::snap;
 use super::origins::{LEAST_SINE, origins};
@@ -6,23 +6,23 @@ use super::{JointFrame, JointKind, LinkInertia, Robot};
 use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
 use nalgebra::{Matrix3, Vector3};
 
-/// The frames while they are being turned; `x_turned = turn x_original`.
-pub(super) struct TurnedFrames<'a> {
+/// The aligned frames, joint by joint; `x_aligned = rotation x_original`.
+pub(super) struct AlignedFrames<'a> {
     robot: &'a Robot,
     pub(super) world: Matrix3<f64>,
     world_is_fixed: bool,
-    turns: Vec<Matrix3<f64>>,
+    rotations: Vec<Matrix3<f64>>,
     is_fixed: Vec<bool>,
     screws: Vec<FixedScrew>,
-    /// What turns a translation from the axes of the parent's original frame into those of the screw.
+    /// Rotations from the axes of the parent's original frame to those of the screw.
     arms: Vec<Matrix3<f64>>,
-    /// Whether origins slide along their axes.
-    slides: bool,
+    /// Whether origins may move along their axes.
+    moves_origins: bool,
     origins: Vec<Vector3<f64>>,
     offsets: Vec<f64>,
 }
 
-impl<'a> TurnedFrames<'a> {
+impl<'a> AlignedFrames<'a> {
     pub(super) fn new(robot: &'a Robot) -> Self {
         let n = robot.len();
         let is_fixed = robot.joints().iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
@@ -30,55 +30,56 @@ impl<'a> TurnedFrames<'a> {
             robot,
             world: Matrix3::identity(),
             world_is_fixed: false,
-            turns: Vec::with_capacity(n),
+            rotations: Vec::with_capacity(n),
             is_fixed,
             screws: Vec::with_capacity(n),
             arms: Vec::with_capacity(n),
-            slides: true,
+            moves_origins: true,
             origins: origins(robot),
             offsets: vec![0.0; n],
         }
     }
 
-    /// Frames that are turned only, by what depends on no length: each origin stays where it is.
-    pub(super) fn unslid(robot: &'a Robot) -> Self {
-        Self { slides: false, origins: vec![Vector3::zeros(); robot.len()], ..Self::new(robot) }
+    /// Frames that are only rotated, independently of all lengths: each origin remains where it is.
+    pub(super) fn rotated_only(robot: &'a Robot) -> Self {
+        Self { moves_origins: false, origins: vec![Vector3::zeros(); robot.len()], ..Self::new(robot) }
     }
 
-    /// How the frame of joint `i` was turned, and the translation to it.
-    pub(super) fn turn_and_arm(&self, i: usize) -> [Matrix3<f64>; 2] {
-        [self.turns[i].map(snap), self.arms[i].map(snap)]
+    /// The rotations of the frame of joint `i` and of the translation to it.
+    pub(super) fn rotation_and_arm(&self, i: usize) -> [Matrix3<f64>; 2] {
+        [self.rotations[i].map(snap), self.arms[i].map(snap)]
     }
 
-    /// Turns frame `i`; those before it have been turned.
+    /// Aligns frame `i`, after all frames before it.
     pub(super) fn place(&mut self, i: usize) {
         let joint = &self.robot.joints()[i];
         let axes = axes_with_z_along(joint.axis);
-        let outer = joint.parent.map_or(self.world, |p| self.turns[p]);
+        let outer = joint.parent.map_or(self.world, |p| self.rotations[p]);
         let rotation = (outer * joint.placement.rotation * axes).map(snap);
         let before = joint.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
         let [arm, before, own] =
             [joint.placement.translation, before, joint.placement.rotation * self.origins[i]];
         let size = arm.norm() + before.norm() + own.norm();
         let mut translation = outer * (arm - before + own);
-        if joint.kind == JointKind::Prismatic && self.slides {
-            // Along the joint axis it is an offset of q, across it the frame was moved to that of the parent.
+        if joint.kind == JointKind::Prismatic && self.moves_origins {
+            // Its part along the joint axis becomes an offset of q; the rest is zero by the choice of the
+            // origin.
             self.offsets[i] = without_rounding(&translation, size).dot(&rotation.column(2));
             translation = Vector3::zeros();
         }
-        let may_turn_parent = !joint.parent.map_or(self.world_is_fixed, |p| self.is_fixed[p]);
-        let seen = if self.slides { translation } else { Vector3::zeros() };
-        let Screw { mut gamma, alpha, delta } = decompose(&rotation, &seen, may_turn_parent);
+        let may_rotate_parent = !joint.parent.map_or(self.world_is_fixed, |p| self.is_fixed[p]);
+        let seen = if self.moves_origins { translation } else { Vector3::zeros() };
+        let Screw { mut gamma, alpha, delta } = decompose(&rotation, &seen, may_rotate_parent);
         self.arms.push(outer);
         if let Some(turn) = gamma {
             let back = about_z([-turn[0], turn[1]]);
             translation = back * translation;
             self.arms[i] = back * outer;
-            if may_turn_parent {
+            if may_rotate_parent {
                 match joint.parent {
                     None => self.world = back * self.world,
                     Some(parent) => {
-                        self.turns[parent] = back * self.turns[parent];
+                        self.rotations[parent] = back * self.rotations[parent];
                         self.offsets[parent] += turn[0].atan2(turn[1]);
                     }
                 }
@@ -89,18 +90,18 @@ impl<'a> TurnedFrames<'a> {
             None => self.world_is_fixed = true,
             Some(parent) => self.is_fixed[parent] = true,
         }
-        self.screws.push(if self.slides {
+        self.screws.push(if self.moves_origins {
             screw(gamma, alpha, &translation, size)
         } else {
             let (gamma, alpha) = (gamma.map(FixedTurn::new), FixedTurn::new(alpha));
             FixedScrew { gamma, alpha, translation: translation.into(), rise: 0.0 }
         });
-        self.turns.push(about_z(delta) * axes.transpose());
+        self.rotations.push(about_z(delta) * axes.transpose());
     }
 
     pub(super) fn joint(&self, i: usize, subtree_mass: f64) -> JointFrame {
         let joint = &self.robot.joints()[i];
-        let turn = self.turns[i];
+        let turn = self.rotations[i];
         let size = joint.inertia.com.norm() + self.origins[i].norm();
         let com = without_rounding(&(turn * (joint.inertia.com - self.origins[i])), size);
         let link =
@@ -128,13 +129,13 @@ impl<'a> TurnedFrames<'a> {
     }
 }
 
-/// The vector without components that are but rounding, 1e-15 of the size of what it was computed from.
+/// The vector with components below 1e-15 of `size` set to zero: they are rounding errors.
 fn without_rounding(a: &Vector3<f64>, size: f64) -> Vector3<f64> {
     a.map(|x| if x.abs() <= 1e-15 * size { 0.0 } else { x })
 }
 
-/// `Rz(gamma) (r + Rx(alpha) rise e_z)`, with a rise in place of the y component of r where neither of the two axes
-/// is free of it otherwise.
+/// `Rz(gamma) (r + Rx(alpha) rise e_z)`, with a rise in place of the y component of r unless r has none
+/// or the axes are orthogonal or nearly parallel.
 fn screw(gamma: Option<[f64; 2]>, alpha: [f64; 2], r: &Vector3<f64>, size: f64) -> FixedScrew {
     let (gamma, turn, [sin, cos]) = (gamma.map(FixedTurn::new), FixedTurn::new(alpha), alpha);
     let r = without_rounding(r, size);
@@ -152,22 +153,23 @@ struct Screw {
     delta: [f64; 2],
 }
 
-/// The third column of `Rz(gamma) Rx(alpha) Rz(delta)` is `(sin gamma sin alpha, -cos gamma sin alpha, cos alpha)`.
-/// Parallel axes leave gamma free: the common perpendicular is then laid along x if the parent may be turned.
-fn decompose(r: &Matrix3<f64>, translation: &Vector3<f64>, may_turn_parent: bool) -> Screw {
+/// The third column of `Rz(gamma) Rx(alpha) Rz(delta)` is `(sin gamma sin alpha, -cos gamma sin alpha, cos
+/// alpha)`. Gamma is free for parallel axes: x is then along the common perpendicular, if the parent may be
+/// rotated.
+fn decompose(r: &Matrix3<f64>, translation: &Vector3<f64>, may_rotate_parent: bool) -> Screw {
     let horizontal = r[(0, 2)].hypot(r[(1, 2)]);
     let gamma = if horizontal > 0.0 {
         (r[(0, 2)] != 0.0).then(|| [r[(0, 2)] / horizontal, -r[(1, 2)] / horizontal])
     } else {
         let (x, y) = (translation.x, translation.y);
-        (may_turn_parent && y != 0.0).then(|| [y / x.hypot(y), x / x.hypot(y)])
+        (may_rotate_parent && y != 0.0).then(|| [y / x.hypot(y), x / x.hypot(y)])
     };
-    let unturned = gamma.map_or(*r, |[sin, cos]| about_z([-sin, cos]) * r);
+    let unrotated = gamma.map_or(*r, |[sin, cos]| about_z([-sin, cos]) * r);
     let unit = |sin: f64, cos: f64| [sin / sin.hypot(cos), cos / sin.hypot(cos)].map(snap);
     Screw {
         gamma,
-        alpha: unit(-unturned[(1, 2)], unturned[(2, 2)]),
-        delta: unit(-unturned[(0, 1)], unturned[(0, 0)]),
+        alpha: unit(-unrotated[(1, 2)], unrotated[(2, 2)]),
+        delta: unit(-unrotated[(0, 1)], unrotated[(0, 0)]),
     }
 }
 

@@ -1,14 +1,14 @@
-//! Joints and what rides on them.
+//! Joints and the links they move.
 
 use super::link::{LinkInertia, Placement};
 use nalgebra::Vector3;
 
-/// What a joint does. Every joint has one degree of freedom.
+/// The type of a joint. Every joint has one degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// Turns about its axis; q in rad.
+    /// Rotates about its axis; q in rad.
     Revolute,
-    /// Slides along its axis; q in m.
+    /// Translates along its axis; q in m.
     Prismatic,
 }
 
@@ -33,7 +33,8 @@ pub struct Spring {
 
 /// Joint friction `D = -viscous v - coulomb tanh(v / coulomb_velocity)`.
 ///
-/// The second term is Coulomb friction made smooth: the sign function has no derivative at rest, so none is offered.
+/// The second term is smooth Coulomb friction. The sign function is not offered, since it has no derivative
+/// at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// N m s/rad or N s/m.
@@ -45,7 +46,7 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// Transition velocity of the smooth Coulomb law where a file gives none (rad/s or m/s).
+    /// Transition velocity of the smooth Coulomb term unless given (rad/s or m/s).
     pub const DEFAULT_COULOMB_VELOCITY: f64 = 0.01;
 
     /// No friction.
@@ -65,7 +66,7 @@ impl Default for Friction {
     }
 }
 
-/// Limits of a joint; infinite where there is none. They are carried, never enforced, by the dynamics.
+/// Limits of a joint; infinite where there is none. The dynamics does not enforce them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Smallest q (rad or m).
@@ -87,18 +88,19 @@ impl Default for Limits {
 
 /// A joint of a [`Robot`](super::Robot) and the link that it moves.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Joint {
     /// Its name, unique in the robot.
     pub name: String,
     /// Revolute or prismatic.
     pub kind: JointKind,
-    /// Index of the joint that moves the link it stands on; `None` where it stands on the world.
+    /// Index of the joint that moves the link it is attached to; `None` if it is attached to the world.
     pub parent: Option<usize>,
     /// The joint frame in the parent's joint frame (or the world) at q = 0.
     pub placement: Placement,
     /// Unit axis in the joint frame.
     pub axis: Vector3<f64>,
-    /// Name of the moved link: that of the file, or else of the joint.
+    /// Name of the moved link: the one in the file, or that of the joint.
     pub link: String,
     /// Inertia of the moved link, in the joint frame.
     pub inertia: LinkInertia,
@@ -110,10 +112,11 @@ pub struct Joint {
     pub limits: Limits,
 }
 
-/// Description of one joint, to be given to [`RobotBuilder::joint`](super::RobotBuilder::joint).
+/// Description of one joint, for [`RobotBuilder::joint`](super::RobotBuilder::joint).
 ///
-/// Starts as a joint on the world, its frame at the origin, axis z, with a massless link.
+/// Starts as a joint attached to the world, its frame at the origin, axis z, with a massless link.
 #[derive(Clone, Debug, PartialEq)]
+#[must_use = "a description does nothing until it is given to a builder"]
 pub struct JointSpec {
     pub(crate) name: String,
     pub(crate) kind: JointKind,
@@ -158,7 +161,7 @@ impl JointSpec {
         }
     }
 
-    /// Stands on the link that the joint `parent` moves.
+    /// Attaches the joint to the link that the joint `parent` moves.
     pub fn on(mut self, parent: impl Into<String>) -> Self {
         self.parent = Some(parent.into());
         self

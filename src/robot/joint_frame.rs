@@ -1,11 +1,11 @@
-//! Constants of one joint and its link, in the turned frames of a [`Tree`](super::Tree).
+//! Constants of one joint and its link, in the frames of a [`Tree`](super::Tree).
 
 use super::{Friction, JointKind, Spring};
 use crate::scalar::Scalar;
 use crate::spatial::{ConstantInertia, FixedScrew, JointPosition, Transform, Turn};
 use nalgebra::Vector3;
 
-/// Constants of one joint and its link, in turned frames.
+/// Constants of one joint and its link, in the frames of a [`Tree`](super::Tree).
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFrame {
     /// Revolute or prismatic.
@@ -20,14 +20,14 @@ pub struct JointFrame {
     pub inertia: ConstantInertia,
     /// Mass of the link and everything it carries (kg).
     pub subtree_mass: f64,
-    /// What the kernels take for the inertia of the link: regrouped, so that L(q, v) is the same and more of it is zero.
+    /// The inertia that the kernels use: regrouped, so that L(q, v) is the same and more entries are zero.
     pub lumped: ConstantInertia,
-    /// Mass that the kernels take for that of the link and everything it carries (kg).
+    /// The mass that the kernels use for the link and everything it carries (kg).
     pub lumped_mass: f64,
-    /// At least the root of the integral of the squared distance from the origin over the mass of the link and all
-    /// that it carries, sliding joints at q + offset = 0 (kg^1/2 m).
+    /// Upper bound of the root of the integral of the squared distance from the origin over the mass of the
+    /// link and all that it carries, prismatic joints at q + offset = 0 (kg^1/2 m).
     pub reach: f64,
-    /// Whether a joint beyond this one slides.
+    /// Whether a joint beyond this one is prismatic.
     pub carries_slides: bool,
     /// Joint spring.
     pub spring: Spring,
@@ -42,7 +42,7 @@ impl JointFrame {
         self.transform_at(self.position(q))
     }
 
-    /// To the frame of the parent and back, where the joint stands there.
+    /// To the frame of the parent and back, at a position of the joint.
     #[inline(always)]
     pub fn transform_at<S: Scalar>(&self, joint: JointPosition<S>) -> Transform<'_, S> {
         Transform { fixed: &self.screw, joint }
@@ -65,7 +65,8 @@ impl JointFrame {
     }
 }
 
-/// Minkowski's inequality, from joint to joint: `reach_i^2 = link_i + sum_c (reach_c + sqrt(mass_c) distance_c)^2`.
+/// Minkowski's inequality, from joint to joint: `reach_i^2 = link_i + sum_c (reach_c + sqrt(mass_c)
+/// distance_c)^2`.
 pub(super) fn set_reach(joints: &mut [JointFrame]) {
     for i in (0..joints.len()).rev() {
         let joint = &mut joints[i];

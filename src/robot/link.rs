@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// Where a frame stands in another one: `x_outer = rotation x_inner + translation` (m).
+/// Position and orientation of a frame in another one: `x_outer = rotation x_inner + translation` (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Columns are the axes of the inner frame, seen in the outer one.
@@ -17,7 +17,8 @@ impl Placement {
         Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
     }
 
-    /// Translation `xyz` (m), then fixed-axis roll, pitch, yaw: `R = Rz(yaw) Ry(pitch) Rx(roll)`, as in a URDF.
+    /// Translation `xyz` (m), then fixed-axis roll, pitch, yaw: `R = Rz(yaw) Ry(pitch) Rx(roll)`, as in a
+    /// URDF.
     pub fn from_xyz_rpy(xyz: [f64; 3], rpy: [f64; 3]) -> Self {
         let [roll, pitch, yaw] = rpy;
         let rotation = rotation_z(yaw) * rotation_y(pitch) * rotation_x(roll);
@@ -32,7 +33,8 @@ impl Placement {
         }
     }
 
-    /// The same with the nearest rotation in place of one that was written down with few digits.
+    /// The same with the rotation, which files give with few digits, replaced by the nearest orthonormal
+    /// matrix.
     pub(crate) fn orthonormalised(&self) -> Self {
         let defect = (self.rotation.transpose() * self.rotation - Matrix3::identity()).amax();
         if defect < 4.0 * f64::EPSILON {
@@ -56,7 +58,8 @@ impl Default for Placement {
     }
 }
 
-/// Sine and cosine with the rounding of quarter turns removed: what is within 1e-15 of 0 or +-1 is exactly that.
+/// Sine and cosine with the rounding of quarter turns removed: what is within 1e-15 of 0 or +-1 is exactly
+/// that.
 ///
 /// Orthogonal axes are then exactly orthogonal, which saves operations; the error made is 1e-15 at most.
 pub(crate) fn exact_sin_cos(angle: f64) -> (f64, f64) {
@@ -126,7 +129,7 @@ impl LinkInertia {
         self.inertia + parallel_axis(self.mass, &self.com)
     }
 
-    /// The same link seen from a frame in which its own frame stands at `placement`.
+    /// The same link in a frame in which its own frame has this placement.
     pub fn placed(&self, placement: &Placement) -> Self {
         Self {
             mass: self.mass,
@@ -159,7 +162,8 @@ impl LinkInertia {
     }
 }
 
-/// `m (r.r 1 - r r')`: what moving the reference point by `r` away from the centre of mass adds to an inertia.
+/// `m (r.r 1 - r r')`: what moving the reference point by `r` away from the centre of mass adds to an
+/// inertia.
 fn parallel_axis(mass: f64, r: &Vector3<f64>) -> Matrix3<f64> {
     (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * mass
 }

@@ -1,12 +1,15 @@
 //! Robots: trees of revolute and prismatic joints, from code or from a file.
 //!
-//! A [`Robot`] is built by a [`RobotBuilder`], from Denavit-Hartenberg tables ([`dh`]), from a TOML file ([`mod@file`])
-//! or from a URDF ([`urdf`]). [`Tree`] is the same robot with its frames turned the way the kernels want them.
+//! A [`Robot`] is built by a [`RobotBuilder`], from a Denavit-Hartenberg table ([`dh`]), from a TOML file or
+//! from a URDF ([`Robot::from_file`]; the readers are the cargo features `toml` and `urdf`, on by default).
+//! [`Tree`] is the same robot in the frames that the kernels use.
 
+mod armature;
 mod builder;
 mod checks;
 pub mod dh;
 mod error;
+#[cfg(feature = "toml")]
 pub mod file;
 mod frames;
 mod joint;
@@ -15,8 +18,11 @@ mod link;
 mod origins;
 pub(crate) mod parameters;
 mod poses;
+mod printable;
+mod read;
 mod regroup;
 mod tree;
+#[cfg(feature = "urdf")]
 pub mod urdf;
 mod warning;
 
@@ -25,19 +31,41 @@ pub use error::RobotError;
 pub use joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 pub use joint_frame::JointFrame;
 pub use link::{LinkInertia, Placement};
+pub use printable::{Printable, printable};
+pub use read::RobotFormat;
 pub use tree::Tree;
 pub use warning::Warning;
 
+use self::armature::Armature;
 use nalgebra::{DMatrix, Vector3};
-use std::path::Path;
 
 /// How a robot is read.
+///
+/// ```
+/// use costate::robot::LoadOptions;
+/// assert!(LoadOptions::default().strict(true).strict);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct LoadOptions {
-    /// Physical warnings (massless links, violated triangle inequality) become errors.
+    /// Warnings that suggest a mistake become errors: [`Warning::is_refused_when_strict`].
     pub strict: bool,
     /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction.
     pub friction: bool,
+}
+
+impl LoadOptions {
+    /// Sets [`strict`](Self::strict).
+    #[must_use]
+    pub fn strict(self, strict: bool) -> Self {
+        Self { strict, ..self }
+    }
+
+    /// Sets [`friction`](Self::friction).
+    #[must_use]
+    pub fn friction(self, friction: bool) -> Self {
+        Self { friction, ..self }
+    }
 }
 
 /// A robot: a tree of one-degree-of-freedom joints with rigid links, on a base that does not move.
@@ -56,44 +84,14 @@ pub struct Robot {
     name: String,
     gravity: Vector3<f64>,
     joints: Vec<Joint>,
-    armature: DMatrix<f64>,
+    armature: Armature,
     warnings: Vec<Warning>,
 }
 
 impl Robot {
-    /// Starts a robot of that name, without joints, gravity (0, 0, -9.81) m/s^2.
+    /// Starts a robot of that name, without joints and with gravity (0, 0, -9.81) m/s^2.
     pub fn builder(name: impl Into<String>) -> RobotBuilder {
         RobotBuilder::new(name)
-    }
-
-    /// Reads a `.urdf` or `.toml` file.
-    ///
-    /// # Errors
-    /// [`RobotError::InFile`] with the path and, where it is known, the line.
-    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, RobotError> {
-        Self::from_file_with(path, LoadOptions::default())
-    }
-
-    /// Reads a `.urdf` or `.toml` file, with options.
-    ///
-    /// # Errors
-    /// [`RobotError::InFile`] with the path and, where it is known, the line.
-    pub fn from_file_with(path: impl AsRef<Path>, options: LoadOptions) -> Result<Self, RobotError> {
-        let path = path.as_ref();
-        let in_file = |error| match error {
-            RobotError::InFile { line, error, .. } => RobotError::InFile { path: path.into(), line, error },
-            error => RobotError::InFile { path: path.into(), line: None, error: Box::new(error) },
-        };
-        let read: fn(&str, LoadOptions) -> Result<Self, RobotError> =
-            match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-                Some("urdf") => urdf::parse,
-                Some("toml") => file::parse,
-                _ => return Err(in_file(RobotError::UnknownFormat)),
-            };
-        let bytes = std::fs::read(path)
-            .map_err(|error| in_file(RobotError::Unreadable { reason: error.to_string() }))?;
-        // Old URDF files have comments in other encodings; what is not UTF-8 in a name becomes a replacement character.
-        read(&String::from_utf8_lossy(&bytes), options).map_err(in_file)
     }
 
     /// Its name.
@@ -117,12 +115,24 @@ impl Robot {
         self.gravity
     }
 
-    /// Armature matrix, n x n: constant rotor inertia added to the mass matrix (kg m^2, kg, kg m).
-    pub fn armature(&self) -> &DMatrix<f64> {
-        &self.armature
+    /// Entries `(i, j, A_ij)`, i >= j, of the armature matrix that are not zero, row by row: constant rotor
+    /// inertia that is added to the mass matrix (kg m^2, kg, kg m).
+    pub fn armature(&self) -> &[(usize, usize, f64)] {
+        self.armature.entries()
     }
 
-    /// What is odd about it.
+    /// Entry `A_ij` of the armature matrix (kg m^2, kg, kg m), `i` and `j` from 0; `A_ii` is the armature of
+    /// joint `i`.
+    pub fn armature_entry(&self, i: usize, j: usize) -> f64 {
+        self.armature.entry(i, j)
+    }
+
+    /// The armature matrix, n x n; it is made by this call, and takes 8 n^2 bytes.
+    pub fn armature_matrix(&self) -> DMatrix<f64> {
+        self.armature.matrix()
+    }
+
+    /// What is unusual about it.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -137,7 +147,7 @@ impl Robot {
     /// The same robot under another gravity (m/s^2).
     ///
     /// # Errors
-    /// [`RobotError::BadGravity`].
+    /// [`RobotError::BadGravity`] if it is not finite.
     pub fn with_gravity(&self, gravity: [f64; 3]) -> Result<Self, RobotError> {
         if gravity.iter().any(|g| !g.is_finite()) {
             return Err(RobotError::BadGravity);
@@ -148,14 +158,15 @@ impl Robot {
     /// The same robot with another armature matrix, n x n.
     ///
     /// # Errors
-    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has none.
+    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has
+    /// none.
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
         let n = self.len();
         if armature.shape() != (n, n) {
             let problem = format!("is {} x {}", armature.nrows(), armature.ncols());
             return Err(RobotError::BadArmature { problem, n });
         }
-        checks::armature(&armature)?;
+        let armature = Armature::from_matrix(&armature)?;
         checks::robot(&self.joints, &armature, &vec![true; n], &mut Vec::new())?;
         Ok(Self { armature, ..self.clone() })
     }

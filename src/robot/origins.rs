@@ -1,20 +1,21 @@
-//! Where along its axis the origin of each joint frame is best placed.
+//! The best position of the origin of each joint frame along its axis.
 //!
-//! A frame may slide along a revolute axis, and anywhere with a prismatic joint, without any change of q, v, p or M.
-//! At the foot of the common normal with the next axis the placement of the next frame has a translation along x and one
-//! along the next axis, nothing else (modified Denavit-Hartenberg convention); what remains vanishes for intersecting axes.
+//! The origin may lie anywhere on a revolute axis, and anywhere at all for a prismatic joint: q, v, p and M
+//! are the same. At the foot of the common normal with the next axis the placement of the next frame has a
+//! translation along x and one along the next axis, nothing else (modified Denavit-Hartenberg convention),
+//! and none along x if the axes intersect.
 
 use super::{Joint, JointKind, Robot};
 use nalgebra::Vector3;
 
-/// Axes that enclose an angle with a smaller sine count as parallel: the foot would move too far away.
+/// Axes at an angle with a smaller sine count as parallel: the foot would be too far away.
 pub(super) const LEAST_SINE: f64 = 0.3;
 
 /// New origin of each joint frame, seen from the old one, in its axes (m).
 pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
     let joints = robot.joints();
-    let heir = heirs(joints);
-    let feet = feet(joints, &heir);
+    let main_child = main_children(joints);
+    let feet = feet(joints, &main_child);
     let mut origins: Vec<Vector3<f64>> = Vec::with_capacity(joints.len());
     for (i, joint) in joints.iter().enumerate() {
         let parent = joint.parent.map_or(Vector3::zeros(), |p| origins[p]);
@@ -23,7 +24,7 @@ pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
         let beside = outer - joint.axis * outer.dot(&joint.axis);
         origins.push(match joint.kind {
             JointKind::Prismatic => {
-                let next = heir[i].map(|child| &joints[child]);
+                let next = main_child[i].map(|child| &joints[child]);
                 beside + joint.axis * next.and_then(|next| foot(joint, &beside, next)).unwrap_or(0.0)
             }
             JointKind::Revolute => {
@@ -39,26 +40,27 @@ pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
     origins
 }
 
-/// The child with the most joints beyond it: it shapes the frame of its parent.
-fn heirs(joints: &[Joint]) -> Vec<Option<usize>> {
+/// The child with the most joints beyond it: it determines the frame of its parent.
+fn main_children(joints: &[Joint]) -> Vec<Option<usize>> {
     let mut size = vec![1; joints.len()];
-    let mut heir: Vec<Option<usize>> = vec![None; joints.len()];
+    let mut main_child: Vec<Option<usize>> = vec![None; joints.len()];
     for (j, joint) in joints.iter().enumerate().rev() {
         if let Some(parent) = joint.parent {
             size[parent] += size[j];
-            if heir[parent].is_none_or(|other| size[other] <= size[j]) {
-                heir[parent] = Some(j);
+            if main_child[parent].is_none_or(|other| size[other] <= size[j]) {
+                main_child[parent] = Some(j);
             }
         }
     }
-    heir
+    main_child
 }
 
-/// How far along its axis the frame of a revolute joint moves for the sake of its heir; `None` where that leaves it free.
-fn feet(joints: &[Joint], heir: &[Option<usize>]) -> Vec<Option<f64>> {
+/// Displacement of the frame of a revolute joint along its axis to the foot towards its main child; `None` if
+/// the foot is not determined.
+fn feet(joints: &[Joint], main_child: &[Option<usize>]) -> Vec<Option<f64>> {
     let mut feet = vec![None; joints.len()];
     for (i, joint) in joints.iter().enumerate().rev() {
-        let Some(next) = heir[i].filter(|_| joint.kind == JointKind::Revolute) else { continue };
+        let Some(next) = main_child[i].filter(|_| joint.kind == JointKind::Revolute) else { continue };
         if joints[next].kind == JointKind::Revolute {
             let level = |foot: f64| {
                 let origin = joints[next].axis * foot;
@@ -72,13 +74,15 @@ fn feet(joints: &[Joint], heir: &[Option<usize>]) -> Vec<Option<f64>> {
     feet
 }
 
-/// Position along the axis of `joint`, through `origin`, of the foot of its common normal with the axis of `next`.
+/// Position along the axis of `joint`, through `origin`, of the foot of its common normal with the axis of
+/// `next`.
 fn foot(joint: &Joint, origin: &Vector3<f64>, next: &Joint) -> Option<f64> {
     let other = next.placement.rotation * next.axis;
     nearest(&(origin - next.placement.translation), &joint.axis, &other)
 }
 
-/// How far from a point on it, which is `apart` from a point of another line, one line is nearest to that line.
+/// Distance from a point of a line to the point of it that is nearest to another line; `apart` is the vector
+/// from a point of the other line to the first point.
 fn nearest(apart: &Vector3<f64>, along: &Vector3<f64>, other: &Vector3<f64>) -> Option<f64> {
     let across = along - other * along.dot(other);
     let square = across.norm_squared();

@@ -1,14 +1,14 @@
 //! The constants of a robot as a list of numbers, and frames that do not depend on them.
 
-use super::frames::TurnedFrames;
+use super::frames::AlignedFrames;
 use super::{JointFrame, Robot};
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::Matrix3;
 
 /// The names of ten inertial and three geometric parameters, those of every joint.
 const OF_EVERY_JOINT: [&str; 13] =
     ["mass", "h_x", "h_y", "h_z", "J_xx", "J_yy", "J_zz", "J_xy", "J_xz", "J_yz", "x", "y", "z"];
 
-/// A group of parameters that stand one after the other.
+/// A group of consecutive parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Group {
     /// The joint (or pair of joints) that they belong to; empty for gravity.
@@ -19,12 +19,12 @@ pub(crate) struct Group {
 
 /// All parameters of a robot, group by group.
 ///
-/// For each joint its link's mass, first moment and inertia about the origin of the joint frame, and the translation of
-/// its placement; its spring, friction and armature if it has them, each by itself; then pairs of joints that
+/// For each joint its link's mass, first moment and inertia about the origin of the joint frame, and the
+/// translation of its placement; its spring, friction and armature if it has them; then pairs of joints that
 /// armature couples, then gravity.
 pub(crate) fn groups(robot: &Robot) -> Vec<Group> {
     let mut groups = Vec::new();
-    let armature = nonzero_lower(robot.armature());
+    let armature = robot.armature();
     for (i, joint) in robot.joints().iter().enumerate() {
         let (link, place) = (&joint.inertia, &joint.placement.translation);
         let (h, j) = (link.com * link.mass, link.inertia_about_origin());
@@ -54,8 +54,8 @@ pub(crate) fn groups(robot: &Robot) -> Vec<Group> {
             let friction = &joint.friction;
             entries.extend([("coulomb", friction.coulomb), ("coulomb_velocity", friction.coulomb_velocity)]);
         }
-        let own = armature.iter().find(|&&(row, column, _)| row == i && column == i);
-        entries.extend(own.map(|&(.., value)| ("armature", value)));
+        let own = robot.armature_entry(i, i);
+        entries.extend((own != 0.0).then_some(("armature", own)));
         groups.push(Group { of: joint.name.clone(), entries });
     }
     for &(i, j, value) in armature.iter().filter(|(i, j, _)| i != j) {
@@ -72,13 +72,13 @@ pub(crate) fn groups(robot: &Robot) -> Vec<Group> {
 
 /// Frames that depend on the directions of joints alone.
 pub(crate) struct Directions {
-    /// Joints of which kind, parent, turns and offset are meant; their other constants are those of the robot.
+    /// The joints: only their kind, parent, rotations and offset are meaningful.
     pub joints: Vec<JointFrame>,
-    /// Turns from the original frames of the joints into theirs.
+    /// Rotations from the original frames of the joints to the aligned ones.
     pub turns: Vec<Matrix3<f64>>,
-    /// Turns of the translations to the joints.
+    /// Rotations of the translations to the joints.
     pub arms: Vec<Matrix3<f64>>,
-    /// Turn of the world.
+    /// Rotation of the world.
     pub world: Matrix3<f64>,
     /// Entries of the armature matrix that are not zero, on and below the diagonal.
     pub armature: Vec<(usize, usize, f64)>,
@@ -86,21 +86,15 @@ pub(crate) struct Directions {
 
 impl From<&Robot> for Directions {
     fn from(robot: &Robot) -> Self {
-        let mut turned = TurnedFrames::unslid(robot);
-        (0..robot.len()).for_each(|i| turned.place(i));
-        let of_joint = |i| turned.turn_and_arm(i);
+        let mut aligned = AlignedFrames::rotated_only(robot);
+        (0..robot.len()).for_each(|i| aligned.place(i));
+        let of_joint = |i| aligned.rotation_and_arm(i);
         Self {
-            joints: (0..robot.len()).map(|i| turned.joint(i, 0.0)).collect(),
+            joints: (0..robot.len()).map(|i| aligned.joint(i, 0.0)).collect(),
             turns: (0..robot.len()).map(|i| of_joint(i)[0]).collect(),
             arms: (0..robot.len()).map(|i| of_joint(i)[1]).collect(),
-            world: turned.world.map(super::link::snap),
-            armature: nonzero_lower(robot.armature()),
+            world: aligned.world.map(super::link::snap),
+            armature: robot.armature().to_vec(),
         }
     }
-}
-
-/// Entries `(i, j, A_ij)`, i >= j, that are not zero.
-pub(super) fn nonzero_lower(matrix: &DMatrix<f64>) -> Vec<(usize, usize, f64)> {
-    let lower = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    lower.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0).collect()
 }

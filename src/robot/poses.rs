@@ -1,4 +1,4 @@
-//! `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: where the frames of the joints stand in the world.
+//! `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world.
 
 use super::{Joint, JointKind, Placement, Robot};
 use crate::EvalError;
@@ -6,7 +6,7 @@ use crate::error::check_length;
 use nalgebra::{Matrix3, Rotation3, Unit};
 
 impl Joint {
-    /// `J(q)`: the frame of the joint moved by it, in the frame where it stands at q = 0; q in rad or m.
+    /// `J(q)`: the joint frame at q in the joint frame at q = 0; q in rad or m.
     fn motion(&self, q: f64) -> Placement {
         match self.kind {
             JointKind::Revolute => {
@@ -22,7 +22,8 @@ impl Robot {
     /// `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world, each moved by its own joint.
     ///
     /// `q` has n entries (rad, m); there are n placements (m), in joint order. The frames are those of the
-    /// description: a link is at rest in the frame of its joint, its centre of mass at `joints()[i].inertia.com`.
+    /// description: a link does not move in the frame of its joint, its centre of mass at
+    /// `joints()[i].inertia.com`.
     ///
     /// ```
     /// use costate::robot::{JointSpec, LinkInertia, Robot};

@@ -1,10 +1,10 @@
-//! Inertial parameters that a joint cannot tell from those of its parent are moved there.
+//! Inertial parameters whose effect equals that of parameters of the parent are moved to the parent.
 //!
-//! A body that looks the same after any turn about a revolute axis - mass m, first moment along the axis, inertia
-//! `J diag(1, 1, 0)` - might as well be fixed to the parent: L(q, v) does not change. Of ten parameters of a link beyond
-//! a revolute joint seven remain, beyond a prismatic joint (whose axes never turn against the parent's) four: the base
-//! parameters (W. Khalil, J.-F. Bennis, International Journal of Robotics Research 14 (1995) 382-393). What arrives at
-//! the world does not move: it counts in V alone.
+//! A body that is symmetric about a revolute axis (mass m, first moment along the axis, inertia `J diag(1, 1,
+//! 0)`) can be fixed to the parent without a change of L(q, v). Of the ten parameters of a link beyond a
+//! revolute joint seven remain; beyond a prismatic joint, which does not rotate, four remain: the base
+//! parameters (W. Khalil, J.-F. Bennis, International Journal of Robotics Research 14 (1995) 382-393). What
+//! reaches the world does not move and contributes to V only.
 
 use super::{JointFrame, JointKind};
 use crate::spatial::{ConstantInertia, Inertia, Symmetric3, Vec3};
@@ -62,7 +62,7 @@ mod tests {
     use crate::robot::{JointKind, JointSpec, LinkInertia, Placement, Robot, Tree};
     use nalgebra::{Matrix3, Vector3};
 
-    /// `T = 1/2 sum of I_k v_k . v_k` by the links themselves and by what stands in for them.
+    /// `T = 1/2 sum of I_k v_k . v_k` by the links themselves and by the regrouped inertias.
     #[test]
     fn kinetic_energy_is_that_of_the_links() {
         let inertia = Matrix3::new(0.5, 0.02, -0.1, 0.02, 0.7, 0.05, -0.1, 0.05, 0.6);

@@ -1,14 +1,14 @@
-//! A robot with its frames turned the way the kernels want them.
+//! A robot in the frames that the kernels use.
 //!
-//! Each joint frame is turned so that its z axis is the joint axis, then about z so that the placement in the
-//! parent's frame becomes `Rz(gamma) (r + Rx(alpha) .)`. The frame of a revolute parent (or of the world) takes up
-//! the gamma of its first child, as in the modified Denavit-Hartenberg convention; q then carries a constant offset.
-//! Each origin slides along its axis to where most of the translations vanish, and inertial parameters are
-//! regrouped. Nothing but constants changes: q, v, p, M and every derivative are those of the original frames.
+//! Each joint frame is rotated so that its z axis is the joint axis, then about z so that the placement in
+//! the parent's frame becomes `Rz(gamma) (r + Rx(alpha) .)`. The frame of a revolute parent (or of the world)
+//! absorbs the gamma of its first child, as in the modified Denavit-Hartenberg convention; q then has a
+//! constant offset. Each origin is moved along its axis to where most of the translations vanish, and
+//! inertial parameters are regrouped. Only constants change: q, v, p, M and every derivative are those of the
+//! original frames.
 
-use super::frames::TurnedFrames;
+use super::frames::AlignedFrames;
 use super::joint_frame::{JointFrame, set_reach};
-use super::parameters::nonzero_lower;
 use super::regroup::regroup;
 use super::{Friction, JointKind, Robot};
 use std::ops::Range;
@@ -22,8 +22,11 @@ pub struct Tree {
     fixed_potential: f64,
     armature: Vec<(usize, usize, f64)>,
     children: Vec<Vec<usize>>,
+    /// Prefix sums of the sizes of the subtrees.
     subtree_starts: Vec<usize>,
-    subtrees: Vec<usize>,
+    /// The joints depth first: a subtree is a part of it.
+    depth_first: Vec<usize>,
+    depth_first_position: Vec<usize>,
     turning: Vec<usize>,
     sliding: Vec<usize>,
     sprung: Vec<usize>,
@@ -47,12 +50,12 @@ impl Tree {
         &self.names[i]
     }
 
-    /// Gravity acceleration in the turned world frame (m/s^2).
+    /// Gravity acceleration in the aligned world frame (m/s^2).
     pub fn gravity(&self) -> [f64; 3] {
         self.gravity
     }
 
-    /// V (J) of the mass that no joint moves once the inertial parameters are regrouped.
+    /// V (J) of the mass that no joint moves after regrouping.
     pub(crate) fn fixed_potential(&self) -> f64 {
         self.fixed_potential
     }
@@ -62,14 +65,15 @@ impl Tree {
         &self.armature
     }
 
-    /// The joints that stand on the link of joint `i`.
+    /// The joints attached to the link of joint `i`.
     pub fn children(&self, i: usize) -> &[usize] {
         &self.children[i]
     }
 
-    /// Joint `i` and all joints beyond it, `j >= i` in tree order: i, then the subtree of each child, in turn.
+    /// Joint `i` and all joints beyond it: i, then the subtree of each child, one after the other.
     pub fn subtree(&self, i: usize) -> &[usize] {
-        &self.subtrees[self.pairs_of(i)]
+        let start = self.depth_first_position[i];
+        &self.depth_first[start..start + self.pairs_of(i).len()]
     }
 
     /// Positions of the pairs `(i, j)`, j in the subtree of i, among all pairs `i <= j` of tree order.
@@ -99,7 +103,7 @@ impl Tree {
 
     /// Number of pairs `i <= j` in tree order.
     pub fn pairs(&self) -> usize {
-        self.subtrees.len()
+        self.subtree_starts.last().copied().unwrap_or(0)
     }
 
     /// Whether no joint has friction.
@@ -118,25 +122,25 @@ impl Tree {
 impl From<&Robot> for Tree {
     fn from(robot: &Robot) -> Self {
         let n = robot.len();
-        let mut turned = TurnedFrames::new(robot);
+        let mut aligned = AlignedFrames::new(robot);
         for i in 0..n {
-            turned.place(i);
+            aligned.place(i);
         }
         let mut subtree_mass: Vec<f64> = robot.joints().iter().map(|joint| joint.inertia.mass).collect();
         for (i, joint) in robot.joints().iter().enumerate().rev() {
             joint.parent.into_iter().for_each(|parent| subtree_mass[parent] += subtree_mass[i]);
         }
-        let mut joints: Vec<_> = (0..n).map(|i| turned.joint(i, subtree_mass[i])).collect();
-        let gravity = (turned.world * robot.gravity()).into();
+        let mut joints: Vec<_> = (0..n).map(|i| aligned.joint(i, subtree_mass[i])).collect();
+        let gravity = (aligned.world * robot.gravity()).into();
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
-        let armature = nonzero_lower(robot.armature());
+        let armature = robot.armature().to_vec();
         Self { fixed_potential, ..Self::from_parts(robot, joints, gravity, armature) }
     }
 }
 
 impl Tree {
-    /// From constants of joints that are at hand, on the branches of this robot, with V = 0 of what does not move.
+    /// From given constants of the joints of this robot; V of what does not move is zero.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
@@ -145,18 +149,25 @@ impl Tree {
     ) -> Self {
         let n = robot.len();
         let mut children = vec![Vec::new(); n];
-        let mut nested: Vec<Vec<usize>> = vec![Vec::new(); n];
+        let mut size = vec![1; n];
         for (j, joint) in robot.joints().iter().enumerate() {
             joint.parent.into_iter().for_each(|parent| children[parent].push(j));
         }
-        for i in (0..n).rev() {
-            let beyond = children[i].iter().flat_map(|&c| nested[c].iter().copied());
-            nested[i] = std::iter::once(i).chain(beyond).collect();
+        for (j, joint) in robot.joints().iter().enumerate().rev() {
+            joint.parent.into_iter().for_each(|parent| size[parent] += size[j]);
         }
-        let ends = nested.iter().scan(0, |end, subtree| {
-            *end += subtree.len();
+        let ends = size.iter().scan(0, |end, size| {
+            *end += size;
             Some(*end)
         });
+        let (mut depth_first, mut depth_first_position) = (Vec::with_capacity(n), vec![0; n]);
+        let roots = (0..n).rev().filter(|&i| robot.joints()[i].parent.is_none());
+        let mut next: Vec<usize> = roots.collect();
+        while let Some(i) = next.pop() {
+            depth_first_position[i] = depth_first.len();
+            depth_first.push(i);
+            next.extend(children[i].iter().rev());
+        }
         let those = |has: fn(&JointFrame) -> bool| (0..joints.len()).filter(|&i| has(&joints[i])).collect();
         let (sprung, rubbing) =
             (those(|joint| joint.spring.stiffness != 0.0), those(|joint| !joint.friction.is_none()));
@@ -173,7 +184,8 @@ impl Tree {
             armature,
             children,
             subtree_starts: std::iter::once(0).chain(ends).collect(),
-            subtrees: nested.concat(),
+            depth_first,
+            depth_first_position,
         }
     }
 }
@@ -185,7 +197,7 @@ mod tests {
     use crate::robot::{JointSpec, LinkInertia, Placement};
     use nalgebra::{Matrix3, Vector3};
 
-    /// Position of each turned frame in the turned world at q, by 4 x 4 products.
+    /// Position of each aligned frame in the aligned world at q, by 4 x 4 products.
     fn positions(tree: &Tree, q: &[f64]) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
         let mut frames: Vec<(Matrix3<f64>, Vector3<f64>)> = Vec::new();
         for (joint, q) in tree.joints().iter().zip(q) {
@@ -206,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn turned_frames_put_every_centre_of_mass_where_it_was() {
+    fn aligned_frames_put_every_centre_of_mass_where_it_was() {
         let placed = |x, r: [f64; 3]| Placement::from_xyz_rpy([x, -0.2, 0.4], r);
         let link = LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity());
         let half_turn = [std::f64::consts::PI, 0.0, 0.0];

@@ -1,10 +1,13 @@
-//! What is odd about the description of a robot.
+//! What is unusual about the description of a robot.
 
-/// Something odd that does not stop the computation.
+use super::printable::{joints, printable, sentence};
+use std::fmt;
+
+/// Something unusual that does not stop the computation.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A link that has neither mass nor inertia, though it moves.
+    /// A moving link that has neither mass nor inertia.
     MasslessLink {
         /// The link.
         link: String,
@@ -16,17 +19,72 @@ pub enum Warning {
         /// Principal moments (kg m^2), rising.
         moments: [f64; 3],
     },
-    /// Mass on the axis of the last joint only: M is singular in every pose.
+    /// All mass that the last joint moves lies on its axis: M is singular in every pose.
     OnAxis {
         /// The joint.
         joint: String,
     },
-    /// Damping and friction in `<dynamics>` of a URDF that were left out.
+    /// An element or attribute that URDF does not know, and that is therefore ignored.
+    UnknownName {
+        /// The element, such as `<orign>`, or the attribute, such as `xzy`.
+        name: String,
+        /// Where it is, such as `joint 'elbow'` or `<origin> of joint 'elbow'`.
+        owner: String,
+        /// Line of the first one, from 1.
+        line: usize,
+        /// How many more there are in elements of the same kind.
+        others: usize,
+        /// The known name that it resembles.
+        nearest: Option<&'static str>,
+    },
+    /// More elements and attributes that URDF does not know.
+    MoreUnknownNames {
+        /// How many.
+        count: usize,
+        /// Line of the first one, from 1.
+        line: usize,
+    },
+    /// Revolute or prismatic joints of a URDF without `<limit>`; they are unlimited.
+    WithoutLimit {
+        /// The joints.
+        joints: Vec<String>,
+        /// Line of the first one, from 1.
+        line: usize,
+    },
+    /// Joints of a URDF whose lower limit lies above the upper one; their positions are unlimited.
+    SwappedLimits {
+        /// The joints.
+        joints: Vec<String>,
+        /// Line of the first `<limit>`, from 1.
+        line: usize,
+    },
+    /// Joints of a URDF with a negative limit of effort or velocity, which is taken as no limit.
+    NegativeLimit {
+        /// The joints.
+        joints: Vec<String>,
+        /// Line of the first `<limit>`, from 1.
+        line: usize,
+    },
+    /// The root link of a URDF has mass, which is not used since the base is held fixed.
+    FixedBase {
+        /// The root link.
+        link: String,
+        /// Its mass (kg).
+        mass: f64,
+        /// Its line, from 1.
+        line: usize,
+    },
+    /// Bytes that are not UTF-8, outside comments; each became U+FFFD.
+    NotUtf8 {
+        /// Line of the first one, from 1.
+        line: usize,
+    },
+    /// Damping and friction in `<dynamics>` of a URDF that were not loaded.
     FrictionIgnored {
         /// The joints.
         joints: Vec<String>,
     },
-    /// A joint of several degrees of freedom, expanded.
+    /// A joint of several degrees of freedom, replaced by joints of one degree of freedom each.
     Expanded {
         /// The joint.
         joint: String,
@@ -41,38 +99,105 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Whether it says that the robot is not a physical one; strict checking refuses these.
-    pub fn is_physical(&self) -> bool {
-        matches!(self, Self::MasslessLink { .. } | Self::TriangleInequality { .. } | Self::OnAxis { .. })
+    /// Whether it suggests a mistake in the file; strict loading refuses these.
+    pub fn is_refused_when_strict(&self) -> bool {
+        !matches!(self, Self::FrictionIgnored { .. } | Self::Expanded { .. } | Self::Note { .. })
+    }
+
+    /// The line of the file that it is about, from 1, where one is known.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::UnknownName { line, .. }
+            | Self::MoreUnknownNames { line, .. }
+            | Self::WithoutLimit { line, .. }
+            | Self::SwappedLimits { line, .. }
+            | Self::NegativeLimit { line, .. }
+            | Self::FixedBase { line, .. }
+            | Self::NotUtf8 { line } => Some(*line),
+            _ => None,
+        }
     }
 }
 
-impl std::fmt::Display for Warning {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::MasslessLink { link } => write!(f, "link '{link}' moves but has neither mass nor inertia"),
+            Self::MasslessLink { link } => {
+                write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
+            }
             Self::TriangleInequality { link, moments: [a, b, c] } => write!(
                 f,
-                "no rigid body has the principal moments of link '{link}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
-                 the largest exceeds the sum of the others"
+                "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
+                 the largest exceeds the sum of the others",
+                printable(link)
             ),
             Self::OnAxis { joint } => write!(
                 f,
-                "joint '{joint}' only turns mass that lies on its axis, so the mass matrix is singular in every pose: \
-                 give its link an inertia or give it armature"
+                "all mass that joint '{}' moves lies on its axis, so the mass matrix is singular in every pose: \
+                 give its link an inertia or give it armature",
+                printable(joint)
             ),
-            Self::FrictionIgnored { joints } => {
-                write!(f, "<dynamics> is left out, ask for it with --friction: joints {}", joints.join(", "))
+            Self::UnknownName { name, owner, line, others, nearest } => {
+                write!(f, "{} in {} (line {line}", sentence(name), sentence(owner))?;
+                match others {
+                    0 => write!(f, ")")?,
+                    _ => write!(f, ", and {others} more)")?,
+                }
+                write!(f, " is unknown to URDF and was ignored")?;
+                match nearest {
+                    Some(known) if name.starts_with('<') => write!(f, "; did you mean <{known}>?"),
+                    Some(known) => write!(f, "; did you mean {known}?"),
+                    None => Ok(()),
+                }
             }
+            Self::MoreUnknownNames { count, line } => {
+                write!(f, "{count} more elements or attributes are unknown to URDF (first in line {line})")
+            }
+            Self::WithoutLimit { joints: names, line } => write!(
+                f,
+                "no <limit> (first in line {line}), taken as unlimited: {}; add it, or make a revolute joint \
+                 continuous",
+                joints(names)
+            ),
+            Self::SwappedLimits { joints: names, line } => write!(
+                f,
+                "<limit> with lower above upper (first in line {line}), taken as no limit of position: {}; \
+                 swap the two",
+                joints(names)
+            ),
+            Self::NegativeLimit { joints: names, line } => write!(
+                f,
+                "<limit> with a negative effort or velocity (first in line {line}), taken as unlimited: {}; \
+                 give a positive number",
+                joints(names)
+            ),
+            Self::FixedBase { link, mass, line } => write!(
+                f,
+                "the root link '{}' (line {line}) has a mass of {mass} kg, which is not used: the base is held fixed; \
+                 for a free base, attach it to a massless root link by a floating joint",
+                printable(link)
+            ),
+            Self::NotUtf8 { line } => {
+                write!(
+                    f,
+                    "line {line} is not UTF-8; what cannot be read became U+FFFD: save the file as UTF-8"
+                )
+            }
+            Self::FrictionIgnored { joints: names } => write!(
+                f,
+                "<dynamics> was not loaded, request it by --friction (LoadOptions::friction): {}",
+                joints(names)
+            ),
             Self::Expanded { joint, kind: "floating" } => write!(
                 f,
-                "floating joint '{joint}' became three prismatic (x, y, z) and three revolute joints (z, y, x), \
-                 singular where the second angle is +-pi/2"
+                "floating joint '{}' became three prismatic (x, y, z) and three revolute joints (z, y, x), \
+                 singular where the second angle is +-pi/2",
+                printable(joint)
             ),
             Self::Expanded { joint, kind } => {
-                write!(f, "{kind} joint '{joint}' became two prismatic and one revolute joint")
+                write!(f, "{kind} joint '{}' became two prismatic and one revolute joint", printable(joint))
             }
-            Self::Note { text } => f.write_str(text),
+            Self::Note { text } => sentence(text).fmt(f),
         }
     }
 }

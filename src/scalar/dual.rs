@@ -1,20 +1,21 @@
 //! num-dual's numbers of static size, over any scalar that is itself a number of num-dual.
 //!
-//! Static size only: the dynamic ones allocate on every operation and are not `Copy`. A blanket implementation
-//! over num-dual's trait would overlap with that for `f64`, hence one implementation a type.
+//! Static size only: the dynamic ones allocate on every operation and are not `Copy`. A blanket
+//! implementation over num-dual's trait would overlap with that for `f64`, hence one implementation per type.
 
-use super::Scalar;
+use super::number::Scalar;
 use nalgebra::Const;
 use num_dual::{Dual, Dual2, Dual2Vec, Dual3, DualNum, DualVec, HyperDual, HyperDualVec, HyperHyperDual};
 use num_traits::{Float, FromPrimitive};
 
-/// A model constant in the precision that lies at the bottom of the number type `T`.
+/// A model constant in the base precision of the number type `T`.
 #[inline]
 fn primitive<T: DualNum>(value: f64) -> T::Primitive {
     T::Primitive::from_f64(value).unwrap_or_else(T::Primitive::nan)
 }
 
-/// `t = tanh x` and its first four derivatives: `s = 1 - t^2`, `-2 t s`, `2 s (2 t^2 - s)`, `8 t s (2 s - t^2)`.
+/// `t = tanh x` and its first four derivatives: `s = 1 - t^2`, `-2 t s`, `2 s (2 t^2 - s)`,
+/// `8 t s (2 s - t^2)`.
 #[inline]
 fn tanh_derivatives<T: Scalar>(x: T) -> [T; 5] {
     let (t, s) = x.tanh_and_slope();
@@ -114,7 +115,7 @@ macro_rules! forward_to_num_dual {
     };
 }
 
-/// Numbers whose parts are plain scalars: `select` goes part by part, for any mask.
+/// Numbers with scalar components: `select` works component by component, for any mask.
 macro_rules! impl_scalar_by_parts {
     ($dual:ident, $order:literal, $($part:ident),*) => {
         impl<T: DualNum + Scalar> Scalar for $dual<T> {
@@ -138,7 +139,7 @@ impl_scalar_by_parts!(Dual3, 3, v1, v2, v3);
 impl_scalar_by_parts!(HyperDual, 2, eps1, eps2, eps1eps2);
 impl_scalar_by_parts!(HyperHyperDual, 3, eps1, eps2, eps3, eps1eps2, eps1eps3, eps2eps3, eps1eps2eps3);
 
-/// Numbers with a vector of derivatives: `select` takes one of the two as a whole.
+/// Numbers with a vector of derivatives: `select` chooses one of the two as a whole.
 macro_rules! impl_scalar_as_a_whole {
     ($dual:ident, $order:literal, $($size:ident),*) => {
         impl<T: DualNum + Scalar<Mask = bool>, $(const $size: usize),*> Scalar for $dual<T, $(Const<$size>),*> {
@@ -162,7 +163,7 @@ mod tests {
     use super::*;
     use num_dual::{Derivative, Dual2SVec64, HyperDualSVec64, HyperHyperDual64};
 
-    /// Where num-dual's tanh works it is the judge of the chain rules here.
+    /// Checks the chain rules against num-dual's tanh where that does not overflow.
     #[test]
     fn chain_rules_agree_with_num_dual() {
         let x = HyperHyperDual64::new(0.6, 0.3, -0.7, 1.1, 0.2, -0.4, 0.9, 1.3);

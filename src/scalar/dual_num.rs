@@ -1,9 +1,11 @@
-//! Numbers of this library as numbers of num-dual's, so that dual and hyper-dual numbers can be made of them.
+//! Implements num-dual's number traits, so that dual and hyper-dual numbers can have components of this
+//! library's types.
 //!
-//! What is a method of [`Scalar`](super::Scalar) goes there; the functions that no formula here needs are those of `f64`, by
-//! the `map` and `combine` of the type. With num-dual's feature `ndarray`, which asks for one more trait, this does not compile.
+//! Methods that [`Scalar`](super::Scalar) has are forwarded to it; functions that no formula here needs use
+//! those of `f64` through `map` and `combine` of the type. This does not compile with num-dual's feature
+//! `ndarray`, which requires one more trait.
 
-/// `DualNum` and what it asks for. The type has `real_part(&self) -> f64`, `map(self, f64 -> f64)` and
+/// `DualNum` and its supertraits. The type has `real_part(&self) -> f64`, `map(self, f64 -> f64)` and
 /// `combine(self, Self, (f64, f64) -> f64)`.
 macro_rules! dual_num {
     ($type:ty $(, $parameter:ident: $bound:path)?) => {

@@ -1,42 +1,11 @@
-//! Several numbers of one state at once.
+//! Packs of one and of four lanes.
 
-use super::Scalar;
 #[cfg(feature = "wide")]
 use super::Vector;
+use super::number::{Pack, Scalar};
 
-/// The most lanes that a pack has.
+/// The largest number of lanes of a pack.
 pub(crate) const MOST_LANES: usize = 4;
-
-/// A vector of numbers of type S whose operations work on all of its lanes.
-///
-/// What the pipeline does in the same way for many joints it does for [`LANES`](Pack::LANES) of them at once: with
-/// `f64`, four where the feature `wide` is on. Every scalar is a pack of itself, of one lane.
-pub trait Pack<S>: Scalar {
-    /// Number of lanes.
-    const LANES: usize;
-
-    /// The same number in every lane.
-    fn splat(value: S) -> Self;
-
-    /// The number in lane `k`.
-    fn lane(&self, k: usize) -> S;
-
-    /// The same with another number in lane `k`.
-    #[must_use]
-    fn with_lane(self, k: usize, value: S) -> Self;
-
-    /// Puts a number into lane `k`, in memory: what reads the whole pack next waits for it.
-    fn set_lane(&mut self, k: usize, value: S);
-
-    /// Puts the lanes one after the other into `to`, as many as it has places.
-    fn write(&self, to: &mut [S]);
-
-    /// From as many numbers as there are lanes, or fewer; the lanes left over are zero.
-    fn read(from: &[S]) -> Self;
-
-    /// Transposes a square block: as many packs as there are lanes.
-    fn transpose(block: &mut [Self]);
-}
 
 impl<S: Scalar> Pack<S> for S {
     const LANES: usize = 1;

@@ -1,13 +1,13 @@
 //! A value with one directional derivative, over any scalar.
 
-use super::Scalar;
+use super::number::Scalar;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// `re + eps d`, `d^2 = 0`: a dual number that asks nothing of its parts but that they are scalars.
+/// `re + eps d`, `d^2 = 0`: a dual number over any scalar.
 ///
-/// What the pipeline itself differentiates with, so that every scalar can (num-dual's numbers need parts that can be
-/// compared and printed like a float; one that counts, records or stands for several lanes cannot). As there, a quotient
-/// is a product with the reciprocal.
+/// The pipeline differentiates with it internally, for every scalar. (num-dual's numbers need components that
+/// compare and print like a float, which counting, recording and vector scalars do not.) As in num-dual, a
+/// quotient is a product with the reciprocal.
 #[derive(Clone, Copy, Debug)]
 pub struct Tangent<S> {
     /// Value.
@@ -17,7 +17,7 @@ pub struct Tangent<S> {
 }
 
 impl<S: Scalar> Tangent<S> {
-    /// From value and derivative.
+    /// A number with this value and derivative.
     #[inline(always)]
     pub fn new(re: S, eps: S) -> Self {
         Self { re, eps }
@@ -158,7 +158,7 @@ mod tests {
     use crate::scalar::Scalar;
     use num_dual::Dual64;
 
-    /// Everything a scalar can do, in one expression.
+    /// All operations of a scalar in one expression.
     fn everything<S: Scalar>(x: S) -> S {
         let (sin, cos) = (x * x).sin_cos();
         let mut sum = sin / cos + x.recip() - x.sqrt() + (-x).exp() * x.exp_m1() + x.times(3.0).plus(1.0);

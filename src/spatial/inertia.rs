@@ -77,8 +77,8 @@ impl<S: Scalar> AddAssign for Symmetric3<S> {
     }
 }
 
-/// Inertia of a body whose mass is a constant of the model: `(m, h, J)` with first moment `h = m c` (kg m) and
-/// inertia matrix `J` about the origin of the frame (kg m^2).
+/// Inertia of a body whose mass is a constant of the model: `(m, h, J)` with first moment `h = m c` (kg m)
+/// and inertia matrix `J` about the origin of the frame (kg m^2).
 #[derive(Clone, Copy, Debug)]
 pub struct Inertia<S> {
     /// Mass (kg).
@@ -97,7 +97,7 @@ impl<S: Scalar> Inertia<S> {
         Force { moment: self.matrix.apply(w) + h.cross(v), force: v.times(self.mass) - h.cross(w) }
     }
 
-    /// The sum with another body in the same frame, but for its mass.
+    /// The sum with another body in the same frame, except that the mass is left as it is.
     #[inline(always)]
     pub fn with_moments(mut self, other: Self) -> Self {
         self.first_moment = self.first_moment + other.first_moment;

@@ -1,7 +1,7 @@
 //! Rigid-body algebra over any scalar: vectors, inertias, transforms between joint frames.
 //!
-//! Body frames with the joint axis along z: a joint motion vector is `(e_z; 0)` or `(0; e_z)`, so products with it
-//! are components, not multiplications.
+//! Body frames with the joint axis along z: a joint motion vector is `(e_z; 0)` or `(0; e_z)`, so products
+//! with it are components, not multiplications.
 
 mod inertia;
 mod screw;

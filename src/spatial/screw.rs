@@ -1,4 +1,5 @@
-//! The constant part of a transform between joint frames: turned about z, moved, turned about x, moved along z.
+//! The constant part of a transform between joint frames: rotation about z, translation, rotation about x,
+//! translation along z.
 
 use super::turn::FixedTurn;
 use super::vector::Vec3;
@@ -7,18 +8,18 @@ use crate::scalar::Scalar;
 /// The constant part `Rz(gamma) (r + Rx(alpha) (rise e_z + .))` of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedScrew {
-    /// By gamma about z of the parent's frame; `None` where gamma = 0.
+    /// Rotation by gamma about z of the parent's frame; `None` where gamma = 0.
     pub gamma: Option<FixedTurn>,
-    /// By alpha about x.
+    /// Rotation by alpha about x.
     pub alpha: FixedTurn,
-    /// Translation r (m), in axes turned by gamma.
+    /// Translation r (m), in the axes rotated by gamma.
     pub translation: [f64; 3],
     /// Translation along the joint axis (m), of a revolute joint.
     pub rise: f64,
 }
 
 impl FixedScrew {
-    /// `Rz(gamma) (r + Rx(alpha) rise e_z)`: where the frame of a joint at zero has its origin (m).
+    /// `Rz(gamma) (r + Rx(alpha) rise e_z)`: the origin of the joint frame at zero (m).
     pub fn origin(&self) -> [f64; 3] {
         let [x, y, z] = self.translation;
         let [up, along] = self.alpha.apply([0.0, self.rise]);

@@ -1,9 +1,9 @@
 //! From the frame of a joint to that of its parent and back.
 //!
-//! `x_parent = Rz(gamma) (r + Rx(alpha) (rise e_z + J(q) x))`, where J turns about z by q (+ an offset) or slides along
-//! z by q (+ an offset). Every placement of two frames has this form once each frame is turned about its own z axis:
-//! with gamma = 0 and r along x it is the modified Denavit-Hartenberg convention (A1.2). Rotations are made of sine and
-//! cosine only.
+//! `x_parent = Rz(gamma) (r + Rx(alpha) (rise e_z + J(q) x))`, where J rotates about z by q (+ an offset) or
+//! translates along z by q (+ an offset). Every placement of two frames has this form once each frame is
+//! rotated about its own z axis: with gamma = 0 and r along x it is the modified Denavit-Hartenberg
+//! convention (A1.2). Rotations use sine and cosine only.
 
 use super::inertia::Inertia;
 use super::screw::FixedScrew;
@@ -14,9 +14,9 @@ use crate::scalar::{Pack, Scalar};
 /// The part that depends on q.
 #[derive(Clone, Copy, Debug)]
 pub enum JointPosition<S> {
-    /// Turned about z by the joint angle.
+    /// Rotated about z by the joint angle.
     Turned(Turn<S>),
-    /// Slid along z by this distance (m).
+    /// Translated along z by this distance (m).
     Slid(S),
 }
 

@@ -1,7 +1,7 @@
 //! Rotations in a plane, by sine and cosine.
 //!
-//! `(a, b) -> (c a - s b, s a + c b)` takes three products: with `k = c (a + b)` it is `(k - (c + s) b, k + (s - c) a)`. Where
-//! a product costs no more than a sum ([`Scalar::FUSED`]), the formula as it stands is the faster one.
+//! `(a, b) -> (c a - s b, s a + c b)` takes three products: with `k = c (a + b)` it is `(k - (c + s) b, k +
+//! (s - c) a)`. Where a product costs no more than a sum ([`Scalar::FUSED`]), the first formula is faster.
 
 use crate::scalar::{Pack, Scalar};
 
@@ -57,7 +57,7 @@ impl<S: Scalar> Turn<S> {
         [k + self.difference * b, k - self.sum * a]
     }
 
-    /// The two off-diagonal entries and the diagonal of a symmetric 2 x 2 matrix turned on both sides.
+    /// `R A R'` for a symmetric 2 x 2 matrix A, given and returned as (xx, yy, xy).
     ///
     /// With `e = s (xx - yy) + 2 c xy`: `xx - s e`, `yy + s e`, `c e - xy`.
     #[inline(always)]
@@ -71,7 +71,7 @@ impl<S: Scalar> Turn<S> {
     }
 }
 
-/// A rotation by a constant angle; quarter turns are exact, and free.
+/// A rotation by a constant angle; quarter turns are exact and cost nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedTurn {
     sin: f64,

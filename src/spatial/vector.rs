@@ -118,7 +118,7 @@ impl<S: Scalar> Neg for Vec3<S> {
     }
 }
 
-/// A spatial motion vector: velocity of a rigid body, seen and referred to a frame that rides on it.
+/// A spatial motion vector: velocity of a rigid body, in a frame fixed to the body.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<S> {
     /// Angular velocity (rad/s).

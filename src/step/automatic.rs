@@ -1,4 +1,4 @@
-//! Any function generic over the scalar as a step, by automatic differentiation.
+//! Any function generic over the scalar as a step, differentiated automatically.
 
 use super::error::check;
 use super::outcome::Outcome;
@@ -6,8 +6,10 @@ use super::{Step, StepContraction, StepError, StepLinearisation};
 use crate::derivative::{DerivativeError, Function, InnerNumber};
 use crate::dynamics::{Automatic, Dynamics, Linearisation};
 use crate::scalar::Scalar;
+use std::fmt;
 
-/// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs as states.
+/// `x_next = Phi(x, u, h)` of a function of the states, the controls and the duration, with as many outputs
+/// as states.
 ///
 /// Jacobians by dual numbers, y'Phi_xx, y'Phi_ux and y'Phi_uu by hyper-dual numbers. `T`: as for
 /// [`Jacobian`](crate::derivative::Jacobian).
@@ -48,9 +50,15 @@ pub struct AutomaticStep<F: Function, T: InnerNumber = f64> {
     outcome: Outcome<T>,
 }
 
+impl<F: Function, T: InnerNumber> fmt::Debug for AutomaticStep<F, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AutomaticStep").field("automatic", &self.automatic).finish_non_exhaustive()
+    }
+}
+
 impl<F: Function + Clone, T: InnerNumber> AutomaticStep<F, T> {
-    /// The step of a function with as many states as it has outputs; its last input is the duration h, what inputs
-    /// there are between are controls.
+    /// The step of a function: as many states as outputs. The last input is the duration h; the inputs
+    /// between are controls.
     ///
     /// # Panics
     /// If the function has no more inputs than outputs.
@@ -81,7 +89,7 @@ impl<F: Function, T: InnerNumber> AutomaticStep<F, T> {
     }
 }
 
-/// Phi and its derivatives in (x, u, h), which are those of the function.
+/// Copies Phi and its derivatives in (x, u, h) from those of the function.
 fn take<T: Scalar>(outcome: &mut Outcome<T>, first: &Linearisation<'_, T>) {
     outcome.next.copy_from_slice(first.f);
     for (i, (in_x, in_u_h)) in first.f_x.iter_rows().zip(first.f_u.iter_rows()).enumerate() {

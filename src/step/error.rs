@@ -1,36 +1,31 @@
-//! Why a step was not made.
+//! Errors of a step.
 
+use crate::error::LengthError;
 use crate::scalar::Scalar;
 
-/// Why a step was not made. The workspace stays usable.
+/// Why a step could not be computed. The workspace stays usable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError<E: std::error::Error> {
     /// The model could not be evaluated.
     #[error(transparent)]
     Dynamics(#[from] E),
-    /// An argument of the wrong length.
-    #[error("{what} has {found} entries, not {expected}; the model of the step fixes the length")]
-    WrongLength {
-        /// The argument.
-        what: &'static str,
-        /// Length it must have.
-        expected: usize,
-        /// Length it has.
-        found: usize,
-    },
-    /// The duration is infinite or undefined.
-    #[error("the duration h of the step is not finite; check what produced it")]
+    /// An argument has the wrong length.
+    #[error("{0}; the model of the step fixes the length")]
+    WrongLength(#[source] LengthError),
+    /// The duration is infinite or not a number.
+    #[error("the duration h of the step is not finite; check the computation that produced it")]
     NonFiniteDuration,
     /// Newton's method did not solve the implicit equation of the step.
     #[error(
         "the implicit equation of the step was not solved: after {iterations} iterations of Newton's method the last \
-         change is up to {change:.0e} of the state; take a shorter step"
+         correction is up to {change:.0e} of the state; take a shorter step"
     )]
     NotConverged {
-        /// Iterations made.
+        /// Number of iterations.
         iterations: usize,
-        /// The least power of ten above the last change, relative to its half of the state and 1; infinite where there is none.
+        /// The smallest power of ten above the last correction, relative to max(1, its half of the state);
+        /// infinite where there is none.
         change: f64,
     },
     /// Newton's method stopped early: the momenta or velocities of the joints differ by many orders of magnitude, and the
@@ -47,7 +42,7 @@ pub enum StepError<E: std::error::Error> {
     },
 }
 
-/// x, u and, where there is one, y have the lengths that the model asks for, and h is finite.
+/// x, u and y (if given) have the lengths of the model, and h is finite.
 pub(super) fn check<S: Scalar, E: std::error::Error>(
     [states, controls]: [usize; 2],
     [x, u]: [&[S]; 2],
@@ -56,9 +51,7 @@ pub(super) fn check<S: Scalar, E: std::error::Error>(
 ) -> Result<(), StepError<E>> {
     let expected = [("x", x, states), ("u", u, controls), ("y", y.unwrap_or(x), states)];
     for (what, slice, expected) in expected {
-        if slice.len() != expected {
-            return Err(StepError::WrongLength { what, expected, found: slice.len() });
-        }
+        LengthError::check(what, expected, slice.len()).map_err(StepError::WrongLength)?;
     }
     if S::CHECKED && !h.is_finite() {
         return Err(StepError::NonFiniteDuration);

@@ -1,4 +1,4 @@
-//! Second derivatives of a step, added up from those of its stages.
+//! Second derivatives of a step as the sum over its stages.
 
 use crate::dynamics::Contraction;
 use crate::matrix::{Block, Matrix, add_rows, add_scaled};
@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 /// The second derivatives of y'Phi in z = (x, u).
 #[derive(Clone, Debug)]
 pub(super) struct StageHessians<S> {
-    /// The lower triangle while it is added up.
+    /// Only the lower triangle during the summation.
     hessian: Matrix<S>,
     product: Matrix<S>,
 }
@@ -41,10 +41,10 @@ impl<S: Scalar> StageHessians<S> {
     /// Adds the second derivatives of `mu'f(X, u)` in (x, u), given those in (X, u):
     ///
     /// ```text
-    /// [Z ; 0 1]' (mu'f_zz) [Z ; 0 1] ,   Z = dX/d(x, u) ,  (1 0) where none is given.
+    /// [Z ; 0 1]' (mu'f_zz) [Z ; 0 1] ,   Z = dX/d(x, u) ,  (1 0) if z is `None`.
     /// ```
     ///
-    /// Z may have more columns, which are not looked at.
+    /// Further columns of Z are ignored.
     pub fn add(&mut self, second: &Contraction<'_, S>, z: Option<&Matrix<S>>) {
         let states = self.product.rows();
         match z {

@@ -1,14 +1,15 @@
-//! Solutions with the matrix of Newton's method.
+//! The linear solver of Newton's method.
 
 use crate::matrix::{Matrix, dot};
 use crate::scalar::Scalar;
 
-/// `A = L U` of a square matrix, L with ones on its diagonal, without exchange of rows.
+/// `A = L U` of a square matrix, L with unit diagonal, without pivoting.
 ///
-/// Which row to exchange would be a choice by value, which numbers of several lanes could not make alike. It is not
-/// needed for steps that are short beside the rates of the model: A is `1 - h a f_x`, the unit matrix for h = 0. Where h
-/// is so long that a leading minor of A nearly vanishes, the derivatives of the step lose as many digits as that is small,
-/// though A be regular; where it vanishes, quotients are not finite, and Newton's method reports that it did not converge.
+/// Pivoting would branch on values, which differ between lanes. It is not needed for steps that are short
+/// compared with the time constants of the model: A is `1 - h a f_x`, the identity for h = 0. If h is so long
+/// that a leading minor of A nearly vanishes, the derivatives of the step lose digits in proportion, even if
+/// A is regular. If the minor vanishes, quotients are infinite, and Newton's method reports that it did not
+/// converge.
 #[derive(Clone, Debug)]
 pub(super) struct Lu<S> {
     a: Matrix<S>,
@@ -24,7 +25,7 @@ impl<S: Scalar> Lu<S> {
         self.inverse_pivots.len()
     }
 
-    /// Row i of A, to be filled before [`factor`](Self::factor).
+    /// Row i of A; fill all rows before [`factor`](Self::factor).
     pub fn row_mut(&mut self, i: usize) -> &mut [S] {
         self.a.row_mut(i)
     }

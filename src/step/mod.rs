@@ -1,17 +1,17 @@
 //! One step in time: `x_next = Phi(x, u, h)` with its first two derivatives.
 //!
-//! | scheme | order | state | implicit equations | symmetric | symplectic (no friction, u constant) |
+//! | scheme | order | state | implicit equations | symmetric | symplectic (no friction, constant u) |
 //! |---|---|---|---|---|---|
 //! | [`RungeKutta4`] | 4 | any | none | no | no |
-//! | [`SemiImplicitEuler`] | 1 | (q, v) | none | no | where M is constant |
-//! | [`StoermerVerlet`] | 2 | two halves, made for (q, p) | two of n numbers | yes | in (q, p) |
+//! | [`SemiImplicitEuler`] | 1 | (q, v) | none | no | if M is constant |
+//! | [`StoermerVerlet`] | 2 | two halves, meant for (q, p) | two of n numbers | yes | in (q, p) |
 //! | [`ImplicitMidpoint`] | 2 | any | one of 2n numbers | yes | in (q, p) |
-//! | [`RungeKutta`] of any [`Tableau`] | | any | those of its diagonal | | |
+//! | [`RungeKutta`] of any [`Tableau`] | | any | one per nonzero diagonal entry | | |
 //! | [`AutomaticStep`] of any function of (x, u, h) | | any | | | |
 //!
-//! The control is constant along a step. Second derivatives come from the adjoint of the stages, those of an implicit
-//! scheme from its equations at the solution: see [`RungeKutta`]. [`OneStep`] is a step as a function, for dual numbers
-//! to judge; [`StepRoutes`] lets them.
+//! The control is constant during a step. Second derivatives come from the adjoint equations of the stages,
+//! for implicit schemes by the implicit function theorem: see [`RungeKutta`]. [`OneStep`] is a step as a
+//! function for automatic differentiation; [`StepRoutes`] compares the derivatives of every scheme with it.
 
 mod automatic;
 mod error;
@@ -22,6 +22,7 @@ mod one_step;
 mod outcome;
 mod routes;
 mod runge_kutta;
+mod schemes;
 mod semi_implicit_euler;
 mod stage;
 mod tableau;
@@ -31,10 +32,9 @@ pub use error::StepError;
 pub use one_step::{HamiltonianRobot, LagrangianRobot, ModelFamily, OneStep, Scheme, SemiImplicit};
 pub use routes::StepRoutes;
 pub use runge_kutta::RungeKutta;
+pub use schemes::{ImplicitMidpoint, RungeKutta4, StoermerVerlet};
 pub use semi_implicit_euler::{SemiImplicitEuler, VelocityForm};
-pub use tableau::{
-    Classical, ImplicitMidpoint, Midpoint, Pair, RungeKutta4, StoermerVerlet, Tableau, Verlet,
-};
+pub use tableau::{Classical, Midpoint, Pair, Tableau, Verlet};
 
 use crate::dynamics::times;
 use crate::matrix::Block;
@@ -42,10 +42,11 @@ use crate::scalar::Scalar;
 
 /// One step `Phi(x, u, h)` of duration h under constant control u, with its first two derivatives.
 ///
-/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, the costate of what comes next, as many
-/// as x. A workspace, as [`Dynamics`](crate::dynamics::Dynamics): results are borrowed from it, no call allocates.
+/// x holds [`states`](Self::states) numbers, u [`controls`](Self::controls); y, the costate of the next
+/// state, as many as x. An implementation is a workspace, like [`Dynamics`](crate::dynamics::Dynamics):
+/// results are borrowed from it, and no call allocates.
 pub trait Step<S: Scalar> {
-    /// Why a step may fail.
+    /// The error of a step.
     type Error: std::error::Error + 'static;
 
     /// Length of x.
@@ -57,7 +58,7 @@ pub trait Step<S: Scalar> {
     /// Phi(x, u, h).
     ///
     /// # Errors
-    /// Whatever the model has to say, or an implicit equation that was not solved.
+    /// A wrong length, the model's own error, or an implicit equation that was not solved.
     fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error>;
 
     /// Phi, Phi_x, Phi_u and Phi_h.
@@ -73,7 +74,7 @@ pub trait Step<S: Scalar> {
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error>;
 }
 
-/// A step that is lent.
+/// A borrowed step is a step.
 impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
     type Error = P::Error;
 
@@ -113,21 +114,22 @@ pub struct StepLinearisation<'a, S> {
 
 /// One step, its Jacobians, and the second derivatives of y'Phi; borrowed from a workspace.
 ///
-/// Blocks in u that are zero by structure do not exist: those of a scheme that is as simple as its model.
+/// Blocks in u that are zero by structure are `None`.
 #[derive(Clone, Copy, Debug)]
 pub struct StepContraction<'a, S> {
     /// Phi, Phi_x, Phi_u, Phi_h.
     pub first: StepLinearisation<'a, S>,
     /// `sum_k y_k d2 Phi_k / dx dx`, states x states, symmetric.
     pub xx: Block<'a, S>,
-    /// `sum_k y_k d2 Phi_k / du dx`, controls x as many of the first states as it has columns; zero in the others.
+    /// `sum_k y_k d2 Phi_k / du dx`, controls x leading states; zero in the states beyond its columns.
     pub ux: Option<Block<'a, S>>,
     /// `sum_k y_k d2 Phi_k / du du`, controls x controls, symmetric.
     pub uu: Option<Block<'a, S>>,
 }
 
 impl<S: Scalar> StepContraction<'_, S> {
-    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u, as far as the slices reach.
+    /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u, truncated to the
+    /// lengths of the slices.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {
         times(self.xx, [self.ux, self.uu], d, product);
     }

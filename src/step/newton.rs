@@ -6,23 +6,23 @@ use crate::dynamics::Dynamics;
 use crate::scalar::Scalar;
 use std::ops::{Range, RangeInclusive};
 
-/// Iterations after which a value that has not converged is given up.
+/// Maximum number of iterations for the value.
 const MOST: usize = 20;
 
-/// Iterations of numbers that are not checked, as many as short steps of robots take.
+/// Number of iterations for scalars that are not checked: what short steps of robots need.
 const UNCHECKED: usize = 3;
 
-/// Powers of ten that the last change is compared with where it did not become small.
+/// Powers of ten that bound the last correction in the error message.
 const DECADES: RangeInclusive<i32> = -16..=300;
 
 /// Workspace for the solution of `X_k = g_k + h a f_k(X, u)`, k in a range, all other X_k known.
 #[derive(Clone, Debug)]
 pub(super) struct Newton<S> {
-    /// f somewhere near, for a first guess.
+    /// A nearby value of f, for the initial guess.
     pub slope: Vec<S>,
     known: Vec<S>,
     change: Vec<S>,
-    /// Iterations of all stages since this was last set to 0.
+    /// Number of iterations of all stages since the last reset.
     pub iterations: usize,
 }
 
@@ -34,10 +34,10 @@ impl<S: Scalar> Newton<S> {
 
     /// Solves for `stage.x`, which holds g, from the guess `g + h a slope`.
     ///
-    /// Convergence is quadratic: once a change is as small as [`Self::left`] asks, the next one would be rounding.
-    /// Numbers that carry derivatives of order d go on: from a value that is right, an iteration with the Jacobian in
-    /// the same numbers makes right what is of first order, the next what is up to third, then up to seventh; that is
-    /// `ceil(log2(d + 1))` more of them.
+    /// Convergence is quadratic: once a correction is as small as [`Self::left`] requires, the next one would
+    /// be rounding error. Scalars with derivatives of order d need more iterations: from a converged value,
+    /// one iteration with the Jacobian in the same scalar makes first derivatives exact, the next those up to
+    /// third order, then up to seventh: `ceil(log2(d + 1))` more iterations.
     pub fn solve<D: Dynamics<S>>(
         &mut self,
         model: &mut D,
@@ -93,11 +93,11 @@ impl<S: Scalar> Newton<S> {
         Ok(())
     }
 
-    /// How many iterations are left, if the last change says so.
+    /// The number of remaining iterations, or `None` if the last correction is still large.
     ///
-    /// None but those for derivatives if every change is below `sqrt(eps)/64` of the largest of its half. A state at rest has
-    /// no size, and its change is rounding of forces in balance: below `512 eps` of 1 there is one more, for states that
-    /// are merely small in their units.
+    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of the largest entry of its
+    /// half. For a state at rest this scale is zero, and corrections are rounding errors of balanced forces:
+    /// below `512 eps` one more iteration is made, for states that are small only in their units.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();
         if self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0)) {
@@ -107,13 +107,13 @@ impl<S: Scalar> Newton<S> {
         is_tiny.then_some(for_derivatives + 1)
     }
 
-    /// The least power of ten that the last change is below, relative to the largest of its half and 1.
+    /// The smallest power of ten above the last correction, relative to the largest of its half and 1.
     fn decade(&self, implicit: &Implicit<S>, x: &[S]) -> f64 {
         let below = |power: &f64| self.is_below(implicit, x, |size| size.plus(1.0).times(*power));
         DECADES.map(|exponent| 10_f64.powi(exponent)).find(below).unwrap_or(f64::INFINITY)
     }
 
-    /// Whether every change is below a bound made from the largest entry of its half.
+    /// Whether every correction is below a bound that depends on the largest entry of its half.
     fn is_below(&self, implicit: &Implicit<S>, x: &[S], bound: impl Fn(S) -> S) -> bool {
         let (half, Range { start, end }) = (x.len() / 2, implicit.range.clone());
         [start..end.min(half), start.max(half)..end].into_iter().all(|range| {
@@ -123,7 +123,7 @@ impl<S: Scalar> Newton<S> {
     }
 }
 
-/// The largest absolute value.
+/// The largest magnitude.
 fn largest<S: Scalar>(values: &[S]) -> S {
     values.iter().fold(S::zero(), |largest, value| {
         let size = value.abs();

@@ -1,19 +1,19 @@
-//! One step of a model as a function to differentiate.
+//! One step of a model as a function for automatic differentiation.
 
 use super::semi_implicit_euler::SemiImplicitEuler;
 use super::{RungeKutta, Step, StepError, Tableau};
 use crate::derivative::Function;
 use crate::dynamics::Dynamics;
-use crate::error::EvalError;
+use crate::error::{EvalError, LengthError};
 use crate::hamiltonian::HamiltonianSecondOrder;
 use crate::lagrangian::LagrangianSecondOrder;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use std::marker::PhantomData;
 
-/// A model for every scalar.
+/// A family of models, one for every scalar.
 pub trait ModelFamily {
-    /// Why an evaluation may fail.
+    /// The error of an evaluation.
     type Error: std::error::Error + 'static;
     /// The model for one scalar.
     type Model<S: Scalar>: Dynamics<S, Error = Self::Error>;
@@ -60,9 +60,9 @@ impl ModelFamily for LagrangianRobot {
     }
 }
 
-/// A scheme for every scalar: what makes a step of the models of a family.
+/// A family of schemes, one for every scalar: builds a step of the models of a family.
 ///
-/// Every [`Tableau`] is one for every family, [`SemiImplicit`] for robots in (q, v).
+/// Every [`Tableau`] is a scheme for every family; [`SemiImplicit`] is one for robots in (q, v).
 pub trait Scheme<F: ModelFamily> {
     /// The step for one scalar.
     type Step<S: Scalar>: Step<S, Error = StepError<F::Error>>;
@@ -91,7 +91,8 @@ impl Scheme<LagrangianRobot> for SemiImplicit {
     }
 }
 
-/// `(x, u, h) -> Phi(x, u, h)` of a model by a scheme, to be differentiated automatically: the judge of every [`Step`].
+/// `(x, u, h) -> Phi(x, u, h)` of a model by a scheme, for automatic differentiation: the reference for every
+/// [`Step`].
 ///
 /// ```
 /// use costate::derivative::Jacobian;
@@ -118,7 +119,7 @@ pub struct OneStep<F, M> {
 }
 
 impl<F: ModelFamily, M: Scheme<F>> OneStep<F, M> {
-    /// The step of this family's models.
+    /// The step of the models of this family.
     pub fn new(family: F) -> Self {
         let model = family.model::<f64>();
         Self { states: model.states(), controls: model.controls(), family, scheme: PhantomData }
@@ -148,9 +149,7 @@ impl<F: ModelFamily, M: Scheme<F>> Function for OneStep<F, M> {
         next: &mut [S],
     ) -> Result<(), StepError<F::Error>> {
         for (what, found, expected) in [("z", z.len(), self.inputs()), ("next", next.len(), self.states)] {
-            if found != expected {
-                return Err(StepError::WrongLength { what, expected, found });
-            }
+            LengthError::check(what, expected, found).map_err(StepError::WrongLength)?;
         }
         let (x, rest) = z.split_at(self.states);
         let (u, h) = rest.split_at(self.controls);

@@ -1,4 +1,4 @@
-//! Where a step and its Jacobians are kept.
+//! Storage of a step and its Jacobians.
 
 use super::StepLinearisation;
 use crate::matrix::Matrix;

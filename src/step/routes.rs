@@ -8,13 +8,14 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Figure, Judged, Rounded, RoundedPair, Row, Verdict, scales};
+use crate::derivative::{Called, Figure, Judged, Rounded, RoundedPair, Row, Verdict, scales};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::Robot;
 use crate::scalar::{Scalar, Tangent};
 use num_dual::HyperDual64;
+use std::fmt;
 
 /// Compares the derivatives of one step of a robot, by every scheme, with hyper-dual numbers through the step itself
 /// (through the iterations of implicit schemes, too).
@@ -33,6 +34,12 @@ pub struct StepRoutes {
 const MOMENTA: [&[i8]; 3] = [&[1, -1], &[-1, 1, 1], &[-1, 1, 1, 0]];
 const VELOCITIES: [&[i8]; 3] = [&[1, 1], &[-1, -1, 1], &[-1, -1, 1, 0]];
 
+impl fmt::Debug for StepRoutes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StepRoutes").field("dof", &self.momenta.dof()).finish_non_exhaustive()
+    }
+}
+
 impl StepRoutes {
     /// Builds every workspace.
     #[inline]
@@ -47,8 +54,8 @@ impl StepRoutes {
         }
     }
 
-    /// Compares a step of duration h from x = (q, p) under u, with the costate y, which is also the direction in x; that in
-    /// u is u itself. Figures are appended: all of them, or with an error none.
+    /// Compares a step of duration h from x = (q, p) under u with the costate y. The direction of the Hessian
+    /// product is (y, u). Appends all figures, or none on an error.
     ///
     /// # Errors
     /// A wrong length, a state that the model refuses, or an implicit equation that was not solved to rounding.
@@ -114,9 +121,9 @@ struct Compared<F: ModelFamily, M: Scheme<F>> {
     /// Of the state, of what is dual to (x, u), and to (x, u, h).
     scales: [&'static [i8]; 3],
     step: M::Step<f64>,
-    reference: M::Step<HyperDual64>,
+    reference: M::Step<Called<HyperDual64>>,
     rounded_step: M::Step<Rounded>,
-    rounded_reference: M::Step<RoundedPair>,
+    rounded_reference: M::Step<Called<RoundedPair>>,
 }
 
 impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
@@ -163,23 +170,23 @@ trait HyperDual<S>: Scalar {
     fn parts(self) -> [S; 3];
 }
 
-impl HyperDual<f64> for HyperDual64 {
+impl HyperDual<f64> for Called<HyperDual64> {
     fn new(value: f64, along: f64, unit: f64) -> Self {
-        Self::new(value, along, unit, 0.0)
+        Self(HyperDual64::new(value, along, unit, 0.0))
     }
 
     fn parts(self) -> [f64; 3] {
-        [self.re, self.eps2, self.eps1eps2]
+        [self.0.re, self.0.eps2, self.0.eps1eps2]
     }
 }
 
-impl HyperDual<Rounded> for RoundedPair {
+impl HyperDual<Rounded> for Called<RoundedPair> {
     fn new(value: Rounded, along: Rounded, unit: Rounded) -> Self {
-        Self::new(Tangent::new(value, along), Tangent::new(unit, Rounded::zero()))
+        Self(Tangent::new(Tangent::new(value, along), Tangent::new(unit, Rounded::zero())))
     }
 
     fn parts(self) -> [Rounded; 3] {
-        [self.re.re, self.eps.re, self.eps.eps]
+        [self.0.re.re, self.0.eps.re, self.0.eps.eps]
     }
 }
 

@@ -1,4 +1,4 @@
-//! Any scheme of a tableau as a step, with its derivatives by the adjoint of the stages.
+//! A Runge-Kutta scheme as a step, with derivatives by the adjoint equations of its stages.
 
 use super::error::check;
 use super::hessian::StageHessians;
@@ -12,20 +12,21 @@ use std::marker::PhantomData;
 
 /// One step of a model by the scheme `T`, see [`Tableau`]; no call allocates.
 ///
-/// With `Z_i = dX_i/d(x, u)` and the costates mu_i of the slopes f(X_i, u), found from the last stage to the first,
+/// With `Z_i = dX_i/d(x, u)` and the costates mu_i of the slopes f(X_i, u), computed from the last stage to
+/// the first,
 ///
-/// ```text
-/// mu_i = h (B_i y + sum_(j >= i) A_ji f_x(X_j)' mu_j)
-/// y'Phi_zz = sum_i [Z_i ; 0 1]' (mu_i'f_zz(X_i, u)) [Z_i ; 0 1] ,   z = (x, u) :
-/// ```
+/// $$ \mu\_i = h \Big( B\_i y + \sum\_{j \ge i} A\_{ji} f\_x(X\_j)^T \mu\_j \Big), \qquad
+/// y^T \Phi\_{zz} = \sum\_i \begin{pmatrix} Z\_i \\\\ 0 \enspace 1 \end{pmatrix}^T \mu\_i^T f\_{zz}(X\_i, u)
+/// \begin{pmatrix} Z\_i \\\\ 0 \enspace 1 \end{pmatrix}, \qquad z = (x, u). $$
 ///
-/// one contracted Hessian of the model a stage (which gives f and its Jacobians too: an explicit last stage needs
-/// nothing else), no tensor, no derivative of an iteration or of a factorisation. Where a stage is implicit, Z_i and mu_i
-/// are solutions with `1 - h A_ii f_x` at its solution and with the transpose of that.
+/// This takes one contracted Hessian of the model per stage (which includes f and its Jacobians), and no
+/// tensor; no iteration or factorisation is differentiated. For an implicit stage, Z_i and mu_i solve linear
+/// systems with `1 - h A_ii f_x` and its transpose.
 ///
-/// Implicit stages are solved by Newton's method to rounding, from an explicit guess; [`StepError::NotConverged`] where
-/// that fails, which a shorter step remedies. Linear systems with `1 - h A_ii f_x` are solved
-/// without exchange of rows: a step so long that a leading minor of that matrix nearly vanishes costs digits of the derivatives.
+/// Implicit stages are solved by Newton's method to rounding, from an explicit guess. If that fails, the
+/// error is [`StepError::NotConverged`]; take a shorter step. Linear systems with `1 - h A_ii f_x` are solved
+/// without pivoting: if the step is so long that a leading minor nearly vanishes, the derivatives lose
+/// digits.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<S, D, T> {
     model: D,
@@ -37,11 +38,10 @@ pub struct RungeKutta<S, D, T> {
 }
 
 impl<S: Scalar, D: Dynamics<S>, T: Tableau> RungeKutta<S, D, T> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     ///
     /// # Panics
-    /// If the scheme tells the halves of a state apart that has none, being of odd length; if the tableau is not as
-    /// [`Tableau`] says.
+    /// If the scheme is partitioned and the state has odd length, or if the tableau violates [`Tableau`].
     pub fn new(model: D) -> Self {
         let (states, controls) = (model.states(), model.controls());
         let partitioned = T::A.iter().copied().flatten().chain(T::B).any(|[upper, lower]| upper != lower);
@@ -81,7 +81,7 @@ impl<S: Scalar, D: Dynamics<S>, T: Tableau> RungeKutta<S, D, T> {
         &mut self.model
     }
 
-    /// Iterations of Newton's method that the last step took, those of all stages together; 0 for explicit schemes.
+    /// Number of Newton iterations of the last step, summed over all stages; 0 for explicit schemes.
     pub fn iterations(&self) -> usize {
         self.newton.iterations
     }

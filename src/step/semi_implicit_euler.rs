@@ -8,20 +8,21 @@ use crate::lagrangian::LagrangianSecondOrder;
 use crate::matrix::add_scaled;
 use crate::scalar::Scalar;
 
-/// A model in x = (q, v): the first half of f is the second half of x, `f(x, u) = (v, a(q, v, u))`.
+/// A model in x = (q, v): the first half of f is the second half of x: `f(x, u) = (v, a(q, v, u))`.
 ///
-/// To be implemented for models that are so; the state has an even length.
+/// Implement it for models of this form; the state has even length.
 pub trait VelocityForm<S: Scalar>: Dynamics<S> {}
 
 impl<S: Scalar> VelocityForm<S> for LagrangianSecondOrder<S> {}
 
 impl<S: Scalar, D: VelocityForm<S>> VelocityForm<S> for &mut D {}
 
-/// `v+ = v + h a(q, v, u)`, then `q+ = q + h v+`: explicit, first order, one evaluation of f; no call allocates.
+/// `v+ = v + h a(q, v, u)`, then `q+ = q + h v+`: explicit, first order, one evaluation of f; no call
+/// allocates.
 ///
-/// What simulators of robots and of contact commonly use. It is symplectic only where the mass matrix is constant and
-/// forces do not depend on v: for a robot whose M depends on q it is not, and energy drifts
-/// ([`StoermerVerlet`](super::StoermerVerlet) is its relative that keeps the structure). With `y+ = y_v + h y_q`
+/// Commonly used by simulators of robots and contact. It is symplectic only if the mass matrix is constant
+/// and forces do not depend on v; otherwise energy drifts ([`StoermerVerlet`](super::StoermerVerlet) is
+/// symplectic). With `y+ = y_v + h y_q`
 ///
 /// ```text
 /// y'Phi_zz = h y+'a_zz ,   z = (q, v, u)
@@ -47,10 +48,10 @@ pub struct SemiImplicitEuler<S, D> {
 }
 
 impl<S: Scalar, D: VelocityForm<S>> SemiImplicitEuler<S, D> {
-    /// Builds the workspace: all that is ever allocated.
+    /// Builds the workspace. Later calls do not allocate.
     ///
     /// # Panics
-    /// If the state has an odd length.
+    /// If the state has odd length.
     pub fn new(model: D) -> Self {
         let (states, controls) = (model.states(), model.controls());
         assert!(states.is_multiple_of(2), "{states} states are not positions and as many velocities");
@@ -81,7 +82,8 @@ fn arrive<S: Scalar>(next: &mut [S], x: &[S], h: S, f: &[S]) {
     }
 }
 
-/// Phi and its derivatives in (x, u, h) from those of f: `dv+ = dv + h da + a dh`, `dq+ = dq + h dv+ + v+ dh`.
+/// Phi and its derivatives in (x, u, h) from those of f: `dv+ = dv + h da + a dh`,
+/// `dq+ = dq + h dv+ + v+ dh`.
 fn arrive_with_derivatives<S: Scalar>(outcome: &mut Outcome<S>, x: &[S], h: S, first: &Linearisation<'_, S>) {
     let n = x.len() / 2;
     arrive(&mut outcome.next, x, h, first.f);

@@ -1,4 +1,4 @@
-//! One stage of a scheme: where the model is evaluated, and the derivatives of that.
+//! One stage of a scheme: the state at which the model is evaluated, and its derivatives.
 
 use super::lu::Lu;
 use super::tableau::Pair;
@@ -22,7 +22,7 @@ pub(super) struct Stage<S> {
     pub mu: Vec<S>,
     /// Costate of X: `f_x' mu`.
     xi: Vec<S>,
-    /// What the scheme says of it: X = x and nothing else.
+    /// Whether the scheme sets X = x.
     pub is_start: bool,
     pub implicit: Option<Implicit<S>>,
 }
@@ -88,9 +88,10 @@ impl<S: Scalar> Stage<S> {
         }
     }
 
-    /// dX/dz and df/dz from those of the stages before it, once f and its Jacobians are taken.
+    /// dX/dz and df/dz from those of the stages before it, once f and its Jacobians are stored.
     ///
-    /// From `dX = dg + a (f dh + h (f_x dX + f_u du))` by the implicit function theorem: no iteration is differentiated.
+    /// From `dX = dg + a (f dh + h (f_x dX + f_u du))` by the implicit function theorem: no iteration is
+    /// differentiated.
     pub fn differentiate<'a>(&mut self, h: S, before: impl Iterator<Item = (Pair, &'a Self)> + Clone) {
         differentiate_sum(&mut self.x_z, h, before);
         if let Some(implicit) = &mut self.implicit {
@@ -136,7 +137,7 @@ impl<S: Scalar> Stage<S> {
 
     /// The costate of f, from those of the stages after it: `mu = h (B y + sum_j A_j xi_j) + h a f_x' mu`.
     ///
-    /// Only an implicit stage needs f_x for it.
+    /// Only an implicit stage needs f_x here.
     pub fn set_costate<'a>(
         &mut self,
         h: S,
@@ -165,7 +166,7 @@ impl<S: Scalar> Stage<S> {
     }
 }
 
-/// `target += a source`, each half with its coefficient; a coefficient 0 costs nothing.
+/// `target += a source`, each half with its coefficient; zero coefficients are skipped.
 pub(super) fn add_halves<S: Scalar>(target: &mut [S], pair: Pair, source: &[S]) {
     let half = target.len() / 2;
     let (upper, lower) = target.split_at_mut(half);

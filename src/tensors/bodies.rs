@@ -4,11 +4,11 @@ use crate::robot::Tree;
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Symmetric3, Transform, Vec3};
 
-/// `pi*_j = m_j OG_j + sum M_c Lambda_jc`, `K*_j = K_j + sum M_c Lambda_jc (x) Lambda_jc` over the children c of j: the link
-/// and, at the origin of each next joint, all the mass beyond it. In frame j.
+/// `pi*_j = m_j OG_j + sum M_c Lambda_jc`, `K*_j = K_j + sum M_c Lambda_jc (x) Lambda_jc` over the children c
+/// of j: the link with, at the origin of each child joint, all the mass beyond it; in frame j.
 ///
-/// Lambda is taken where a prismatic next joint stands at zero, so that these are constants; what its q adds is in
-/// [`Body::moved_up`].
+/// Lambda is taken at q = 0 of a prismatic child, so that these are constants; [`Body::moved_up`] adds the
+/// effect of its q.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AugmentedBody {
     first_moment: [f64; 3],
@@ -17,7 +17,8 @@ pub(super) struct AugmentedBody {
 }
 
 impl AugmentedBody {
-    /// Those of all links; `origins[c]` is the origin of frame c with q_c = 0, in the frame of its parent.
+    /// The augmented bodies of all links; `origins[c]` is the origin of frame c with q_c = 0, in the frame of
+    /// its parent.
     pub fn of_links(tree: &Tree, origins: &[[f64; 3]]) -> Vec<Self> {
         let link = |j: usize| {
             let inertia = &tree.joints()[j].inertia;
@@ -51,7 +52,8 @@ impl AugmentedBody {
     }
 }
 
-/// `Pi_jj = int O_jP dm` (kg m) and `L_jj = int O_jP (x) O_jP dm` (kg m^2) over all that joint j moves, in frame j.
+/// `Pi_jj = int O_jP dm` (kg m) and `L_jj = int O_jP (x) O_jP dm` (kg m^2) over all that joint j moves, in
+/// frame j.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body<S> {
     pub first_moment: Vec3<S>,
@@ -59,11 +61,11 @@ pub(super) struct Body<S> {
 }
 
 impl<S: Scalar> Body<S> {
-    /// The terms of a next joint in (66), (67), `Pi_cc` and `L_cc + Lambda (x) Pi_cc + Pi_cc (x) Lambda`, seen from the
-    /// frame before it.
+    /// The terms of a child joint in (66), (67), `Pi_cc` and `L_cc + Lambda (x) Pi_cc + Pi_cc (x) Lambda`, in
+    /// the frame of its parent.
     ///
-    /// A prismatic joint first moves its body along its z axis by q: `Pi + M q e_z`, `L + q (e_z (x) Pi + Pi (x) e_z) +
-    /// M q^2 e_z (x) e_z`.
+    /// A prismatic joint first moves its body along its z axis by q: `Pi + M q e_z`,
+    /// `L + q (e_z (x) Pi + Pi (x) e_z) + M q^2 e_z (x) e_z`.
     #[inline]
     pub fn moved_up(mut self, transform: &Transform<'_, S>, mass: f64) -> Self {
         let (p, l) = (&mut self.first_moment, &mut self.tensor);

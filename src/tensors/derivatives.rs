@@ -1,4 +1,4 @@
-//! The coefficients as public quantities: any index, and the storage itself.
+//! Public access to the coefficients: by any indices, or the packed storage.
 
 use super::first::First;
 use super::global::GlobalTensors;
@@ -12,15 +12,17 @@ use crate::scalar::Scalar;
 ///
 /// [`set_position`](Self::set_position) gives M and the global inertia tensors,
 /// [`first_derivatives`](Self::first_derivatives) `Gamma^k_ij` and `M_ij,k`,
-/// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`update`](Self::update) all of them.
-/// What has not been computed is not a number; what was computed at an earlier position stays until it is computed again.
+/// [`second_derivatives`](Self::second_derivatives) `Gamma^k_ij,l` and `M_ij,kl`; [`update`](Self::update)
+/// all of them. Coefficients that have not been computed are NaN; those of an earlier position stay until
+/// they are recomputed.
 ///
-/// Numbers and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives of both kinds,
-/// one of 100 joints 25 million (200 MB in `f64`).
+/// Storage and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives
+/// of both kinds, one of 100 joints 25 million (200 MB in `f64`).
 ///
-/// Every independent number is stored once, in the order of [`IndexSets`](super::IndexSets). The accessors take any
-/// indices 0 to n - 1, in any order, and panic beyond, as a slice does; joints on different branches give 0. Units follow from those
-/// of M (kg m^2, kg m, kg) and q (rad, m). Armature is constant: M is without it, and its derivatives do not know it.
+/// Every independent number is stored once, in the order of [`IndexSets`](super::IndexSets). The accessors
+/// take any indices 0 to n - 1, in any order, and panic if one is out of range; for joints on different
+/// branches they return 0. Units follow from those of M (kg m^2, kg m, kg) and q (rad, m). Armature is
+/// constant: it is not part of this M, and does not affect the derivatives.
 ///
 /// ```
 /// use costate::robot::{Robot, Tree};
@@ -44,7 +46,7 @@ pub struct MassMatrixDerivatives<S> {
 }
 
 impl<S: Scalar> MassMatrixDerivatives<S> {
-    /// Buffers for this tree.
+    /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {
         let tensors = GlobalTensors::new(tree);
         Self { first: First::new(&tensors), second: Second::new(&tensors), tensors }
@@ -63,7 +65,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
         self.first.compute(&mut self.tensors);
     }
 
-    /// Third stage: `Gamma^k_ij,l` (59), (60) and `M_ij,kl` (41) at the position set last; the second stage comes before.
+    /// Third stage: `Gamma^k_ij,l` (59), (60) and `M_ij,kl` (41) at the position set last; needs the second
+    /// stage.
     pub fn second_derivatives(&mut self, tree: &Tree) {
         self.second.compute(tree, &self.tensors, &self.first);
     }
@@ -99,7 +102,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
         sign.of(block[gamma(j, k, i)])
     }
 
-    /// `c_ijk = [ij,k] = 1/2 (M_ik,j + M_jk,i - M_ij,k)`: the Christoffel symbol of the first kind, symmetric in i and j.
+    /// `c_ijk = [ij,k] = 1/2 (M_ik,j + M_jk,i - M_ij,k)`: the Christoffel symbol of the first kind, symmetric
+    /// in i and j.
     ///
     /// The convention of adaptive control: `C_kj = sum_i c_ijk v_i` makes `dM/dt - 2 C` skew. It is
     /// [`gamma(i, k, j)`](Self::gamma).
@@ -107,7 +111,8 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
         self.gamma(i, k, j)
     }
 
-    /// `M_ij,k = dM_ij/dq_k` (39), for any indices; 0 where k <= min(i, j), since a turn of all changes nothing.
+    /// `M_ij,k = dM_ij/dq_k` (39), for any indices; 0 where k <= min(i, j), since M does not depend on a
+    /// rotation of the whole.
     pub fn mass_first(&self, i: usize, j: usize, k: usize) -> S {
         let Some((d, [i, j, k])) = self.tensors.paths.on_one_branch([i, j, k]) else { return S::zero() };
         let (i, j) = (i.min(j), i.max(j));
@@ -174,7 +179,7 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
     }
 }
 
-/// Plus or minus a stored number.
+/// A stored coefficient with its sign.
 #[derive(Clone, Copy)]
 enum Sign {
     Plus,
@@ -190,7 +195,7 @@ impl Sign {
     }
 }
 
-/// Indices of a coefficient that is stored, positions on one path: i < j, k <= j.
+/// Indices of a stored coefficient, as positions on one path: i < j, k <= j.
 struct Ordered {
     sign: Sign,
     k: usize,
@@ -199,7 +204,7 @@ struct Ordered {
 }
 
 impl Ordered {
-    /// By the symmetry in k and j and, then that k <= j, by (28b); `None` where the coefficient is 0, i = j.
+    /// By the symmetry in k and j, then for k <= j by (28b); `None` where the coefficient is 0, i = j.
     fn new(k: usize, i: usize, j: usize) -> Option<Self> {
         let (k, j) = (k.min(j), k.max(j));
         match i.cmp(&j) {

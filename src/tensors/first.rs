@@ -37,7 +37,8 @@ impl<S: Scalar> First<S> {
         }
     }
 
-    /// c_id for i < d: what multiplies x_k, y_k, z_k in (A4.3); `(Z_d x Pi_dd) x Z_i` for a prismatic joint i.
+    /// c_id for i < d: the coefficients of x_k, y_k, z_k in (A4.3); `(Z_d x Pi_dd) x Z_i` for a prismatic
+    /// joint i.
     fn beyond_revolute(&mut self, tensors: &mut GlobalTensors<S>, d: usize) {
         tensors.complete_columns(d);
         let p = tensors.bodies[d].first_moment;
@@ -75,7 +76,7 @@ impl<S: Scalar> First<S> {
         }
     }
 
-    /// `Gamma^k_id = sbar_k Z_k . c_id` for i < d, k <= d: (63) with Z_k taken out, (A4.3).
+    /// `Gamma^k_id = sbar_k Z_k . c_id` for i < d, k <= d: (63) with Z_k factored out, (A4.3).
     fn coefficients(&mut self, tensors: &GlobalTensors<S>, d: usize) {
         let (pairs, kinds) = (tensors.paths.pairs(d), tensors.paths.kinds(d));
         let axes = &tensors.axes[pairs.clone()];

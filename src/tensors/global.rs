@@ -1,4 +1,4 @@
-//! First- and second-order global inertia tensors and the mass matrix made of them.
+//! First- and second-order global inertia tensors and the mass matrix.
 
 use super::bodies::{AugmentedBody, Body};
 use super::paths::Paths;
@@ -7,16 +7,17 @@ use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Symmetric3, Transform, Vec3};
 
-/// `Pi_ij = int O_iP dm` (66) and `L_ij = int O_iP (x) O_jP dm` (67) over all that joint j moves, i <= j, in frame j; and M.
+/// `Pi_ij = int O_iP dm` (66) and `L_ij = int O_iP (x) O_jP dm` (67) over all that joint j moves, i <= j, in
+/// frame j; and M.
 ///
-/// With `L_ij = [[A, F, (E)], [I, B, (D)], [H, G, (C)]]` (A4.1): L_jj is kept whole, since the change of frame mixes all
-/// six of its numbers, L_ij with i < j without its third column, which enters nothing. Where joint j is prismatic nothing
-/// but Pi_ij is needed.
+/// With `L_ij = [[A, F, (E)], [I, B, (D)], [H, G, (C)]]` (A4.1): L_jj is kept whole, since the change of
+/// frame mixes all six of its numbers, L_ij with i < j without its third column, which is never used. If
+/// joint j is prismatic, only Pi_ij is needed.
 #[derive(Clone, Debug)]
 pub struct GlobalTensors<S> {
     pub(super) paths: Paths,
     augmented: Vec<AugmentedBody>,
-    /// Origin of each frame, where a prismatic joint stands at zero, in the frame of its parent.
+    /// Origin of each frame in the frame of its parent, with prismatic joints at zero.
     origins: Vec<[f64; 3]>,
     masses: Vec<f64>,
     positions: Vec<JointPosition<S>>,
@@ -56,7 +57,7 @@ impl<S: Scalar> GlobalTensors<S> {
         }
     }
 
-    /// Computes the tensors, as far as M needs them, and M at q (rad, m; length n).
+    /// Computes M and the tensors that it needs at q (rad, m; length n).
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
@@ -133,7 +134,7 @@ impl<S: Scalar> GlobalTensors<S> {
         }
     }
 
-    /// I and F of L_id, i <= d, which M does without.
+    /// I and F of L_id, i <= d, which M does not need.
     pub(super) fn complete_columns(&mut self, d: usize) {
         for (at, pair) in self.paths.pairs(d).enumerate() {
             if self.paths.kinds(d)[at] == JointKind::Revolute {
@@ -142,7 +143,7 @@ impl<S: Scalar> GlobalTensors<S> {
         }
     }
 
-    /// Gravity g (m/s^2), seen from frame d; `outer` is g seen from the frame of its parent.
+    /// Gravity g (m/s^2), in frame d; `outer` is g in the frame of its parent.
     pub(super) fn gravity_in(&self, tree: &Tree, d: usize, outer: Vec3<S>) -> Vec3<S> {
         self.transform(tree, d).vector_down(outer)
     }
@@ -152,7 +153,8 @@ impl<S: Scalar> GlobalTensors<S> {
         tree.joints()[d].transform_at(self.positions[d])
     }
 
-    /// `int OP . g dm` of all that a joint d on the fixed base moves, O the origin of the world; `gravity` in frame d.
+    /// `int OP . g dm` over all that a joint d on the fixed base moves, O the origin of the world; `gravity`
+    /// in frame d.
     pub(super) fn weight_moment(&self, d: usize, gravity: Vec3<S>, world_gravity: [f64; 3]) -> S {
         let base: f64 = self.origins[d].iter().zip(world_gravity).map(|(r, g)| r * g).sum();
         let here = gravity.dot(self.bodies[d].first_moment).plus(self.masses[d] * base);
@@ -167,7 +169,7 @@ impl<S: Scalar> GlobalTensors<S> {
         self.masses[j]
     }
 
-    /// Place of the pair (i, j), i <= j.
+    /// Position of the pair (i, j), i <= j, in storage.
     fn pair(&self, i: usize, j: usize) -> Option<usize> {
         let (deepest, [at, _]) = self.paths.on_one_branch([i, j])?;
         (deepest == j).then_some(self.paths.pairs(j).start + at)
@@ -190,8 +192,8 @@ impl<S: Scalar> GlobalTensors<S> {
         self.bodies[j].tensor
     }
 
-    /// First and second column of `L_ij = L_jj + Lambda_ij (x) Pi_jj` (A3.9) in frame j (kg m^2), (A, I, H) and (F, B, G);
-    /// `None` unless i <= j and both joints are revolute.
+    /// First and second column of `L_ij = L_jj + Lambda_ij (x) Pi_jj` (A3.9) in frame j (kg m^2), (A, I, H)
+    /// and (F, B, G); `None` unless i <= j and both joints are revolute.
     pub fn columns(&self, i: usize, j: usize) -> Option<[Vec3<S>; 2]> {
         let pair = self.pair(i, j)?;
         let kinds = self.paths.kinds(j);
@@ -203,7 +205,7 @@ impl<S: Scalar> GlobalTensors<S> {
         Some([first, second])
     }
 
-    /// I and F of L_id (A4.1), `pair` the place of (i, d).
+    /// I and F of L_id (A4.1), `pair` the position of (i, d).
     fn off_diagonal(&self, d: usize, pair: usize) -> (S, S) {
         let (p, l, arm) = (self.bodies[d].first_moment, self.bodies[d].tensor, self.arms[pair]);
         (l.xy + arm.y * p.x, l.xy + arm.x * p.y)
@@ -217,7 +219,7 @@ impl<S: Scalar> GlobalTensors<S> {
         }
     }
 
-    /// `M_dd + L_yy + L_xx + 2 L_zz`: what the rounding of M_dd, d revolute, is in proportion to.
+    /// `M_dd + L_yy + L_xx + 2 L_zz`: the scale of the rounding error of M_dd, d revolute.
     pub(super) fn size_of_mass(&self, d: usize, mass: S) -> S {
         let l = &self.bodies[d].tensor;
         mass + l.xx + l.yy + l.zz + l.zz

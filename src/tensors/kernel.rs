@@ -1,4 +1,4 @@
-//! The Hessian of the Lagrangian, contracted from the derivatives of M.
+//! The Hessian of the Lagrangian from the derivatives of M, contracted with v.
 
 use super::derivatives::MassMatrixDerivatives;
 use crate::error::{EvalError, check_length};
@@ -10,8 +10,9 @@ use crate::spatial::Vec3;
 
 /// `P_ik = sum_j M_ij,k v_j`, `L_qq,kl = 1/2 v' M,kl v - V,kl` from Christoffel coefficients: (20)-(22).
 ///
-/// Armature is added to M and p, springs to L_q and L_qq. Weight: with `D_jj = int OP,j dm = Z_j x Pi_jj` (revolute) or
-/// `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i . (D_jj x g)` for i <= j, `w_i = sbar_i Z_i`.
+/// Armature is added to M and p, springs to L_q and L_qq. Gravity: with `D_jj = int OP,j dm = Z_j x Pi_jj`
+/// (revolute) or `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i . (D_jj x g)` for i <= j,
+/// `w_i = sbar_i Z_i`.
 #[derive(Clone, Debug)]
 pub struct ChristoffelKernel<S> {
     derivatives: MassMatrixDerivatives<S>,
@@ -19,7 +20,7 @@ pub struct ChristoffelKernel<S> {
     q: Vec<S>,
     v: Vec<S>,
     half_v: Vec<S>,
-    /// `sum_j M_ij,k v_j` over i < j, with `1/2 M_ii,k v_i` in it, and that term alone; i < k.
+    /// `sum_j M_ij,k v_j` over i < j, including `1/2 M_ii,k v_i`, and that term alone; i < k.
     upper: Vec<[S; 2]>,
     /// `v_i v_j`, i < j, and `1/2 v_i^2`.
     squares: Vec<S>,
@@ -31,7 +32,7 @@ pub struct ChristoffelKernel<S> {
 }
 
 impl<S: Scalar> ChristoffelKernel<S> {
-    /// The derivatives of M at the position set last, as far as they were computed.
+    /// The derivatives of M at the position set last.
     pub fn derivatives(&self) -> &MassMatrixDerivatives<S> {
         &self.derivatives
     }
@@ -153,7 +154,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
         }
     }
 
-    /// `-V,ij = w_i . (D_jj x g)`, less the stiffness of springs.
+    /// `-V,ij = w_i . (D_jj x g)`, minus the stiffness of springs.
     fn set_weight(&mut self, tree: &Tree) {
         let tensors = &self.derivatives.tensors;
         for (j, joint) in tree.joints().iter().enumerate() {

@@ -1,19 +1,22 @@
-//! The paper's own route: global inertia tensors, Christoffel coefficients, and the Hessian of L made of them.
+//! The paper's route: global inertia tensors, Christoffel coefficients, and the Hessian of L computed from
+//! them.
 //!
-//! ```text
-//! Gamma^k_ij = Gamma_{i,kj} = int OP,i . OP,kj dm = [kj, i]        Christoffel symbol of the first kind   (38)
-//! M,k = Gamma^k + Gamma^k'      M,kl = Gamma^k,l + Gamma^k,l'                                      (36), (37)
-//! P_ik = sum_j M_ij,k v_j       L_qq,kl = 1/2 v' M,kl v - V,kl                                     (21), (22)
-//! ```
+//! $$ \Gamma^k\_{ij} = \int OP\_{,i} \cdot OP\_{,kj} \enspace dm \qquad (38) $$
 //!
-//! [`MassMatrixDerivatives`] computes and holds the coefficients, [`ChristoffelKernel`] contracts them with the
-//! velocity, and [`Christoffel`] is the route that gives it to [`Hamiltonian`](crate::hamiltonian::Hamiltonian) and
-//! [`DualPass`](crate::hamiltonian::DualPass). The effort grows with the fourth power of the depth of the tree; the
-//! [kernel](crate::kernels::KernelOne) that contracts first does with the second. This route is for those who need the
-//! coefficients (adaptive control, geometry) and for checking the other one.
+//! $$ M\_{,k} = \Gamma^k + (\Gamma^k)^T, \qquad M\_{,kl} = \Gamma^k\_{,l} + (\Gamma^k\_{,l})^T \qquad (36), (37) $$
 //!
-//! On a tree `i <= j` means that i is j or an ancestor of j; what has indices on different branches is zero. All that a
-//! joint j and its ancestors have to do with each other is computed in frame j, the z axis of which is Z_j.
+//! $$ P\_{ik} = \sum\_j M\_{ij,k} v\_j, \qquad L\_{qq,kl} = \tfrac12 v^T M\_{,kl} v - V\_{,kl} \qquad (21), (22) $$
+//!
+//! $\Gamma^k\_{ij}$ is the Christoffel symbol of the first kind with the index order (kj, i).
+//!
+//! [`MassMatrixDerivatives`] computes and holds the coefficients, [`ChristoffelKernel`] contracts them with
+//! the velocity, and [`Christoffel`] selects this route for [`Hamiltonian`](crate::hamiltonian::Hamiltonian)
+//! and [`DualPass`](crate::hamiltonian::DualPass). The number of operations grows with the fourth power of
+//! the depth of the tree, that of the default [kernel](crate::kernels::KernelOne) with the second. Use this
+//! route if you need the coefficients (adaptive control, geometry), or to check the default one.
+//!
+//! On a tree `i <= j` means that i is j or an ancestor of j; coefficients with indices on different branches
+//! are zero. Everything between a joint j and its ancestors is computed in frame j, whose z axis is Z_j.
 
 mod bodies;
 mod derivatives;

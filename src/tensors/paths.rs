@@ -1,12 +1,12 @@
-//! The way from the root to every joint, and where a number with given indices is stored.
+//! The path from the root to every joint, and the storage position of a coefficient with given indices.
 
 use crate::robot::{JointKind, Tree};
 use std::ops::Range;
 
-/// The ancestors of every joint, in order; a position on a path is the depth of the joint that stands there.
+/// The ancestors of every joint, in order. A position on a path is the depth of the joint there.
 ///
-/// A number belongs to the deepest joint d among its indices. Those of one d form a block, in which the indices are
-/// positions on the path to d; h is the position of d itself.
+/// A coefficient belongs to the deepest joint d among its indices. The coefficients of one d form a block, in
+/// which indices are positions on the path to d; h is the position of d itself.
 #[derive(Clone, Debug)]
 pub(super) struct Paths {
     starts: Vec<usize>,
@@ -57,7 +57,7 @@ impl Paths {
         &self.kinds[self.pairs(d)]
     }
 
-    /// Places of the pairs (i, d), i <= d.
+    /// Positions of the pairs (i, d), i <= d, in storage.
     #[inline]
     pub fn pairs(&self, d: usize) -> Range<usize> {
         self.starts[d]..self.starts[d + 1]
@@ -68,29 +68,29 @@ impl Paths {
         self.joints.len()
     }
 
-    /// Places of the `Gamma^k_ij`, and of the `M_ij,k`, that belong to d.
+    /// Storage positions of the `Gamma^k_ij`, and of the `M_ij,k`, that belong to d.
     #[inline]
     pub fn first_block(&self, d: usize) -> Range<usize> {
         self.first[d]..self.first[d + 1]
     }
 
-    /// Number of all of them.
+    /// Total number.
     pub fn first_len(&self) -> usize {
         self.first[self.len()]
     }
 
-    /// Places of the `Gamma^k_ij,l`, and of the `M_ij,kl`, that belong to d.
+    /// Storage positions of the `Gamma^k_ij,l`, and of the `M_ij,kl`, that belong to d.
     #[inline]
     pub fn second_block(&self, d: usize) -> Range<usize> {
         self.second[d]..self.second[d + 1]
     }
 
-    /// Number of all of them.
+    /// Total number.
     pub fn second_len(&self) -> usize {
         self.second[self.len()]
     }
 
-    /// The deepest of the joints and the positions of all of them on its path; `None` unless they lie on one branch.
+    /// The deepest of the joints and the positions of all on its path; `None` unless they lie on one branch.
     pub fn on_one_branch<const N: usize>(&self, joints: [usize; N]) -> Option<(usize, [usize; N])> {
         let positions = joints.map(|joint| self.depth(joint));
         let mut deepest = 0;
@@ -111,38 +111,39 @@ fn beyond(r: usize) -> usize {
     r * (r + 1) * (r + 1) / 2
 }
 
-/// Place of the pair i <= j; of i < j, where no pair i = i is stored, that of (i, j - 1).
+/// Index of the pair i <= j. For pairs i < j without the diagonal, use (i, j - 1).
 #[inline]
 pub(super) fn triangle(i: usize, j: usize) -> usize {
     j * (j + 1) / 2 + i
 }
 
-/// Place of `Gamma^k_id`, i < d, k <= d, in its block.
+/// Index of `Gamma^k_id`, i < d, k <= d, in its block.
 #[inline]
 pub(super) fn gamma(h: usize, k: usize, i: usize) -> usize {
     i * (h + 1) + k
 }
 
-/// Place of `M_ij,k`, i <= j, i < k, in its block: the one of j and k that is not d, or d, counted from i.
+/// Index of `M_ij,k`, i <= j, i < k, in its block: rows by i, then the index among j and k that is not d (or
+/// d), counted from i.
 #[inline]
 pub(super) fn mass_first(h: usize, [i, j, k]: [usize; 3]) -> usize {
     let row = i * (2 * h - i + 1);
     if j < h { row + j - i } else { row + (h - i) + (k - i - 1) }
 }
 
-/// Place of `Gamma^k_ij,d`, i < j <= d, k <= j, in its block: cases (a) and (b) of (45).
+/// Index of `Gamma^k_ij,d`, i < j <= d, k <= j, in its block: cases (a) and (b) of (45).
 #[inline]
 pub(super) fn gamma_by_last(k: usize, i: usize, j: usize) -> usize {
     (j * j * j - j) / 3 + i * (j + 1) + k
 }
 
-/// Place of `Gamma^k_id,l`, i < k <= l < d, in its block: case (c) of (45).
+/// Index of `Gamma^k_id,l`, i < k <= l < d, in its block: case (c) of (45).
 #[inline]
 pub(super) fn gamma_of_last(h: usize, k: usize, i: usize, l: usize) -> usize {
     h * (h + 1) * (h + 2) / 3 + (l * l * l - l) / 6 + k * (k - 1) / 2 + i
 }
 
-/// Place of `M_ij,kl`, i <= j, i < k <= l, in its block.
+/// Index of `M_ij,kl`, i <= j, i < k <= l, in its block.
 #[inline]
 pub(super) fn mass_second(h: usize, [i, j, k, l]: [usize; 4]) -> usize {
     let r = h - i;

@@ -9,25 +9,25 @@ use crate::spatial::Vec3;
 
 /// The independent `Gamma^k_ij,l` and `M_ij,kl`, block by block.
 ///
-/// With `w_i = sbar_i Z_i` and `Q_jl = int OP,j (x) OP,l dm`, the trace of which is M_jl, the four terms of (56), and
-/// those of (57), (58), are one formula for every mixture of joints:
+/// With `w_i = sbar_i Z_i` and `Q_jl = int OP,j (x) OP,l dm`, the trace of which is M_jl, the four terms of
+/// (56), and those of (57), (58), are one formula for all joint types:
 ///
 /// ```text
 /// A1_ijkl = (w_i . w_k) M_jl - w_i . Q_jl w_k     B1_ijkl = A1_jikl     A2_ijkl = A1_klij
 /// ```
 ///
-/// It is (61): the mass matrix is reused. Products that two coefficients share are made once.
+/// This is (61): the mass matrix is reused. Products that two coefficients share are computed once.
 #[derive(Clone, Debug)]
 pub(super) struct Second<S> {
     pub gamma: Vec<S>,
     pub mass: Vec<S>,
     /// `w_i x w_k` in frame l, i < k <= l, block by block.
     crosses: Vec<Vec3<S>>,
-    /// Where the block of each joint starts.
+    /// Offset of the block of each joint.
     cross_starts: Vec<usize>,
-    /// `(w_i . w_k) M_jl`: a row for each j, in it all pairs i <= k.
+    /// `(w_i . w_k) M_jl`: a row for each j, with all pairs i <= k.
     products: Vec<S>,
-    /// `w_k . OP,l = (y_k, -x_k) . O_lP`, or `z_k` where joint l is prismatic; 0 where joint k is.
+    /// `w_k . OP,l = (y_k, -x_k) . O_lP`, or `z_k` where joint l is prismatic; 0 if joint k is.
     levers: Vec<[S; 2]>,
 }
 
@@ -63,8 +63,8 @@ impl<S: Scalar> Second<S> {
 
     /// `w_i x w_k` in frame d.
     ///
-    /// Where joint d stands square to or along the one before it, a vector is cheaper turned than made anew, and that of
-    /// parallel axes stays a constant zero.
+    /// If joint d is perpendicular or parallel to its parent, rotating a vector is cheaper than recomputing
+    /// it, and the vector of parallel axes stays a constant zero.
     fn cross_products(&mut self, tree: &Tree, tensors: &GlobalTensors<S>, d: usize) {
         let (paths, h) = (&tensors.paths, tensors.paths.depth(d));
         let (path, kinds, axes) = (paths.of(d), paths.kinds(d), &tensors.axes[paths.pairs(d)]);
@@ -137,7 +137,8 @@ impl<S: Scalar> Second<S> {
 
     /// `Gamma^k_id,l = A2_idkl - B1_ilkd` (60) for i < k <= l < d: case (c).
     ///
-    /// `Gamma^k_il,d` of case (a) has all of it but `A2_idkl - A1_ilkd = -(w_i x w_k) . int OP,d x OP,l dm`.
+    /// `Gamma^k_il,d` of case (a) has all terms except
+    /// `A2_idkl - A1_ilkd = -(w_i x w_k) . int OP,d x OP,l dm`.
     fn of_last(&mut self, tensors: &GlobalTensors<S>, first: &First<S>, d: usize) {
         let h = tensors.paths.depth(d);
         let products = &first.products[tensors.paths.pairs(d)];
@@ -153,10 +154,11 @@ impl<S: Scalar> Second<S> {
         }
     }
 
-    /// `M_ii,kd = 2 Gamma^i_ik,d`, `M_ij,kd = Gamma^j_ik,d + Gamma^i_jk,d` (i < j < k), `M_ik,kd = Gamma^k_ik,d`,
-    /// `M_ij,kd = Gamma^k_ij,d - Gamma^i_kj,d` (k < j), `M_id,kl = Gamma^k_id,l - Gamma^i_kd,l` (41).
+    /// `M_ii,kd = 2 Gamma^i_ik,d`, `M_ij,kd = Gamma^j_ik,d + Gamma^i_jk,d` (i < j < k),
+    /// `M_ik,kd = Gamma^k_ik,d`, `M_ij,kd = Gamma^k_ij,d - Gamma^i_kj,d` (k < j),
+    /// `M_id,kl = Gamma^k_id,l - Gamma^i_kd,l` (41).
     ///
-    /// The last coefficient is not in the independent set: `Gamma^i_kd,l = Gamma^i_kl,d + Gamma^k_il,d - Gamma^k_id,l`,
+    /// The last coefficient is not independent: `Gamma^i_kd,l = Gamma^i_kl,d + Gamma^k_il,d - Gamma^k_id,l`,
     /// (43) for k < l, (44) for k = l.
     fn derivatives_of_mass(&mut self, tensors: &GlobalTensors<S>, d: usize) {
         let h = tensors.paths.depth(d);

@@ -1,24 +1,24 @@
-//! The independent indices, in the order in which their numbers are stored.
+//! The independent indices, in the order of storage.
 
 use super::paths::Paths;
 use crate::robot::Tree;
 
-/// The sets of independent indices of a tree; each is listed in the order of storage.
+/// The sets of independent indices of a tree; each in the order of storage.
 ///
-/// On a serial chain the first derivatives have `N1 = (n-1) n (n+1) / 3` of them, the second derivatives
-/// `N2 = (n-1) n (n+1) (3n+2) / 24`; on a tree with branches there are fewer.
+/// On a serial chain the first derivatives have `N1 = (n-1) n (n+1) / 3` independent entries, the second
+/// derivatives `N2 = (n-1) n (n+1) (3n+2) / 24`; on a tree with branches there are fewer.
 #[derive(Clone, Debug)]
 pub struct IndexSets {
     paths: Paths,
 }
 
 impl IndexSets {
-    /// Those of this tree.
+    /// The sets of a tree.
     pub fn new(tree: &Tree) -> Self {
         Self { paths: Paths::new(tree) }
     }
 
-    /// The numbers that `list` makes of the path to each joint in turn.
+    /// Applies `list` to the path to each joint in turn.
     fn each<const N: usize>(
         &self,
         mut list: impl FnMut(&[usize], usize, &mut Vec<[usize; N]>),
@@ -49,7 +49,8 @@ impl IndexSets {
         })
     }
 
-    /// `Gamma^k_ij,l`: i < j <= l, k <= j, cases (a) and (b), or i < k <= l < j, case (c) of (45), as `[k, i, j, l]`.
+    /// `Gamma^k_ij,l`: i < j <= l, k <= j, cases (a) and (b), or i < k <= l < j, case (c) of (45), as
+    /// `[k, i, j, l]`.
     pub fn gamma_derivatives(&self) -> Vec<[usize; 4]> {
         self.each(|path, h, all| {
             for j in 0..=h {

@@ -1,4 +1,4 @@
-//! The tensors and coefficients as sums over point masses, and the derivatives in the form in which they are printed.
+//! Tests against sums over point masses, and against the derivatives as printed in the paper.
 
 use super::{IndexSets, MassMatrixDerivatives};
 use crate::robot::{JointKind, JointSpec, LinkInertia, Placement, Robot, Tree};
@@ -28,7 +28,8 @@ fn tree(parents: &[Option<usize>], prismatic: usize) -> Tree {
     Tree::from(&builder.build().unwrap())
 }
 
-/// The robot in the world: axes, origins, and six point masses a link that have its mass, first and second moments.
+/// The robot in the world frame: axes, origins, and six point masses per link with its mass, first and second
+/// moments.
 struct Points {
     tree: Tree,
     rotations: Vec<Matrix3<f64>>,
@@ -158,7 +159,7 @@ const CHAIN: [Option<usize>; 4] = [None, Some(0), Some(1), Some(2)];
 const BRANCHED: [Option<usize>; 5] = [None, Some(0), Some(0), Some(1), Some(2)];
 const Q: [f64; 5] = [0.3, -0.8, 1.1, 0.0, 0.6];
 
-/// Every mixture of joints on a chain and on a tree.
+/// All combinations of joint types on a chain and on a tree.
 fn for_every_mixture(check: impl Fn(&MassMatrixDerivatives<f64>, &Points)) {
     for parents in [&CHAIN[..], &BRANCHED[..]] {
         for prismatic in 0..1 << parents.len() {
@@ -235,7 +236,7 @@ fn coefficients_are_sums_over_point_masses() {
     });
 }
 
-/// (59), (60) with (56)-(58) as they are printed (but for the errata) and tensors summed over point masses.
+/// (59), (60) with (56)-(58) as printed (with the errata), with tensors summed over point masses.
 #[test]
 fn derivatives_of_coefficients_have_the_printed_form() {
     for_every_mixture(|ours, points| {

@@ -1,4 +1,4 @@
-//! What is recorded: folding, sharing, signs, and what cannot be recorded.
+//! Recording: folding, sharing, signs, and functions that cannot be recorded.
 
 use costate::codegen::{CodegenError, Expr, Node, Program};
 use costate::kernels::friction;
@@ -23,7 +23,7 @@ fn at(program: &Program, inputs: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn what_is_known_beforehand_is_not_computed() {
+fn constants_are_folded() {
     let program = recorded(|x, y, z| {
         let (zero, one) = (Expr::zero(), Expr::one());
         let minus = -one;
@@ -71,7 +71,7 @@ fn equal_operations_are_recorded_once_whatever_their_order_and_signs() {
 }
 
 #[test]
-fn signs_cost_nothing_where_a_difference_can_be_turned() {
+fn negations_cost_nothing_where_a_difference_can_be_reversed() {
     fn turned<S: Scalar>(x: S, y: S, z: S, which: usize) -> S {
         match which {
             0 => -(x - y * z),
@@ -101,8 +101,7 @@ fn a_product_is_joined_with_every_sum_or_computed_once() {
     assert_eq!(steps(&result), (2, 0));
 }
 
-/// Friction as the kernels use it: exponential functions, comparisons, selections.
-/// p products and t other terms are p + max(t - 1, 0) steps, however they were put together.
+/// A sum of p products and t other terms takes p + max(t - 1, 0) steps, in whatever order it was recorded.
 #[test]
 fn a_sum_of_products_takes_no_more_steps_than_it_must() {
     let nested = recorded(|x, y, z| {
@@ -133,6 +132,7 @@ fn a_sum_of_products_takes_no_more_steps_than_it_must() {
     }
 }
 
+/// Friction as in the kernels: exponential functions, comparisons, selections.
 fn law(v: Expr) -> Vec<Expr> {
     let law = Friction { viscous: 0.7, coulomb: 3.0, coulomb_velocity: 0.25 };
     let d = friction(&law, v);
@@ -140,7 +140,7 @@ fn law(v: Expr) -> Vec<Expr> {
 }
 
 #[test]
-fn selections_are_right_on_both_sides_and_for_what_is_not_a_number() {
+fn selections_are_right_on_both_sides_and_for_nan() {
     let program = recorded(|x, y, _| [law(x * y), vec![x.abs(), Expr::select(x.less(y), x, -y)]].concat());
     let law = Friction { viscous: 0.7, coulomb: 3.0, coulomb_velocity: 0.25 };
     for x in [-3.0, -0.1, -1e-9, 0.0, 1e-9, 0.2, 5.0, f64::INFINITY] {
@@ -158,7 +158,7 @@ fn selections_are_right_on_both_sides_and_for_what_is_not_a_number() {
     }
     let found = at(&program, &[f64::NAN, 1.0, 0.0]);
     assert!(found[..4].iter().all(|value| value.is_nan()), "{found:?}");
-    assert_eq!(found[4], -1.0, "not-a-number is less than nothing");
+    assert_eq!(found[4], -1.0, "no number is greater than NaN");
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn an_expression_of_another_recording_is_an_error() {
 }
 
 #[test]
-fn a_recording_within_a_recording_is_apart_from_it() {
+fn a_recording_within_a_recording_is_separate() {
     let program = recorded(|x, y, _| {
         let before = x * y;
         let inner = recorded(|a, b, _| vec![a - b]);
@@ -231,7 +231,7 @@ fn at_wrong_length() -> CodegenError {
     recorded(|x, _, _| vec![x]).evaluate(&[1.0], &mut [0.0], &mut Vec::new()).unwrap_err()
 }
 
-/// A random straight-line computation: pairs of operands and what is done with them.
+/// A random straight-line computation: pairs of operands and their operations.
 fn run<S: Scalar>(x: [S; 3], steps: &[(u8, usize, usize, f64)]) -> Vec<S> {
     let mut values = x.to_vec();
     for &(kind, a, b, c) in steps {
@@ -287,4 +287,21 @@ proptest! {
             prop_assert!(unsure[k] || agree, "step {k}: {found} is not {expected}");
         }
     }
+}
+
+#[test]
+fn public_types_are_debug_clone_and_send() {
+    use costate::codegen::{
+        COptions, ProgramArgument, ProgramOptions, ProgramResult, RobotQuantity, RustOptions,
+    };
+    fn check<T: std::fmt::Debug + Clone + Send + Sync>() {}
+    check::<Expr>();
+    check::<Program>();
+    check::<ProgramArgument>();
+    check::<ProgramResult>();
+    check::<ProgramOptions>();
+    check::<RobotQuantity<f64>>();
+    check::<RustOptions>();
+    check::<COptions>();
+    check::<CodegenError>();
 }

@@ -1,10 +1,11 @@
 //! Programs of robots, evaluated step by step, against the generic code.
 
 use costate::codegen::{
-    CodegenError, Coordinates, Options, Program, Quantity, parameter_names, parameter_values, robot_program,
+    CodegenError, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, parameter_names,
+    parameter_values, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_test_support::config;
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::random_robot::{Case, cases, tolerance};
@@ -17,7 +18,8 @@ fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
     for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
         for quantity in Quantity::ALL {
             for only in [false, true] {
-                match robot_program(robot, quantity, coordinates, &Options { only, ..Options::default() }) {
+                match robot_program(robot, quantity, coordinates, &ProgramOptions::default().with_only(only))
+                {
                     Ok(program) => programs.push((program, quantity, coordinates)),
                     Err(CodegenError::Quantity { .. }) => {}
                     Err(error) => panic!("{}: {error}", robot.name()),
@@ -54,7 +56,7 @@ fn all_robots() -> Vec<Robot> {
     files.push(folder.join("tests/fixtures/friction_tree.toml"));
     files.sort();
     assert!(files.len() >= 9);
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
 }
 
@@ -114,7 +116,7 @@ proptest! {
         let p = Hamiltonian::<f64>::new(&other).momentum(&case.q, &case.v).unwrap().to_vec();
         for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
             for quantity in Quantity::ALL {
-                let options = Options { parameters: true, ..Options::default() };
+                let options = ProgramOptions::default().with_parameters(true);
                 let program = match robot_program(&recorded, quantity, coordinates, &options) {
                     Err(CodegenError::Quantity { .. }) => continue,
                     program => program.map_err(|error| TestCaseError::fail(error.to_string()))?,
@@ -128,6 +130,50 @@ proptest! {
                 let mut outputs = vec![0.0; program.outputs()];
                 program.evaluate(&inputs, &mut outputs, &mut Vec::new()).unwrap();
                 judge(&program, &outputs, &expected, tolerance(&other, &case.q)).map_err(TestCaseError::fail)?;
+            }
+        }
+    }
+}
+
+/// A chain of revolute joints in general directions.
+fn chain(joints: usize) -> Robot {
+    let body = LinkInertia::about_com(1.0, [0.1, 0.2, 0.3], nalgebra::Matrix3::identity() * 0.1);
+    let mut builder = Robot::builder(format!("chain of {joints}"));
+    for k in 0..joints {
+        let placed = Placement::from_xyz_rpy([0.1, 0.2, 0.3], [0.4, 0.5 + 0.01 * k as f64, 0.6]);
+        let joint = JointSpec::revolute(format!("j{k}")).placed(placed).axis([0.2, -0.4, 0.7]).carrying(body);
+        builder = builder.joint(if k > 0 { joint.on(format!("j{}", k - 1)) } else { joint });
+    }
+    builder.build().unwrap()
+}
+
+#[test]
+fn long_chains_are_refused_before_they_are_recorded_to_the_end() {
+    let options = ProgramOptions::default().with_limit(DEFAULT_LIMIT);
+    for coordinates in Coordinates::ALL {
+        let refused =
+            |joints| robot_program(&chain(joints), Quantity::YFXX, coordinates, &options).unwrap_err();
+        let name = format!("chain_of_100_{coordinates}_y_f_xx");
+        let (operations, limit) = (100_000, DEFAULT_LIMIT);
+        assert_eq!(refused(100), CodegenError::LongRecording { name, operations, limit });
+        let (robot, joints, entries) = (String::from("chain of 500"), 500, 125_250);
+        assert_eq!(refused(500), CodegenError::LargeRobot { robot, joints, entries, limit });
+    }
+}
+
+/// A recording is longer than its program, but not so much that the limit refuses a program that it allows.
+#[test]
+fn programs_within_the_limit_are_recorded() {
+    for robot in all_robots() {
+        for coordinates in Coordinates::ALL {
+            for quantity in Quantity::ALL {
+                for (only, parameters) in [(false, false), (true, false), (false, true)] {
+                    let options = ProgramOptions::default().with_only(only).with_parameters(parameters);
+                    let Ok(whole) = robot_program(&robot, quantity, coordinates, &options) else { continue };
+                    let options = options.with_limit(DEFAULT_LIMIT);
+                    let limited = robot_program(&robot, quantity, coordinates, &options);
+                    assert_eq!(limited.is_ok(), whole.steps() <= DEFAULT_LIMIT, "{}", whole.name());
+                }
             }
         }
     }

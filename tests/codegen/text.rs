@@ -1,7 +1,7 @@
 //! Generated source: what it looks like, and that the C of it computes what the generic code does.
 
 use costate::codegen::{
-    COptions, CodegenError, Coordinates, Expr, Options, Program, Quantity, RustOptions, robot_program,
+    COptions, CodegenError, Coordinates, Expr, Program, ProgramOptions, Quantity, RustOptions, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
@@ -11,13 +11,20 @@ use costate_test_support::random_robot::tolerance;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// What the text of every Rust program begins with.
+#[allow(dead_code, clippy::all, clippy::pedantic, reason = "generated code calls less than all of it")]
+mod runtime {
+    include!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/codegen/emit/runtime/sin_cos.rs"));
+    include!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/codegen/emit/runtime/number.rs"));
+}
+
 fn robot(file: &str) -> Robot {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-    Robot::from_file_with(path, LoadOptions { friction: true, ..LoadOptions::default() }).unwrap()
+    Robot::from_file_with(path, LoadOptions::default().friction(true)).unwrap()
 }
 
 fn program(file: &str, quantity: Quantity, coordinates: Coordinates) -> Program {
-    robot_program(&robot(file), quantity, coordinates, &Options::default()).unwrap()
+    robot_program(&robot(file), quantity, coordinates, &ProgramOptions::default()).unwrap()
 }
 
 /// Without the version, which changes with every release.
@@ -34,7 +41,7 @@ fn rust_source_of_two_links_looks_like_this() {
 #[test]
 fn rust_source_for_an_existing_trait_looks_like_this() {
     let program = program("robots/pendulum.toml", Quantity::YFX, Coordinates::Hamiltonian);
-    let options = RustOptions { number: Some("costate::scalar::Scalar".into()), ..RustOptions::default() };
+    let options = RustOptions::default().with_number(Some("costate::scalar::Scalar".into()));
     insta::assert_snapshot!("pendulum_y_f_x_rust", stable(&program.to_rust(&options).unwrap()));
 }
 
@@ -57,13 +64,13 @@ fn the_same_robot_gives_the_same_text() {
 #[test]
 fn too_long_a_text_is_refused_with_its_size_and_the_way_out() {
     let program = program("robots/ur5.urdf", Quantity::FX, Coordinates::Hamiltonian);
-    let (operations, limit) = (program.steps(), program.steps() - 1);
+    let (steps, limit) = (program.steps(), program.steps() - 1);
     let name = program.name().to_string();
-    let error = program.to_c(&COptions { limit }).unwrap_err();
-    assert_eq!(error, CodegenError::TooLarge { name, operations, limit });
-    assert!(error.to_string().contains(&format!("--limit {operations}")));
-    assert_eq!(program.to_rust(&RustOptions { limit, ..RustOptions::default() }).unwrap_err(), error);
-    assert!(program.to_c(&COptions { limit: operations }).is_ok());
+    let error = program.to_c(&COptions::default().with_limit(limit)).unwrap_err();
+    assert_eq!(error, CodegenError::TooLarge { name, steps, limit });
+    assert!(error.to_string().contains(&format!("--limit {steps}")));
+    assert_eq!(program.to_rust(&RustOptions::default().with_limit(limit)).unwrap_err(), error);
+    assert!(program.to_c(&COptions::default().with_limit(steps)).is_ok());
 }
 
 /// A C compiler of this system, or why there is none.
@@ -84,8 +91,10 @@ fn run_c(cc: &str, program: &Program, inputs: &[f64], flags: &[&str]) -> Vec<f64
     for argument in program.arguments() {
         let (values, more) = rest.split_at(argument.entries);
         rest = more;
-        let values: Vec<String> =
-            values.iter().map(|value| format!("{value:?}").replace("NaN", "NAN")).collect();
+        let values: Vec<String> = values
+            .iter()
+            .map(|value| format!("{value:?}").replace("NaN", "NAN").replace("inf", "INFINITY"))
+            .collect();
         main += &format!("    const double {}[] = {{{}}};\n", argument.name, values.join(", "));
         arguments.push(argument.name.clone());
     }
@@ -120,7 +129,7 @@ fn compiled_c_agrees_with_the_generic_code() {
         ("robots/two_link.toml", Quantity::YFXX, Coordinates::Hamiltonian),
         ("robots/ur5.urdf", Quantity::FX, Coordinates::Hamiltonian),
         ("robots/manutec_r3.toml", Quantity::FX, Coordinates::Lagrangian),
-        ("robots/cart_pole.toml", Quantity::YFXXD, Coordinates::Hamiltonian),
+        ("robots/cart_pole.toml", Quantity::HessianProduct, Coordinates::Hamiltonian),
         ("tests/fixtures/friction_tree.toml", Quantity::YFXX, Coordinates::Lagrangian),
     ];
     for (file, quantity, coordinates) in cases {
@@ -177,7 +186,8 @@ fn no_name_leaves_the_head() {
     let line = text.lines().find(|line| line.starts_with("name = ")).unwrap();
     let text = text.replacen(line, &format!("name = {}", serde_json::to_string(nasty).unwrap()), 1);
     let robot: Robot = costate::robot::file::parse(&text, LoadOptions::default()).unwrap();
-    let program = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let program =
+        robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let rust = program.to_rust(&RustOptions::default()).unwrap();
     let code = rust.lines().filter(|line| !line.trim_start().starts_with("//"));
     assert!(
@@ -202,7 +212,73 @@ fn c_has_a_name_for_every_kind_of_nan() {
         let refused = Program::record(name, &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]);
         assert!(matches!(refused, Err(CodegenError::Name { .. })), "{name}");
     }
-    let options = RustOptions { number: Some("f64> {} fn g<U".into()), ..RustOptions::default() };
+    let options = RustOptions::default().with_number(Some("f64> {} fn g<U".into()));
     let ok = Program::record("edge", &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]).unwrap();
     assert!(matches!(ok.to_rust(&options), Err(CodegenError::Name { .. })));
+}
+
+/// Angles of all sizes below 1e5 rad, zeros of sine and cosine among them.
+fn moderate_angles() -> Vec<f64> {
+    let mut random = fastrand::Rng::with_seed(5);
+    let sizes = [1e-300, 1e-8, 1.0, 7.0, 300.0, 1e5];
+    let mut angles: Vec<f64> =
+        (0..400).map(|k| sizes[k % sizes.len()] * (2.0 * random.f64() - 1.0)).collect();
+    angles.extend((-100..100).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2));
+    angles.extend([99_999.999, -99_999.999]);
+    angles
+}
+
+/// Angles that the library function of the language is called for.
+const LIBRARY_ANGLES: [f64; 8] = [1e5, -1e5, 1e6, -3.3e7, 1e22, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+/// Units in the last place of `expected`; 0 where neither is a number.
+fn units(found: f64, expected: f64) -> f64 {
+    if found == expected || found.is_nan() && expected.is_nan() {
+        return 0.0;
+    }
+    (found - expected).abs() / (expected.abs().next_up() - expected.abs())
+}
+
+#[test]
+fn sine_and_cosine_of_rust_source_are_right_to_two_units() {
+    for x in moderate_angles().into_iter().chain(LIBRARY_ANGLES) {
+        let (sin, cos) = runtime::Number::sin_cos(x);
+        let worst = units(sin, x.sin()).max(units(cos, x.cos()));
+        assert!(worst <= 2.0, "{worst} units at {x:e}");
+    }
+}
+
+/// One source file: the same operations, so the same bits.
+#[cfg(feature = "wide")]
+#[test]
+fn sine_and_cosine_of_lanes_are_those_of_rust_source() {
+    use costate::scalar::F64x4;
+    for x in moderate_angles().chunks(4) {
+        let (sin, cos) = F64x4::from_lanes(x).sin_cos();
+        for (k, &x) in x.iter().enumerate() {
+            assert_eq!((sin.lane(k), cos.lane(k)), runtime::Number::sin_cos(x), "{x:e}");
+        }
+    }
+}
+
+/// The same operations in both languages, so the same bits; the same library function beyond, to one unit.
+#[test]
+fn sine_and_cosine_of_c_source_are_those_of_rust_source() {
+    let cc = match compiler() {
+        Ok(cc) => cc,
+        Err(reason) => return println!("{reason}"),
+    };
+    let angles: Vec<f64> = moderate_angles().into_iter().chain(LIBRARY_ANGLES).collect();
+    let program = Program::record("sines", &[("x", angles.len())], |arguments| {
+        let entries: Vec<Expr> = arguments[0].iter().flat_map(|x| <[Expr; 2]>::from(x.sin_cos())).collect();
+        vec![("both".into(), entries.len(), 1, entries)]
+    });
+    let fused: &[&str] = if cfg!(target_feature = "fma") { &["-march=native"] } else { &[] };
+    let found = run_c(&cc, &program.unwrap(), &angles, &[&["-O2", "-ffp-contract=off"], fused].concat());
+    for (x, found) in angles.iter().zip(found.chunks(2)) {
+        let (sin, cos) = runtime::Number::sin_cos(*x);
+        let worst = units(found[0], sin).max(units(found[1], cos));
+        let allowed = if x.abs() < 1e5 { 0.0 } else { 1.0 };
+        assert!(worst <= allowed, "{worst} units at {x:e}: {found:?}");
+    }
 }

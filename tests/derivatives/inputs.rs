@@ -1,12 +1,12 @@
 //! Bad states and extreme ones: what happens.
 
-use costate::EvalError;
 use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes, largest};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::KernelOne;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
+use costate::{EvalError, LengthError};
 use nalgebra::Matrix3;
 
 fn panda() -> Robot {
@@ -18,25 +18,28 @@ fn wrong_lengths_are_named() {
     let robot = panda();
     let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
     let (right, wrong) = ([0.0; 7], [0.0; 6]);
-    let error = |what| EvalError::WrongLength { what, expected: 7, found: 6 };
+    let error = |what| EvalError::WrongLength(LengthError { what, expected: 7, found: 6 });
     assert_eq!(hamiltonian.evaluate(&wrong, &right, &right).unwrap_err(), error("q"));
     assert_eq!(hamiltonian.evaluate(&right, &wrong, &right).unwrap_err(), error("p"));
     assert_eq!(hamiltonian.linearise(&right, &right, &wrong).unwrap_err(), error("u"));
     assert_eq!(hamiltonian.momentum(&right, &wrong).unwrap_err(), error("v"));
     let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
     let refused = second.contract(&right, &right, &right, &right).unwrap_err();
-    assert_eq!(refused, EvalError::WrongLength { what: "y", expected: 14, found: 7 });
+    assert_eq!(refused, EvalError::WrongLength(LengthError { what: "y", expected: 14, found: 7 }));
     assert!(refused.to_string().contains("y has 7 entries, not 14"));
     let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot));
-    assert!(matches!(dual.linearise(&right), Err(DerivativeError::WrongLength { what: "x", .. })));
+    assert!(matches!(
+        dual.linearise(&right),
+        Err(DerivativeError::WrongLength(LengthError { what: "x", .. }))
+    ));
     let mut routes = Routes::new(&robot);
     assert!(matches!(
         routes.compare(&right, &right, &[0.0; 14]),
-        Err(DerivativeError::WrongLength { what: "x", .. })
+        Err(DerivativeError::WrongLength(LengthError { what: "x", .. }))
     ));
     assert!(matches!(
         routes.compare(&[0.0; 14], &wrong, &[0.0; 14]),
-        Err(DerivativeError::WrongLength { what: "u", .. })
+        Err(DerivativeError::WrongLength(LengthError { what: "u", .. }))
     ));
     let tree = Tree::from(&robot);
     let mut kernel = KernelOne::<f64>::new(&tree);
@@ -44,10 +47,7 @@ fn wrong_lengths_are_named() {
     assert_eq!(kernel.set_velocity(&tree, &wrong).unwrap_err(), error("v"));
     assert!(robot.with_gravity([0.0, f64::NAN, 0.0]).is_err());
     dual.function_mut().u.pop();
-    assert!(matches!(
-        dual.linearise(&[0.0; 14]),
-        Err(DerivativeError::Function(EvalError::WrongLength { .. }))
-    ));
+    assert!(matches!(dual.linearise(&[0.0; 14]), Err(DerivativeError::Function(EvalError::WrongLength(_)))));
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn lagrangian_arguments_are_named_too() {
     let (mut lagrangian, mut second) =
         (Lagrangian::<f64>::new(&robot), LagrangianSecondOrder::<f64>::new(&robot));
     let (right, wrong) = ([0.1; 7], [0.1; 6]);
-    let error = |what| EvalError::WrongLength { what, expected: 7, found: 6 };
+    let error = |what| EvalError::WrongLength(LengthError { what, expected: 7, found: 6 });
     assert_eq!(lagrangian.inverse_dynamics(&right, &right, &wrong).unwrap_err(), error("a"));
     assert_eq!(lagrangian.linearise_inverse_dynamics(&right, &wrong, &right).unwrap_err(), error("v"));
     assert_eq!(lagrangian.forward_dynamics(&wrong, &right, &right).unwrap_err(), error("q"));
@@ -94,7 +94,7 @@ fn lagrangian_arguments_are_named_too() {
     assert_eq!(coordinates.at_momentum(&right, &bad, &right).unwrap_err(), not_finite("p"));
     let mut map = coordinates.at(&right, &right, &right).unwrap();
     let narrow = Matrix::<f64>::zeros(14, 13);
-    let error = |what| EvalError::WrongLength { what, expected: 14, found: 13 };
+    let error = |what| EvalError::WrongLength(LengthError { what, expected: 14, found: 13 });
     assert_eq!(map.jacobian_to_lagrangian(narrow.view()).unwrap_err(), error("f_x"));
     assert_eq!(map.jacobian_to_hamiltonian(narrow.view()).unwrap_err(), error("g_z"));
     assert_eq!(map.costate_to_lagrangian(&mut [0.0; 13]).unwrap_err(), error("y"));

@@ -1,12 +1,12 @@
 //! Properties of the second derivatives of the phase velocities.
 
-use costate::EvalError;
 use costate::derivative::{Hessian, PhaseVelocity, largest};
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::{FullHessian, HamiltonianSecondOrder};
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::Matrix;
 use costate::robot::Robot;
+use costate::{EvalError, LengthError};
 use costate_test_support::config;
 use costate_test_support::random_robot::{Case, cases, tolerance};
 use nalgebra::{DMatrix, DVector};
@@ -136,7 +136,7 @@ fn wrong_lengths_and_numbers_are_named() {
     let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/two_link.toml")).unwrap();
     let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
     let (two, four, bad) = ([0.1; 2], [0.2; 4], [0.1, f64::NAN, 0.3, 0.4]);
-    let wrong = |what, expected, found| EvalError::WrongLength { what, expected, found };
+    let wrong = |what, expected, found| EvalError::WrongLength(LengthError { what, expected, found });
     assert_eq!(second.contract(&two, &two, &two, &two).unwrap_err(), wrong("y", 4, 2));
     assert_eq!(second.hessian_product(&two, &two, &four, &two).unwrap_err(), wrong("d", 4, 2));
     assert_eq!(second.hessian_product(&two, &four, &four, &four).unwrap_err(), wrong("p", 2, 4));

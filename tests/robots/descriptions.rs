@@ -28,8 +28,8 @@ fn inertial(body: &LinkInertia) -> String {
     )
 }
 
-/// The same robot from URDF text, each link split into three by fixed joints: a rest, a turned piece of it, and
-/// a massless flange that carries the joints beyond.
+/// The same robot from URDF text, each link split into three by fixed joints: a remainder, a rotated piece of it,
+/// and a massless flange that carries the joints beyond.
 fn split(case: &Case, robot: &Robot) -> String {
     let flange = Vector3::new(0.3, -0.2, 0.1);
     let mut text = String::from("<robot name=\"split\"><link name=\"world\"/>");
@@ -37,11 +37,11 @@ fn split(case: &Case, robot: &Robot) -> String {
         let body = &joint.inertia;
         let (share, away) = (0.3, Vector3::new(0.01, -0.02, 0.015));
         let seat = Placement::from_xyz_rpy([0.4, 0.1, -0.2], part.rpy);
-        let (turned, moved) = (seat.rotation.transpose(), body.com + away - seat.translation);
+        let (rotated, moved) = (seat.rotation.transpose(), body.com + away - seat.translation);
         let piece = LinkInertia {
             mass: share * body.mass,
-            com: turned * moved,
-            inertia: turned * body.inertia * 0.1 * seat.rotation,
+            com: rotated * moved,
+            inertia: rotated * body.inertia * 0.1 * seat.rotation,
         };
         let apart = (Matrix3::identity() * away.norm_squared() - away * away.transpose())
             * (body.mass * share / (1.0 - share));
@@ -74,7 +74,8 @@ fn split(case: &Case, robot: &Robot) -> String {
     text + "</robot>"
 }
 
-/// `R = Rz(yaw) Ry(pitch) Rx(roll)`: roll, pitch, yaw; yaw = 0 where pitch is a right angle and only two of them count.
+/// `R = Rz(yaw) Ry(pitch) Rx(roll)`: roll, pitch, yaw; yaw = 0 where pitch is a right angle and only two of
+/// them count.
 fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let level = r[(0, 0)].hypot(r[(1, 0)]);
     let pitch = (-r[(2, 0)]).atan2(level);

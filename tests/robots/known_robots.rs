@@ -1,4 +1,5 @@
-//! The project's own robots: published answers, and independent reference values (`tests/fixtures/README.md`).
+//! The project's own robots: published answers, and independent reference values
+//! (`tests/fixtures/README.md`).
 
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
@@ -112,7 +113,8 @@ fn pendulum_and_two_link_arm_in_closed_form() {
     }
 }
 
-/// Every model file loads, without an error from strict parsing of its keys, and says where its figures come from.
+/// Every model file loads, without an error from strict parsing of its keys, and says where its figures come
+/// from.
 #[test]
 fn every_model_file_loads_and_names_its_sources() {
     let mut count = 0;

@@ -5,6 +5,8 @@ use costate::robot::{LoadOptions, Robot, Warning};
 
 pub const INERTIAL: &str = r#"<inertial><origin xyz="0.1 0 0.2"/><mass value="2"/><inertia ixx="0.3" ixy="0" ixz="0" iyy="0.3" iyz="0" izz="0.2"/></inertial>"#;
 
+pub const LIMIT: &str = r#"<limit lower="-1" upper="1" effort="1" velocity="1"/>"#;
+
 /// A robot of one joint 'elbow' (line 6) that moves link 'arm' (line 3).
 pub fn one_joint(kind: &str, inertial: &str, inside_joint: &str, rest: &str) -> String {
     format!(
@@ -27,22 +29,24 @@ pub fn elbow(kind: &str, inside_joint: &str) -> String {
 }
 
 pub fn arm(inertial: &str) -> String {
-    one_joint("revolute", inertial, "", "")
+    one_joint("revolute", inertial, LIMIT, "")
 }
 
 pub fn more(rest: &str) -> String {
-    one_joint("revolute", INERTIAL, "", rest)
+    one_joint("revolute", INERTIAL, LIMIT, rest)
 }
 
-/// A robot of massive links and joints `name kind parent child [inside]`; the first link named is the root.
+/// A robot of links and joints `name kind parent child [inside]`; the first link named is the root, without
+/// mass.
 pub fn tree(links: &[&str], joints: &[(&str, &str, &str, &str, &str)]) -> String {
     let mut text = String::from("<robot name=\"tree\">\n");
-    for link in links {
-        text += &format!("<link name=\"{link}\">{INERTIAL}</link>\n");
+    for (k, link) in links.iter().enumerate() {
+        text += &format!("<link name=\"{link}\">{}</link>\n", if k == 0 { "" } else { INERTIAL });
     }
     for (name, kind, parent, child, inside) in joints {
+        let limit = if ["revolute", "prismatic"].contains(kind) { LIMIT } else { "" };
         text += &format!(
-            "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{inside}</joint>\n"
+            "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{inside}{limit}</joint>\n"
         );
     }
     text + "</robot>\n"

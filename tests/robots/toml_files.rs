@@ -1,7 +1,7 @@
 //! Robots in TOML: what is refused, with the line and the reason, and what is loaded.
 
 use costate::robot::RobotError as E;
-use costate::robot::{JointKind, LoadOptions, Placement, Robot, Warning, file::parse};
+use costate::robot::{JointKind, LoadOptions, Placement, Robot, RobotFormat, Warning, file::parse};
 
 const BODY: &str = "mass = 2.0\ncom = [0.3, 0.0, 0.0]\ninertia = { xx = 0.1, yy = 0.2, zz = 0.25 }";
 
@@ -39,14 +39,23 @@ refuses! {
     unknown_key_in_a_table: two("", "friction = { viscus = 1.0 }"), Some(13), E::Malformed { .. }, ["viscus", "viscous"];
     unknown_key_of_the_robot: "nam = 'x'", Some(1), E::Malformed { .. }, ["nam", "name"];
     unknown_type: two("type = 'spherical'", ""), Some(4), E::Malformed { .. }, ["spherical", "revolute", "prismatic"];
-    text_for_a_number: two("armature = 'big'", ""), Some(4), E::Malformed { .. }, ["big"];
+    text_for_a_number: two("armature = 'big'", ""), Some(4), E::Malformed { .. }, ["`armature`", "big", "a number such as"];
+    number_for_a_text: two("", "parent = 3"), Some(13), E::Malformed { .. }, ["`parent`", "3", "a text in quotes"];
+    number_for_an_array: two("axis = 3", ""), Some(4), E::Malformed { .. }, ["`axis`", "3", "an array"];
+    two_numbers: two("axis = [0.0, 1.0]", ""), Some(4), E::Malformed { .. }, ["`axis`", "2 entries", "3 numbers"];
+    text_in_an_array: two("axis = [0.0, 1.0, 'z']", ""), Some(4), E::Malformed { .. }, ["z", "a number such as"];
+    number_for_a_table: two("limits = 3.0", ""), Some(4), E::Malformed { .. }, ["`limits`", "3.0", "a table"];
+    key_twice: two("", "com = [0.0, 0.0, 0.0]"), Some(13), E::Malformed { .. }, ["`com`", "twice", "line 11"];
+    key_twice_in_a_table: two("limits = { lower = 1.0, lower = 2.0 }", ""), Some(4), E::Malformed { .. }, ["`lower`", "twice"];
+    deep_arrays: format!("name = {}{}", "[".repeat(9000), "]".repeat(9000)), Some(1), E::Malformed { .. }, ["nested"];
+    deep_tables: format!("name = {}1{}", "{a=".repeat(9000), "}".repeat(9000)), Some(1), E::Malformed { .. }, ["nested"];
     empty_robot: "name = 'nothing'", None, E::NoJoints { .. }, ["nothing", "revolute"];
     unknown_parent: two("", "parent = 'c'"), Some(9), E::UnknownParent { .. }, ["'b'", "'c'", "joint"];
     duplicate: two("", "").replace("'b'", "'a'"), Some(9), E::DuplicateName { kind: "joint", .. }, ["'a'"];
     cycle: two("parent = 'b'", "parent = 'a'"), Some(3), E::Cycle { .. }, ["a -> b", "world"];
     its_own_parent: two("parent = 'a'", ""), Some(3), E::Cycle { .. }, ["a"];
     called_world: two("", "").replace("'a'", "'world'"), Some(3), E::Malformed { .. }, ["'world'", "another name"];
-    no_name: "[[joint]]\nmass = 1.0", Some(1), E::Malformed { .. }, ["missing field `name`; add it"];
+    no_name: "[[joint]]\nmass = 1.0", Some(1), E::Malformed { .. }, ["missing key `name`; add it"];
     negative_mass: two("", "").replacen("2.0", "-2.0", 1), Some(3), E::NegativeMass { .. }, ["'a'", "-2 kg"];
     mass_nan: two("", "").replacen("2.0", "nan", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "mass"];
     com_infinite: two("", "").replacen("0.3", "inf", 1), Some(3), E::NonFiniteInertia { .. }, ["'a'", "centre"];
@@ -68,11 +77,52 @@ refuses! {
 }
 
 #[test]
-fn a_missing_file_and_a_strange_name_are_named() {
+fn a_missing_file_and_an_unknown_extension_are_named() {
     let error = Robot::from_file("robots/nowhere.toml").unwrap_err();
     assert!(error.to_string().starts_with("robots/nowhere.toml: cannot be read"), "{error}");
     let error = Robot::from_file("robots/arm.xacro").unwrap_err();
     assert!(error.to_string().contains(".urdf or .toml"), "{error}");
+}
+
+#[test]
+fn bytes_that_are_not_utf_8_are_refused_with_their_line() {
+    let bytes = [b"name = 'x'\n# 90".as_slice(), b"\xb0\n"].concat();
+    let error = Robot::read(&bytes[..], RobotFormat::Toml, LoadOptions::default()).unwrap_err();
+    assert!(
+        matches!(&error, E::InFile { line: Some(2), error, .. } if matches!(**error, E::NotUtf8)),
+        "{error}"
+    );
+    assert!(error.to_string().contains("UTF-8"), "{error}");
+}
+
+#[test]
+fn long_and_hostile_text_is_harmless_in_messages() {
+    let long = "x".repeat(100_000);
+    let hostile = "a\\u001b[2J\\u202e\\n";
+    for text in [
+        two(&format!("{long} = 1.0"), ""),
+        two(&format!("type = '{long}'"), ""),
+        two(&format!("armature = '{long}'"), ""),
+        two(&format!("\"{hostile}\" = 1.0"), ""),
+        two(&format!("type = \"{hostile}\""), ""),
+        two("", &format!("parent = \"{hostile}\"")),
+        two("dh = { a = 1.0 }", "").replace("'a'", &format!("\"{hostile}\"")),
+        two("", "").replace("'a'", &format!("'{long}'")).replace("mass = 2.0", "mass = -2.0"),
+    ] {
+        let message = refused(&text).1.to_string();
+        assert!(message.chars().all(|c| !c.is_control() && c != '\u{202e}'), "{message}");
+        assert!(message.len() < 2000, "{} bytes: {}", message.len(), &message[..200]);
+    }
+}
+
+#[test]
+fn texts_are_recognised_by_their_beginning() {
+    let format = |path: &str| RobotFormat::of_path(path).ok();
+    assert_eq!((format("a.URDF"), format("a.toml")), (Some(RobotFormat::Urdf), Some(RobotFormat::Toml)));
+    assert_eq!((format("a"), format("a.xacro")), (None, None));
+    assert_eq!(RobotFormat::of_text("\u{feff}\n <robot/>"), RobotFormat::Urdf);
+    assert_eq!(RobotFormat::of_text(&two("", "")), RobotFormat::Toml);
+    assert_eq!(Robot::from_toml_str(&two("", ""), LoadOptions::default()).unwrap().name(), "pair");
 }
 
 #[test]
@@ -89,7 +139,7 @@ fn a_violated_triangle_inequality_is_a_warning_and_strict_makes_it_an_error() {
     let odd = two("", "").replacen("zz = 0.25", "zz = 0.9", 1);
     let robot = parse(&odd, LoadOptions::default()).unwrap();
     assert!(matches!(robot.warnings(), [Warning::TriangleInequality { link, .. }] if link == "a"));
-    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    let strict = LoadOptions::default().strict(true);
     let error = parse(&odd, strict).unwrap_err();
     assert!(error.to_string().contains("'a'"), "{error}");
     assert!(parse(&two("", ""), strict).is_ok());
@@ -112,14 +162,14 @@ fn every_key_arrives() {
     let (a, b) = (&robot.joints()[0], &robot.joints()[1]);
     assert_eq!((a.kind, a.parent, b.parent), (JointKind::Prismatic, None, None));
     assert_eq!((a.placement.translation.z, a.axis.y, a.axis.z), (3.0, 0.6, 0.8));
-    assert_eq!((robot.armature()[(0, 0)], robot.armature()[(1, 0)]), (0.5 + 0.7, 0.1));
+    assert_eq!((robot.armature_entry(0, 0), robot.armature_entry(1, 0)), (0.5 + 0.7, 0.1));
     assert_eq!((a.spring.stiffness, a.spring.rest, a.friction.coulomb_velocity), (5.0, 0.1, 0.4));
     assert_eq!((a.limits.lower, a.limits.upper, a.limits.effort), (f64::NEG_INFINITY, 2.0, 9.0));
     assert_eq!((b.inertia.inertia[(0, 0)], robot.gravity().x), (0.1, 1.0));
     assert!((b.inertia.inertia[(2, 2)] - (0.25 - 2.0 * 0.09)).abs() < 1e-15);
 }
 
-/// A branched standard table with a prismatic joint, beside the placements it stands for.
+/// A branched standard table with a prismatic joint, compared with the placements it means.
 #[test]
 fn standard_tables_branch() {
     let table = format!(
@@ -143,10 +193,7 @@ fn standard_tables_branch() {
         assert!((found.translation - expected.translation).amax() < 1e-15, "{}", joint.name);
     }
     assert_eq!(robot.joints()[2].parent, Some(0));
-    assert!(
-        (robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15,
-        "0.3 in frame 3, which stands 0.2 further"
-    );
+    assert!((robot.joints()[2].inertia.com.x - 0.5).abs() < 1e-15, "0.3 in frame 3, which is 0.2 further");
 }
 
 /// Rows of the armature matrix are in the order of the file, which parents may change.
@@ -161,13 +208,13 @@ fn the_armature_matrix_follows_reordered_joints() {
     ];
     let robot = parse(&text.concat(), LoadOptions::default()).unwrap();
     assert_eq!(
-        (robot.joints()[0].name.as_str(), robot.armature()[(0, 0)], robot.armature()[(1, 0)]),
+        (robot.joints()[0].name.as_str(), robot.armature_entry(0, 0), robot.armature_entry(1, 0)),
         ("arm", 3.0, 0.2)
     );
 }
 
 #[test]
-fn joints_stand_in_the_order_of_the_file_as_far_as_parents_allow() {
+fn joints_keep_the_order_of_the_file_after_their_parents() {
     let joint =
         |name: &str, parent: &str| format!("[[joint]]\nname = '{name}'\nparent = '{parent}'\n{BODY}\n");
     let text =

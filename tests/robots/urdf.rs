@@ -3,7 +3,9 @@
 use crate::texts::*;
 use costate::robot::RobotError as E;
 use costate::robot::urdf::parse;
-use costate::robot::{Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, Warning};
+use costate::robot::{
+    Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, RobotFormat, Warning,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// Inertia of `INERTIAL`.
@@ -63,7 +65,8 @@ fn links_without_inertia_and_odd_base_links_are_fine() {
         "<link name=\"tool0\"/><joint name=\"t\" type=\"fixed\"><parent link=\"arm\"/><child link=\"tool0\"/></joint>",
     );
     let robot = load(&text.replace("<link name=\"base\"/>", &format!("<link name=\"base\">{odd}</link>")));
-    assert_eq!((robot.joints()[0].inertia, robot.warnings()), (body(), &[][..]));
+    assert_eq!(robot.joints()[0].inertia, body());
+    assert_eq!(robot.warnings(), [Warning::FixedBase { link: "base".into(), mass: 2.0, line: 2 }]);
     let (line, error) = refused(&more("").replace(
         "<link name=\"base\"/>",
         &format!("<link name=\"base\">{}</link>", INERTIAL.replace("\"2\"", "\"-1\"")),
@@ -87,7 +90,7 @@ fn impossible_inertias_are_named_once() {
         matches!(merged.warnings(), [Warning::TriangleInequality { link, .. }] if link == "tool"),
         "{merged:?}"
     );
-    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    let strict = LoadOptions::default().strict(true);
     let error = parse(&more(&tool), strict).unwrap_err();
     assert!(matches!(&error, E::Strict { warnings } if warnings.len() == 1), "{error}");
     assert!(error.to_string().contains("'tool'"), "{error}");
@@ -188,7 +191,7 @@ fn joint_types_axes_and_limits() {
     assert_eq!(prismatic.axis, Vector3::new(0.0, -0.6, 0.8));
     let no_velocity = load(&elbow("revolute", "<limit lower=\"-1\" effort=\"3\"/>"));
     assert_eq!(all(&no_velocity.joints()[0]), [-1.0, 0.0, 3.0, inf]);
-    assert!(notes(&no_velocity).contains("unlimited: joints elbow"), "{}", notes(&no_velocity));
+    assert!(notes(&no_velocity).contains("unlimited: joint elbow"), "{}", notes(&no_velocity));
     let stuck = load(&elbow("revolute", "<limit effort=\"3\" velocity=\"4\"/>"));
     assert_eq!(all(&stuck.joints()[0]), [0.0, 0.0, 3.0, 4.0]);
     assert!(notes(&stuck).contains("neither lower nor upper"), "{}", notes(&stuck));
@@ -199,7 +202,7 @@ fn joint_types_axes_and_limits() {
 
 #[test]
 fn quaternions_since_version_1_1() {
-    let text = elbow("revolute", "<origin quat_xyzw=\"0 0 0.6 0.8\"/>");
+    let text = elbow("continuous", "<origin quat_xyzw=\"0 0 0.6 0.8\"/>");
     let old = load(&text);
     assert_eq!(old.joints()[0].placement, Placement::identity());
     assert!(notes(&old).contains("quat_xyzw of <origin> of joint 'elbow' is ignored"), "{}", notes(&old));
@@ -210,16 +213,16 @@ fn quaternions_since_version_1_1() {
 
 #[test]
 fn friction_on_request() {
-    let text = elbow("revolute", "<dynamics damping=\"0.5\" friction=\"0.1\"/>");
+    let text = elbow("continuous", "<dynamics damping=\"0.5\" friction=\"0.1\"/>");
     let ignored = load(&text);
     assert!(ignored.joints()[0].friction.is_none());
     assert_eq!(ignored.warnings(), [Warning::FrictionIgnored { joints: vec!["elbow".into()] }]);
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     let loaded = parse(&text, options).unwrap();
     let coulomb_velocity = Friction::DEFAULT_COULOMB_VELOCITY;
     assert_eq!(loaded.joints()[0].friction, Friction { viscous: 0.5, coulomb: 0.1, coulomb_velocity });
     assert_eq!(loaded.warnings(), []);
-    assert_eq!(load(&elbow("revolute", "<dynamics damping=\"0\"/>")).warnings(), []);
+    assert_eq!(load(&elbow("continuous", "<dynamics damping=\"0\"/>")).warnings(), []);
     let bad = parse(&text.replace("0.5", "-0.5"), options).unwrap_err();
     assert!(matches!(bad, E::InFile { line: Some(6), .. }), "{bad}");
 }
@@ -231,8 +234,8 @@ fn what_is_not_dynamics_is_not_read() {
         <gazebo reference="arm"><joint name="elbow" type="ball"/><link/></gazebo><gazebo:plugin a="b"/>
         <sensor:camera other:x="1"/><ros2_control><joint name="elbow"><param name="x">nan</param></joint></ros2_control>"#;
     let safety = r#"<safety_controller k_velocity="fast"/><calibration rising="x"/>"#;
-    let plain = load(&elbow("revolute", ""));
-    let text = one_joint("revolute", &(INERTIAL.to_owned() + shapes), safety, rest);
+    let plain = load(&elbow("continuous", ""));
+    let text = one_joint("continuous", &(INERTIAL.to_owned() + shapes), safety, rest);
     assert_eq!(load(&text), plain);
     let dressed = format!(
         "\u{feff}<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<!-- <joint/> -->\n{text}\n<!-- end -->"
@@ -262,16 +265,30 @@ fn published_oddities_do_no_harm() {
     assert_eq!(swapped.joints()[0].limits.lower, f64::NEG_INFINITY);
     let (line, error) = refused(&format!("<!--\n-->\n{}", elbow("hinge", "")));
     assert!(line == Some(8) && error.to_string().contains("hinge"), "{line:?} {error}");
-    let path = std::env::temp_dir().join(format!("costate-latin-{}.urdf", std::process::id()));
-    std::fs::write(&path, [b"<!-- 90\xb0 -->".as_slice(), text.as_bytes()].concat()).unwrap();
-    let latin = Robot::from_file(&path);
-    std::fs::remove_file(&path).unwrap();
-    assert_eq!(latin.unwrap().len(), 1);
 }
 
+fn read(bytes: &[u8]) -> Result<Robot, E> {
+    Robot::read(bytes, RobotFormat::Urdf, LoadOptions::default())
+}
+
+/// Bytes that are not UTF-8 do no harm in comments; elsewhere they are replaced, with a warning.
 #[test]
-fn a_document_type_does_no_harm() {
-    assert_eq!(load(&format!("<!DOCTYPE robot>\n{}", more(""))).len(), 1);
+fn other_encodings() {
+    let text = more("");
+    let latin = read(&[b"<!-- 90\xb0 -->".as_slice(), text.as_bytes()].concat()).unwrap();
+    assert_eq!((names(&latin), latin.warnings()), (vec!["elbow"], &[][..]));
+    let (start, end) = text.split_once("elbow").unwrap();
+    let replaced = read(&[start.as_bytes(), b"\xe9paule", end.as_bytes()].concat()).unwrap();
+    assert_eq!(
+        (names(&replaced), replaced.warnings()),
+        (vec!["\u{fffd}paule"], &[Warning::NotUtf8 { line: 6 }][..])
+    );
+    let utf16: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let error = read(&utf16).unwrap_err();
+    assert!(
+        matches!(&error, E::InFile { line: Some(1), error, .. } if matches!(**error, E::NotUtf8)),
+        "{error}"
+    );
 }
 
 #[test]

@@ -1,8 +1,16 @@
 //! URDF files: what is refused, with the line and the reason.
 
 use crate::texts::*;
-use costate::robot::Robot;
 use costate::robot::RobotError as E;
+use costate::robot::urdf::parse;
+use costate::robot::{LoadOptions, Robot, RobotFormat, Warning};
+use std::error::Error;
+
+/// Ten thousand references to an entity of ten thousand characters.
+fn bomb() -> String {
+    let (entity, references) = ("a".repeat(10_000), "&a;".repeat(10_000));
+    format!("<!DOCTYPE robot [<!ENTITY a '{entity}'>]><robot name='{references}'><link name='a'/></robot>")
+}
 
 /// Bad inputs, each a test: the text, the line to blame, the kind of error, words that the message must have.
 macro_rules! refuses {
@@ -26,6 +34,15 @@ refuses! {
     not_xml: "<robot name='r'>\n<link name='a'>\n</lin>\n</robot>", line 3, E::Malformed { .. }, ["'lin'", "'link'"];
     cut_off: "<robot name='r'>\n<link name='a'/>\n", line 3, E::Malformed { .. }, ["complete the file"];
     other_root: "<!-- no robot -->\n<sdf/>", line 2, E::Malformed { .. }, ["<sdf>", "<robot>"];
+    document_type: "<?xml version='1.0'?>\n<!-- <!DOCTYPE a> -->\n<!DOCTYPE robot>\n<robot/>", line 3, E::DocumentType, ["DOCTYPE", "remove"];
+    entities: bomb(), line 1, E::DocumentType, ["DOCTYPE"];
+    very_many_attributes: format!("<robot name='r'>{}</robot>", "\n<a b='' c='' d='' e='' f='' g='' h='' i=''/>".repeat(126_000)),
+        line 125_001, E::Malformed { .. }, ["1000000 attributes"];
+    entity_without_document_type: more("<link name=\"&a;\"/>"), line 10, E::Malformed { .. }, ["'a'"];
+    attributes: format!("<robot name='r'>\n<link{}/></robot>", (0..300).map(|k| format!(" a{k}=''")).collect::<String>()),
+        line 2, E::Malformed { .. }, ["256 attributes"];
+    namespaces: format!("<robot name='r'>\n{}</robot>", (0..300).map(|k| format!("<a xmlns:b{k}='c'/>")).collect::<String>()),
+        line 2, E::Malformed { .. }, ["256 namespaces"];
     no_joint: "<robot name='still'>\n<link name='a'/></robot>", line 1, E::NoJoints { .. }, ["still"];
     only_fixed_joints: elbow("fixed", ""), line 1, E::NoJoints { .. }, ["bench"];
 
@@ -107,4 +124,145 @@ fn errors_of_a_file_have_its_path_and_line() {
     std::fs::remove_file(&path).unwrap();
     assert!(message.starts_with(&format!("{}:6: joint 'elbow'", path.display())), "{message}");
     assert_eq!(robot.unwrap().name(), "bench");
+}
+
+/// What strict loading refuses: the line of the first warning, and the warnings.
+fn refused_when_strict(text: &str) -> (Option<usize>, Vec<Warning>) {
+    let strict = LoadOptions::default().strict(true);
+    match parse(text, strict) {
+        Err(E::InFile { line, error, .. }) => match *error {
+            E::Strict { warnings } => (line, warnings),
+            error => panic!("{error}"),
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Odd inputs, each a test: the text, the line to name, words that the warning must have.
+macro_rules! warns {
+    ($($name:ident: $text:expr, line $line:literal, $warning:pat, $words:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            let text = $text;
+            let robot = load(&text);
+            let [warning] = robot.warnings() else { panic!("{:?}", robot.warnings()) };
+            assert!(matches!(warning, $warning), "{warning:?}");
+            assert_eq!(warning.line(), Some($line), "{warning}");
+            for word in $words {
+                assert!(warning.to_string().contains(word), "'{word}' is not in: {warning}");
+            }
+            assert_eq!(refused_when_strict(&text), (Some($line), vec![warning.clone()]));
+        }
+    )*};
+}
+
+fn limited(inside_joint: &str) -> String {
+    elbow("revolute", &format!("{inside_joint}{LIMIT}"))
+}
+
+warns! {
+    misspelt_origin: limited("<orign xyz=\"1 0 0\"/>"), line 8, Warning::UnknownName { others: 0, .. },
+        ["<orign> in joint 'elbow' (line 8)", "did you mean <origin>?"];
+    misspelt_axis: limited("<axes xyz=\"0 0 1\"/>"), line 8, Warning::UnknownName { .. }, ["<axes> in joint 'elbow'", "<axis>"];
+    misspelt_limit: elbow("continuous", "<limits lower=\"0\"/>"), line 8, Warning::UnknownName { .. }, ["<limits>", "<limit>"];
+    misspelt_inertial: arm(&format!("{INERTIAL}<inertail/>")), line 4, Warning::UnknownName { .. },
+        ["<inertail> in link 'arm'", "<inertial>"];
+    misspelt_xyz: limited("<origin xzy=\"1 0 0\"/>"), line 8, Warning::UnknownName { .. },
+        ["xzy in <origin> of joint 'elbow'", "did you mean xyz?"];
+    misspelt_rpy: limited("<origin ryp=\"1 0 0\"/>"), line 8, Warning::UnknownName { .. }, ["ryp", "did you mean rpy?"];
+    misspelt_mass: arm(&INERTIAL.replace("value=", "valu=\"1\" value=")), line 4, Warning::UnknownName { .. },
+        ["valu in <mass> of <inertial> of link 'arm'", "did you mean value?"];
+    misspelt_joint: more("<jiont name=\"a\"/>"), line 10, Warning::UnknownName { .. }, ["<jiont> in <robot>", "<joint>"];
+    misspelt_shape: more("").replace("<link name=\"base\"/>", "<link name=\"base\"><visual><geometry><spher/></geometry></visual></link>"),
+        line 2, Warning::UnknownName { .. }, ["<spher> in <geometry> of <visual> of link 'base'", "<sphere>"];
+    not_urdf: limited("<frobnicate/>"), line 8, Warning::UnknownName { nearest: None, .. }, ["<frobnicate>", "ignored"];
+    no_limit: elbow("revolute", ""), line 6, Warning::WithoutLimit { .. }, ["<limit>", "joint elbow", "unlimited"];
+    no_limit_of_a_slide: elbow("prismatic", ""), line 6, Warning::WithoutLimit { .. }, ["joint elbow"];
+    limits_swapped: elbow("revolute", "<limit lower=\"1\" upper=\"-1\" effort=\"2\" velocity=\"3\"/>"), line 8,
+        Warning::SwappedLimits { .. }, ["lower above upper", "joint elbow"];
+    limit_of_effort_negative: elbow("continuous", "<limit effort=\"-2\" velocity=\"3\"/>"), line 8,
+        Warning::NegativeLimit { .. }, ["negative", "joint elbow"];
+    limit_of_velocity_negative: elbow("continuous", "<limit effort=\"2\" velocity=\"-3\"/>"), line 8,
+        Warning::NegativeLimit { .. }, ["negative", "joint elbow"];
+    massive_base: more("").replace("<link name=\"base\"/>", &format!("<link name=\"base\">{INERTIAL}</link>")), line 2,
+        Warning::FixedBase { .. }, ["'base'", "2 kg", "held fixed", "floating joint"];
+}
+
+#[test]
+fn many_unknown_names_are_a_few_warnings() {
+    let chain = |inside: &dyn Fn(usize) -> String| {
+        let links: Vec<String> = (0..30).map(|k| format!("l{k}")).collect();
+        let mut text =
+            tree(&links.iter().map(String::as_str).collect::<Vec<_>>(), &[]).replace("</robot>", "");
+        for k in 1..30 {
+            text += &format!(
+                "<joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{}\"/><child link=\"l{k}\"/>{}</joint>\n",
+                k - 1,
+                inside(k)
+            );
+        }
+        load(&(text + "</robot>")).warnings().to_vec()
+    };
+    let same = chain(&|_| "<orign xyz=\"1 0 0\"/>".into());
+    assert!(matches!(&same[..], [Warning::UnknownName { line: 32, others: 28, .. }]), "{same:?}");
+    assert!(same[0].to_string().contains("and 28 more"), "{}", same[0]);
+    let distinct = chain(&|k| format!("<part{k}/>"));
+    assert_eq!(distinct.len(), 9);
+    assert_eq!(distinct[8], Warning::MoreUnknownNames { count: 21, line: 40 });
+}
+
+/// Names reach a terminal in messages only: nothing in them may act on it, or fill it.
+#[test]
+fn names_are_harmless_in_messages() {
+    let hostile = "a&#10;\u{202e}b&#13;";
+    let long = "x".repeat(1_000_000);
+    let odd = |name: &str| elbow("hinge", "").replace("elbow", name);
+    for text in [
+        odd(hostile),
+        odd("a&#27;[2J"),
+        odd("a\u{1b}[2J"),
+        odd(&long),
+        elbow(&long, ""),
+        elbow("revolute", &format!("<origin xyz=\"{hostile}\"/>")),
+        elbow("revolute", &format!("<origin xyz=\"{long}\"/>")),
+        elbow("revolute", &format!("<mimic joint=\"{long}\"/>")),
+        elbow("fixed", "").replace("link=\"arm\"", &format!("link=\"{hostile}\"")),
+        format!("<{long}/>"),
+        format!("<robot><{long}></robot>"),
+        format!("<robot>&{long};</robot>"),
+        arm("").replace("elbow", &long),
+        elbow("fixed", "").replace("bench", &long),
+    ] {
+        let message = refused(&text).1.to_string();
+        assert!(message.chars().all(|c| !c.is_control() && c != '\u{202e}'), "{message}");
+        assert!(message.len() < 2000, "{} bytes", message.len());
+    }
+    let robot = load(&more(&format!("<{long}/><link name=\"{hostile}\" {long}=\"\"/>")).replace(
+        "</robot>",
+        &format!("<joint name=\"w\" type=\"fixed\"><parent link=\"arm\"/><child link=\"{hostile}\"/></joint></robot>"),
+    ));
+    assert!(
+        notes(&robot).len() < 2000 && !notes(&robot).contains(['\u{1b}', '\u{202e}']),
+        "{}",
+        notes(&robot)
+    );
+}
+
+#[test]
+fn long_texts_are_refused() {
+    let text = format!("{}{}", more(""), " ".repeat(16 << 20));
+    assert!(matches!(parse(&text, LoadOptions::default()), Err(E::TooLong { .. })));
+    for (format, limit) in [(RobotFormat::Urdf, "16 MiB"), (RobotFormat::Toml, "4 MiB")] {
+        let error = Robot::read(std::io::repeat(b' '), format, LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, E::TooLong { .. }) && error.to_string().contains(limit), "{error}");
+    }
+}
+
+#[test]
+fn errors_keep_their_cause() {
+    let error = Robot::from_file("robots/nowhere.urdf").unwrap_err();
+    let cause = error.source().and_then(|cause| cause.downcast_ref::<std::io::Error>()).unwrap();
+    assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
+    assert!(parse("<robot>", LoadOptions::default()).unwrap_err().source().is_some());
+    assert!(parse("<robot/>", LoadOptions::default()).unwrap_err().source().is_none());
 }

@@ -1,15 +1,16 @@
-//! URDF files: long ones, deep ones, and whatever is left of them when parts are cut off or changed.
+//! URDF files: long ones, deep ones, truncated and mutated ones.
 
 use crate::texts::*;
 use costate::robot::LoadOptions;
 use costate::robot::RobotError as E;
+use costate::robot::Tree;
 use costate::robot::urdf::parse;
 
 #[test]
 fn long_chains_and_deep_nesting() {
     let count = 2000;
-    let mut text = String::from("<robot name=\"chain\">");
-    for k in 0..=count {
+    let mut text = String::from("<robot name=\"chain\"><link name=\"l0\"/>");
+    for k in 1..=count {
         text += &format!("<link name=\"l{k}\">{INERTIAL}</link>");
     }
     for k in 0..count {
@@ -27,7 +28,50 @@ fn long_chains_and_deep_nesting() {
     assert!(matches!(refused(&nested).1, E::NoJoints { .. } | E::Malformed { .. }));
 }
 
-/// Whatever is cut off or changed, there is a robot or an error.
+/// A robot of `count` hinges, each on the one that `parent` names by number, as a URDF.
+fn hinges(count: usize, parent: impl Fn(usize) -> usize) -> String {
+    let mut text = String::from("<robot name=\"many\"><link name=\"l0\"/>");
+    for k in 1..=count {
+        text += &format!(
+            "<link name=\"l{k}\">{INERTIAL}</link><joint name=\"j{k}\" type=\"revolute\"><origin xyz=\"1 0 0\"/>\
+             <parent link=\"l{}\"/><child link=\"l{k}\"/>{LIMIT}</joint>\n",
+            parent(k)
+        );
+    }
+    text + "</robot>"
+}
+
+/// Loading, and the model of the kernels, take time and memory in proportion to the joints: within a second
+/// each here, where a quadratic step took ten.
+#[test]
+fn ten_thousand_joints() {
+    let count = 10_000;
+    let start = std::time::Instant::now();
+    for (parent, pairs) in [
+        ((|k| k - 1) as fn(usize) -> usize, count * (count + 1) / 2),
+        (|_| 0, count),
+        (|k| (k - 1) / 2, 113_644),
+    ] {
+        let robot = load(&hinges(count, parent));
+        assert_eq!(robot.joints().len(), count);
+        assert_eq!((robot.armature().len(), robot.warnings()), (0, &[][..]));
+        let tree = Tree::from(&robot);
+        assert_eq!(tree.pairs(), pairs);
+        assert_eq!(tree.subtree(0)[0], 0);
+    }
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+#[test]
+fn ten_thousand_joints_in_toml() {
+    let mut text = String::from("name = 'chain'\nconvention = 'modified-dh'\n");
+    for k in 0..10_000 {
+        text += &format!("[[joint]]\nname = 'j{k}'\ndh = {{ a = 1.0 }}\nmass = 1.0\ncom = [0.5, 0.0, 0.0]\n");
+    }
+    assert_eq!(costate::robot::file::parse(&text, LoadOptions::default()).unwrap().joints().len(), 10_000);
+}
+
+/// Any truncation or mutation gives a robot or an error.
 #[test]
 fn nothing_panics() {
     let published = ["ur5", "panda"].map(|name| {

@@ -1,110 +1,70 @@
-//! An extremal whose evaluations are counted.
+//! Counts the evaluations of an extremal.
 
 use costate::EvalError;
-use costate_control::{Ease, Extremal, Law, Rate, Side};
+use costate_control::{ControlLaw, Extremal, HamiltonianTerms, Hooks, Wrapped};
 use std::time::{Duration, Instant};
 
-/// Counts until the found motion is integrated again: the first evaluation at a given control belongs to its check.
-pub struct Counted<E> {
-    extremal: E,
+/// An extremal whose evaluations are counted.
+pub type Counted<E> = Wrapped<E, Counts>;
+
+/// Counts until the solution is verified. Verification begins with the first evaluation at a given control.
+#[derive(Debug)]
+pub struct Counts {
     begun: Instant,
     pub rates: usize,
     pub jacobians: usize,
-    /// How long the search took, once it is over.
-    taken: Option<Duration>,
+    /// Duration of the search, once it is over.
+    duration: Option<Duration>,
 }
 
-impl<E: Extremal> Counted<E> {
-    pub fn new(extremal: E) -> Self {
-        Self { extremal, begun: Instant::now(), rates: 0, jacobians: 0, taken: None }
+impl Counts {
+    /// Counts from zero, from now on.
+    pub fn of<E>(extremal: E) -> Counted<E> {
+        let hooks = Self { begun: Instant::now(), rates: 0, jacobians: 0, duration: None };
+        Wrapped { inner: extremal, hooks }
     }
 
-    /// Since it was made, without the check.
-    pub fn taken(&self) -> Duration {
-        self.taken.unwrap_or_else(|| self.begun.elapsed())
+    /// Duration without the verification.
+    pub fn duration(&self) -> Duration {
+        self.duration.unwrap_or_else(|| self.begun.elapsed())
     }
 
     fn searching(&self) -> usize {
-        usize::from(self.taken.is_none())
+        usize::from(self.duration.is_none())
     }
 }
 
-impl<E: Extremal> Extremal for Counted<E> {
-    fn states(&self) -> usize {
-        self.extremal.states()
-    }
-
-    fn controls(&self) -> usize {
-        self.extremal.controls()
-    }
-
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
-        self.rates += self.searching();
-        self.extremal.rate(z, law, g)
-    }
-
-    fn linear(
+impl<E: Extremal> Hooks<E> for Counts {
+    fn evaluate(
         &mut self,
+        inner: &mut E,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.rates += self.searching();
+        inner.evaluate(z, law, g)
+    }
+
+    fn linearise(
+        &mut self,
+        inner: &mut E,
+        z: &[f64],
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
+    ) -> Result<HamiltonianTerms, EvalError> {
         self.jacobians += self.searching();
-        self.extremal.linear(z, law, g, jacobian)
+        inner.linearise(z, law, g, jacobian)
     }
 
-    fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.extremal.start(z, residual, jacobian)
-    }
-
-    fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.extremal.end(z, residual, jacobian)
-    }
-
-    fn time_cost(&self) -> f64 {
-        self.extremal.time_cost()
-    }
-
-    /// Not said, so that conjugate times, which are not part of the study, are not looked for.
-    fn ends_are_fixed(&self) -> bool {
+    /// False, so that no conjugate times are computed: they are not part of the study.
+    fn ends_are_fixed(&self, _: &E) -> bool {
         false
     }
 
-    fn set_ease(&mut self, ease: Ease) {
-        self.extremal.set_ease(ease);
-    }
-
-    fn easiest(&self) -> Ease {
-        self.extremal.easiest()
-    }
-
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        self.extremal.stretch(z, factor);
-    }
-
-    fn group(&self, component: usize) -> usize {
-        self.extremal.group(component)
-    }
-
-    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
-        self.extremal.unbounded_controls(z, u);
-    }
-
-    fn bounds(&self, control: usize) -> (f64, f64) {
-        self.extremal.bounds(control)
-    }
-
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
-        self.extremal.switching(control, sides, z, gradient)
-    }
-
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
-        self.extremal.controls_at(z, law, u);
-    }
-
-    fn state_rate(&mut self, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-        self.taken.get_or_insert(self.begun.elapsed());
-        self.extremal.state_rate(x, u, f)
+    fn state_rate(&mut self, inner: &mut E, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
+        self.duration.get_or_insert(self.begun.elapsed());
+        inner.state_rate(x, u, f)
     }
 }

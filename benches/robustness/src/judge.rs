@@ -87,9 +87,9 @@ pub fn successes(
 mod tests {
     use super::*;
     use crate::problems::{RobotName, Variant};
-    use costate_control::Jacobian;
+    use costate_control::JacobianRoute;
 
-    fn record(pair: usize, matrix: Jacobian, change: impl Fn(&mut Record)) -> Record {
+    fn record(pair: usize, matrix: JacobianRoute, change: impl Fn(&mut Record)) -> Record {
         let (robot, variant, coordinates) = (RobotName::Panda, Variant::Plain, Coordinates::Hamiltonian);
         let mut record = Record {
             search: Search { robot, variant, pair, coordinates, matrix },
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn only_what_arrives_with_a_constant_hamiltonian_is_a_success() {
-        let succeeded = |change: &dyn Fn(&mut Record)| record(0, Jacobian::Exact, change).succeeded();
+        let succeeded = |change: &dyn Fn(&mut Record)| record(0, JacobianRoute::Exact, change).succeeded();
         assert!(succeeded(&|_| {}));
         assert!(!succeeded(&|record| record.end_defect = Some(2e-6)));
         assert!(!succeeded(&|record| record.end_defect = None));
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn pairs_are_of_the_same_problem() {
         let fail = |record: &mut Record| record.status = "newton_failed".into();
-        let (exact, other) = (Jacobian::Exact, Jacobian::Differences);
+        let (exact, other) = (JacobianRoute::Exact, JacobianRoute::Differences);
         let records = [
             record(0, exact, |_| {}),
             record(0, other, |record| (record.jacobian_cost, record.cost) = (42.0, 2.1)),

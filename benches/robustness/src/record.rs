@@ -1,7 +1,7 @@
 //! The searches of the study, and what is kept of each.
 
 use crate::problems::{PAIRS, RobotName, Variant};
-use costate_control::{Coordinates, Jacobian};
+use costate_control::{Coordinates, JacobianRoute};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::OpenOptions;
@@ -16,7 +16,7 @@ pub struct Search {
     /// Number of the pair of start and end, and seed of all that is drawn for it.
     pub pair: usize,
     pub coordinates: Coordinates,
-    pub matrix: Jacobian,
+    pub matrix: JacobianRoute,
 }
 
 impl fmt::Display for Search {
@@ -26,7 +26,8 @@ impl fmt::Display for Search {
     }
 }
 
-pub const MATRICES: [Jacobian; 3] = [Jacobian::Exact, Jacobian::Differences, Jacobian::WithoutHessian];
+pub const MATRICES: [JacobianRoute; 3] =
+    [JacobianRoute::Exact, JacobianRoute::Differences, JacobianRoute::WithoutHessian];
 pub const COORDINATES: [Coordinates; 2] = [Coordinates::Hamiltonian, Coordinates::Lagrangian];
 
 /// All searches: first one pair of each robot and variant, then the next.

@@ -1,38 +1,38 @@
 //! One search.
 
-use crate::counted::Counted;
+use crate::counted::Counts;
 use crate::problems::problem;
 use crate::record::{Record, Search};
 use costate::hamiltonian::Hamiltonian;
 use costate_control::{
-    Coordinates, Extremal, ExtremalSolution, Jacobian, LagrangianExtremal, Law, Motion, Options, Problem,
-    RobotExtremal, Ways, solve_extremal,
+    ControlLaw, Coordinates, Extremal, ExtremalSolution, JacobianRoute, LagrangianExtremal, Motion, Problem,
+    RobotExtremal, SolverOptions, Ways, solve_extremal,
 };
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
 /// The same for all: Newton's method from the guess, no other way.
-pub fn options(search: &Search) -> Options {
-    Options {
+pub fn options(search: &Search) -> SolverOptions {
+    SolverOptions {
         jacobian: search.matrix,
         coordinates: search.coordinates,
         ways: Ways::Direct,
         max_iterations: 40,
         max_nodes: 1001,
-        ..Options::default()
+        ..SolverOptions::default()
     }
 }
 
 /// Solves one problem in one way.
 pub fn run(search: &Search) -> Result<Record, Box<dyn Error>> {
     let problem = problem(search.robot, search.variant, search.pair)?;
-    problem.check()?;
+    let checked = problem.check()?;
     match search.coordinates {
         Coordinates::Hamiltonian => {
             let mut momenta = Hamiltonian::<f64>::new(&problem.robot);
             let mut rates = momenta.clone();
-            let extremal = RobotExtremal::new(&problem, search.matrix)?;
+            let extremal = RobotExtremal::new(checked, search.matrix)?;
             solve(
                 (search, &problem, extremal),
                 |q, v| Ok(momenta.momentum(q, v)?.to_vec()),
@@ -40,7 +40,7 @@ pub fn run(search: &Search) -> Result<Record, Box<dyn Error>> {
             )
         }
         Coordinates::Lagrangian => {
-            let extremal = LagrangianExtremal::new(&problem, search.matrix)?;
+            let extremal = LagrangianExtremal::new(checked, search.matrix)?;
             solve((search, &problem, extremal), |_, v| Ok(v.to_vec()), |_, v| Ok(v.to_vec()))
         }
     }
@@ -69,7 +69,7 @@ fn solve<E: Extremal>(
         }
     };
     let jacobian_cost = match search.matrix {
-        Jacobian::Differences => (8 * n + 1) as f64,
+        JacobianRoute::Differences => (8 * n + 1) as f64,
         _ => {
             let mut z = vec![0.1; 4 * n];
             guess(0.4, &mut z);
@@ -77,9 +77,9 @@ fn solve<E: Extremal>(
             jacobian_cost(&mut extremal, &z)?
         }
     };
-    let mut counted = Counted::new(extremal);
+    let mut counted = Counts::of(extremal);
     let motion = solve_extremal(&mut counted, problem.time, &options(search), guess);
-    let milliseconds = 1e3 * counted.taken().as_secs_f64();
+    let milliseconds = 1e3 * counted.hooks.duration().as_secs_f64();
     if let Some(error) = failed {
         return Err(error.into());
     }
@@ -101,8 +101,8 @@ fn solve<E: Extremal>(
         cost: cost + penalty_cost,
         steps: iterations.len(),
         nodes: nodes.t.len(),
-        rates: counted.rates,
-        jacobians: counted.jacobians,
+        rates: counted.hooks.rates,
+        jacobians: counted.hooks.jacobians,
         jacobian_cost,
         milliseconds,
     })
@@ -117,12 +117,12 @@ fn jacobian_cost<E: Extremal>(extremal: &mut E, z: &[f64]) -> Result<f64, costat
     for _ in 0..BATCHES {
         let begun = Instant::now();
         for _ in 0..CALLS {
-            black_box(extremal.rate(black_box(z), Law::Maximal, &mut g)?);
+            black_box(extremal.evaluate(black_box(z), ControlLaw::Maximal, &mut g)?);
         }
         let of_rate = begun.elapsed().as_secs_f64();
         let begun = Instant::now();
         for _ in 0..CALLS {
-            black_box(extremal.linear(black_box(z), Law::Maximal, &mut g, &mut jacobian)?);
+            black_box(extremal.linearise(black_box(z), ControlLaw::Maximal, &mut g, &mut jacobian)?);
         }
         ratios.push(begun.elapsed().as_secs_f64() / of_rate);
     }

@@ -4,17 +4,17 @@ use crate::judge::{Paired, successes};
 use crate::problems::{RobotName, Variant};
 use crate::record::{COORDINATES, MATRICES, Record, Search};
 use crate::statistics::{median, two_sided};
-use costate_control::{Coordinates, Jacobian};
+use costate_control::{Coordinates, JacobianRoute};
 use std::fmt::{self, Write};
 
 /// The others, beside the exact matrix.
-const OTHERS: [Jacobian; 2] = [Jacobian::Differences, Jacobian::WithoutHessian];
+const OTHERS: [JacobianRoute; 2] = [JacobianRoute::Differences, JacobianRoute::WithoutHessian];
 
-fn name(matrix: Jacobian) -> &'static str {
+fn name(matrix: JacobianRoute) -> &'static str {
     match matrix {
-        Jacobian::Exact => "exact",
-        Jacobian::Differences => "differences",
-        Jacobian::WithoutHessian => "without y'F_xx",
+        JacobianRoute::Exact => "exact",
+        JacobianRoute::Differences => "differences",
+        JacobianRoute::WithoutHessian => "without y'F_xx",
     }
 }
 
@@ -180,7 +180,7 @@ fn failures(text: &mut String, records: &[Record]) -> fmt::Result {
 }
 
 /// Coordinates, variants (`None` for all together) and other matrices.
-fn for_each(mut row: impl FnMut(Coordinates, Option<Variant>, Jacobian) -> fmt::Result) -> fmt::Result {
+fn for_each(mut row: impl FnMut(Coordinates, Option<Variant>, JacobianRoute) -> fmt::Result) -> fmt::Result {
     for coordinates in COORDINATES {
         for matrix in OTHERS {
             for variant in Variant::ALL.map(Some).into_iter().chain([None]) {
@@ -196,10 +196,10 @@ fn paired(
     records: &[Record],
     coordinates: Coordinates,
     variant: Option<Variant>,
-    matrix: Jacobian,
+    matrix: JacobianRoute,
 ) -> Paired {
     let keep = |search: &Search| {
-        let asked = search.coordinates == coordinates && search.matrix == Jacobian::Exact;
+        let asked = search.coordinates == coordinates && search.matrix == JacobianRoute::Exact;
         asked && variant.is_none_or(|variant| search.variant == variant)
     };
     Paired::new(records, keep, |search| Search { matrix, ..search })
@@ -215,7 +215,8 @@ fn coordinates_table(text: &mut String, records: &[Record]) -> fmt::Result {
     writeln!(text, "|---|--:|--:|--:|--:|--:|--:|--:|--:|")?;
     for variant in Variant::ALL.map(Some).into_iter().chain([None]) {
         let keep = |search: &Search| {
-            let asked = search.coordinates == Coordinates::Hamiltonian && search.matrix == Jacobian::Exact;
+            let asked =
+                search.coordinates == Coordinates::Hamiltonian && search.matrix == JacobianRoute::Exact;
             asked && variant.is_none_or(|variant| search.variant == variant)
         };
         let other = |search| Search { coordinates: Coordinates::Lagrangian, ..search };

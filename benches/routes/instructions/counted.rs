@@ -1,11 +1,11 @@
 //! One call of one route, for the runner of gungraun.
 
 use costate_routes::cases::Case;
-use costate_routes::routes::Work;
+use costate_routes::routes::Call;
 use gungraun::{library_benchmark, library_benchmark_group};
 
 /// The call in this place of all that are counted, made ready and called once; None where there is no such route.
-fn ready([case, route]: [usize; 2]) -> Option<Work<'static>> {
+fn ready([case, route]: [usize; 2]) -> Option<Call<'static>> {
     let case: &Case = Box::leak(Box::new(Case::files().unwrap().swap_remove(case)));
     let (_, candidate) = crate::counted(case, |place| place == route).unwrap().pop()?;
     let mut work = candidate.work;
@@ -18,7 +18,7 @@ fn ready([case, route]: [usize; 2]) -> Option<Work<'static>> {
 #[benches::ur5(iter = (0..10).map(|route| [0, route]), setup = ready)]
 #[benches::panda(iter = (0..10).map(|route| [1, route]), setup = ready)]
 #[benches::biped(iter = (0..10).map(|route| [2, route]), setup = ready)]
-fn call(work: Option<Work<'static>>) -> Option<Work<'static>> {
+fn call(work: Option<Call<'static>>) -> Option<Call<'static>> {
     let mut work = work?;
     work(None).unwrap();
     Some(work)

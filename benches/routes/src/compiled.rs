@@ -4,7 +4,7 @@ use crate::cases::Case;
 use crate::routes::{Candidate, Failure};
 use crate::{FIRST, FUNCTION, NODES, SECOND};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::scalar::{F64x4, F64x8};
 use costate_jit::Compiled;
@@ -47,7 +47,7 @@ fn machine_code<'a>(
     quantity: Quantity,
     list: &mut Vec<Candidate<'a>>,
 ) -> Result<(), Failure> {
-    let program = robot_program(&case.robot, quantity, Coordinates::Hamiltonian, &Options::default())?;
+    let program = robot_program(&case.robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default())?;
     let above = |route: &str| {
         println!("{}: {label}: {} steps are above the limit of {route}", case.title, program.steps());
     };
@@ -86,7 +86,7 @@ fn machine_code<'a>(
     Ok(())
 }
 
-/// Entries of a quantity, without what comes on the way.
+/// Entries of a quantity, without the results it builds on.
 fn entries(label: &str, n: usize) -> usize {
     if label == FUNCTION { 2 * n } else { 4 * n * n }
 }

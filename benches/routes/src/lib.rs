@@ -10,6 +10,9 @@ pub mod robots;
 #[path = "../../../cli/src/bench/routes.rs"]
 pub mod routes;
 pub mod texts;
+#[allow(dead_code, reason = "the command line uses the rest")]
+#[path = "../../../cli/src/work.rs"]
+mod work;
 
 use cases::Case;
 use routes::{Candidate, Failure};
@@ -32,7 +35,7 @@ pub fn wanted<'a>(
     case: &'a Case,
     wanted: &dyn Fn(&str, &str) -> bool,
 ) -> Result<Vec<Candidate<'a>>, Failure> {
-    let mut list = routes::candidates(&case.robot, &case.state);
+    let mut list = routes::candidates(&case.robot, &case.state, &mut Vec::new());
     // Dual numbers stand in the list of chunks.
     list.retain(|c| [FUNCTION, FIRST, SECOND].contains(&c.quantity) && c.route != "dual numbers");
     numbers::candidates(case, &mut list);

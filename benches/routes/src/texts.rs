@@ -49,7 +49,7 @@ pub type Call<T> = fn(&mut Arrays<T>) -> Result<(), TryFromSliceError>;
 pub struct Text {
     /// Name of the robot.
     pub robot: &'static str,
-    /// `f`, `f_x`, `y_f_xx`: with all that comes on the way.
+    /// `f`, `f_x`, `y_f_xx`: with the results they build on.
     pub quantity: &'static str,
     /// One state.
     pub one: Call<f64>,

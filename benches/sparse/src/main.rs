@@ -4,7 +4,9 @@
 //! those of the trapezoidal rule along optimal motions, with the exact Jacobians of their extremals. A solution that differs
 //! ends with an error.
 
-use costate_control::{AlmostBlockDiagonal, Extremal, Law, Options, Problem, RobotExtremal, Solver};
+use costate_control::{
+    AlmostBlockDiagonal, BoundaryValueProblem, ControlLaw, Problem, RobotExtremal, Solver, SolverOptions,
+};
 use costate::robot::Robot;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
@@ -45,8 +47,8 @@ impl Matrix {
         if let Some(weights) = weights {
             problem.cost.effort = weights.iter().map(|limit| 1.0 / (limit * limit)).collect();
         }
-        let motion = Solver::new(&problem, Options::default())?.solve().trajectory;
-        let mut extremal = RobotExtremal::new(&problem, Options::default().jacobian)?;
+        let motion = Solver::new(&problem, SolverOptions::default())?.solve().trajectory;
+        let mut extremal = RobotExtremal::new(problem.check()?, SolverOptions::default().jacobian)?;
         let first = extremal.states();
         let m = 2 * first;
         let mut jacobians = Vec::new();
@@ -57,7 +59,7 @@ impl Matrix {
                 .map(|part| part.as_slice())
                 .concat();
             let mut jacobian = vec![0.0; m * m];
-            extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian)?;
+            extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian)?;
             if i == 0 {
                 extremal.start(&z, &mut residual, &mut left)?;
             }

@@ -4,7 +4,7 @@ use super::FOUR;
 use super::routes::{ADJOINT, Candidate, F, FIRST, Failure, SECOND, State};
 use costate::codegen::{CodegenError, Coordinates, Quantity, guarded_program};
 use costate::robot::Robot;
-use costate_jit::{Compiled, Evaluator, JitError, LANES_LIMIT, OPERATIONS_PER_STEP, Shape, Status};
+use costate_jit::{Compiled, Evaluator, JitError, LANES_LIMIT, Shape, Status};
 use std::hint::black_box;
 
 const QUANTITIES: [(&str, Quantity); 4] =
@@ -30,12 +30,13 @@ pub fn candidates<'a>(
             Status::Generic { reason } => notes.push(format!("No machine code for {label}: {reason}.")),
             _ => list.push(one_state(label, evaluator, state, last)),
         }
-        let most = OPERATIONS_PER_STEP * LANES_LIMIT;
-        let program = match guarded_program(robot, quantity, Coordinates::Hamiltonian, most) {
-            Err(CodegenError::LongRecording { limit }) => {
-                let reason =
-                    format!("more than {limit} operations, which makes more than {LANES_LIMIT} steps");
-                notes.push(format!("No machine code for {label} at 4 states at once: {reason}."));
+        let program = match guarded_program(robot, quantity, Coordinates::Hamiltonian, LANES_LIMIT) {
+            Err(
+                error @ (CodegenError::LargeRobot { .. }
+                | CodegenError::LongRecording { .. }
+                | CodegenError::TooLarge { .. }),
+            ) => {
+                notes.push(format!("No machine code for {label} at 4 states at once: {error}."));
                 continue;
             }
             program => program?,

@@ -4,7 +4,7 @@ use super::line::{Answer, Motion, State};
 #[cfg(feature = "jit")]
 use super::machine::Machine;
 use super::{Evaluator, Route};
-use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
+use costate::derivative::{ByCalls, ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{self, LagrangianSecondOrder};
 use costate::matrix::{Block, Matrix};
@@ -15,8 +15,8 @@ use costate::{codegen, lagrangian::whole_hessian};
 /// The workspaces of one route.
 enum Workspace {
     Analytic(Box<LagrangianSecondOrder<f64>>),
-    Dual(Box<Jacobian<ForwardDynamics>>, Box<NestedHessian<ForwardDynamics>>),
-    Hyperdual(Box<Hessian<ForwardDynamics>>),
+    Dual(Box<Jacobian<ByCalls<ForwardDynamics>>>, Box<NestedHessian<ByCalls<ForwardDynamics>>>),
+    Hyperdual(Box<Hessian<ByCalls<ForwardDynamics>>>),
     #[cfg(feature = "jit")]
     Jit(Box<Machine>),
 }
@@ -29,7 +29,7 @@ pub struct Lagrangian {
 
 impl Lagrangian {
     pub fn new(robot: &Robot, route: Route) -> Result<Self, String> {
-        let function = || ForwardDynamics::new(robot);
+        let function = || ByCalls(ForwardDynamics::new(robot));
         let workspace = match route {
             Route::Analytic => Workspace::Analytic(Box::new(LagrangianSecondOrder::new(robot))),
             Route::Dual => {

@@ -1,8 +1,8 @@
 //! `--continue PARAMETER=FROM:TO`: solutions as a parameter of the problem changes.
 
-use super::problem_file::Task;
 use super::report::numbers::short;
 use super::summary::spaced;
+use super::task::Task;
 use crate::report::Table;
 use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
 use serde::Serialize;

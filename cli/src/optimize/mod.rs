@@ -2,21 +2,19 @@
 
 mod continuation;
 mod kinematics;
-mod lines;
-mod problem_file;
 mod progress;
 mod report;
 mod summary;
-mod tables;
+mod task;
 
 use crate::{Outcome, terminal};
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, Problem, Solution, Solver};
-pub use problem_file::Task;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
+use task::Task;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -52,9 +50,10 @@ pub struct Arguments {
 const NOT_CONVERGED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let load = LoadOptions { strict: arguments.strict, friction: arguments.friction };
+    let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
     let mut task = Task::read(&arguments.problem, load)?;
     task.problem.robot.warnings().iter().for_each(|warning| terminal::warning(warning));
+    task.problem.warnings().iter().for_each(|warning| terminal::warning(warning));
     let started = Instant::now();
     let branch = arguments.way.map(|way| continuation::follow(&mut task, way)).transpose()?;
     let solution = match &branch {
@@ -134,5 +133,5 @@ fn unwritable(path: &Path, error: &std::io::Error) -> String {
 
 /// Whether the motion may take any time.
 fn time_is_free(problem: &Problem) -> bool {
-    matches!(problem.time, costate_control::Time::Free { .. })
+    matches!(problem.time, costate_control::FinalTime::Free { .. })
 }

@@ -55,11 +55,11 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         (with("q = [1.0, 0.5]", "q = [1.0, 0.5, 0.0]"), Some(5), &["end.q", "3", "2"]),
         (with("q = [1.0, 0.5]", "q = [1.0, nan]"), Some(5), &["end.q", "elbow", "finite"]),
         (with("q = [1.0, 0.5]", "q = [1.0, 0.5]\nv = [1.0]"), Some(6), &["end.v", "1", "2"]),
-        (with("q = [0.0, 0.0]", "p = [0.0, 0.0]"), Some(3), &["`p`", "`q`"]),
-        (with("[start]", "[begin]"), Some(2), &["`begin`", "`start`"]),
+        (with("q = [0.0, 0.0]", "p = [0.0, 0.0]"), Some(3), &["start.p", "unknown", "`q`"]),
+        (with("[start]", "[begin]"), Some(2), &["begin", "unknown", "`start`"]),
         (with("final = 1.0", "final = 0.0"), Some(7), &["time.final", "positive"]),
         (with("final = 1.0", "final = -1"), Some(7), &["time.final", "positive"]),
-        (with("final = 1.0", "final = \"soon\""), Some(7), &["soon"]),
+        (with("final = 1.0", "final = \"soon\""), Some(7), &["time.final", "a number", "soon"]),
         (with("final = 1.0", "free = true"), Some(6), &["time.guess", "missing"]),
         (
             with("final = 1.0", "free = true\nguess = 1.0\nfinal = 2.0"),
@@ -89,15 +89,15 @@ fn bad_problems_are_refused_with_file_line_and_key() {
             Some(9),
             &["cost.effort", "elbow", "both sides", "bounds.u_max"],
         ),
-        (and("[bounds]\nu_max = [1.0, 2.0]"), Some(10), &["`u_min`", "missing", "add it"]),
+        (and("[bounds]\nu_max = [1.0, 2.0]"), Some(10), &["bounds.u_min", "missing", "add it"]),
         (and("[penalty]\nweight = -1.0"), Some(11), &["penalty.weight", "negative"]),
         (and("[penalty]\nweight = 1.0\nv_max = [1.0]"), Some(12), &["penalty.v_max", "1", "2"]),
         (and("[actuation]\ngain = [1.0, 0.0]"), Some(11), &["actuation.gain", "elbow"]),
         (and("[solver]\nnodes = 1"), Some(11), &["solver.nodes", "1"]),
         (and("[solver]\ntolerance = 0"), Some(11), &["solver.tolerance"]),
         (and("[solver]\nstarts = 0"), Some(11), &["solver.starts"]),
-        (and("[solver]\njacobian = \"none\""), Some(11), &["`none`", "`without_hessian`"]),
-        (and("[solver]\nspeed = 1"), Some(11), &["`speed`", "`tolerance`"]),
+        (and("[solver]\njacobian = \"none\""), Some(11), &["solver.jacobian", "`none`", "`without_hessian`"]),
+        (and("[solver]\nspeed = 1"), Some(11), &["solver.speed", "`tolerance`"]),
         (
             and("[start_from]\nfile = \"no.json\""),
             Some(11),
@@ -113,13 +113,15 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         (
             with("q = [1.0, 0.5]", "q = [1.0, 0.5]\nq_free = [0.5]"),
             Some(6),
-            &["a joint is meant by its name"],
+            &["end.q_free", "0.5", "joints, by name"],
         ),
         (
             with("q = [1.0, 0.5]", "q = [1.0, 0.5]\nv_free = [\"wrist\"]"),
             Some(6),
             &["end.v_free", "wrist", "shoulder, elbow"],
         ),
+        (with("final = 1.0", "final = 1.0\nfinal = 2.0"), Some(8), &["time.final", "duplicate key"]),
+        (with("q = [1.0, 0.5]", "q = [1.0, \"a\"]"), Some(5), &["end.q", "a list of numbers", "\"a\""]),
     ] {
         let output = optimize("bad", &text, &["--json"]);
         let message = stderr(&output);

@@ -4,17 +4,17 @@ use crate::child::{costate, root, stderr, stdout};
 
 #[test]
 fn codegen_writes_what_the_library_does() {
-    use costate::codegen::{COptions, Coordinates, Options, Quantity, RustOptions, robot_program};
+    use costate::codegen::{COptions, Coordinates, ProgramOptions, Quantity, RustOptions, robot_program};
     let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
     let (hamiltonian, lagrangian) = (Coordinates::Hamiltonian, Coordinates::Lagrangian);
     let program =
-        robot_program(&robot, Quantity::YFXX, hamiltonian, &Options { only: true, ..Options::default() })
+        robot_program(&robot, Quantity::YFXX, hamiltonian, &ProgramOptions::default().with_only(true))
             .unwrap();
     let arguments = ["codegen", "robots/two_link.toml", "--quantity", "y_f_xx", "--only"];
     let output = costate(&arguments, b"");
     assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
     assert_eq!(stdout(&output), program.to_rust(&RustOptions::default()).unwrap());
-    let program = robot_program(&robot, Quantity::F, lagrangian, &Options::default()).unwrap();
+    let program = robot_program(&robot, Quantity::F, lagrangian, &ProgramOptions::default()).unwrap();
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("two_link.c");
     let path = file.to_str().unwrap();
     let arguments = ["codegen", "robots/two_link.toml", "--quantity", "f", "--coordinates", "lagrangian"];
@@ -27,15 +27,19 @@ fn codegen_writes_what_the_library_does() {
 fn codegen_says_why_it_writes_nothing() {
     for (quantity, more, reason) in [
         ("f_x", ["--limit", "100"], "the limit is 100"),
-        ("y_f_x", ["--coordinates", "lagrangian"], "there are: f, f_x, y_f_xx"),
+        ("y_f_x", ["--coordinates", "lagrangian"], "available: f, f_x, y_f_xx"),
         ("momentum", ["--lang", "c"], "mass_matrix"),
-        ("f", ["--problem", "examples/problems/ur5_reach.toml"], "--problem goes with --quantity pontryagin"),
+        (
+            "f",
+            ["--problem", "examples/problems/ur5_reach.toml"],
+            "--problem can only be used with --quantity pontryagin",
+        ),
         (
             "pontryagin",
             ["--problem", "examples/problems/two_link.toml"],
             "robot 'two_link' is not the robot 'ur5",
         ),
-        ("pontryagin", ["--coordinates", "lagrangian"], "--coordinates lagrangian does not go with"),
+        ("pontryagin", ["--coordinates", "lagrangian"], "--coordinates lagrangian cannot be used with"),
         ("pontryagin_rate", ["--limit", "10"], "the limit is 10"),
         ("f", ["-o", "nowhere/at/all.rs"], "nowhere/at/all.rs"),
     ] {
@@ -52,8 +56,7 @@ fn codegen_writes_the_extremals_of_a_problem_file() {
     use costate_control::{Bounds, Problem, ProgramOf, pontryagin_program};
     let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
     let plain = Problem::rest_to_rest(robot, &[0.0; 2], &[0.0; 2], 1.0);
-    let bounds = Some(Bounds { u_min: vec![-12.0, -5.0], u_max: vec![12.0, 5.0] });
-    let bounded = Problem { bounds, ..plain.clone() };
+    let bounded = plain.clone().with_bounds(Bounds { u_min: vec![-12.0, -5.0], u_max: vec![12.0, 5.0] });
     let asked = ["--problem", "examples/problems/two_link_bounded.toml"];
     for (quantity, more, problem, of) in [
         ("pontryagin", &[][..], &plain, ProgramOf::Jacobian),

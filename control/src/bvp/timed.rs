@@ -1,6 +1,6 @@
 //! Extremals on a fixed range of a scaled time, durations among the unknowns.
 
-use crate::extremal::{Extremal, Law, Rate, Side};
+use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms};
 use costate::EvalError;
 
 /// What is known about the time.
@@ -18,9 +18,9 @@ pub(crate) enum Clock {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Arcs {
     /// Where the controls stand on each arc; `None` where the maximum decides.
-    pub sides: Vec<Option<Vec<Side>>>,
+    pub sides: Vec<Option<Vec<BoundSide>>>,
     /// Between two arcs: the control that leaves or reaches a bound, and its sides.
-    pub switches: Vec<(usize, (Side, Side))>,
+    pub switches: Vec<(usize, (BoundSide, BoundSide))>,
 }
 
 impl Arcs {
@@ -29,8 +29,8 @@ impl Arcs {
         Self { sides: vec![None], switches: Vec::new() }
     }
 
-    pub fn law(&self, arc: usize) -> Law<'_> {
-        self.sides[arc].as_deref().map_or(Law::Maximal, Law::Given)
+    pub fn law(&self, arc: usize) -> ControlLaw<'_> {
+        self.sides[arc].as_deref().map_or(ControlLaw::Maximal, ControlLaw::Given)
     }
 }
 
@@ -79,9 +79,9 @@ impl<'a, E: Extremal> Timed<'a, E> {
     }
 
     /// dw/ds.
-    pub fn rate(&mut self, w: &[f64], arc: usize, g: &mut [f64]) -> Result<Rate, EvalError> {
+    pub fn evaluate(&mut self, w: &[f64], arc: usize, g: &mut [f64]) -> Result<HamiltonianTerms, EvalError> {
         let (z, duration) = (self.z_len(), self.duration(w));
-        let rate = self.extremal.rate(&w[..z], self.arcs.law(arc), &mut g[..z])?;
+        let rate = self.extremal.evaluate(&w[..z], self.arcs.law(arc), &mut g[..z])?;
         self.scale(duration, g);
         Ok(rate)
     }
@@ -97,16 +97,16 @@ impl<'a, E: Extremal> Timed<'a, E> {
     }
 
     /// dw/ds and its Jacobian, m x m.
-    pub fn linear(
+    pub fn linearise(
         &mut self,
         w: &[f64],
         arc: usize,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
+    ) -> Result<HamiltonianTerms, EvalError> {
         let (z, m, duration) = (self.z_len(), self.len(), self.duration(w));
         let law = self.arcs.law(arc);
-        let rate = self.extremal.linear(&w[..z], law, &mut g[..z], &mut self.small)?;
+        let rate = self.extremal.linearise(&w[..z], law, &mut g[..z], &mut self.small)?;
         jacobian.fill(0.0);
         for i in 0..z {
             let (row, small) = (&mut jacobian[i * m..(i + 1) * m], &self.small[i * z..(i + 1) * z]);
@@ -145,8 +145,8 @@ impl<'a, E: Extremal> Timed<'a, E> {
             Clock::Fixed(_) => {}
             Clock::Free => {
                 let last = self.arcs.sides.len() - 1;
-                let law = self.arcs.sides[last].as_deref().map_or(Law::Maximal, Law::Given);
-                let rate = self.extremal.rate(&w[..z], law, &mut self.gradient)?;
+                let law = self.arcs.sides[last].as_deref().map_or(ControlLaw::Maximal, ControlLaw::Given);
+                let rate = self.extremal.evaluate(&w[..z], law, &mut self.gradient)?;
                 residual[states] = rate.hamiltonian;
                 let row = &mut jacobian[states * m..(states + 1) * m];
                 for i in 0..states {

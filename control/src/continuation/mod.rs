@@ -9,7 +9,7 @@ mod walk;
 pub use parameter::Parameter;
 pub use points::{Branch, BranchEnd, BranchPoint, TurningPoint};
 
-use crate::options::{Method, Options};
+use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
 use crate::result::solution::Solution;
@@ -28,12 +28,12 @@ use walk::{Aim, Found, Walker};
 /// is a [`TurningPoint`], which is located before the walk goes on behind it.
 ///
 /// ```
-/// use costate_control::{BranchEnd, Continuation, Options, Parameter, Problem};
+/// use costate_control::{BranchEnd, Continuation, SolverOptions, Parameter, Problem};
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let branch = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, Options::default())?.follow();
+/// let branch = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, SolverOptions::default())?.follow();
 /// assert_eq!(branch.end, BranchEnd::Reached);
 /// let (first, last) = (&branch.points[0], &branch.solution);
 /// assert!((first.cost - 6.0 * std::f64::consts::PI.powi(2)).abs() < 1e-7);
@@ -44,7 +44,7 @@ pub struct Continuation<'a> {
     problem: &'a Problem,
     parameter: Parameter,
     ends: (f64, f64),
-    options: Options,
+    options: SolverOptions,
     start: Option<Trajectory>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> Continuation<'a> {
         parameter: Parameter,
         from: f64,
         to: f64,
-        options: Options,
+        options: SolverOptions,
     ) -> Result<Self, ProblemError> {
         options.check()?;
         for value in [from, to] {
@@ -112,7 +112,7 @@ impl<'a> Continuation<'a> {
         let first = self.parameter.apply(problem, self.ends.0).map_err(refused)?;
         let extremal = walk::extremal(problem, (self.parameter, self.ends.0), &self.options);
         let extremal = extremal.map_err(Status::from)?;
-        let options = Options { method: Method::Collocation, ..self.options.clone() };
+        let options = SolverOptions { method: Method::Collocation, ..self.options.clone() };
         let context = Context::new(&options, None);
         let (parameter, ends) = (self.parameter, self.ends);
         let mut walker = Walker { problem, parameter, ends, extremal, context };

@@ -1,7 +1,7 @@
 //! What a continuation can change, by name.
 
 use crate::problem::error::ProblemError;
-use crate::problem::{Problem, Time};
+use crate::problem::{FinalTime, Problem};
 use costate::robot::Robot;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -73,14 +73,14 @@ impl Parameter {
                 }
             }
             (Self::Bounds, _) => return refuse("the problem has no bounds; add [bounds]"),
-            (Self::FinalTime, Problem { time: Time::Fixed(time), .. }) => *time = value,
+            (Self::FinalTime, Problem { time: FinalTime::Fixed(time), .. }) => *time = value,
             (Self::FinalTime, _) => return refuse("the final time is free; give time.final"),
             (Self::Gravity, Problem { robot, .. }) => {
                 let gravity = (robot.gravity() * value).into();
                 self.replace(robot, robot.with_gravity(gravity).map_err(|error| error.to_string()), value)?;
             }
             (Self::Armature, Problem { robot, .. }) => {
-                let armature = robot.armature() * value;
+                let armature = robot.armature_matrix() * value;
                 let new = robot.with_armature(armature).map_err(|error| error.to_string());
                 self.replace(robot, new, value)?;
             }

@@ -5,8 +5,8 @@ use super::walk::{Aim, Found, Walker};
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock, Timed};
-use crate::extremal::{Ease, Extremal};
-use crate::problem::{Problem, Time};
+use crate::extremal::{Homotopy, Relaxation};
+use crate::problem::{FinalTime, Problem};
 use crate::result::trajectory::Trajectory;
 use crate::search::guess::{Disturbance, RobotGuess, saved};
 use crate::search::{LOOSE, at_fixed_time};
@@ -21,15 +21,15 @@ const WIDE: f64 = 1000.0;
 
 impl Walker<'_> {
     /// The values of a solution at its nodes, on one arc; not yet solved.
-    pub fn extremum(&mut self, trajectory: &Trajectory, time: Time) -> Extremum {
+    pub fn extremum(&mut self, trajectory: &Trajectory, time: FinalTime) -> Extremum {
         // By its own times: a file may say anything about the final time.
         let duration =
             trajectory.t.last().zip(trajectory.t.first()).map_or(0.0, |(last, first)| last - first);
         let steps = trajectory.t.windows(2).map(|pair| (pair[1] - pair[0]) / duration);
         let mesh = Mesh::from_lengths([steps.filter(|&length| length > 0.0).collect()]);
         let clock = match time {
-            Time::Fixed(time) => Clock::Fixed(time),
-            Time::Free { .. } => Clock::Free,
+            FinalTime::Fixed(time) => Clock::Fixed(time),
+            FinalTime::Free { .. } => Clock::Free,
         };
         let (points, z) = (self.context.options.points, 4 * self.problem.robot.len());
         Extremum::guess(&mut self.extremal, (clock, Arcs::one()), mesh, points, |_, s, w| {
@@ -45,14 +45,14 @@ impl Walker<'_> {
             RobotGuess { problem, disturbance: Disturbance::default(), saved: None, momenta, path: None };
         let (extremal, context) = (&mut self.extremal, &mut self.context);
         let loose = LOOSE.max(context.options.tolerance);
-        extremal.set_ease(Ease { bounds: f64::INFINITY, ..Ease::NONE });
+        extremal.set_relaxation(Relaxation { bounds: f64::INFINITY, ..Relaxation::NONE });
         let at = at_fixed_time(extremal, problem.time, (1.0, &mut guess), context);
         let mut at = at.solve(extremal, loose, context);
-        if let Time::Free { .. } = problem.time {
+        if let FinalTime::Free { .. } = problem.time {
             at = free_time(at, extremal, loose, context);
         }
         at = follow(at, extremal, context, |extremal, s| {
-            extremal.set_ease(Ease { bounds: WIDE.powf(1.0 - s), ..Ease::NONE });
+            extremal.set_relaxation(Relaxation { bounds: WIDE.powf(1.0 - s), ..Relaxation::NONE });
         });
         if at.status.is_converged() { Ok(at) } else { Err(at.status) }
     }

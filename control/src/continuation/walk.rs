@@ -8,9 +8,9 @@ use crate::bvp::collocation::error::{estimate, next_mesh};
 use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::timed::{Arcs, Clock, Timed};
 use crate::bvp::{Failure, Solvable};
-use crate::extremal::Extremal;
 use crate::extremal::hamiltonian::RobotExtremal;
-use crate::options::Options;
+use crate::extremal::{BoundaryValueProblem, Homotopy};
+use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::search::LOOSE;
 use crate::solve::arcs::solve_arcs;
@@ -119,7 +119,7 @@ impl Walker<'_> {
             let (clock, arcs, equations) = (timed.clock, timed.arcs.clone(), bordered.inner);
             if estimated.largest() <= tolerance {
                 let estimate = Some(estimated);
-                let ease = timed.extremal.ease();
+                let ease = timed.extremal.relaxation();
                 let extremum = Extremum { equations, clock, arcs, status: Status::Converged, ease, estimate };
                 return Ok(Found { extremum, position, slope, bend: bend.unwrap_or(0.0) });
             }
@@ -132,7 +132,7 @@ impl Walker<'_> {
             before = Some(estimated.largest());
             let sample = |arc: usize, s: f64, w: &mut [f64]| equations.sample(arc, s, w);
             let finer = Collocation::new(&timed, mesh, points, sample);
-            let ease = timed.extremal.ease();
+            let ease = timed.extremal.relaxation();
             at = Extremum {
                 equations: finer,
                 clock,
@@ -279,11 +279,12 @@ const FLAT: f64 = 1e-5;
 pub(crate) fn extremal(
     problem: &Problem,
     (parameter, value): (Parameter, f64),
-    options: &Options,
+    options: &SolverOptions,
 ) -> Result<RobotExtremal, Failure> {
     let refused = |error: String| Failure::OutOfRange(error);
     let changed = parameter.apply(problem, value).map_err(|error| refused(error.to_string()))?;
-    let mut extremal = RobotExtremal::new(&changed, options.jacobian)?;
+    let changed = changed.check().map_err(|error| refused(error.to_string()))?;
+    let mut extremal = RobotExtremal::new(changed, options.jacobian)?;
     if parameter == Parameter::Smoothing {
         extremal.smooth(value);
     }

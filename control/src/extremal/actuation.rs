@@ -1,13 +1,14 @@
 //! The control that makes the Hamiltonian greatest.
 
-use crate::extremal::{Ease, Law, Side};
-use crate::problem::Problem;
+use crate::extremal::relaxation::smoothing_price;
+use crate::extremal::{BoundSide, ControlLaw, Relaxation};
+use crate::problem::{Bounds, Problem};
 use costate::scalar::Scalar;
 
 /// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
 /// at the nearest point to the free maximum.
 ///
-/// Controls that cost nothing jump from bound to bound. To lead there smoothly, an [eased](Ease) problem gives them the cost
+/// Controls that cost nothing jump from bound to bound. To lead there smoothly, an [eased](Relaxation) problem gives them the cost
 /// `r w^2 ( s artanh s + 1/2 log(1 - s^2) )`, s = (u - middle)/w with w half the distance between the bounds: near the middle
 /// that is `1/2 r (u - middle)^2`, and the maximum is at `u = middle + w tanh(b y_p / (r w))`.
 #[derive(Clone, Debug)]
@@ -32,11 +33,6 @@ pub(crate) fn half_width((low, high): (f64, f64)) -> f64 {
     }
 }
 
-/// What a unit of smoothing costs in a unit of time: c_t, or 1.
-pub(crate) fn price(time_cost: f64) -> f64 {
-    if time_cost > 0.0 { time_cost } else { 1.0 }
-}
-
 /// A control as it acts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control<S> {
@@ -52,47 +48,43 @@ pub(crate) struct Control<S> {
 impl Actuation {
     /// That of a problem.
     pub fn new(problem: &Problem) -> Self {
-        let n = problem.robot.len();
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let bounds = match &problem.bounds {
-            Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),
-            None => vec![free; n],
-        };
-        let (gain, effort) = (problem.gain.clone(), problem.cost.effort.clone());
-        Self { gain, effort, bounds, smooth: vec![None; n] }
+        Self::of_parts(problem.gain.clone(), problem.cost.effort.clone(), problem.bounds.as_ref())
     }
 
-    /// Wider bounds than asked for, and a cost for controls that have none: at `ease.effort = 1` that of staying at a bound
+    /// With these gains b_i, weights r_i and bounds.
+    pub fn of_parts(gain: Vec<f64>, effort: Vec<f64>, bounds: Option<&Bounds>) -> Self {
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let bounds = match bounds {
+            Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),
+            None => vec![free; effort.len()],
+        };
+        Self { smooth: vec![None; effort.len()], gain, effort, bounds }
+    }
+
+    /// Wider bounds than original for, and a cost for controls that have none: at `relaxation.effort = 1` that of staying at a bound
     /// is about the price of time.
-    pub fn ease(&mut self, asked: &Self, time_cost: f64, ease: Ease) {
-        let price = price(time_cost);
-        for (i, &(low, high)) in asked.bounds.iter().enumerate() {
+    pub fn relax(&mut self, original: &Self, time_cost: f64, relaxation: Relaxation) {
+        let price = smoothing_price(time_cost);
+        for (i, &(low, high)) in original.bounds.iter().enumerate() {
             let (middle, half) = (0.5 * (low + high), half_width((low, high)));
-            let further = (ease.bounds - 1.0) * half;
-            self.bounds[i] = if ease.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
-            (self.effort[i], self.smooth[i]) = match asked.effort[i] {
-                0.0 if ease.effort > 0.0 => {
-                    (ease.effort * 2.0 * price / (half * half), Some((middle, ease.bounds * half)))
+            let further = (relaxation.bounds - 1.0) * half;
+            self.bounds[i] =
+                if relaxation.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
+            (self.effort[i], self.smooth[i]) = match original.effort[i] {
+                0.0 if relaxation.effort > 0.0 => (
+                    relaxation.effort * 2.0 * price / (half * half),
+                    Some((middle, relaxation.bounds * half)),
+                ),
+                effort => {
+                    (effort, original.smooth[i].map(|(middle, width)| (middle, relaxation.bounds * width)))
                 }
-                effort => (effort, asked.smooth[i].map(|(middle, width)| (middle, ease.bounds * width))),
             };
         }
     }
 
-    /// The bounds that a control reaches: none where the actuation asked for has the smooth cost, which nears them only.
-    pub fn reached_bounds(&self, asked: &Self, i: usize) -> (f64, f64) {
-        if asked.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
-    }
-
-    /// What can be made easier about this actuation and the way to the end, and about penalties where there are some.
-    pub fn easiest(&self, penalties: bool) -> Ease {
-        let bounded = self.bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite());
-        Ease {
-            goal: 0.1,
-            penalty: if penalties { 0.0 } else { 1.0 },
-            effort: if self.effort.contains(&0.0) { 1.0 } else { 0.0 },
-            bounds: if bounded { f64::INFINITY } else { 1.0 },
-        }
+    /// The bounds that a control reaches: none where the actuation original for has the smooth cost, which nears them only.
+    pub fn reached_bounds(&self, original: &Self, i: usize) -> (f64, f64) {
+        if original.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
     }
 
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
@@ -103,19 +95,19 @@ impl Actuation {
     }
 
     /// u_i and what goes with it.
-    pub fn control(&self, i: usize, y_p: f64, law: Law<'_>) -> Control<f64> {
+    pub fn control(&self, i: usize, y_p: f64, law: ControlLaw<'_>) -> Control<f64> {
         let sides = match (law, self.smooth[i]) {
-            (Law::Maximal, None) => return self.maximal(i, y_p),
-            (Law::Maximal, Some((middle, width))) => {
+            (ControlLaw::Maximal, None) => return self.maximal(i, y_p),
+            (ControlLaw::Maximal, Some((middle, width))) => {
                 return self.smoothed(i, self.unbounded(i, y_p) - middle, (middle, width));
             }
-            (Law::Given(sides), _) => sides,
+            (ControlLaw::Given(sides), _) => sides,
         };
         let (low, high) = self.bounds[i];
         let (u, slope) = match sides[i] {
-            Side::Low => (low, 0.0),
-            Side::Inside => (self.unbounded(i, y_p), self.effort[i].recip()),
-            Side::High => (high, 0.0),
+            BoundSide::Low => (low, 0.0),
+            BoundSide::Inside => (self.unbounded(i, y_p), self.effort[i].recip()),
+            BoundSide::High => (high, 0.0),
         };
         Control { u, slope, cost: 0.5 * self.effort[i] * u * u, smoothing: 0.0 }
     }
@@ -156,13 +148,13 @@ impl Actuation {
     }
 
     /// `b_i y_p,i - r_i u_i` at the bound that is reached or left, and its slope in y_p,i; between two bounds `b_i y_p,i`.
-    pub fn switching(&self, i: usize, sides: (Side, Side), y_p: f64) -> (f64, f64) {
+    pub fn switching(&self, i: usize, sides: (BoundSide, BoundSide), y_p: f64) -> (f64, f64) {
         let (low, high) = self.bounds[i];
         let bound = match sides {
-            (Side::Low, Side::High) | (Side::High, Side::Low) => 0.0,
-            (Side::Low, _) | (_, Side::Low) => low,
-            (Side::High, _) | (_, Side::High) => high,
-            (Side::Inside, Side::Inside) => 0.0,
+            (BoundSide::Low, BoundSide::High) | (BoundSide::High, BoundSide::Low) => 0.0,
+            (BoundSide::Low, _) | (_, BoundSide::Low) => low,
+            (BoundSide::High, _) | (_, BoundSide::High) => high,
+            (BoundSide::Inside, BoundSide::Inside) => 0.0,
         };
         (self.gain[i] * y_p - self.effort[i] * bound, self.gain[i])
     }

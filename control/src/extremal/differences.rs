@@ -1,16 +1,21 @@
 //! Jacobians by central differences, for comparison.
 
-use crate::extremal::{Extremal, Law};
+use crate::extremal::{BoundaryValueProblem, ControlLaw};
 use costate::EvalError;
 
 /// An extremal with buffers for differences of its right-hand side.
-pub(crate) trait Differenced: Extremal {
+pub(crate) trait Differenced: BoundaryValueProblem {
     fn differences(&mut self) -> &mut Differences;
 
     /// The Jacobian by central differences of the right-hand side.
-    fn by_differences(&mut self, z: &[f64], law: Law<'_>, jacobian: &mut [f64]) -> Result<(), EvalError> {
+    fn by_differences(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        jacobian: &mut [f64],
+    ) -> Result<(), EvalError> {
         let mut differences = std::mem::take(self.differences());
-        let outcome = differences.jacobian(z, jacobian, |z, g| self.rate(z, law, g).map(|_| ()));
+        let outcome = differences.jacobian(z, jacobian, |z, g| self.evaluate(z, law, g).map(|_| ()));
         *self.differences() = differences;
         outcome
     }

@@ -2,8 +2,9 @@
 
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{RobotExtremal, with_hamiltonian};
-use crate::extremal::{Ease, Extremal, Law, Rate, Side};
-use crate::options::Jacobian;
+use crate::extremal::wrapped::{Hooks, Wrapped};
+use crate::extremal::{BoundaryValueProblem, ControlLaw, HamiltonianTerms, Homotopy, Relaxation};
+use crate::options::JacobianRoute;
 use crate::problem::Problem;
 use crate::problem::error::SourceError;
 use costate::EvalError;
@@ -16,7 +17,7 @@ use costate::EvalError;
 /// not finite, the library computes. Ends, controls and bounds are those of [`RobotExtremal`].
 ///
 /// ```
-/// use costate_control::{GeneratedExtremal, Options, Problem, ProgramOf, Time, pontryagin_program, solve_extremal};
+/// use costate_control::{GeneratedExtremal, SolverOptions, Problem, ProgramOf, FinalTime, pontryagin_program, solve_extremal};
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
@@ -40,17 +41,17 @@ use costate::EvalError;
 ///     |z, z_t, l| run(&rate, z, &mut [z_t, l], &mut work),
 ///     |z, z_t, l, z_t_z| run(&linear, z, &mut [z_t, l, z_t_z], &mut other),
 /// )?;
-/// let motion = solve_extremal(&mut extremal, Time::Fixed(1.0), &Options::default(), |s, z| z[0] = s).motion;
+/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s);
 /// assert!(motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+pub type GeneratedExtremal<R, L> = Wrapped<RobotExtremal, GeneratedEquations<R, L>>;
+
+/// The functions of a [`GeneratedExtremal`].
 #[derive(Clone, Debug)]
-pub struct GeneratedExtremal<R, L> {
-    library: RobotExtremal,
+pub struct GeneratedEquations<R, L> {
     rate: R,
     linear: L,
-    /// Whether the problem is itself.
-    itself: bool,
 }
 
 impl<R, L> GeneratedExtremal<R, L>
@@ -63,112 +64,55 @@ where
     /// # Errors
     /// A problem that [cannot be posed](Problem::check), or a mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, rate: R, linear: L) -> Result<Self, SourceError> {
-        problem.check()?;
-        let library = RobotExtremal::new(problem, Jacobian::Exact)?;
-        Ok(Self { library, rate, linear, itself: true })
-    }
-
-    fn is_generated(&self, law: Law<'_>) -> bool {
-        self.itself && law == Law::Maximal
+        let inner = RobotExtremal::new(problem.check()?, JacobianRoute::Exact)?;
+        Ok(Self { inner, hooks: GeneratedEquations { rate, linear } })
     }
 }
 
-impl<R, L> Extremal for GeneratedExtremal<R, L>
+/// Whether generated code computes these equations: those of the original problem, or of one with a nearer end.
+fn is_generated(library: &RobotExtremal, law: ControlLaw<'_>) -> bool {
+    let equations = Relaxation { goal: 1.0, ..library.relaxation() };
+    equations == Relaxation::NONE && law == ControlLaw::Maximal
+}
+
+impl<R, L> Hooks<RobotExtremal> for GeneratedEquations<R, L>
 where
     R: FnMut(&[f64], &mut [f64], &mut [f64]),
     L: FnMut(&[f64], &mut [f64], &mut [f64], &mut [f64]),
 {
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
-        if self.is_generated(law) {
+    fn evaluate(
+        &mut self,
+        library: &mut RobotExtremal,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if is_generated(library, law) {
             let mut l = [0.0; 2];
             (self.rate)(z, g, &mut l);
             if all_finite(g) && all_finite(&l) {
                 return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
-        self.library.rate(z, law, g)
+        library.evaluate(z, law, g)
     }
 
-    fn linear(
+    fn linearise(
         &mut self,
+        library: &mut RobotExtremal,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
-        if self.is_generated(law) {
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if is_generated(library, law) {
             let mut l = [0.0; 2];
             (self.linear)(z, g, &mut l, jacobian);
             if all_finite(g) && all_finite(&l) && all_finite(jacobian) {
                 return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
             }
         }
-        self.library.linear(z, law, g, jacobian)
-    }
-
-    fn ease(&self) -> Ease {
-        self.library.ease()
-    }
-
-    fn set_ease(&mut self, ease: Ease) {
-        self.itself = Ease { goal: 1.0, ..ease } == Ease::NONE;
-        self.library.set_ease(ease);
-    }
-
-    fn states(&self) -> usize {
-        self.library.states()
-    }
-
-    fn controls(&self) -> usize {
-        self.library.controls()
-    }
-
-    fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.library.start(z, residual, jacobian)
-    }
-
-    fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        self.library.end(z, residual, jacobian)
-    }
-
-    fn time_cost(&self) -> f64 {
-        self.library.time_cost()
-    }
-
-    fn ends_are_fixed(&self) -> bool {
-        self.library.ends_are_fixed()
-    }
-
-    fn easiest(&self) -> Ease {
-        self.library.easiest()
-    }
-
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        self.library.stretch(z, factor);
-    }
-
-    fn group(&self, component: usize) -> usize {
-        self.library.group(component)
-    }
-
-    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
-        self.library.unbounded_controls(z, u);
-    }
-
-    fn bounds(&self, control: usize) -> (f64, f64) {
-        self.library.bounds(control)
-    }
-
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
-        self.library.switching(control, sides, z, gradient)
-    }
-
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
-        self.library.controls_at(z, law, u);
-    }
-
-    fn state_rate(&mut self, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-        self.library.state_rate(x, u, f)
+        library.linearise(z, law, g, jacobian)
     }
 }
 
@@ -182,15 +126,15 @@ mod tests {
     use costate::robot::Robot;
 
     #[test]
-    fn an_eased_problem_says_that_it_is() {
+    fn a_relaxed_problem_reports_its_relaxation() {
         let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
         let problem = Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0);
         let unused = |_: &[f64], _: &mut [f64], _: &mut [f64]| {};
         let also = |_: &[f64], _: &mut [f64], _: &mut [f64], _: &mut [f64]| {};
         let mut extremal = GeneratedExtremal::new(&problem, unused, also).unwrap();
-        assert_eq!(extremal.ease(), Ease::NONE);
-        let eased = Ease { goal: 0.5, ..Ease::NONE };
-        extremal.set_ease(eased);
-        assert_eq!(extremal.ease(), eased);
+        assert_eq!(extremal.relaxation(), Relaxation::NONE);
+        let relaxed = Relaxation { goal: 0.5, ..Relaxation::NONE };
+        extremal.set_relaxation(relaxed);
+        assert_eq!(extremal.relaxation(), relaxed);
     }
 }

@@ -59,7 +59,7 @@ impl ProgramOf {
 /// # Errors
 /// A problem that [cannot be posed](Problem::check).
 pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, SourceError> {
-    problem.check()?;
+    let problem = problem.check()?.problem();
     let robot = &problem.robot;
     let n = robot.len();
     let name = name_from(&format!("{} {}", robot.name(), of.name()));
@@ -72,10 +72,10 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
         let mut rate = vec![Expr::zero(); 4 * n];
         let mut matrix = Vec::new();
         let l = match of {
-            ProgramOf::Rate => equations.rate(&z, control, &mut rate),
+            ProgramOf::Rate => equations.evaluate(&z, control, &mut rate),
             ProgramOf::Jacobian => {
                 matrix.resize(16 * n * n, Expr::zero());
-                equations.linear(&z, control, true, (&mut rate, &mut matrix))
+                equations.linearise(&z, control, true, (&mut rate, &mut matrix))
             }
         };
         let l = l.map_err(CodegenError::Eval)?;

@@ -91,14 +91,14 @@ impl UserTerms<f64> {
 mod tests {
     use crate::path::{Wish, lowest_path};
     use crate::search::guess::Disturbance;
-    use crate::{Options, Problem, RunningCost, Solver, UserTerm};
+    use crate::{Problem, RunningCost, Solver, SolverOptions, UserTerm};
     use costate::robot::Robot;
     use costate::scalar::Scalar;
 
     struct Springs;
 
     impl RunningCost for Springs {
-        fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+        fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
             q.iter()
                 .zip(v)
                 .fold(S::zero(), |sum, (&q, &v)| sum + q * q.times(20.0) + (v * v).times(3.0) + q * v)
@@ -114,7 +114,7 @@ mod tests {
         for v_free in [vec![], vec![1]] {
             problem.start.v_free = v_free;
             let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
-            let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+            let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
             assert!(solution.motion.status.is_converged());
             let cost = solution.motion.cost;
             assert!((path.cost() - cost).abs() < 2e-3 * cost, "{} {cost}", path.cost());

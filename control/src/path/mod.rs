@@ -15,7 +15,7 @@ mod spline;
 
 pub(crate) use costates::Path;
 
-use crate::extremal::actuation::price;
+use crate::extremal::relaxation::smoothing_price;
 use crate::options::Iteration;
 use crate::problem::Problem;
 use crate::search::PATH;
@@ -32,7 +32,7 @@ const ROUNDS: [(f64, f64); 3] = [(1.0, 1e-2), (10.0, 0.1), (100.0, 1.0)];
 /// For what a path is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wish {
-    /// Weight of the effort of controls that cost nothing, as in [`Ease`](crate::Ease).
+    /// Weight of the effort of controls that cost nothing, as in [`Relaxation`](crate::Relaxation).
     pub smoothing: f64,
     /// Part of the penalties and of user terms.
     pub penalty: f64,
@@ -87,7 +87,7 @@ pub(crate) fn lowest_path(
 impl Objective {
     /// Costs of the controls: those that cost nothing weighted by `smoothing`, bounds as stiff as said.
     fn set_control_costs(&mut self, problem: &Problem, smoothing: f64, stiffness: f64) {
-        let price = price(problem.cost.time);
+        let price = smoothing_price(problem.cost.time);
         for (cost, &effort) in self.controls.iter_mut().zip(&problem.cost.effort) {
             let (low, high) = cost.bounds;
             let half = 0.5 * (high - low);
@@ -127,7 +127,7 @@ mod tests {
         let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.5], 1.2);
         let wish = Wish { smoothing: 0.0, penalty: 1.0, halvings: 0 };
         let mut path = lowest_path(&problem, &Disturbance::default(), wish, |_| {}).unwrap();
-        let solution = crate::Solver::new(&problem, crate::Options::default()).unwrap().solve();
+        let solution = crate::Solver::new(&problem, crate::SolverOptions::default()).unwrap().solve();
         assert!(
             (path.cost() - solution.motion.cost).abs() < 1e-3 * solution.motion.cost,
             "{} {}",

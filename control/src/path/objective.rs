@@ -6,7 +6,7 @@ use super::spline::{ACTIVE, Basis};
 use crate::extremal::actuation::Actuation;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
-use crate::problem::{Problem, Time};
+use crate::problem::{FinalTime, Problem};
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 
@@ -66,7 +66,7 @@ impl Objective {
             terms: UserTerms::new(n, &problem.terms),
             dynamics: LagrangianSecondOrder::new(&problem.robot),
             time_cost: problem.cost.time,
-            time_is_free: matches!(problem.time, Time::Free { .. }),
+            time_is_free: matches!(problem.time, FinalTime::Free { .. }),
             z: [vec![0.0; 3 * n], vec![0.0; 3 * n], vec![0.0; 3 * n]],
             first: vec![0.0; 3 * n],
             second: vec![0.0; 9 * n * n],

@@ -1,77 +1,70 @@
-//! What can be wrong with a problem.
+//! Errors of a problem.
 
+use crate::problem::key::Key;
 use costate::EvalError;
 use costate::codegen::CodegenError;
+use std::fmt;
 
-/// Why a problem was refused; names the key of the problem file and the joint.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason) give each.
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ProblemError {
     /// A list of the wrong length.
-    #[error("{key} has {found} entries, the robot has {expected} joints: give one for each")]
     WrongLength {
-        /// The key.
-        key: &'static str,
+        /// The field.
+        key: Key,
         /// Number of joints.
         expected: usize,
         /// Length found.
         found: usize,
     },
-    /// An entry that is infinite or undefined.
-    #[error("{key}: the entry of joint '{joint}' is not finite")]
+    /// An infinite or undefined entry.
     NotFinite {
-        /// The key.
-        key: &'static str,
+        /// The field.
+        key: Key,
         /// The joint.
         joint: String,
     },
-    /// A limit that is undefined.
-    #[error("{key}: the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit")]
+    /// An undefined limit.
     NotANumber {
-        /// The key.
-        key: &'static str,
+        /// The field.
+        key: Key,
         /// The joint.
         joint: String,
     },
     /// A joint that the robot does not have.
-    #[error("{key} names joint {joint}, but the joints are numbered from 0 to {last}", last = n - 1)]
     UnknownJoint {
-        /// The key.
-        key: &'static str,
-        /// The number given.
-        joint: usize,
-        /// Number of joints.
-        n: usize,
+        /// The field.
+        key: Key,
+        /// Name or index that was given.
+        joint: String,
+        /// Names of the joints.
+        joints: Vec<String>,
     },
     /// A number that must be positive.
-    #[error("{key} = {value} must be positive and finite")]
     NotPositive {
-        /// The key.
-        key: &'static str,
+        /// The field.
+        key: Key,
         /// Its value.
         value: f64,
     },
     /// A number that must not be negative.
-    #[error("{key}{of} = {value} must not be negative, nor infinite", of = of_joint(.joint))]
     Negative {
-        /// The key.
-        key: &'static str,
-        /// The joint, where it is a list.
+        /// The field.
+        key: Key,
+        /// The joint, if the field is a list.
         joint: Option<String>,
         /// Its value.
         value: f64,
     },
-    /// A free final time that costs nothing.
-    #[error("time.free needs cost.time > 0: without a price of time the best motion takes for ever")]
+    /// A free final time without a cost of time.
     FreeTimeWithoutCost,
-    /// A control that does nothing.
-    #[error("actuation.gain of joint '{joint}' is zero: its control would do nothing")]
+    /// A control without effect.
     NoGain {
         /// The joint.
         joint: String,
     },
-    /// Bounds that leave nothing between them.
-    #[error("bounds.u_min = {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}")]
+    /// Bounds with nothing between them.
     EmptyBounds {
         /// The joint.
         joint: String,
@@ -80,8 +73,7 @@ pub enum ProblemError {
         /// Upper bound.
         u_max: f64,
     },
-    /// A range of positions that leaves nothing.
-    #[error("penalty.q_min = {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}")]
+    /// An empty range of positions.
     EmptyRange {
         /// The joint.
         joint: String,
@@ -91,64 +83,142 @@ pub enum ProblemError {
         q_max: f64,
     },
     /// A control that costs nothing and is not bounded on both sides.
-    #[error(
-        "cost.effort of joint '{joint}' is zero and it is not bounded on both sides: give it a weight, or finite \
-         bounds.u_min and bounds.u_max"
-    )]
     UnboundedEffort {
         /// The joint.
         joint: String,
     },
     /// A fixed time and no effort.
-    #[error(
-        "cost.effort is zero for all joints and time.final is fixed: nothing is left to minimise; give efforts, or free the time"
-    )]
     NothingToMinimise,
     /// An option out of range.
-    #[error("solver.{key} = {value}: {remedy}")]
     BadOption {
-        /// The key.
+        /// The field of [`SolverOptions`](crate::SolverOptions).
         key: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The valid range.
         remedy: &'static str,
     },
-    /// A continuation in a parameter that the problem does not have, or to a value that it must not have.
-    #[error("continuation to {parameter} = {value}: {reason}")]
+    /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
         /// Name of the parameter.
         parameter: &'static str,
         /// The value.
         value: f64,
-        /// What is wrong with it, and what to do.
+        /// The cause and its remedy.
         reason: String,
     },
     /// A saved solution of another robot.
-    #[error("start_from.file holds a motion of {found} joints, the robot has {expected}")]
     OtherRobot {
         /// Number of joints.
         expected: usize,
-        /// Number of joints in the file.
+        /// Number of joints of the saved solution.
         found: usize,
     },
 }
 
-/// Why the equations of a problem were not recorded, or not taken from generated code.
+impl ProblemError {
+    /// The field at fault; `None` for a continuation.
+    pub fn key(&self) -> Option<Key> {
+        Some(match *self {
+            Self::WrongLength { key, .. }
+            | Self::NotFinite { key, .. }
+            | Self::NotANumber { key, .. }
+            | Self::UnknownJoint { key, .. }
+            | Self::NotPositive { key, .. }
+            | Self::Negative { key, .. } => key,
+            Self::FreeTimeWithoutCost => Key::FREE_TIME,
+            Self::NoGain { .. } => Key::GAIN,
+            Self::EmptyBounds { .. } => Key::U_MIN,
+            Self::EmptyRange { .. } => Key::Q_MIN,
+            Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
+            Self::BadOption { key, .. } => Key::solver(key),
+            Self::OtherRobot { .. } => Key::START_FROM,
+            Self::Continuation { .. } => return None,
+        })
+    }
+
+    /// The reason and the remedy, without the field.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::WrongLength { expected, found, .. } => {
+                let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
+                format!("has {found}, the robot has {joints}: give one entry for each joint")
+            }
+            Self::NotFinite { joint, .. } => format!("the entry of joint '{joint}' is not finite"),
+            Self::NotANumber { joint, .. } => {
+                format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit")
+            }
+            Self::UnknownJoint { joint, joints, .. } => {
+                let last = joints.len().saturating_sub(1);
+                let names = joints.join(", ");
+                format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}")
+            }
+            Self::NotPositive { value, .. } => format!("must be positive and finite, but is {value}"),
+            Self::Negative { joint, value, .. } => {
+                let entry =
+                    joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' "));
+                format!("{entry}must be neither negative nor infinite, but is {value}")
+            }
+            Self::FreeTimeWithoutCost => {
+                "a free final time needs cost.time > 0, or a term of the running cost: otherwise the slowest motion \
+                 is the cheapest"
+                    .into()
+            }
+            Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect"),
+            Self::EmptyBounds { joint, u_min, u_max } => {
+                format!("the lower bound {u_min} of joint '{joint}' must be less than its upper bound {u_max}")
+            }
+            Self::EmptyRange { joint, q_min, q_max } => {
+                format!("the lower limit {q_min} of joint '{joint}' must be less than its upper limit {q_max}")
+            }
+            Self::UnboundedEffort { joint } => format!(
+                "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
+                 or finite bounds"
+            ),
+            Self::NothingToMinimise => {
+                "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
+                 the time"
+                    .into()
+            }
+            Self::BadOption { value, remedy, .. } => format!("{remedy}, but is {value}"),
+            Self::Continuation { parameter, value, reason } => {
+                format!("continuation to {parameter} = {value}: {reason}")
+            }
+            Self::OtherRobot { expected, found } => format!(
+                "the saved motion has {}, the robot has {expected}",
+                count(*found, "joint", "joints")
+            ),
+        }
+    }
+}
+
+impl fmt::Display for ProblemError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(key) = self.key() {
+            write!(f, "{}: ", key.field())?;
+        }
+        f.write_str(&self.reason())
+    }
+}
+
+impl std::error::Error for ProblemError {}
+
+/// "1 joint", "2 joints".
+fn count(number: usize, one: &str, more: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { more })
+}
+
+/// Why the equations of a problem were not recorded, or not replaced by generated code.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// The problem cannot be posed.
+    /// The problem is not valid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// The equations cannot be recorded.
     #[error(transparent)]
     Codegen(#[from] CodegenError),
-    /// The robot cannot stand at the start or the end.
+    /// The dynamics cannot be evaluated at the start or the end.
     #[error(transparent)]
     Eval(#[from] EvalError),
-}
-
-fn of_joint(joint: &Option<String>) -> String {
-    joint.as_ref().map_or_else(String::new, |joint| format!(" of joint '{joint}'"))
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// its gradient is `E'(l_q; l_v)` and its curvature enters the Jacobian of the extremals as `E' l_zz E`, z = (q, v), `E = [ 1 0 ; V ]`, `V = dv/dx`.
 ///
 /// ```
-/// use costate_control::{Options, Problem, RunningCost, Solver, UserTerm};
+/// use costate_control::{SolverOptions, Problem, RunningCost, Solver, UserTerm};
 /// use costate::robot::Robot;
 /// use costate::scalar::Scalar;
 ///
@@ -22,22 +22,22 @@ use std::sync::Arc;
 /// }
 ///
 /// impl RunningCost for Rates {
-///     fn eval<S: Scalar>(&self, _: &[S], v: &[S]) -> S {
+///     fn evaluate<S: Scalar>(&self, _: &[S], v: &[S]) -> S {
 ///         v.iter().fold(S::zero(), |sum, &v| sum + v * v).times(self.weight)
 ///     }
 /// }
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let mut problem = Problem::rest_to_rest(robot, &[0.0], &[0.5], 1.0);
-/// let cheap = Solver::new(&problem, Options::default())?.solve();
+/// let cheap = Solver::new(&problem, SolverOptions::default())?.solve();
 /// problem.terms.push(UserTerm::new(Rates { weight: 10.0 }));
-/// let slow = Solver::new(&problem, Options::default())?.solve();
+/// let slow = Solver::new(&problem, SolverOptions::default())?.solve();
 /// assert!(slow.status.is_converged() && slow.cost > cheap.cost);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait RunningCost: Send + Sync {
     /// l(q, v), in cost per second.
-    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S;
+    fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S;
 }
 
 /// A [`RunningCost`] as a [`Problem`](crate::Problem) holds it. Equal to its clones alone.
@@ -87,19 +87,19 @@ pub(crate) type Twice<S> = Tangent<Tangent<S>>;
 
 impl<C: RunningCost> Evaluated for C {
     fn value(&self, q: &[f64], v: &[f64]) -> f64 {
-        self.eval(q, v)
+        self.evaluate(q, v)
     }
     fn first(&self, q: &[Once<f64>], v: &[Once<f64>]) -> Once<f64> {
-        self.eval(q, v)
+        self.evaluate(q, v)
     }
     fn second(&self, q: &[Twice<f64>], v: &[Twice<f64>]) -> Twice<f64> {
-        self.eval(q, v)
+        self.evaluate(q, v)
     }
     fn recorded_first(&self, q: &[Once<Expr>], v: &[Once<Expr>]) -> Once<Expr> {
-        self.eval(q, v)
+        self.evaluate(q, v)
     }
     fn recorded_second(&self, q: &[Twice<Expr>], v: &[Twice<Expr>]) -> Twice<Expr> {
-        self.eval(q, v)
+        self.evaluate(q, v)
     }
 }
 

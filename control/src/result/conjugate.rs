@@ -204,7 +204,7 @@ impl Extremum {
         integrator
             .integrate(matrix.as_mut_slice(), (from, to), |t, columns, rates| {
                 self.equations.polynomial(span, t / h, &mut w);
-                extremal.linear(&w[..size], law, &mut g, &mut jacobian)?;
+                extremal.linearise(&w[..size], law, &mut g, &mut jacobian)?;
                 for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {
                     for (rate, row) in rate.iter_mut().zip(jacobian.chunks_exact(size)) {
                         *rate = costate::matrix::dot(row, column);

@@ -1,7 +1,7 @@
 //! Where controls reach or leave their bounds on a solution without arcs.
 
 use crate::bvp::mesh::Span;
-use crate::extremal::{Extremal, Side};
+use crate::extremal::{BoundSide, Extremal};
 use crate::solve::Extremum;
 use crate::solve::arcs::side_of;
 
@@ -14,7 +14,7 @@ impl Extremum {
         if count == 0 {
             return found;
         }
-        let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<Side> {
+        let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<BoundSide> {
             extremal.unbounded_controls(&w[..z_len], u);
             let side = |(i, &u): (usize, &f64)| side_of(u, extremal.bounds(i));
             u.iter().enumerate().map(side).collect()
@@ -76,5 +76,5 @@ const LOOKS: usize = 8;
 pub(crate) struct Crossing {
     pub time: f64,
     pub control: usize,
-    pub sides: (Side, Side),
+    pub sides: (BoundSide, BoundSide),
 }

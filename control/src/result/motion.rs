@@ -3,7 +3,7 @@
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Span;
 use crate::bvp::timed::Timed;
-use crate::extremal::{Ease, Extremal};
+use crate::extremal::{Extremal, Relaxation};
 use crate::options::Iteration;
 use crate::result::nodes::{Interpolant, Nodes};
 use crate::solve::Extremum;
@@ -140,7 +140,7 @@ impl Extremum {
         iterations: Vec<Iteration>,
         tolerance: f64,
     ) -> ExtremalSolution {
-        extremal.set_ease(self.ease);
+        extremal.set_relaxation(self.ease);
         let values = self.equations.current.clone();
         let mut timed = Timed::new(extremal, self.clock, self.arcs.clone());
         if let Err(failure) = self.equations.evaluate(&mut timed, &values)
@@ -154,7 +154,7 @@ impl Extremum {
         let end_state = if verifiable { self.integrated_again(extremal).ok() } else { None };
         let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
         let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
-        let smoothed = self.ease != Ease::NONE;
+        let smoothed = self.ease != Relaxation::NONE;
         let (conjugate, certificate) = if converged && !smoothed {
             self.second_variation(extremal)
         } else {

@@ -1,6 +1,6 @@
 //! The JSON form of a solution: what the command line prints and saves, and what a warm start reads.
 
-use crate::options::Options;
+use crate::options::SolverOptions;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::solution::{RobotNames, Solution, StartResult};
 use crate::result::trajectory::Trajectory;
@@ -82,7 +82,7 @@ struct Document {
     #[serde(default)]
     starts: Vec<SavedStart>,
     #[serde(default)]
-    options: Options,
+    options: SolverOptions,
     trajectory: Rows,
 }
 

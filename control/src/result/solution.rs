@@ -1,6 +1,6 @@
 //! What solving a problem of a robot gives.
 
-use crate::options::Options;
+use crate::options::SolverOptions;
 use crate::result::motion::Motion;
 use crate::result::trajectory::Trajectory;
 use crate::status::Status;
@@ -24,7 +24,7 @@ pub struct Solution {
     /// Each start in its order; the best of them is this solution.
     pub starts: Vec<StartResult>,
     /// The options it was solved with.
-    pub options: Options,
+    pub options: SolverOptions,
     /// The robot that moves.
     pub robot: RobotNames,
 }
@@ -84,7 +84,7 @@ impl Solution {
             newton_iterations: 0,
             trajectory: Trajectory::default(),
             starts: Vec::new(),
-            options: Options::default(),
+            options: SolverOptions::default(),
             robot: RobotNames::of(robot),
         }
     }

@@ -6,10 +6,10 @@ pub(crate) mod stages;
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock, Timed};
-use crate::extremal::{Ease, Extremal};
-use crate::options::{Options, Ways};
+use crate::extremal::{Extremal, Relaxation};
+use crate::options::{SolverOptions, Ways};
 use crate::path::{INTERVALS, Wish};
-use crate::problem::Time;
+use crate::problem::FinalTime;
 use crate::result::motion::ExtremalSolution;
 use crate::search::stages::{by_stages, to_the_problem_itself};
 use crate::solve::arcs::solve_arcs;
@@ -26,20 +26,22 @@ pub(crate) const LOOSE: f64 = 1e-4;
 /// With a free final time, first at the fixed time of the guess: at zero costates H* = 0 does not determine T.
 ///
 /// ```
-/// use costate_control::{Options, Time, solve_extremal};
-/// # use costate_control::{Extremal, Law, Rate};
+/// use costate_control::{SolverOptions, FinalTime, solve_extremal};
+/// # use costate_control::{BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy};
 /// # use costate::EvalError;
 /// # struct Line;
-/// # impl Extremal for Line {
+/// # impl BoundaryValueProblem for Line {
 /// #     fn states(&self) -> usize { 1 }
-/// #     fn rate(&mut self, z: &[f64], _: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+/// #     fn evaluate(&mut self, z: &[f64], _: ControlLaw<'_>, g: &mut [f64]) -> Result<HamiltonianTerms, EvalError> {
 /// #         g.copy_from_slice(&[z[1], 0.0]);
 /// #         let cost = 0.5 * z[1] * z[1];
-/// #         Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, ..Rate::default() })
+/// #         Ok(HamiltonianTerms { hamiltonian: z[1] * z[1] - cost, cost, ..HamiltonianTerms::default() })
 /// #     }
-/// #     fn linear(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64], j: &mut [f64]) -> Result<Rate, EvalError> {
+/// #     fn linearise(
+/// #         &mut self, z: &[f64], law: ControlLaw<'_>, g: &mut [f64], j: &mut [f64],
+/// #     ) -> Result<HamiltonianTerms, EvalError> {
 /// #         j.copy_from_slice(&[0.0, 1.0, 0.0, 0.0]);
-/// #         self.rate(z, law, g)
+/// #         self.evaluate(z, law, g)
 /// #     }
 /// #     fn start(&mut self, z: &[f64], r: &mut [f64], j: &mut [f64]) -> Result<(), EvalError> {
 /// #         r[0] = z[0];
@@ -51,21 +53,17 @@ pub(crate) const LOOSE: f64 = 1e-4;
 /// #         j.copy_from_slice(&[1.0, 0.0]);
 /// #         Ok(())
 /// #     }
-/// #     fn state_rate(&mut self, _: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-/// #         f.copy_from_slice(u);
-/// #         Ok(())
-/// #     }
-/// #     fn controls(&self) -> usize { 1 }
-/// #     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) { u[0] = z[1]; }
 /// # }
+/// # impl BoundedControls for Line {}
+/// # impl Homotopy for Line {}
 /// // `Line`: dx/dt = u from 0 to 1, l = u^2/2.
-/// let motion = solve_extremal(&mut Line, Time::Fixed(2.0), &Options::default(), |s, z| z[0] = s).motion;
+/// let motion = solve_extremal(&mut Line, FinalTime::Fixed(2.0), &SolverOptions::default(), |s, z| z[0] = s);
 /// assert!(motion.status.is_converged() && (motion.cost - 0.25).abs() < 1e-12);
 /// ```
 pub fn solve_extremal<E: Extremal>(
     extremal: &mut E,
-    time: Time,
-    options: &Options,
+    time: FinalTime,
+    options: &SolverOptions,
     guess: impl FnMut(f64, &mut [f64]),
 ) -> ExtremalSolution {
     let mut context = Context::new(options, None);
@@ -107,7 +105,7 @@ impl<F: FnMut(f64, &mut [f64])> Guess for Plain<F> {
 /// easier problems: without penalties and bounds, and to an end that is nearer; then each of these is brought back.
 pub(crate) fn search<E: Extremal>(
     extremal: &mut E,
-    time: Time,
+    time: FinalTime,
     guess: &mut dyn Guess,
     context: &mut Context<'_>,
 ) -> Extremum {
@@ -120,7 +118,7 @@ pub(crate) fn search<E: Extremal>(
     }
     let saved = guess.saved();
     let begin = match (time, saved) {
-        (Time::Free { .. }, Some(guess)) => Time::Free { guess },
+        (FinalTime::Free { .. }, Some(guess)) => FinalTime::Free { guess },
         _ => time,
     };
     let mut best = None;
@@ -158,11 +156,11 @@ pub(crate) fn search<E: Extremal>(
         best = best.filter(|best| best.status.is_converged()).or(Some(found));
     }
     if let Some(best) = best
-        && (best.status.is_converged() || easiest == Ease::NONE)
+        && (best.status.is_converged() || easiest == Relaxation::NONE)
     {
         return best;
     }
-    extremal.set_ease(Ease::NONE);
+    extremal.set_relaxation(Relaxation::NONE);
     by_stages(extremal, time, guess, context)
 }
 
@@ -186,7 +184,7 @@ const WISHES: [Wish; 4] = [
 /// From a saved motion with controls at their bounds to a solution with the arcs that it shows.
 fn from_saved<E: Extremal>(
     extremal: &mut E,
-    time: Time,
+    time: FinalTime,
     guess: &mut dyn Guess,
     context: &mut Context<'_>,
 ) -> Option<Extremum> {
@@ -196,7 +194,7 @@ fn from_saved<E: Extremal>(
         rough.equations.evaluate(&mut timed, &values).ok().map(|()| rough)
     };
     let mut rough = evaluated(at_fixed_time(extremal, time, (1.0, guess), context), extremal)?;
-    if let Time::Free { .. } = time {
+    if let FinalTime::Free { .. } = time {
         rough = evaluated(rough.with_clock(extremal, Clock::Free), extremal)?;
     }
     solve_arcs(&rough, extremal, context.options.tolerance, context)
@@ -205,25 +203,25 @@ fn from_saved<E: Extremal>(
 /// From a path of low cost to a solution.
 fn from_path<E: Extremal>(
     extremal: &mut E,
-    (time, duration): (Time, f64),
+    (time, duration): (FinalTime, f64),
     (wish, guess): (Wish, &mut dyn Guess),
     context: &mut Context<'_>,
 ) -> Extremum {
     let loose = LOOSE.max(context.options.tolerance);
-    let Options { nodes, points, .. } = context.options;
+    let SolverOptions { nodes, points, .. } = context.options;
     let easiest = extremal.easiest();
-    let mut ease = Ease {
+    let mut ease = Relaxation {
         effort: if easiest.effort > 0.0 { wish.smoothing } else { 0.0 },
         penalty: if easiest.penalty < 1.0 { wish.penalty } else { 1.0 },
-        ..Ease::NONE
+        ..Relaxation::NONE
     };
-    extremal.set_ease(ease);
+    extremal.set_relaxation(ease);
     context.phase = "from path";
     let intervals = (2 * (nodes - 1)).max(INTERVALS << wish.halvings);
     let (mesh, clock) = (Mesh::uniform(&[intervals]), Clock::Fixed(duration));
     let first = Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.path(s, z));
     let mut at = first.solve(extremal, loose, context);
-    if let (Time::Free { .. }, true) = (time, at.status.is_converged()) {
+    if let (FinalTime::Free { .. }, true) = (time, at.status.is_converged()) {
         // The path has nearly the right time already.
         let free = at.with_clock(extremal, Clock::Free).solve(extremal, loose, context);
         let found = free.status.is_converged() && free.final_time(extremal) > 0.0;
@@ -232,7 +230,7 @@ fn from_path<E: Extremal>(
     if ease.penalty < 1.0 {
         context.phase = "penalties";
         at = follow(at, extremal, context, |extremal, s| {
-            extremal.set_ease(Ease { penalty: wish.penalty.powf(1.0 - s), ..ease });
+            extremal.set_relaxation(Relaxation { penalty: wish.penalty.powf(1.0 - s), ..ease });
         });
         ease.penalty = 1.0;
     }
@@ -242,23 +240,28 @@ fn from_path<E: Extremal>(
 /// The equations of one arc at a fixed time, with the guess of what leads to a part of the end.
 pub(crate) fn at_fixed_time<E: Extremal>(
     extremal: &mut E,
-    time: Time,
+    time: FinalTime,
     (goal, guess): (f64, &mut dyn Guess),
     context: &Context<'_>,
 ) -> Extremum {
-    let Options { nodes, points, .. } = context.options;
+    let SolverOptions { nodes, points, .. } = context.options;
     let (mesh, clock) = (Mesh::uniform(&[nodes - 1]), Clock::Fixed(time.value()));
     Extremum::guess(extremal, (clock, Arcs::one()), mesh, points, |_, s, z| guess.simple(goal, s, z))
 }
 
 /// From a rough solution at a fixed time to an exact one in the time asked for.
-fn finish<E: Extremal>(first: Extremum, extremal: &mut E, time: Time, context: &mut Context<'_>) -> Extremum {
+fn finish<E: Extremal>(
+    first: Extremum,
+    extremal: &mut E,
+    time: FinalTime,
+    context: &mut Context<'_>,
+) -> Extremum {
     if !first.status.is_converged() {
         return first;
     }
     match time {
-        Time::Fixed(_) => sharpen(first, extremal, context),
-        Time::Free { .. } => {
+        FinalTime::Fixed(_) => sharpen(first, extremal, context),
+        FinalTime::Free { .. } => {
             let loose = LOOSE.max(context.options.tolerance);
             let found = free_time(first, extremal, loose, context);
             sharpen(found, extremal, context)

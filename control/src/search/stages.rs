@@ -1,7 +1,7 @@
 //! By way of easier problems.
 
-use crate::extremal::{Ease, Extremal};
-use crate::problem::Time;
+use crate::extremal::{Extremal, Relaxation};
+use crate::problem::FinalTime;
 use crate::search::{DIRECT_STEPS, Guess, LOOSE, at_fixed_time, sharpen};
 use crate::solve::arcs::solve_arcs;
 use crate::solve::free_time::free_time;
@@ -12,45 +12,45 @@ use crate::status::Status;
 /// Without limits and to a nearer end first; then the end, the time and the limits that were asked for.
 pub(crate) fn by_stages<E: Extremal>(
     extremal: &mut E,
-    time: Time,
+    time: FinalTime,
     guess: &mut dyn Guess,
     context: &mut Context<'_>,
 ) -> Extremum {
     let loose = LOOSE.max(context.options.tolerance);
     let easiest = extremal.easiest();
-    let mut ease = Ease { goal: 1.0, ..easiest };
+    let mut ease = Relaxation { goal: 1.0, ..easiest };
     context.phase = "without limits";
-    extremal.set_ease(ease);
+    extremal.set_relaxation(ease);
     context.steps = context.options.max_iterations.min(DIRECT_STEPS);
     let mut at = at_fixed_time(extremal, time, (1.0, guess), context).solve(extremal, loose, context);
     if !at.status.is_converged() && easiest.goal < 1.0 {
         context.phase = "nearer end";
         ease.goal = easiest.goal;
-        extremal.set_ease(ease);
+        extremal.set_relaxation(ease);
         at = at_fixed_time(extremal, time, (ease.goal, guess), context).solve(extremal, loose, context);
         at = follow(at, extremal, context, |extremal, s| {
-            extremal.set_ease(Ease { goal: easiest.goal + s * (1.0 - easiest.goal), ..ease });
+            extremal.set_relaxation(Relaxation { goal: easiest.goal + s * (1.0 - easiest.goal), ..ease });
         });
         ease.goal = 1.0;
     }
     context.steps = context.options.max_iterations;
-    if let (Time::Free { .. }, true) = (time, at.status.is_converged()) {
+    if let (FinalTime::Free { .. }, true) = (time, at.status.is_converged()) {
         at = free_time(at, extremal, loose, context);
     }
     if easiest.penalty < 1.0 {
         context.phase = "penalties";
         at = follow(at, extremal, context, |extremal, s| {
             let penalty = 1e-6_f64.powf(1.0 - s);
-            extremal.set_ease(Ease { penalty, ..ease });
+            extremal.set_relaxation(Relaxation { penalty, ..ease });
         });
         ease.penalty = 1.0;
     }
     if easiest.bounds > 1.0 {
         context.phase = "bounds";
-        extremal.set_ease(Ease { bounds: 1.0, ..ease });
+        extremal.set_relaxation(Relaxation { bounds: 1.0, ..ease });
         let excess = at.excess(extremal).max(1.0);
         at = follow(at, extremal, context, |extremal, s| {
-            extremal.set_ease(Ease { bounds: excess.powf(1.0 - s), ..ease });
+            extremal.set_relaxation(Relaxation { bounds: excess.powf(1.0 - s), ..ease });
         });
         ease.bounds = 1.0;
     }
@@ -61,14 +61,14 @@ pub(crate) fn by_stages<E: Extremal>(
 pub(crate) fn to_the_problem_itself<E: Extremal>(
     at: Extremum,
     extremal: &mut E,
-    (time, ease): (Time, Ease),
+    (time, ease): (FinalTime, Relaxation),
     context: &mut Context<'_>,
 ) -> Extremum {
     if ease.effort > 0.0 {
         return without_effort(at, extremal, ease, context);
     }
-    extremal.set_ease(Ease::NONE);
-    context.phase = if let Time::Fixed(_) = time { "fixed time" } else { "free time" };
+    extremal.set_relaxation(Relaxation::NONE);
+    context.phase = if let FinalTime::Fixed(_) = time { "fixed time" } else { "free time" };
     sharpen(at, extremal, context)
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn to_the_problem_itself<E: Extremal>(
 fn without_effort<E: Extremal>(
     mut at: Extremum,
     extremal: &mut E,
-    ease: Ease,
+    ease: Relaxation,
     context: &mut Context<'_>,
 ) -> Extremum {
     let tolerance = context.options.tolerance;
@@ -88,9 +88,9 @@ fn without_effort<E: Extremal>(
         let before = at.total(extremal);
         at = follow(at, extremal, context, |extremal, s| {
             ease.effort = effort * (next / effort).powf(s);
-            extremal.set_ease(ease);
+            extremal.set_relaxation(ease);
         });
-        extremal.set_ease(Ease::NONE);
+        extremal.set_relaxation(Relaxation::NONE);
         let steps = std::mem::replace(&mut context.steps, DIRECT_STEPS);
         let found = solve_arcs(&at, extremal, tolerance, context);
         context.steps = steps;
@@ -111,7 +111,7 @@ fn without_effort<E: Extremal>(
         }
     }
     // The motion of the smoothed problem; it keeps to the bounds and meets the end.
-    extremal.set_ease(ease);
+    extremal.set_relaxation(ease);
     context.phase = "smoothing";
     let smoothed = at.solve(extremal, tolerance.max(SMOOTHED), context);
     match smoothed.status {

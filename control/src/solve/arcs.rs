@@ -3,7 +3,7 @@
 use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::timed::{Arcs, Clock};
 use crate::extremal::actuation::half_width;
-use crate::extremal::{Extremal, Side};
+use crate::extremal::{BoundSide, Extremal};
 use crate::result::crossings::Crossing;
 use crate::search::LOOSE;
 use crate::solve::{Context, Extremum};
@@ -94,7 +94,7 @@ impl Extremum {
     fn on_arcs<E: Extremal>(&self, extremal: &mut E, crossings: &[Crossing], context: &Context<'_>) -> Self {
         let z_len = 2 * extremal.states();
         let final_time = self.final_time(extremal);
-        let mut at = vec![Side::Inside; extremal.controls()];
+        let mut at = vec![BoundSide::Inside; extremal.controls()];
         // The first crossing of a control says where it was before; one without any stays where it is.
         let mut u = vec![0.0; at.len()];
         extremal.unbounded_controls(&self.equations.current.nodes[..z_len], &mut u);
@@ -163,13 +163,14 @@ impl Extremum {
                     let (low, high) = extremal.bounds(control);
                     let slack = 2e-7 * half_width((low, high));
                     let agrees = match side {
-                        Side::Low => u <= low + slack,
-                        Side::Inside => (low - slack..=high + slack).contains(&u),
-                        Side::High => u >= high - slack,
+                        BoundSide::Low => u <= low + slack,
+                        BoundSide::Inside => (low - slack..=high + slack).contains(&u),
+                        BoundSide::High => u >= high - slack,
                     };
                     // A control that costs nothing has no size before it is cut: what decides has.
                     agrees || {
-                        let value = extremal.switching(control, (Side::Low, Side::High), w, &mut gradient);
+                        let value =
+                            extremal.switching(control, (BoundSide::Low, BoundSide::High), w, &mut gradient);
                         let size: f64 =
                             gradient.iter().zip(scale).map(|(entry, scale)| (entry * scale).abs()).sum();
                         u.is_infinite() && value.abs() <= UNDECIDED * size
@@ -209,12 +210,12 @@ impl Extremum {
 }
 
 /// Where a free control is.
-pub(crate) fn side_of(u: f64, (low, high): (f64, f64)) -> Side {
+pub(crate) fn side_of(u: f64, (low, high): (f64, f64)) -> BoundSide {
     if u <= low {
-        Side::Low
+        BoundSide::Low
     } else if u >= high {
-        Side::High
+        BoundSide::High
     } else {
-        Side::Inside
+        BoundSide::Inside
     }
 }

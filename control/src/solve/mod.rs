@@ -11,8 +11,8 @@ use crate::bvp::collocation::error::{Estimate, estimate, next_mesh};
 use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::newton::{LEAST_DAMPING, Limits, Outcome, newton};
 use crate::bvp::timed::{Arcs, Clock, Timed};
-use crate::extremal::{Ease, Extremal};
-use crate::options::{Iteration, Method, Options};
+use crate::extremal::{Extremal, Relaxation};
+use crate::options::{Iteration, Method, SolverOptions};
 use crate::status::Status;
 
 /// A solution of the boundary-value problem on its mesh, or the best that was found.
@@ -22,7 +22,7 @@ pub(crate) struct Extremum {
     pub arcs: Arcs,
     pub status: Status,
     /// The problem that it belongs to.
-    pub ease: Ease,
+    pub ease: Relaxation,
     /// Estimated errors on the last mesh, where it came to that.
     pub estimate: Option<Estimate>,
 }
@@ -32,7 +32,7 @@ pub(crate) type Listener<'a> = Box<dyn FnMut(&Iteration) + 'a>;
 
 /// What all parts of a solution share: options, the table of iterations and who listens.
 pub(crate) struct Context<'a> {
-    pub options: Options,
+    pub options: SolverOptions,
     pub iterations: Vec<Iteration>,
     pub listener: Option<Listener<'a>>,
     pub phase: &'static str,
@@ -43,7 +43,7 @@ pub(crate) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    pub fn new(options: &Options, listener: Option<Listener<'a>>) -> Self {
+    pub fn new(options: &SolverOptions, listener: Option<Listener<'a>>) -> Self {
         let steps = options.max_iterations;
         Self {
             options: options.clone(),
@@ -103,13 +103,13 @@ impl Extremum {
         let timed = Timed::new(extremal, clock, arcs);
         let equations = Collocation::new(&timed, mesh, points, guess);
         let Timed { arcs, .. } = timed;
-        let (status, ease) = (Status::NewtonFailed, extremal.ease());
+        let (status, ease) = (Status::NewtonFailed, extremal.relaxation());
         Self { equations, clock, arcs, status, ease, estimate: None }
     }
 
     /// Solves to the tolerance by the method asked for, with as many nodes as that takes.
     pub fn solve<E: Extremal>(mut self, extremal: &mut E, tolerance: f64, context: &mut Context<'_>) -> Self {
-        self.ease = extremal.ease();
+        self.ease = extremal.relaxation();
         match context.options.method {
             Method::Collocation => self.collocate(extremal, tolerance, context),
             Method::Shooting => self.shoot(extremal, tolerance, context),

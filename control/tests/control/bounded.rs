@@ -2,10 +2,10 @@
 
 use crate::sledge;
 use costate::robot::Robot;
-use costate_control::{Bounds, Cost, Options, Problem, Solution, Solver, Time};
+use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, SolverOptions};
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
     assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
     assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-6, "end defect {}", solution.end_defect);
@@ -14,12 +14,10 @@ fn solve(problem: &Problem) -> Solution {
 
 fn least_time(robot: Robot, to: &[f64], bound: f64, guess: f64) -> Problem {
     let n = robot.len();
-    Problem {
-        time: Time::Free { guess },
-        cost: Cost { time: 1.0, effort: vec![0.0; n] },
-        bounds: Some(Bounds { u_min: vec![-bound; n], u_max: vec![bound; n] }),
-        ..Problem::rest_to_rest(robot, &vec![0.0; n], to, guess)
-    }
+    Problem::rest_to_rest(robot, &vec![0.0; n], to, guess)
+        .with_time(FinalTime::Free { guess })
+        .with_cost(Objective { time: 1.0, effort: vec![0.0; n] })
+        .with_bounds(Bounds { u_min: vec![-bound; n], u_max: vec![bound; n] })
 }
 
 #[test]
@@ -35,8 +33,8 @@ fn a_metre_takes_two_seconds_and_one_switch() {
 #[test]
 fn bounded_effort_saturates_at_both_ends() {
     // u = clip(a - b t), T = 1, |u| <= 5: at the bound for t < s, with 5 = b (1/2 - s) and the metre gone.
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let solution = solve(&problem);
     // Way: 5 (1/4 - (1/2 - s)^2 / 3) = 1.
     let inside = (3.0_f64 * (0.25 - 0.2)).sqrt();
@@ -58,8 +56,8 @@ fn one_bound_saturates_on_its_side() {
     let cost = 12.5 * 0.1 + 0.5 * (25.0 * 0.9 - 50.0 + 100.0 / 2.7);
     let free = f64::INFINITY;
     for (u_min, u_max, switch) in [(-free, 5.0, 0.1), (-5.0, free, 0.9)] {
-        let bounds = Some(Bounds { u_min: vec![u_min], u_max: vec![u_max] });
-        let solution = solve(&Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) });
+        let bounds = Bounds { u_min: vec![u_min], u_max: vec![u_max] };
+        let solution = solve(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds));
         assert_eq!(solution.motion.switches.len(), 1);
         assert!((solution.motion.switches[0] - switch).abs() < 1e-8, "{:?}", solution.motion.switches);
         assert!((solution.motion.cost - cost).abs() < 1e-9, "{} {cost}", solution.motion.cost);
@@ -70,8 +68,8 @@ fn one_bound_saturates_on_its_side() {
 fn bounds_on_one_joint_of_two_leave_the_other_free() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let solve_with = |none: f64| {
-        let bounds = Some(Bounds { u_min: vec![-none, -1.0], u_max: vec![none, 1.0] });
-        solve(&Problem { bounds, ..Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[0.5, 0.8], 1.2) })
+        let bounds = Bounds { u_min: vec![-none, -1.0], u_max: vec![none, 1.0] };
+        solve(&Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[0.5, 0.8], 1.2).with_bounds(bounds))
     };
     let (one, far) = (solve_with(f64::INFINITY), solve_with(1e4));
     assert!(one.trajectory.u.iter().any(|u| u[1].abs() == 1.0) && !one.motion.switches.is_empty());
@@ -100,17 +98,17 @@ fn the_two_link_arm_is_fastest_with_torques_at_their_bounds() {
 
 #[test]
 fn bounds_that_are_not_reached_change_nothing() {
-    let bounds = Some(Bounds { u_min: vec![-7.0], u_max: vec![7.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-7.0], u_max: vec![7.0] };
+    let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let solution = solve(&problem);
     assert!((solution.motion.cost - 6.0).abs() < 1e-10 && solution.motion.switches.is_empty());
 }
 
 #[test]
 fn a_time_too_short_for_the_bounds_is_not_converged() {
-    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
-    let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+    let bounds = Bounds { u_min: vec![-3.0], u_max: vec![3.0] };
+    let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     assert!(!solution.motion.status.is_converged());
     assert!(!solution.trajectory.t.is_empty() && solution.end_defect == f64::INFINITY);
 }
@@ -146,8 +144,11 @@ fn a_saved_motion_of_least_time_is_a_start_for_one_near_by() {
     let saved: Solution = serde_json::from_str(&text).unwrap();
     for to in [[1.0, 0.6], [1.02, 0.58]] {
         let problem = least_time(robot.clone(), &to, 1.0, 9.0);
-        let again =
-            Solver::new(&problem, Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
+        let again = Solver::new(&problem, SolverOptions::default())
+            .unwrap()
+            .with_start(&saved.trajectory)
+            .unwrap()
+            .solve();
         let fresh = solve(&problem);
         assert!(
             (again.motion.final_time - fresh.motion.final_time).abs() < 1e-8,

@@ -2,8 +2,8 @@
 
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::{
-    Bounds, Branch, BranchEnd, Continuation, Cost, Method, Motion, Options, Parameter, Penalty, Problem,
-    ProblemError, RobotExtremal, Solution, Solver, Status, Time, solve_extremal,
+    Bounds, Branch, BranchEnd, Continuation, FinalTime, Method, Motion, Objective, Parameter, Penalty,
+    Problem, ProblemError, RobotExtremal, Solution, Solver, SolverOptions, Status, solve_extremal,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -24,7 +24,7 @@ fn two_link() -> Problem {
 }
 
 fn follow(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch {
-    Continuation::new(problem, parameter, from, to, Options::default()).unwrap().follow()
+    Continuation::new(problem, parameter, from, to, SolverOptions::default()).unwrap().follow()
 }
 
 fn reach(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch {
@@ -42,8 +42,9 @@ fn reach(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch 
 /// Newton's method from a motion, without a parameter among the unknowns.
 fn solve_from(start: &Solution, problem: &Problem) -> Motion {
     let trajectory = &start.trajectory;
-    let mut extremal = RobotExtremal::new(problem, Options::default().jacobian).unwrap();
-    solve_extremal(&mut extremal, problem.time, &Options::default(), |s, z| {
+    let mut extremal =
+        RobotExtremal::new(problem.check().unwrap(), SolverOptions::default().jacobian).unwrap();
+    solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), |s, z| {
         let t = s * start.motion.final_time;
         let i = trajectory.t.partition_point(|&node| node < t).clamp(1, trajectory.t.len() - 1);
         let part = (t - trajectory.t[i - 1]) / (trajectory.t[i] - trajectory.t[i - 1]);
@@ -80,8 +81,8 @@ fn without_gravity_the_cost_falls_like_the_third_power_of_the_time() {
 
 #[test]
 fn penalties_rise_by_what_they_cost() {
-    let penalty = Some(Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
-    let branch = reach(&Problem { penalty, ..two_link() }, Parameter::PenaltyWeight, 0.0, 1e4);
+    let penalty = Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() };
+    let branch = reach(&two_link().with_penalty(penalty), Parameter::PenaltyWeight, 0.0, 1e4);
     close(branch.points[0].cost, 145.131_137_54, 1e-9);
     // d(cost + penalties)/d weight is the penalty of the weight 1, which falls along the branch.
     for pair in branch.points[1..].windows(2) {
@@ -103,8 +104,8 @@ fn armature_counts_as_mass() {
 
 #[test]
 fn bounds_close_in_on_the_control() {
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let branch = reach(&problem, Parameter::Bounds, 1.6, 0.9);
     for point in &branch.points {
         let bound = 5.0 * point.parameter;
@@ -118,12 +119,10 @@ fn bounds_close_in_on_the_control() {
 
 #[test]
 fn bounds_change_the_least_time() {
-    let problem = Problem {
-        time: Time::Free { guess: 2.0 },
-        cost: Cost { time: 1.0, effort: vec![0.0] },
-        bounds: Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] }),
-        ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0)
-    };
+    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0)
+        .with_time(FinalTime::Free { guess: 2.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
+        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
     let branch = reach(&problem, Parameter::Bounds, 1.0, 4.0);
     for point in &branch.points {
         close(point.final_time, 2.0 / point.parameter.sqrt(), 1e-8);
@@ -137,7 +136,7 @@ fn bounds_change_the_least_time() {
 /// The extremal of the swing-up in 3 s that swings back first.
 fn with_a_swing_back() -> Solution {
     let solutions = (0..30).map(|seed| {
-        let options = Options { starts: 2, seed, ..Options::default() };
+        let options = SolverOptions { starts: 2, seed, ..SolverOptions::default() };
         Solver::new(&swing_up(3.0), options).unwrap().solve()
     });
     solutions.into_iter().find(|solution| (solution.motion.cost - 18.320_144_5).abs() < 1e-5).unwrap()
@@ -146,7 +145,7 @@ fn with_a_swing_back() -> Solution {
 #[test]
 fn the_swing_back_has_a_shortest_time() {
     let long = with_a_swing_back();
-    let (problem, options) = (swing_up(3.0), Options::default());
+    let (problem, options) = (swing_up(3.0), SolverOptions::default());
     let from = |start: &Solution, to: f64| {
         let way = Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
         way.with_start(&start.trajectory).unwrap().follow()
@@ -189,7 +188,7 @@ fn the_swing_back_has_a_shortest_time() {
 
 #[test]
 fn shooting_can_solve_where_the_way_begins() {
-    let options = Options { method: Method::Shooting, ..Options::default() };
+    let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
     let problem = swing_up(1.0);
     let branch = Continuation::new(&problem, Parameter::Gravity, 0.5, 1.0, options).unwrap().follow();
     assert_eq!(branch.end, BranchEnd::Reached);
@@ -198,10 +197,10 @@ fn shooting_can_solve_where_the_way_begins() {
 
 #[test]
 fn a_way_that_cannot_begin_says_so() {
-    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
-    let problem = Problem { bounds, ..Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0) };
+    let bounds = Bounds { u_min: vec![-3.0], u_max: vec![3.0] };
+    let problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     // More nodes would be spent on showing that there is nothing.
-    let options = Options { max_nodes: 601, ..Options::default() };
+    let options = SolverOptions { max_nodes: 601, ..SolverOptions::default() };
     let follow = |from: f64, to: f64| {
         Continuation::new(&problem, Parameter::Bounds, from, to, options.clone()).unwrap().follow()
     };
@@ -220,7 +219,7 @@ fn a_way_that_cannot_begin_says_so() {
 fn parameters_that_a_problem_does_not_have_are_refused() {
     let problem = swing_up(1.0);
     let refused = |problem: &Problem, parameter, from, to| {
-        let error = Continuation::new(problem, parameter, from, to, Options::default()).err().unwrap();
+        let error = Continuation::new(problem, parameter, from, to, SolverOptions::default()).err().unwrap();
         error.to_string()
     };
     let message = refused(&problem, Parameter::PenaltyWeight, 0.0, 1.0);
@@ -229,12 +228,11 @@ fn parameters_that_a_problem_does_not_have_are_refused() {
     assert!(refused(&problem, Parameter::Smoothing, 1.0, 0.1).contains("effort"));
     assert!(refused(&problem, Parameter::Gravity, 1.0, 1.0).contains("elsewhere"));
     assert!(refused(&problem, Parameter::Gravity, f64::NAN, 1.0).contains("finite"));
-    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time.final"));
-    let free = Problem {
-        time: Time::Free { guess: 1.0 },
-        cost: Cost { time: 1.0, effort: vec![1.0] },
-        ..problem.clone()
-    };
+    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time: must be positive"));
+    let free = problem
+        .clone()
+        .with_time(FinalTime::Free { guess: 1.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![1.0] });
     assert!(refused(&free, Parameter::FinalTime, 1.0, 2.0).contains("free"));
     let negative = Parameter::Armature.apply(&Problem::rest_to_rest(sledge(1.0), &[0.0], &[1.0], 1.0), -1.0);
     assert!(

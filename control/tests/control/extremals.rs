@@ -1,7 +1,10 @@
 //! The equations of an extremal: the canonical equations of H*, and their Jacobian.
 
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
-use costate_control::{Bounds, Ease, Extremal, Jacobian, Law, Penalty, Problem, RobotExtremal};
+use costate_control::{
+    BoundaryValueProblem, Bounds, ControlLaw, Homotopy, JacobianRoute, Penalty, Problem, Relaxation,
+    RobotExtremal,
+};
 
 fn arm_with_friction() -> Robot {
     let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.4 };
@@ -16,7 +19,7 @@ fn arm_with_friction() -> Robot {
 }
 
 /// Problems, and how far they are eased.
-pub fn problems() -> Vec<(Problem, Ease)> {
+pub fn problems() -> Vec<(Problem, Relaxation)> {
     let mut problems = Vec::new();
     let files = [
         "../robots/two_link.toml",
@@ -31,7 +34,7 @@ pub fn problems() -> Vec<(Problem, Ease)> {
         problem.cost.time = 0.3;
         problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
         problem.gain = (0..n).map(|i| 1.5 - 0.3 * i as f64).collect();
-        problems.push((problem.clone(), Ease::NONE));
+        problems.push((problem.clone(), Relaxation::NONE));
         problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
         problem.penalty = Some(Penalty {
             weight: 30.0,
@@ -39,10 +42,13 @@ pub fn problems() -> Vec<(Problem, Ease)> {
             q_max: Some(vec![0.2; n]),
             v_max: Some(vec![0.3; n]),
         });
-        problems.push((problem.clone(), Ease::NONE));
+        problems.push((problem.clone(), Relaxation::NONE));
         problem.cost.effort[0] = 0.0;
         for bounds in [1.0, 1.7, f64::INFINITY] {
-            problems.push((problem.clone(), Ease { penalty: 0.5, effort: 0.8, bounds, ..Ease::NONE }));
+            problems.push((
+                problem.clone(),
+                Relaxation { penalty: 0.5, effort: 0.8, bounds, ..Relaxation::NONE },
+            ));
         }
     }
     problems
@@ -57,18 +63,18 @@ fn the_equations_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(5);
     for (problem, ease) in problems() {
         let n = problem.robot.len();
-        let mut extremal = RobotExtremal::new(&problem, Jacobian::Exact).unwrap();
-        extremal.set_ease(ease);
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
+        extremal.set_relaxation(ease);
         let z = point(n, &mut random);
         let mut g = vec![0.0; 4 * n];
-        let rate = extremal.rate(&z, Law::Maximal, &mut g).unwrap();
+        let rate = extremal.evaluate(&z, ControlLaw::Maximal, &mut g).unwrap();
         let mut beside = vec![0.0; 4 * n];
         let size = g.iter().fold(rate.magnitude(), |size, g| size.max(g.abs()));
         for i in 0..4 * n {
             let mut at = |h: f64| {
                 let mut z = z.clone();
                 z[i] += h;
-                extremal.rate(&z, Law::Maximal, &mut beside).unwrap().hamiltonian
+                extremal.evaluate(&z, ControlLaw::Maximal, &mut beside).unwrap().hamiltonian
             };
             let slope = (8.0 * (at(1e-4) - at(-1e-4)) - at(2e-4) + at(-2e-4)) / 1.2e-3;
             let expected = if i < 2 * n { -g[2 * n + i] } else { g[i - 2 * n] };
@@ -88,12 +94,12 @@ fn the_exact_jacobian_agrees_with_differences() {
         let m = 4 * problem.robot.len();
         let z = point(problem.robot.len(), &mut random);
         let mut found = Vec::new();
-        for kind in [Jacobian::Exact, Jacobian::Differences] {
-            let mut extremal = RobotExtremal::new(&problem, kind).unwrap();
-            extremal.set_ease(ease);
+        for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
+            let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
+            extremal.set_relaxation(ease);
             let (mut g, mut h, mut jacobian) = (vec![0.0; m], vec![0.0; m], vec![0.0; m * m]);
-            let linear = extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
-            let plain = extremal.rate(&z, Law::Maximal, &mut h).unwrap();
+            let linear = extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
+            let plain = extremal.evaluate(&z, ControlLaw::Maximal, &mut h).unwrap();
             assert!((linear.hamiltonian - plain.hamiltonian).abs() < 1e-12 * plain.magnitude());
             let size = g.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
             assert!(g.iter().zip(&h).all(|(g, h)| (g - h).abs() < 1e-12 * size));

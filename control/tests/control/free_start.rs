@@ -1,14 +1,14 @@
 //! Components of the start that are free.
 
 use costate::robot::Robot;
-use costate_control::{End, Options, Problem, Solution, Solver, Start};
+use costate_control::{BoundaryState, Problem, Solution, Solver, SolverOptions};
 
 fn two_link() -> Robot {
     Robot::from_file("../robots/two_link.toml").unwrap()
 }
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
     assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
     assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-7, "end defect {}", solution.end_defect);
@@ -19,9 +19,9 @@ fn solve(problem: &Problem) -> Solution {
 fn there_and_back(q_free: &[usize], v_free: &[usize]) -> (Problem, Problem) {
     let (from, to) = ([0.1, 0.2], [0.6, 1.1]);
     let mut there = Problem::rest_to_rest(two_link(), &from, &to, 1.0);
-    there.end = End { q_free: q_free.to_vec(), v_free: v_free.to_vec(), ..there.end };
+    there.end = there.end.with_q_free(q_free).with_v_free(v_free);
     let mut back = Problem::rest_to_rest(two_link(), &to, &from, 1.0);
-    back.start = Start { q_free: q_free.to_vec(), v_free: v_free.to_vec(), ..back.start };
+    back.start = back.start.with_q_free(q_free).with_v_free(v_free);
     (there, back)
 }
 
@@ -50,8 +50,7 @@ fn no_other_start_is_cheaper() {
     let (q, v) = (&best.trajectory.q[0], &best.trajectory.v[0]);
     assert!((q[0] - free.start.q[0]).abs() < 1e-12 && (q[1] - free.start.q[1]).abs() > 1e-3);
     assert!(v.iter().all(|v| v.abs() > 1e-3), "{v:?}");
-    let from =
-        |q: &[f64], v: &[f64]| solve(&Problem { start: Start::fixed(q, v), ..free.clone() }).motion.cost;
+    let from = |q: &[f64], v: &[f64]| solve(&free.clone().with_start(BoundaryState::fixed(q, v))).motion.cost;
     assert!((from(q, v) - best.motion.cost).abs() < 1e-8 * best.motion.cost);
     for step in [0.05, -0.05] {
         assert!(from(&[q[0], q[1] + step], v) > best.motion.cost * (1.0 + 1e-5));

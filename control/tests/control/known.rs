@@ -2,7 +2,9 @@
 
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
-use costate_control::{Certificate, Cost, Jacobian, Options, Problem, Solution, Solver, Time};
+use costate_control::{
+    Certificate, FinalTime, JacobianRoute, Objective, Problem, Solution, Solver, SolverOptions,
+};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn pendulum() -> Robot {
@@ -17,10 +19,10 @@ fn two_link(time: f64) -> Problem {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, Options::default())
+    solve_with(problem, SolverOptions::default())
 }
 
-fn solve_with(problem: &Problem, options: Options) -> Solution {
+fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
     let solution = Solver::new(problem, options).unwrap().solve();
     assert!(
         solution.motion.status.is_converged(),
@@ -72,10 +74,11 @@ fn the_two_link_arm_moves_at_the_known_cost_in_any_time() {
 #[test]
 fn all_three_matrices_lead_to_the_same_motion() {
     let exact = solve(&two_link(1.0));
-    for jacobian in [Jacobian::Differences, Jacobian::WithoutHessian] {
-        let solution =
-            Solver::new(&two_link(1.0), Options { jacobian, ..Options::default() }).unwrap().solve();
-        if jacobian == Jacobian::Differences {
+    for jacobian in [JacobianRoute::Differences, JacobianRoute::WithoutHessian] {
+        let solution = Solver::new(&two_link(1.0), SolverOptions { jacobian, ..SolverOptions::default() })
+            .unwrap()
+            .solve();
+        if jacobian == JacobianRoute::Differences {
             assert!(solution.motion.status.is_converged());
         }
         if solution.motion.status.is_converged() {
@@ -86,11 +89,9 @@ fn all_three_matrices_lead_to_the_same_motion() {
 
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
-    let problem = Problem {
-        time: Time::Free { guess: 2.0 },
-        cost: Cost { time: 1.0, effort: vec![1.0; 2] },
-        ..two_link(2.0)
-    };
+    let problem = two_link(2.0)
+        .with_time(FinalTime::Free { guess: 2.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![1.0; 2] });
     let solution = solve(&problem);
     let time = (3.0 * 145.131_137_54_f64).powf(0.25);
     close(solution.motion.final_time, time, 1e-9);
@@ -102,7 +103,7 @@ fn the_two_link_arm_takes_the_known_time() {
 fn costates_are_the_slopes_of_the_cost() {
     let robot = Robot::from_file("../robots/cart_pole.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.1, 0.3], &[0.8, -0.4], 1.3);
-    let options = || Options { tolerance: 1e-11, ..Options::default() };
+    let options = || SolverOptions { tolerance: 1e-11, ..SolverOptions::default() };
     let solution = solve_with(&problem, options());
     let step = 1e-4;
     let cost = |change: &dyn Fn(&mut Problem, f64)| {
@@ -113,7 +114,7 @@ fn costates_are_the_slopes_of_the_cost() {
         };
         (at(step) - at(-step)) / (2.0 * step)
     };
-    let slope = cost(&|problem, h| problem.time = Time::Fixed(problem.time.value() + h));
+    let slope = cost(&|problem, h| problem.time = FinalTime::Fixed(problem.time.value() + h));
     close(slope, -solution.motion.hamiltonian, 1e-6);
     // The start is at rest, so moving q leaves p = 0, and moving v_j moves p by M e_j.
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&problem.robot);
@@ -177,7 +178,7 @@ fn six_joints_take_a_few_steps() {
 fn the_motion_between_nodes_satisfies_the_state_equation() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let problem = Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[1.0, -0.5], 1.0);
-    let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     let trajectory = &solution.trajectory;
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&robot);
     for k in 0..=200 {

@@ -5,8 +5,9 @@ use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Coordinates, Cost, Ease, Extremal, Jacobian, LagrangianExtremal, Law, Options, Problem,
-    RunningCost, Side, Solution, Solver, Time, UserTerm,
+    BoundSide, BoundaryValueProblem, BoundedControls, Bounds, ControlLaw, Coordinates, FinalTime, Homotopy,
+    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, Solution, Solver,
+    SolverOptions, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,14 +15,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 struct Coupled;
 
 impl RunningCost for Coupled {
-    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+    fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
         let last = q.len() - 1;
         (q[last].sin_cos().0 * v[0] * v[last] + q[0] * q[0] * v[last]).times(0.7)
     }
 }
 
 /// Those in (q, p), and again with a user's term.
-fn problems() -> Vec<(Problem, Ease)> {
+fn problems() -> Vec<(Problem, Relaxation)> {
     let (mut problems, again) = (without_terms(), without_terms());
     problems.extend(again.into_iter().map(|(mut problem, ease)| {
         problem.terms = vec![UserTerm::new(Coupled)];
@@ -33,7 +34,7 @@ fn problems() -> Vec<(Problem, Ease)> {
 /// H* and g at z.
 fn at(extremal: &mut LagrangianExtremal, z: &[f64]) -> (f64, Vec<f64>) {
     let mut g = vec![0.0; z.len()];
-    let rate = extremal.rate(z, Law::Maximal, &mut g).unwrap();
+    let rate = extremal.evaluate(z, ControlLaw::Maximal, &mut g).unwrap();
     (rate.hamiltonian, g)
 }
 
@@ -42,8 +43,8 @@ fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(15);
     for (problem, ease) in problems() {
         let n = problem.robot.len();
-        let mut extremal = LagrangianExtremal::new(&problem, Jacobian::Exact).unwrap();
-        extremal.set_ease(ease);
+        let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
+        extremal.set_relaxation(ease);
         let z = point(n, &mut random);
         let (hamiltonian, g) = at(&mut extremal, &z);
         let size = g.iter().fold(hamiltonian.abs(), |size, g| size.max(g.abs()));
@@ -71,11 +72,11 @@ fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
         let m = 4 * problem.robot.len();
         let z = point(problem.robot.len(), &mut random);
         let mut found = Vec::new();
-        for kind in [Jacobian::Exact, Jacobian::Differences] {
-            let mut extremal = LagrangianExtremal::new(&problem, kind).unwrap();
-            extremal.set_ease(ease);
+        for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
+            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
+            extremal.set_relaxation(ease);
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
-            extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+            extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             let plain = at(&mut extremal, &z).1;
             let size = g.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
             assert!(g.iter().zip(&plain).all(|(g, h)| (g - h).abs() < 1e-12 * size));
@@ -100,13 +101,14 @@ fn without_second_derivatives_only_their_blocks_change() {
         let n = problem.robot.len();
         let (m, z) = (4 * n, point(n, &mut random));
         let matrix = |kind| {
-            let mut extremal = LagrangianExtremal::new(&problem, kind).unwrap();
-            extremal.set_ease(ease);
+            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
+            extremal.set_relaxation(ease);
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
-            extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+            extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             (g, jacobian)
         };
-        let ((g, exact), (h, without)) = (matrix(Jacobian::Exact), matrix(Jacobian::WithoutHessian));
+        let ((g, exact), (h, without)) =
+            (matrix(JacobianRoute::Exact), matrix(JacobianRoute::WithoutHessian));
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-10 * a.abs().max(b.abs()).max(1.0);
         assert!(g.iter().zip(&h).all(|(&g, &h)| close(g, h)));
         for row in 0..m {
@@ -139,10 +141,10 @@ fn what_vanishes_at_a_switch_has_its_gradient() {
     let n = robot.len();
     let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
     problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
-    let mut extremal = LagrangianExtremal::new(&problem, Jacobian::Exact).unwrap();
+    let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
     let z = point(n, &mut fastrand::Rng::with_seed(18));
     let (mut gradient, mut other) = (vec![0.0; 4 * n], vec![0.0; 4 * n]);
-    let sides = (Side::Inside, Side::High);
+    let sides = (BoundSide::Inside, BoundSide::High);
     extremal.switching(2, sides, &z, &mut gradient);
     let size = gradient.iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
     for i in 0..4 * n {
@@ -159,7 +161,7 @@ fn what_vanishes_at_a_switch_has_its_gradient() {
 /// The same problem in both coordinates.
 fn both(problem: &Problem) -> [Solution; 2] {
     [Coordinates::Hamiltonian, Coordinates::Lagrangian].map(|coordinates| {
-        let options = Options { coordinates, tolerance: 1e-11, ..Options::default() };
+        let options = SolverOptions { coordinates, tolerance: 1e-11, ..SolverOptions::default() };
         let solution = Solver::new(problem, options).unwrap().solve();
         assert!(solution.motion.status.is_converged(), "{coordinates:?}: {}", solution.motion.status);
         assert!(solution.motion.hamiltonian_drift < 1e-8 && solution.end_defect < 1e-6);
@@ -215,23 +217,21 @@ fn both_coordinates_agree_about_the_puma() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let (from, to) = ([0.0, 0.7, 2.8, 0.0, 0.4, 0.0], [0.6, 0.2, 2.9, 0.3, 0.2, 0.4]);
     let mut problem = Problem::rest_to_rest(robot, &from, &to, 0.9);
-    problem.cost = Cost { time: 0.0, effort: vec![1e-4, 3e-5, 1e-4, 2e-3, 2e-3, 2e-3] };
+    problem.cost = Objective { time: 0.0, effort: vec![1e-4, 3e-5, 1e-4, 2e-3, 2e-3, 2e-3] };
     agree(&problem);
 }
 
 #[test]
 fn both_coordinates_find_the_same_switches() {
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
-    let bounded = Problem { bounds, ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0) };
-    let fastest = Problem {
-        time: Time::Free { guess: 1.0 },
-        cost: Cost { time: 1.0, effort: vec![0.0] },
-        bounds: Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] }),
-        ..Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0)
-    };
+    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let bounded = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
+    let fastest = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0)
+        .with_time(FinalTime::Free { guess: 1.0 })
+        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
+        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
     let arm = Robot::from_file("../robots/two_link.toml").unwrap();
-    let bounds = Some(Bounds { u_min: vec![-4.5; 2], u_max: vec![4.5; 2] });
-    let arm = Problem { bounds, ..Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0) };
+    let bounds = Bounds { u_min: vec![-4.5; 2], u_max: vec![4.5; 2] };
+    let arm = Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0).with_bounds(bounds);
     for problem in [bounded, fastest, arm] {
         let [a, b] = agree(&problem);
         assert!(
@@ -250,7 +250,7 @@ fn a_motion_saved_in_one_kind_of_coordinates_starts_a_search_in_the_other() {
     let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0);
     let [a, b] = both(&problem);
     for (saved, coordinates) in [(&a, Coordinates::Lagrangian), (&b, Coordinates::Hamiltonian)] {
-        let options = Options { coordinates, ..Options::default() };
+        let options = SolverOptions { coordinates, ..SolverOptions::default() };
         let again = Solver::new(&problem, options).unwrap().with_start(&saved.trajectory).unwrap().solve();
         assert!(
             again.motion.status.is_converged() && again.newton_iterations <= 6,

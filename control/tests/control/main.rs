@@ -6,12 +6,14 @@ use costate::robot::{JointSpec, LinkInertia, Robot};
 
 mod bounded;
 mod branch;
+mod dynamics;
 mod extremals;
 mod free_start;
 mod known;
 mod lagrangian;
 mod linear_algebra;
 mod one_state;
+mod problem_file;
 mod problems;
 mod shooting;
 mod source;

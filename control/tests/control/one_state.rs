@@ -1,7 +1,10 @@
 //! Systems that are not robots, through the same solver: `dx/dt = u`, `l = c_t + u^2/2 + k x^2/2`.
 
 use costate::EvalError;
-use costate_control::{Certificate, Extremal, ExtremalSolution, Law, Options, Rate, Time, solve_extremal};
+use costate_control::{
+    BoundaryValueProblem, BoundedControls, Certificate, ControlLaw, ExtremalSolution, FinalTime,
+    HamiltonianTerms, Homotopy, SolverOptions, solve_extremal,
+};
 
 /// x from 0 to `to`; `u = y`, `H* = y^2/2 - k x^2/2 - c_t`.
 struct Line {
@@ -10,24 +13,31 @@ struct Line {
     time_cost: f64,
 }
 
-impl Extremal for Line {
+impl BoundaryValueProblem for Line {
     fn states(&self) -> usize {
         1
     }
 
-    fn controls(&self) -> usize {
-        1
-    }
-
-    fn rate(&mut self, z: &[f64], _: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        _: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         g.copy_from_slice(&[z[1], self.stiffness * z[0]]);
         let cost = self.time_cost + 0.5 * z[1] * z[1] + 0.5 * self.stiffness * z[0] * z[0];
-        Ok(Rate { hamiltonian: z[1] * z[1] - cost, cost, ..Rate::default() })
+        Ok(HamiltonianTerms { hamiltonian: z[1] * z[1] - cost, cost, ..HamiltonianTerms::default() })
     }
 
-    fn linear(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64], j: &mut [f64]) -> Result<Rate, EvalError> {
+    fn linearise(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        j: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         j.copy_from_slice(&[0.0, 1.0, self.stiffness, 0.0]);
-        self.rate(z, law, g)
+        self.evaluate(z, law, g)
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
@@ -45,6 +55,12 @@ impl Extremal for Line {
     fn time_cost(&self) -> f64 {
         self.time_cost
     }
+}
+
+impl BoundedControls for Line {
+    fn controls(&self) -> usize {
+        1
+    }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
         u[0] = z[1];
@@ -56,9 +72,11 @@ impl Extremal for Line {
     }
 }
 
-fn solve(mut line: Line, time: Time, points: usize) -> ExtremalSolution {
+impl Homotopy for Line {}
+
+fn solve(mut line: Line, time: FinalTime, points: usize) -> ExtremalSolution {
     let to = line.to;
-    let options = Options { points, ..Options::default() };
+    let options = SolverOptions { points, ..SolverOptions::default() };
     let motion = solve_extremal(&mut line, time, &options, |s, z| z[0] = s * to);
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     motion
@@ -68,7 +86,7 @@ fn solve(mut line: Line, time: Time, points: usize) -> ExtremalSolution {
 fn the_conjugate_time_of_an_inverted_cost_is_pi() {
     for (time, expected) in [(4.0, Some(std::f64::consts::PI)), (3.0, None)] {
         let line = Line { to: 1.0, stiffness: -1.0, time_cost: 0.0 };
-        let motion = solve(line, Time::Fixed(time), 4).motion;
+        let motion = solve(line, FinalTime::Fixed(time), 4).motion;
         // x = sin t / sin T, J = cot T / 2.
         assert!((motion.cost - 0.5 / time.tan()).abs() < 1e-8 * (1.0 + motion.cost.abs()), "{}", motion.cost);
         match (motion.conjugate_time, expected) {
@@ -86,7 +104,7 @@ fn the_conjugate_time_of_an_inverted_cost_is_pi() {
 fn both_orders_reach_the_tolerance() {
     for points in [3, 4] {
         let line = Line { to: 1.0, stiffness: 4.0, time_cost: 0.0 };
-        let nodes = solve(line, Time::Fixed(3.0), points).nodes;
+        let nodes = solve(line, FinalTime::Fixed(3.0), points).nodes;
         // x = sinh 2t / sinh 2T; y = x'.
         for (t, z) in nodes.t.iter().zip(&nodes.z) {
             let exact = [(2.0 * t).sinh(), 2.0 * (2.0 * t).cosh()].map(|x| x / 6.0_f64.sinh());
@@ -99,7 +117,7 @@ fn both_orders_reach_the_tolerance() {
 fn the_best_time_balances_the_price_of_time() {
     for guess in [0.05, 1.0, 20.0] {
         let line = Line { to: 1.0, stiffness: 0.0, time_cost: 1.0 };
-        let motion = solve(line, Time::Free { guess }, 4).motion;
+        let motion = solve(line, FinalTime::Free { guess }, 4).motion;
         assert!((motion.final_time - 0.5_f64.sqrt()).abs() < 1e-9, "{}", motion.final_time);
         assert!((motion.cost - 2.0_f64.sqrt()).abs() < 1e-9 && motion.hamiltonian.abs() < 1e-9);
     }
@@ -108,25 +126,33 @@ fn the_best_time_balances_the_price_of_time() {
 /// Two lines that know nothing of each other: each conjugate time has the multiplicity two.
 struct Pair;
 
-impl Extremal for Pair {
+impl BoundaryValueProblem for Pair {
     fn states(&self) -> usize {
         2
     }
 
-    fn controls(&self) -> usize {
-        2
-    }
-
-    fn rate(&mut self, z: &[f64], _: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        _: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         g.copy_from_slice(&[z[2], z[3], -z[0], -z[1]]);
         let cost = 0.5 * (z[2] * z[2] + z[3] * z[3] - z[0] * z[0] - z[1] * z[1]);
-        Ok(Rate { hamiltonian: z[2] * z[2] + z[3] * z[3] - cost, cost, ..Rate::default() })
+        let hamiltonian = z[2] * z[2] + z[3] * z[3] - cost;
+        Ok(HamiltonianTerms { hamiltonian, cost, ..HamiltonianTerms::default() })
     }
 
-    fn linear(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64], j: &mut [f64]) -> Result<Rate, EvalError> {
+    fn linearise(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        j: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         j.fill(0.0);
         (j[2], j[7], j[8], j[13]) = (1.0, 1.0, -1.0, -1.0);
-        self.rate(z, law, g)
+        self.evaluate(z, law, g)
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
@@ -140,6 +166,12 @@ impl Extremal for Pair {
         jacobian.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
         Ok(())
     }
+}
+
+impl BoundedControls for Pair {
+    fn controls(&self) -> usize {
+        2
+    }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
         u.copy_from_slice(&z[2..]);
@@ -151,12 +183,15 @@ impl Extremal for Pair {
     }
 }
 
+impl Homotopy for Pair {}
+
 #[test]
 fn conjugate_times_of_even_multiplicity_are_counted() {
     use std::f64::consts::PI;
     for (time, expected) in [(3.0, None), (4.0, Some(PI)), (7.0, Some(PI)), (40.0, Some(PI))] {
         let guess = |s: f64, z: &mut [f64]| z[..2].copy_from_slice(&[s, 2.0 * s]);
-        let motion = solve_extremal(&mut Pair, Time::Fixed(time), &Options::default(), guess).motion;
+        let motion =
+            solve_extremal(&mut Pair, FinalTime::Fixed(time), &SolverOptions::default(), guess).motion;
         assert!(motion.status.is_converged(), "{}", motion.status);
         match (motion.conjugate_time, expected) {
             (Some(found), Some(expected)) => {
@@ -172,7 +207,7 @@ fn conjugate_times_of_even_multiplicity_are_counted() {
 #[test]
 fn between_nodes_the_polynomial_has_the_accuracy_of_the_nodes() {
     let line = Line { to: 1.0, stiffness: 4.0, time_cost: 0.0 };
-    let nodes = solve(line, Time::Fixed(3.0), 4).nodes;
+    let nodes = solve(line, FinalTime::Fixed(3.0), 4).nodes;
     for k in 0..=1000 {
         let t = 3.0 * f64::from(k) / 1000.0;
         let exact = [(2.0 * t).sinh(), 2.0 * (2.0 * t).cosh()].map(|x| x / 6.0_f64.sinh());

@@ -1,7 +1,7 @@
 //! What is refused, what is warned of, and what is saved.
 
 use costate::robot::Robot;
-use costate_control::{Bounds, Options, Penalty, Problem, Solution, Solver, Time};
+use costate_control::{Bounds, FinalTime, Penalty, Problem, Solution, Solver, SolverOptions};
 
 fn problem() -> Problem {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
@@ -9,11 +9,12 @@ fn problem() -> Problem {
 }
 
 #[test]
-fn what_is_wrong_is_named_by_its_key() {
+fn an_error_names_its_key() {
     let refused = |change: &dyn Fn(&mut Problem), key: &str| {
         let mut problem = problem();
         change(&mut problem);
-        let message = problem.check().unwrap_err().to_string();
+        let error = problem.check().unwrap_err();
+        let message = format!("{}: {}", error.key().unwrap(), error.reason());
         assert!(message.contains(key), "{key}: {message}");
     };
     refused(&|p| p.start.q = vec![0.0], "start.q");
@@ -24,16 +25,16 @@ fn what_is_wrong_is_named_by_its_key() {
     refused(&|p| p.start.v_free = vec![3], "start.v_free");
     refused(&|p| p.end.q_free = vec![2], "end.q_free");
     refused(&|p| p.end.v_free = vec![5], "end.v_free");
-    refused(&|p| p.time = Time::Fixed(0.0), "time.final");
-    refused(&|p| p.time = Time::Free { guess: -1.0 }, "time.guess");
-    refused(&|p| p.time = Time::Free { guess: 1.0 }, "cost.time");
+    refused(&|p| p.time = FinalTime::Fixed(0.0), "time.final");
+    refused(&|p| p.time = FinalTime::Free { guess: -1.0 }, "time.guess");
+    refused(&|p| p.time = FinalTime::Free { guess: 1.0 }, "cost.time");
     refused(&|p| p.cost.time = -1.0, "cost.time");
-    refused(&|p| p.cost.effort[0] = -1.0, "cost.effort of joint 'shoulder'");
+    refused(&|p| p.cost.effort[0] = -1.0, "cost.effort: the entry of joint 'shoulder'");
     refused(&|p| p.cost.effort[1] = 0.0, "'elbow'");
     refused(&|p| p.cost.effort = vec![1.0], "cost.effort");
     let bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0; 2] });
     refused(&|p| (p.cost.effort, p.bounds) = (vec![0.0; 2], bounds.clone()), "nothing is left to minimise");
-    refused(&|p| p.gain = vec![1.0, 0.0], "actuation.gain of joint 'elbow'");
+    refused(&|p| p.gain = vec![1.0, 0.0], "actuation.gain: the gain of joint 'elbow'");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0, 1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
     refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0] }), "bounds.u_max");
@@ -41,14 +42,14 @@ fn what_is_wrong_is_named_by_its_key() {
     let bounds = |u_min: f64, u_max: f64| Some(Bounds { u_min: vec![-1.0, u_min], u_max: vec![1.0, u_max] });
     refused(&|p| p.bounds = bounds(f64::NAN, 1.0), "bounds.u_min: the entry of joint 'elbow'");
     refused(&|p| p.bounds = bounds(-1.0, f64::NAN), "bounds.u_max: the entry of joint 'elbow'");
-    refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min = inf of joint 'elbow'");
+    refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min: the lower bound inf of joint 'elbow'");
     for (u_min, u_max) in [(-infinite, infinite), (-1.0, infinite), (-infinite, 1.0)] {
         let change = |p: &mut Problem| (p.cost.effort[1], p.bounds) = (0.0, bounds(u_min, u_max));
-        refused(&change, "cost.effort of joint 'elbow'");
+        refused(&change, "cost.effort: the weight of joint 'elbow'");
         let mut weighted = problem();
         weighted.bounds = bounds(u_min, u_max);
         weighted.cost.effort[0] = 0.0;
-        assert_eq!(weighted.check(), Ok(()));
+        assert!(weighted.check().is_ok());
     }
     let penalty = |q_min: f64| Penalty {
         weight: 1.0,
@@ -65,33 +66,50 @@ fn what_is_wrong_is_named_by_its_key() {
     };
     refused(&|p| p.penalty = limits(f64::NAN, 1.0, 1.0), "penalty.q_min: the entry of joint 'shoulder'");
     refused(&|p| p.penalty = limits(0.0, 1.0, f64::NAN), "penalty.v_max: the entry of joint 'shoulder'");
-    refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "penalty.q_min = inf");
-    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "penalty.q_max = -inf");
+    refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "lower limit inf of joint 'shoulder'");
+    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "upper limit -inf");
     let mut held = problem();
     held.penalty = limits(-infinite, infinite, infinite);
-    assert_eq!(held.check(), Ok(()));
-    assert_eq!(problem().check(), Ok(()));
-    let options = Options { tolerance: 0.0, ..Options::default() };
-    assert!(
-        Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("solver.tolerance"))
-    );
+    assert!(held.check().is_ok());
+    assert!(problem().check().is_ok());
+    let options = SolverOptions { tolerance: 0.0, ..SolverOptions::default() };
+    assert!(Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("tolerance")));
+}
+
+#[test]
+fn angles_in_degrees_are_a_warning() {
+    let mut problem = problem();
+    assert!(problem.warnings().is_empty());
+    problem.end.q[1] = 90.0;
+    let warnings = problem.warnings();
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(warnings[0].key().to_string(), "end.q");
+    let message = warnings[0].to_string();
+    assert!(message.contains("'elbow'") && message.contains("1.5708 rad"), "{message}");
+    assert!(problem.check().is_ok());
 }
 
 #[test]
 fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
-    let first = Solver::new(&problem(), Options::default()).unwrap().solve();
+    let first = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
     let text = serde_json::to_string(&first).unwrap();
     let saved: Solution = serde_json::from_str(&text).unwrap();
     assert_eq!(saved.trajectory, first.trajectory);
     assert_eq!(saved.motion.status, first.motion.status);
     let mut longer = problem();
-    longer.time = Time::Fixed(1.1);
-    let again =
-        Solver::new(&longer, Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
-    let fresh = Solver::new(&longer, Options::default()).unwrap().solve();
+    longer.time = FinalTime::Fixed(1.1);
+    let again = Solver::new(&longer, SolverOptions::default())
+        .unwrap()
+        .with_start(&saved.trajectory)
+        .unwrap()
+        .solve();
+    let fresh = Solver::new(&longer, SolverOptions::default()).unwrap().solve();
     assert!((again.motion.cost - fresh.motion.cost).abs() < 1e-9 * fresh.motion.cost);
-    let same =
-        Solver::new(&problem(), Options::default()).unwrap().with_start(&saved.trajectory).unwrap().solve();
+    let same = Solver::new(&problem(), SolverOptions::default())
+        .unwrap()
+        .with_start(&saved.trajectory)
+        .unwrap()
+        .solve();
     assert!(
         same.newton_iterations < first.newton_iterations,
         "{} {}",
@@ -100,7 +118,7 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
     );
     let pendulum = Robot::from_file("../robots/pendulum.toml").unwrap();
     let other = Problem::rest_to_rest(pendulum, &[0.0], &[1.0], 1.0);
-    let solver = Solver::new(&other, Options::default()).unwrap();
+    let solver = Solver::new(&other, SolverOptions::default()).unwrap();
     let error = solver.with_start(&saved.trajectory).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("needs 1"), "{error}");
 }
@@ -108,20 +126,21 @@ fn a_saved_solution_is_a_start_from_which_little_is_left_to_do() {
 #[test]
 fn limits_of_the_robot_are_a_warning() {
     let problem = problem();
-    let solution = Solver::new(&problem, Options::default()).unwrap().solve();
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     let warnings = problem.limit_warnings(&solution.trajectory);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("effort of joint 'shoulder'"), "{warnings:?}");
     let mut slow = problem.clone();
-    slow.time = Time::Fixed(10.0);
+    slow.time = FinalTime::Fixed(10.0);
     assert!(
-        slow.limit_warnings(&Solver::new(&slow, Options::default()).unwrap().solve().trajectory).is_empty()
+        slow.limit_warnings(&Solver::new(&slow, SolverOptions::default()).unwrap().solve().trajectory)
+            .is_empty()
     );
 }
 
 #[test]
 fn penalties_push_a_motion_back_and_are_told_apart() {
-    let free = Solver::new(&problem(), Options::default()).unwrap().solve();
+    let free = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
     let fastest = |solution: &Solution| {
         solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()))
     };
@@ -129,7 +148,7 @@ fn penalties_push_a_motion_back_and_are_told_apart() {
     let mut slower = problem();
     slower.penalty =
         Some(Penalty { weight: 1e4, q_min: None, q_max: Some(vec![0.5; 2]), v_max: Some(vec![limit; 2]) });
-    let held = Solver::new(&slower, Options::default()).unwrap().solve();
+    let held = Solver::new(&slower, SolverOptions::default()).unwrap().solve();
     assert!(held.motion.status.is_converged(), "{} {:?}", held.motion.status, held.motion.iterations);
     assert!(
         fastest(&held) < 1.05 * limit
@@ -150,7 +169,7 @@ fn an_infinite_limit_is_none() {
             q_max: Some(vec![none, 0.5]),
             v_max: Some(vec![none, 0.6]),
         });
-        Solver::new(&held, Options::default()).unwrap().solve()
+        Solver::new(&held, SolverOptions::default()).unwrap().solve()
     };
     let (without, far) = (solve(infinite), solve(1e9));
     assert!(without.motion.status.is_converged() && without.motion.penalty_cost > 0.0);
@@ -161,7 +180,7 @@ fn an_infinite_limit_is_none() {
 fn starts_are_tried_in_turn_and_the_best_is_kept() {
     let mut steps = 0;
     let problem = problem();
-    let options = Options { starts: 3, seed: 7, ..Options::default() };
+    let options = SolverOptions { starts: 3, seed: 7, ..SolverOptions::default() };
     let solution = Solver::new(&problem, options)
         .unwrap()
         .on_iteration(|step| steps += usize::from(step.phase != "path"))

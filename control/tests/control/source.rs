@@ -4,21 +4,22 @@ use costate::codegen::Program;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Extremal, GeneratedExtremal, Jacobian, Law, Options, Penalty, Problem, ProgramOf, RobotExtremal,
-    RunningCost, SourceError, Time, UserTerm, pontryagin_program, solve_extremal,
+    BoundaryValueProblem, Bounds, ControlLaw, FinalTime, GeneratedExtremal, JacobianRoute, Penalty, Problem,
+    ProgramOf, RobotExtremal, RunningCost, SolverOptions, SourceError, UserTerm, pontryagin_program,
+    solve_extremal,
 };
 use std::cell::Cell;
 
 struct Swing;
 
 impl RunningCost for Swing {
-    fn eval<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+    fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
         q.iter().zip(v).fold(S::zero(), |sum, (&q, &v)| sum + (q.sin_cos().1 * v * v).times(0.7))
     }
 }
 
 fn robots() -> Vec<Robot> {
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let names =
         ["two_link.toml", "cart_pole.toml", "manutec_r3.toml", "puma560.toml", "ur5.urdf", "panda.urdf"];
@@ -69,11 +70,11 @@ fn programs_of_extremals_agree_with_the_library() {
     for problem in robots().iter().flat_map(problems) {
         let m = 4 * problem.robot.len();
         let programs = ProgramOf::ALL.map(|of| pontryagin_program(&problem, of).unwrap());
-        let mut extremal = RobotExtremal::new(&problem, Jacobian::Exact).unwrap();
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         for _ in 0..3 {
             let z: Vec<f64> = (0..m).map(|_| 2.0 * random.f64() - 1.0).collect();
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
-            let rate = extremal.linear(&z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+            let rate = extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             let l = [rate.cost, rate.penalty];
             for program in &programs {
                 let mut results = vec![0.0; program.outputs()];
@@ -143,7 +144,7 @@ fn the_solver_runs_on_generated_equations() {
         z.fill(0.0);
         z[..2].fill(to * s * s * (3.0 - 2.0 * s));
     };
-    let motion = solve_extremal(&mut extremal, Time::Fixed(1.0), &Options::default(), guess);
+    let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), guess);
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     assert!(calls.get().0 > 100 && calls.get().1 > 100, "{:?}", calls.get());

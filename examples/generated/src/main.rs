@@ -59,7 +59,8 @@ mod tests {
     use costate::num_dual::Dual64;
     use costate::robot::Robot;
     use costate_control::{
-        Extremal, GeneratedExtremal, Jacobian, Law, Options, Problem, RobotExtremal, solve_extremal,
+        BoundaryValueProblem, ControlLaw, GeneratedExtremal, JacobianRoute, Problem, RobotExtremal,
+        SolverOptions, solve_extremal,
     };
     use std::array::from_fn;
     use std::path::{Path, PathBuf};
@@ -164,9 +165,9 @@ mod tests {
 
     /// z', l and the Jacobian of z' by the library.
     fn of_the_library(problem: &Problem, z: &[f64]) -> (Vec<f64>, [f64; 2], Vec<f64>) {
-        let mut extremal = RobotExtremal::new(problem, Jacobian::Exact).unwrap();
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         let (mut g, mut jacobian) = (vec![0.0; z.len()], vec![0.0; z.len() * z.len()]);
-        let rate = extremal.linear(z, Law::Maximal, &mut g, &mut jacobian).unwrap();
+        let rate = extremal.linearise(z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
         (g, [rate.cost, rate.penalty], jacobian)
     }
 
@@ -220,12 +221,13 @@ mod tests {
         let guess = |s: f64, z: &mut [f64]| {
             z[..2].iter_mut().zip(&problem.end.q).for_each(|(z, q)| *z = q * s * s * (3.0 - 2.0 * s));
         };
-        let motion = solve_extremal(&mut extremal, problem.time, &Options::default(), guess);
-        assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
-        assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
+        let motion = solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), guess);
+        assert!(motion.status.is_converged(), "{}", motion.status);
+        assert!((motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.cost);
     }
 
-    /// What the sine and cosine of generated code differ by from those of the standard library, in units of the last place.
+    /// What the sine and cosine of generated code differ by from those of the standard library, in units of
+    /// the last place.
     #[test]
     fn sine_and_cosine_are_right_to_two_units_in_the_last_place() {
         let quarter = std::f64::consts::FRAC_PI_2;

@@ -1,4 +1,4 @@
-//! What optimal motions are asked for: read by `build.rs` and by the tests.
+//! The optimal-control problems of `build.rs` and the tests.
 
 use costate::robot::{Robot, RobotError};
 use costate_control::{Bounds, Penalty, Problem};

@@ -10,7 +10,7 @@ type Entry = unsafe extern "C" fn(*const f64, *mut f64);
 
 /// Compiles the C source by `cc -O3 -march=native -ffp-contract=fast`.
 pub fn compile(program: &Program) -> Candidate {
-    let mut source = program.to_c(&COptions { limit: usize::MAX }).unwrap();
+    let mut source = program.to_c(&COptions::default().with_limit(usize::MAX)).unwrap();
     let mut parts = Vec::new();
     let mut at = 0;
     for argument in program.arguments() {

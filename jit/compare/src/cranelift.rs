@@ -1,7 +1,7 @@
 //! A program by cranelift.
 //!
-//! What helps it: constants in a table instead of one instruction each, arguments and angles loaded where they are used,
-//! one call for sine and cosine, fused operations, no unwinding information.
+//! What helps it: constants in a table instead of one instruction each, arguments and angles loaded where
+//! they are used, one call for sine and cosine, fused operations, no unwinding information.
 
 use crate::Candidate;
 use costate::codegen::{Id, Node, Program};
@@ -47,7 +47,8 @@ fn target(opt_level: &str, algorithm: &str) -> OwnedTargetIsa {
     cranelift_native::builder().unwrap().finish(settings::Flags::new(flags)).unwrap()
 }
 
-/// Compiles with an optimisation level ("none", "speed") and a register allocator ("backtracking", "single_pass").
+/// Compiles with an optimisation level ("none", "speed") and a register allocator ("backtracking",
+/// "single_pass").
 pub fn compile(program: &Program, opt_level: &str, algorithm: &str) -> Candidate {
     let isa = target(opt_level, algorithm);
     let mut context = Context::new();

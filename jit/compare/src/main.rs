@@ -1,12 +1,13 @@
 //! The same programs by costate-jit, cranelift, symjit and the C compiler: time to compile, time of a call.
 //!
-//! In this folder, `cargo run --release` prints the table; with `-- --write` it also puts it into docs/jit.md.
+//! In this folder, `cargo run --release` prints the table; with `-- --write` it also puts it into
+//! docs/jit.md.
 
 mod c;
 mod cranelift;
 mod symjit;
 
-use costate::codegen::{Coordinates, Options, Program, Quantity, robot_program};
+use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::Robot;
 use costate_jit::Compiled;
 use std::fmt::Write;
@@ -92,7 +93,7 @@ fn main() {
     for (name, file) in [("UR5", "ur5.urdf"), ("Panda", "panda.urdf"), ("biped", "biped.toml")] {
         let robot = Robot::from_file(format!("{ROOT}/robots/{file}")).unwrap();
         for quantity in [Quantity::FX, Quantity::YFXX] {
-            let options = Options::default();
+            let options = ProgramOptions::default();
             let program = robot_program(&robot, quantity, Coordinates::Hamiltonian, &options).unwrap();
             lines(&mut table, &format!("{name} {}", quantity.name()), &program);
         }

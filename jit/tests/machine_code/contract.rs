@@ -1,8 +1,9 @@
-//! What callers may rely on: errors, threads, memory, no allocation, the same code every time.
+//! What callers may rely on: errors, threads, Debug and Send, bounded memory, no allocation, reproducible
+//! code.
 
-use costate::EvalError;
-use costate::codegen::{Coordinates, Options, Program, Quantity, robot_program};
+use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate::{EvalError, LengthError};
 use costate_jit::{Compiled, Evaluator, JitError, Status};
 use nalgebra::Matrix3;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -15,7 +16,7 @@ thread_local! {
     static MOST_HELD: Cell<isize> = const { Cell::new(0) };
 }
 
-/// Counts what this thread asks of the system's allocator.
+/// Counts the allocations of this thread.
 struct Counting;
 
 // SAFETY: every call is forwarded to the system's allocator unchanged.
@@ -42,10 +43,10 @@ fn robot(name: &str) -> Robot {
 }
 
 fn program(robot: &Robot, quantity: Quantity) -> Program {
-    robot_program(robot, quantity, Coordinates::Hamiltonian, &Options::default()).unwrap()
+    robot_program(robot, quantity, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap()
 }
 
-/// Machine code, unless the processor is another one.
+/// Machine code, if the processor is supported.
 fn compiled(program: &Program) -> Option<Compiled> {
     match Compiled::new(program) {
         Ok(compiled) => Some(compiled),
@@ -65,9 +66,9 @@ fn wrong_lengths_are_refused_and_leave_the_outputs_alone() {
     let inputs = some_inputs(&program);
     let mut evaluator =
         Evaluator::new(&robot("robots/ur5.urdf"), Quantity::FX, Coordinates::Hamiltonian).unwrap();
-    let wrong = EvalError::WrongLength { what: "inputs", expected: 18, found: 17 };
+    let wrong = EvalError::WrongLength(LengthError { what: "inputs", expected: 18, found: 17 });
     assert_eq!(evaluator.evaluate(&inputs[1..], &mut outputs), Err(wrong.clone()));
-    let short = EvalError::WrongLength { what: "outputs", expected: 156, found: 155 };
+    let short = EvalError::WrongLength(LengthError { what: "outputs", expected: 156, found: 155 });
     assert_eq!(evaluator.evaluate(&inputs, &mut outputs[1..]), Err(short.clone()));
     if let Some(compiled) = compiled(&program) {
         assert_eq!(compiled.call(&inputs[1..], &mut outputs), Err(wrong));
@@ -76,9 +77,9 @@ fn wrong_lengths_are_refused_and_leave_the_outputs_alone() {
     assert!(outputs.iter().all(|output| *output == 7.0));
 }
 
-/// With friction: choices between numbers that are none.
+/// With friction: selections between values that are not numbers.
 #[test]
-fn what_is_not_a_number_passes_through_machine_code_and_is_an_error_of_the_evaluator() {
+fn nan_passes_through_machine_code_and_is_an_error_of_the_evaluator() {
     let robot = robot("tests/fixtures/friction_tree.toml");
     let program = program(&robot, Quantity::F);
     let n = robot.len();
@@ -134,11 +135,19 @@ fn calls_do_not_allocate() {
 }
 
 #[test]
+fn public_types_are_debug_send_and_sync() {
+    fn check<T: std::fmt::Debug + Send + Sync>() {}
+    check::<Compiled>();
+    check::<Compiled<[f64; 4]>>();
+    check::<Evaluator>();
+    check::<JitError>();
+    check::<Status<'_>>();
+}
+
+#[test]
 fn threads_call_the_same_code_at_once() {
-    fn is_shared<T: Send + Sync>(_: &T) {}
     let program = program(&robot("robots/panda.urdf"), Quantity::YFXX);
     let Some(compiled) = compiled(&program) else { return };
-    is_shared(&compiled);
     let alone = |seed: f64| {
         let inputs: Vec<f64> = some_inputs(&program).iter().map(|x| x * seed).collect();
         let mut outputs = vec![0.0; program.outputs()];
@@ -169,17 +178,18 @@ fn executable() -> usize {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn memory_is_given_back_on_drop() {
+fn memory_is_freed_on_drop() {
     let program = program(&robot("robots/panda.urdf"), Quantity::FX);
     let Some(first) = compiled(&program) else { return };
+    // Other tests of this process compile at the same time: a few of these programs, not a hundred.
     let before = executable();
     assert!(before >= first.code_len(), "{before} bytes do not hold the first");
-    let many: Vec<_> = (0..200).map(|_| compiled(&program)).collect();
-    let kept = executable() - before;
-    assert!(kept > 150 * first.code_len(), "{kept} bytes do not hold 200 more");
+    let many: Vec<_> = (0..600).map(|_| compiled(&program)).collect();
+    let kept = executable().saturating_sub(before);
+    assert!(kept > 450 * first.code_len(), "{kept} bytes do not hold 600 more");
     drop(many);
     let kept = executable().saturating_sub(before);
-    assert!(kept < 40 * first.code_len(), "{kept} bytes are kept");
+    assert!(kept < 150 * first.code_len(), "{kept} bytes are kept");
     first.call(&some_inputs(&program), &mut vec![0.0; program.outputs()]).unwrap();
 }
 
@@ -198,7 +208,7 @@ fn the_same_program_becomes_the_same_code() {
 
 /// The whole recording of this quantity would be some three million operations, more than 100 MB.
 #[test]
-fn what_is_far_too_long_is_given_up_early() {
+fn a_program_that_is_much_too_long_is_refused_early() {
     let body = LinkInertia::about_com(1.0, [0.1, 0.2, 0.3], Matrix3::identity() * 0.1);
     let mut builder = Robot::builder("snake");
     for k in 0..60_usize {

@@ -6,11 +6,12 @@ use costate_jit::{Compiled, JitError, Number};
 use costate_test_support::config;
 use proptest::prelude::*;
 
-/// One random step: what is done, and to which of the values so far (counted from the last, modulo their number).
+/// One random step: its operation and its operands among the values so far (counted from the last, modulo
+/// their number).
 type Choice = (u8, [usize; 3]);
 
 fn choices(most: usize) -> impl Strategy<Value = Vec<Choice>> {
-    // Near operands make chains, far ones values that wait for long.
+    // Near operands make chains, far ones values that live long.
     let operand = prop_oneof![3 => 0..6_usize, 2 => 0..60_usize, 1 => 0..2000_usize];
     prop::collection::vec((0..40_u8, prop::array::uniform3(operand)), 1..most)
 }
@@ -77,7 +78,7 @@ fn by_steps(program: &Program, inputs: &[f64]) -> Vec<f64> {
     program.results().iter().flat_map(|result| &result.entries).map(|id| values[id.index()]).collect()
 }
 
-/// Bit by bit; what is not a number may be any that is none.
+/// Equal bit by bit; any NaN equals any other.
 fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }

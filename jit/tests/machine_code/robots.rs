@@ -1,6 +1,6 @@
 //! Machine code of every quantity against the generic code.
 
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
 use costate_jit::{Compiled, DEFAULT_LIMIT, Evaluator, JitError, Status};
@@ -18,7 +18,7 @@ fn compiles() -> bool {
         &Robot::from_file(folder().join("robots/pendulum.toml")).unwrap(),
         Quantity::F,
         Coordinates::Hamiltonian,
-        &Options::default(),
+        &ProgramOptions::default(),
     );
     match Compiled::new(&program.unwrap()) {
         Ok(_) => true,
@@ -39,7 +39,7 @@ fn all_robots() -> Vec<Robot> {
     files.push(folder().join("tests/fixtures/friction_tree.toml"));
     files.sort();
     assert!(files.len() >= 9);
-    let options = LoadOptions { friction: true, ..LoadOptions::default() };
+    let options = LoadOptions::default().friction(true);
     files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
 }
 
@@ -50,7 +50,9 @@ fn quantities() -> impl Iterator<Item = (Quantity, Coordinates)> {
 /// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.
 fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
     for (quantity, coordinates) in quantities() {
-        let Ok(program) = robot_program(robot, quantity, coordinates, &Options::default()) else { continue };
+        let Ok(program) = robot_program(robot, quantity, coordinates, &ProgramOptions::default()) else {
+            continue;
+        };
         let compiled = Compiled::new(&program).map_err(|error| error.to_string())?;
         let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
         let mut evaluator = Evaluator::new(robot, quantity, coordinates).unwrap();
@@ -118,7 +120,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_not_compiled_says_why_and_what_to_do() {
+fn the_status_has_the_reason_and_what_to_do() {
     let robot = Robot::from_file(folder().join("robots/ur5.urdf")).unwrap();
     let with_limit =
         |limit| Evaluator::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, limit).unwrap();
@@ -127,7 +129,7 @@ fn what_is_not_compiled_says_why_and_what_to_do() {
     if compiles() {
         for (evaluator, begin, limit) in [
             (&long, "generic code: the program has ", "the limit is 800"),
-            (&far_too_long, "generic code: the recording had more than ", "more than 10 steps"),
+            (&far_too_long, "generic code: the recording was stopped after ", "more than 10 steps"),
         ] {
             let text = evaluator.status().to_string();
             assert!(text.starts_with(begin) && text.contains(limit) && text.contains("with_limit"), "{text}");

@@ -1,13 +1,14 @@
-//! A mass matrix that is singular but for rounding is the same error as by the generic code, for every quantity.
+//! A mass matrix that is singular up to rounding is the same error as by the generic code, for every
+//! quantity.
 
 use costate::EvalError;
-use costate::codegen::{Coordinates, Options, Quantity, robot_program};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, file};
 use costate_jit::{Compiled, Evaluator};
 use fastrand::Rng;
 use nalgebra::Matrix3;
 
-/// Three turning axes in one point; no inverse of M where the second is at a right angle.
+/// Three revolute axes through one point; M is singular where the second is at a right angle.
 fn gimbal() -> Robot {
     let text = "name = 'gimbal'\n\
         [[joint]]\nname = 'z'\naxis = [0.0, 0.0, 1.0]\n\
@@ -51,7 +52,8 @@ fn both(robot: &Robot) -> Vec<(Quantity, Coordinates, [Evaluator; 2])> {
     all.filter_map(make).collect()
 }
 
-/// Compares both for each of the positions; how many of those quantities that invert M were refused, and of how many.
+/// Compares both for each of the positions; how many of those quantities that invert M were refused, and of
+/// how many.
 fn refused(robot: &Robot, positions: &[Vec<f64>]) -> (usize, usize) {
     let (mut refused, mut count, mut rng) = (0, 0, Rng::with_seed(2));
     for (quantity, coordinates, [mut machine, mut generic]) in both(robot) {
@@ -82,12 +84,13 @@ fn random_positions(n: usize) -> Vec<Vec<f64>> {
     (0..30).map(|_| (0..n).map(|_| 6.0 * rng.f64() - 3.0).collect()).collect()
 }
 
-/// Without the guard these would be numbers: both machine code without one and the pivots are finite.
+/// Without the guard these results would be finite numbers.
 #[test]
-fn what_machine_code_would_take_for_regular_is_refused() {
+fn a_singular_pose_with_finite_results_is_refused() {
     let robot = gimbal();
     let singular = vec![0.3, std::f64::consts::FRAC_PI_2, -0.7];
-    let program = robot_program(&robot, Quantity::FX, Coordinates::Hamiltonian, &Options::default()).unwrap();
+    let program =
+        robot_program(&robot, Quantity::FX, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     if let Ok(compiled) = Compiled::new(&program) {
         let mut outputs = vec![f64::NAN; compiled.outputs()];
         compiled.call(&[singular.as_slice(), &[0.1; 6]].concat(), &mut outputs).unwrap();
@@ -97,7 +100,7 @@ fn what_machine_code_would_take_for_regular_is_refused() {
     assert!(refused == count && count == 9, "{refused} of {count}");
 }
 
-/// From far away into the singular pose: the border is where the generic code has it.
+/// Poses that approach the singular one: the limit is that of the generic code.
 #[test]
 fn poses_near_a_singular_one_are_judged_as_by_the_generic_code() {
     let robot = gimbal();
@@ -111,7 +114,7 @@ fn poses_near_a_singular_one_are_judged_as_by_the_generic_code() {
 }
 
 #[test]
-fn joints_that_no_mass_resists_are_refused_in_every_pose() {
+fn joints_that_move_no_mass_are_refused_in_every_pose() {
     let massless = LinkInertia::massless();
     let on_its_axis = LinkInertia::point(1.0, [0.0; 3]);
     let robots = [

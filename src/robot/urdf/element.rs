@@ -1,33 +1,10 @@
 //! One element of a URDF: its children and attributes, refused by line, name and remedy.
 
+use super::xml::Lines;
 use crate::robot::error::RobotError;
+use crate::robot::printable::printable;
 use roxmltree::Node;
 use std::fmt::Display;
-use std::path::PathBuf;
-
-/// `error`, at that line of a file whose path the caller knows.
-pub(super) fn at(line: usize, error: RobotError) -> RobotError {
-    RobotError::InFile { path: PathBuf::new(), line: Some(line), error: Box::new(error) }
-}
-
-/// Where the lines of a text begin (bytes); looking a line up here does not read the text again.
-pub(super) struct Lines(Vec<usize>);
-
-impl Lines {
-    pub(super) fn of(text: &str) -> Self {
-        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end + 1)).collect())
-    }
-
-    /// Number of lines.
-    pub(super) fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Line, from 1, on which the element begins.
-    pub(super) fn line(&self, node: Node<'_, '_>) -> usize {
-        self.0.partition_point(|&start| start <= node.range().start)
-    }
-}
 
 /// An element and the link or joint it belongs to.
 #[derive(Clone, Copy)]
@@ -38,7 +15,8 @@ pub(super) struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// `owner` is how messages call what it belongs to, such as `joint 'elbow'`; empty where that has no name yet.
+    /// `owner` is how messages call the link or joint, such as `joint 'elbow'`; empty while its name is
+    /// unknown.
     pub(super) fn new(node: Node<'a, 'a>, lines: &'a Lines, owner: &'a str) -> Self {
         Self { node, lines, owner }
     }
@@ -49,13 +27,13 @@ impl<'a> Element<'a> {
 
     /// Its name and owner, such as `<origin> of joint 'elbow'`.
     pub(super) fn description(&self) -> String {
-        let tag = self.node.tag_name().name();
+        let tag = printable(self.node.tag_name().name());
         if self.owner.is_empty() { format!("<{tag}>") } else { format!("<{tag}> of {}", self.owner) }
     }
 
     /// The error that this element is malformed: its description, then `problem`.
     pub(super) fn refuse(&self, problem: impl Display) -> RobotError {
-        at(self.line(), RobotError::Malformed { message: format!("{} {problem}", self.description()) })
+        RobotError::malformed(format!("{} {problem}", self.description())).at(self.line())
     }
 
     /// The child element of that name, of which there may be one.
@@ -66,12 +44,12 @@ impl<'a> Element<'a> {
         });
         let first = found.next().map(|node| Self { node, ..*self });
         match found.next() {
-            Some(node) => Err(Self { node, ..*self }.refuse("stands there twice; keep one of them")),
+            Some(node) => Err(Self { node, ..*self }.refuse("is given twice; keep one of them")),
             None => Ok(first),
         }
     }
 
-    /// The child element of that name, which must be there.
+    /// The child element of that name, which must exist.
     pub(super) fn required_child(&self, name: &str) -> Result<Self, RobotError> {
         self.child(name)?.ok_or_else(|| self.refuse(format_args!("has no <{name}>; add it")))
     }
@@ -80,20 +58,24 @@ impl<'a> Element<'a> {
         self.node.attribute(name)
     }
 
-    /// An attribute that must be there and not be blank.
+    /// An attribute that must exist and not be blank.
     pub(super) fn required_text(&self, name: &str) -> Result<&'a str, RobotError> {
         let text = self.attribute(name).filter(|text| !text.trim().is_empty());
         text.ok_or_else(|| self.refuse(format_args!("has no {name}; add {name}=\"...\"")))
     }
 
-    /// The `N` numbers of an attribute, if it is there, each as it is written: `inf` and `nan` are numbers here.
+    /// The `N` numbers of an attribute, if it exists; `inf` and `nan` are numbers here.
     pub(super) fn any_numbers<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>, RobotError> {
         let Some(text) = self.attribute(name) else { return Ok(None) };
-        let refuse = |problem: String| Err(self.refuse(format_args!("has {name}=\"{text}\", {problem}")));
-        let mut numbers = Vec::with_capacity(N);
+        let refuse =
+            |problem: String| Err(self.refuse(format_args!("has {name}=\"{}\", {problem}", printable(text))));
+        let (mut numbers, mut count) = ([0.0; N], 0);
         for word in text.split_whitespace() {
             match word.parse::<f64>() {
-                Ok(number) => numbers.push(number),
+                Ok(number) => {
+                    numbers.iter_mut().skip(count).take(1).for_each(|entry| *entry = number);
+                    count += 1;
+                }
                 Err(_) if text.contains("${") || text.contains("$(") => {
                     return refuse(
                         "which looks like xacro; expand the file first (xacro robot.xacro > robot.urdf)"
@@ -102,24 +84,25 @@ impl<'a> Element<'a> {
                 }
                 Err(_) if word.contains(',') => {
                     return refuse(
-                        "where a comma stands; separate numbers by blanks, write decimals with a point"
+                        "which contains a comma; separate numbers by blanks, write decimals with a point"
                             .into(),
                     );
                 }
-                Err(_) => return refuse(format!("where '{word}' is not a number; write one such as 0.25")),
+                Err(_) => {
+                    let word = printable(word);
+                    return refuse(format!("where '{word}' is not a number; write one such as 0.25"));
+                }
             }
         }
-        let count = numbers.len();
-        match <[f64; N]>::try_from(numbers) {
-            Ok(numbers) => Ok(Some(numbers)),
-            Err(_) => refuse(match N {
-                1 => format!("{count} numbers; give one"),
-                _ => format!("{count} numbers; give {N}, separated by blanks"),
-            }),
+        let found = if count == 1 { "one number".into() } else { format!("{count} numbers") };
+        match N {
+            _ if count == N => Ok(Some(numbers)),
+            1 => refuse(format!("{found}; give one")),
+            _ => refuse(format!("{found}; give {N}, separated by blanks")),
         }
     }
 
-    /// The `N` finite numbers of an attribute, if it is there.
+    /// The `N` finite numbers of an attribute, if it exists.
     pub(super) fn numbers<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>, RobotError> {
         let numbers = self.any_numbers::<N>(name)?;
         match numbers.as_ref().and_then(|all| all.iter().find(|x| !x.is_finite())) {
@@ -130,12 +113,12 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The finite number of an attribute, if it is there.
+    /// The finite number of an attribute, if it exists.
     pub(super) fn number(&self, name: &str) -> Result<Option<f64>, RobotError> {
         Ok(self.numbers::<1>(name)?.map(|[x]| x))
     }
 
-    /// The finite number of an attribute that must be there.
+    /// The finite number of an attribute that must exist.
     pub(super) fn required_number(&self, name: &str) -> Result<f64, RobotError> {
         self.number(name)?.ok_or_else(|| self.refuse(format_args!("has no {name}; add {name}=\"...\"")))
     }

@@ -1,46 +1,68 @@
 //! Robots from URDF files.
 //!
-//! The root link is the base: it does not move, nor does anything fixed to it. Links behind fixed joints are merged
-//! into the body that carries them. `continuous` is revolute without position limits; `floating` and `planar` joints
-//! become several joints with massless links between them. Joints keep the order of the file as far as parents come
-//! before their children. What a URDF says about looks, collisions, transmissions and simulators is not read.
+//! The root link is the base: it does not move, nor does anything fixed to it. Links behind fixed joints are
+//! merged into the body that carries them. `continuous` is revolute without position limits; `floating` and
+//! `planar` joints become several joints with massless links between them. Joints keep the order of the file,
+//! except that parents come before their children. Visual models, collision models, transmissions and
+//! extensions of simulators are not read. Elements and attributes that URDF does not know are ignored with a
+//! warning that names the line.
+//!
+//! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
+//! type (`<!DOCTYPE`) is refused.
 
 mod element;
+mod limits;
+mod quaternion;
 mod source;
-mod text;
 mod tree;
+mod vocabulary;
+mod xml;
 
-use self::element::at;
-use self::source::Source;
-use self::tree::{Seat, Seats};
+use self::source::{JointType, Source, SourceJoint};
+use self::tree::{Attachment, Attachments};
 use super::error::RobotError;
-use super::joint::{Friction, JointKind, JointSpec, Limits};
+use super::joint::{Friction, JointKind, JointSpec};
 use super::link::LinkInertia;
+use super::printable::printable;
 use super::warning::Warning;
 use super::{LoadOptions, Robot, checks};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::collections::HashMap;
-use urdf_rs::JointType;
 
 /// Reads the text of a URDF; gravity is (0, 0, -9.81) m/s^2 in the frame of the root link.
 ///
-/// Joint `NAME` of type `floating` becomes six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute `NAME_rz`,
-/// `NAME_ry`, `NAME_rx`, along and about the axes of the joint frame. One of type `planar` becomes three: prismatic
-/// `NAME_x` and `NAME_y` in the plane normal to its axis, then revolute `NAME_rz` about the axis. The first direction
-/// in the plane is the x axis of the joint frame projected on it (the y axis where x is within 30 degrees of the
-/// joint's axis), the second completes a right-handed frame: axis z gives exactly x and y.
+/// Joint `NAME` of type `floating` becomes six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute
+/// `NAME_rz`, `NAME_ry`, `NAME_rx`, along and about the axes of the joint frame. One of type `planar` becomes
+/// three: prismatic `NAME_x` and `NAME_y` in the plane normal to its axis, then revolute `NAME_rz` about the
+/// axis. The first direction in the plane is the x axis of the joint frame projected on it (the y axis where
+/// x is within 30 degrees of the joint's axis), the second completes a right-handed frame: axis z gives
+/// exactly x and y.
 ///
 /// # Errors
-/// [`RobotError::InFile`] with the line of the culprit and an empty path; the bare error where no line is to blame.
+/// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is
+/// known.
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
-    let source = source::read(text)?;
-    let seats = tree::seats(&source)?;
-    let mut warnings = source.notes.clone();
-    let bodies = bodies(&source, &seats.links, &mut warnings)?;
-    let name = Some(source.robot.name.as_str()).filter(|name| !name.trim().is_empty()).unwrap_or("robot");
+    built(source::read(text)?, options)
+}
+
+/// As [`parse`], for a text in which U+FFFD replaces what was not UTF-8.
+pub(super) fn parse_replaced(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
+    let mut source = source::read(text)?;
+    source.warnings.extend(xml::replaced_line(text).map(|line| Warning::NotUtf8 { line }));
+    built(source, options)
+}
+
+fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {
+    let mut warnings = std::mem::take(&mut source.warnings);
+    let attached = tree::attachments(&source)?;
+    let bodies = bodies(&source, &attached.links, &mut warnings)?;
+    if let Some(root) = attached.root.map(|root| &source.links[root]).filter(|root| root.inertia.mass > 0.0) {
+        let (link, mass, line) = (root.name.clone(), root.inertia.mass, root.line);
+        warnings.push(Warning::FixedBase { link, mass, line });
+    }
     let mut lines = HashMap::new();
-    let mut builder = Robot::builder(name).options(options);
-    for (spec, line) in joints(&source, &seats, bodies, options, &mut warnings) {
+    let mut builder = Robot::builder(&source.name).options(options);
+    for (spec, line) in joints(&source, &attached, bodies, options, &mut warnings) {
         lines.insert(spec.name.clone(), line);
         builder = builder.joint(spec);
     }
@@ -48,40 +70,42 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
         builder.warn(warning);
     }
     builder.build().map_err(|error| {
-        let has_mass = source.robot.links.iter().any(|link| !inertia(&link.inertial).is_massless());
+        let has_mass = source.links.iter().any(|link| !link.inertia.is_massless());
         let error = match error {
             RobotError::MovesNothing { joint } if !has_mass => RobotError::KinematicsOnly { joint },
             error => error,
         };
-        match error.culprit().and_then(|joint| lines.get(joint)) {
-            Some(&line) => at(line, error),
-            None if matches!(error, RobotError::NoJoints { .. }) => at(source.line, error),
-            None => error,
-        }
+        let line = match &error {
+            RobotError::NoJoints { .. } => Some(source.line),
+            RobotError::Strict { warnings } => warnings.iter().find_map(Warning::line),
+            error => error.culprit().and_then(|joint| lines.get(joint)).copied(),
+        };
+        if line.is_some() { error.at(line) } else { error }
     })
 }
 
-/// The inertia that each joint of the file carries, in its frame: of its own link and of all that is fixed to it.
+/// The inertia that each joint of the file carries, in its frame: of its own link and of all that is fixed to
+/// it.
 ///
-/// A link that no rigid body can be is named here if it disappears in a larger body, by the builder if not.
+/// A link that no rigid body can be is named here if it is merged into a larger body, by the builder if not.
 fn bodies(
     source: &Source,
-    seats: &[Seat],
+    attached: &[Attachment],
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<LinkInertia>, RobotError> {
-    let mut bodies = vec![LinkInertia::massless(); source.robot.joints.len()];
+    let mut bodies = vec![LinkInertia::massless(); source.joints.len()];
     let mut parts = vec![Vec::new(); bodies.len()];
-    for ((link, seat), &line) in source.robot.links.iter().zip(seats).zip(&source.link_lines) {
-        let inertia = inertia(&link.inertial);
-        match (checks::inertia(&link.name, &inertia), seat.carrier) {
+    for (link, attachment) in source.links.iter().zip(attached) {
+        let inertia = link.inertia;
+        match (checks::inertia(&link.name, &inertia), attachment.carrier) {
             (Ok(()), None) | (Err(RobotError::IndefiniteInertia { .. }), None) => {}
             (Ok(()), Some(_)) if inertia.is_massless() => {}
             (Ok(()), Some(joint)) => {
-                let part = inertia.placed(&seat.placement);
+                let part = inertia.placed(&attachment.placement);
                 bodies[joint] = if parts[joint].is_empty() { part } else { bodies[joint].merged(&part) };
                 parts[joint].push((&link.name, inertia));
             }
-            (Err(error), _) => return Err(at(line, error)),
+            (Err(error), _) => return Err(error.at(link.line)),
         }
     }
     for (link, inertia) in parts.iter().filter(|parts| parts.len() > 1).flatten() {
@@ -90,45 +114,38 @@ fn bodies(
     Ok(bodies)
 }
 
-/// An `<inertial>` in the frame of its link.
-fn inertia(inertial: &urdf_rs::Inertial) -> LinkInertia {
-    let urdf_rs::Inertia { ixx, ixy, ixz, iyy, iyz, izz } = inertial.inertia;
-    let matrix = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
-    LinkInertia::about_com(inertial.mass.value, [0.0; 3], matrix).placed(&tree::placed(&inertial.origin))
-}
-
 /// The joints of the robot in the order of the file, each with the line of the joint that it comes from.
 fn joints(
     source: &Source,
-    seats: &Seats,
+    attached: &Attachments,
     bodies: Vec<LinkInertia>,
     options: LoadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Vec<(JointSpec, usize)> {
-    let expanded: Vec<Vec<JointSpec>> = source.robot.joints.iter().map(expanded).collect();
+    let expanded: Vec<Vec<JointSpec>> = source.joints.iter().map(expanded).collect();
     let moving_link: Vec<Option<String>> =
         expanded.iter().map(|specs| specs.last().map(|spec| spec.name.clone())).collect();
     let (mut all, mut ignored) = (Vec::with_capacity(expanded.len()), Vec::new());
     for (index, mut specs) in expanded.into_iter().enumerate() {
-        let (joint, seat) = (&source.robot.joints[index], &seats.joints[index]);
+        let (joint, attachment) = (&source.joints[index], &attached.joints[index]);
         if let [only] = &mut specs[..] {
-            only.limits = limits(&joint.limit);
+            only.limits = joint.limits;
         }
         if let Some(first) = specs.first_mut() {
-            first.parent = seat.carrier.and_then(|carrier| moving_link[carrier].clone());
-            first.placement = seat.placement;
+            first.parent = attachment.carrier.and_then(|carrier| moving_link[carrier].clone());
+            first.placement = attachment.placement;
         }
         if let Some(last) = specs.last_mut() {
             last.virtual_link = false;
-            last.link = Some(joint.child.link.clone());
+            last.link = Some(joint.child.clone());
             last.inertia = bodies[index];
         }
         friction(joint, &mut specs, options, &mut ignored, warnings);
-        if let JointType::Floating | JointType::Planar = joint.joint_type {
-            let kind = if joint.joint_type == JointType::Planar { "planar" } else { "floating" };
+        if let JointType::Floating | JointType::Planar = joint.kind {
+            let kind = if joint.kind == JointType::Planar { "planar" } else { "floating" };
             warnings.push(Warning::Expanded { joint: joint.name.clone(), kind });
         }
-        all.extend(specs.into_iter().map(|spec| (spec, source.joint_lines[index])));
+        all.extend(specs.into_iter().map(|spec| (spec, joint.line)));
     }
     if !ignored.is_empty() {
         warnings.push(Warning::FrictionIgnored { joints: ignored });
@@ -136,12 +153,13 @@ fn joints(
     all
 }
 
-/// The joints of one degree of freedom that a joint becomes, each standing on the one before; none for a fixed one.
-fn expanded(joint: &urdf_rs::Joint) -> Vec<JointSpec> {
+/// The joints of one degree of freedom that a joint becomes, each attached to the one before; none for a
+/// fixed one.
+fn expanded(joint: &SourceJoint) -> Vec<JointSpec> {
     use JointKind::{Prismatic, Revolute};
-    let axis = Vector3::from(*joint.axis.xyz);
+    let axis = joint.axis;
     let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let parts: &[(&str, JointKind, Vector3<f64>)] = match joint.joint_type {
+    let parts: &[(&str, JointKind, Vector3<f64>)] = match joint.kind {
         JointType::Revolute | JointType::Continuous => &[("", Revolute, axis)],
         JointType::Prismatic => &[("", Prismatic, axis)],
         JointType::Floating => &[
@@ -157,7 +175,7 @@ fn expanded(joint: &urdf_rs::Joint) -> Vec<JointSpec> {
             let [first, second] = plane(&normal);
             &[("_x", Prismatic, first), ("_y", Prismatic, second), ("_rz", Revolute, normal)]
         }
-        JointType::Fixed | JointType::Spherical => &[],
+        JointType::Fixed => &[],
     };
     let mut specs: Vec<JointSpec> = Vec::with_capacity(parts.len());
     for &(suffix, kind, axis) in parts {
@@ -169,7 +187,7 @@ fn expanded(joint: &urdf_rs::Joint) -> Vec<JointSpec> {
     specs
 }
 
-/// Two directions that with `normal` (of length 1) form a right-handed frame: x, y for z.
+/// Two directions that form a right-handed frame with `normal` (of length 1): x and y for z.
 fn plane(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let within = |direction: Vector3<f64>| direction - normal * normal.dot(&direction);
     let x = within(Vector3::x());
@@ -178,19 +196,15 @@ fn plane(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, normal.cross(&first)]
 }
 
-fn limits(limit: &urdf_rs::JointLimit) -> Limits {
-    Limits { lower: limit.lower, upper: limit.upper, velocity: limit.velocity, effort: limit.effort }
-}
-
-/// Loads `<dynamics>` if that is asked for, and says so if it is left out.
+/// Loads `<dynamics>` if the options request it; else warns about it.
 fn friction(
-    joint: &urdf_rs::Joint,
+    joint: &SourceJoint,
     specs: &mut [JointSpec],
     options: LoadOptions,
     ignored: &mut Vec<String>,
     warnings: &mut Vec<Warning>,
 ) {
-    let Some(urdf_rs::Dynamics { damping, friction }) = joint.dynamics else { return };
+    let Some([damping, friction]) = joint.dynamics else { return };
     if damping == 0.0 && friction == 0.0 {
         return;
     }
@@ -203,7 +217,8 @@ fn friction(
         [_] => ignored.push(name),
         _ => warnings.push(Warning::Note {
             text: format!(
-                "<dynamics> of joint '{name}' is left out: one number does not fit several degrees of freedom"
+                "<dynamics> of joint '{}' was not loaded: one number does not fit several degrees of freedom",
+                printable(&name)
             ),
         }),
     }

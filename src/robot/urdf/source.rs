@@ -1,140 +1,148 @@
-//! From the text of a URDF to what `urdf-rs` makes of it.
-//!
-//! The text is first checked element by element, since `urdf-rs` knows no lines and drops what it cannot read.
-//! It is then handed over reduced to what dynamics needs, with every omitted limit written out, so that nothing in a
-//! mesh, a transmission or a simulator's extension can make a robot fail.
+//! From the text of a URDF to its links and joints.
 
-use super::element::{Element, Lines, at};
-use super::text::{escaped, roll_pitch_yaw, without_comments};
+use super::element::Element;
+use super::limits::LimitReader;
+use super::quaternion::roll_pitch_yaw;
+use super::vocabulary::Unknown;
+use super::xml::{self, Lines};
 use crate::robot::error::RobotError;
+use crate::robot::joint::Limits;
+use crate::robot::link::{LinkInertia, Placement};
+use crate::robot::printable::printable;
 use crate::robot::warning::Warning;
-use roxmltree::{Document, Error, Node, ParsingOptions};
-use std::fmt::Write;
+use nalgebra::{Matrix3, Vector3};
+use roxmltree::Node;
 
 /// The joint types that can be loaded.
-const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum JointType {
+    Revolute,
+    Continuous,
+    Prismatic,
+    Fixed,
+    Floating,
+    Planar,
+}
 
-/// A URDF without what dynamics has no use for, and where things stand in the file.
+impl JointType {
+    fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "revolute" => Self::Revolute,
+            "continuous" => Self::Continuous,
+            "prismatic" => Self::Prismatic,
+            "fixed" => Self::Fixed,
+            "floating" => Self::Floating,
+            "planar" => Self::Planar,
+            _ => return None,
+        })
+    }
+}
+
+/// A `<link>`.
+pub(super) struct Link {
+    pub(super) name: String,
+    /// In the frame of the link; zero without `<inertial>`.
+    pub(super) inertia: LinkInertia,
+    pub(super) line: usize,
+}
+
+/// A `<joint>`.
+pub(super) struct SourceJoint {
+    pub(super) name: String,
+    pub(super) kind: JointType,
+    /// Names of the links.
+    pub(super) parent: String,
+    pub(super) child: String,
+    /// The joint frame in the frame of the parent link at q = 0.
+    pub(super) placement: Placement,
+    /// Not normalised.
+    pub(super) axis: Vector3<f64>,
+    pub(super) limits: Limits,
+    /// Damping and friction, if there is `<dynamics>`.
+    pub(super) dynamics: Option<[f64; 2]>,
+    pub(super) line: usize,
+}
+
+/// What dynamics needs of a URDF.
 pub(super) struct Source {
-    pub(super) robot: urdf_rs::Robot,
+    pub(super) name: String,
     /// Line of `<robot>`.
     pub(super) line: usize,
-    /// Line of each of the robot's links.
-    pub(super) link_lines: Vec<usize>,
-    /// Line of each of the robot's joints.
-    pub(super) joint_lines: Vec<usize>,
-    /// What is odd about the file.
-    pub(super) notes: Vec<Warning>,
+    pub(super) links: Vec<Link>,
+    pub(super) joints: Vec<SourceJoint>,
+    /// What is unusual about the file.
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// Reads a URDF.
 pub(super) fn read(text: &str) -> Result<Source, RobotError> {
-    let text = with_prefixes_declared(&without_comments(text));
+    let text = xml::prepared(text)?;
     let lines = Lines::of(&text);
-    let document = parse_xml(&text).map_err(|error| not_well_formed(&error, &lines))?;
+    let document = xml::parse(&text, &lines)?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
-        let message =
-            format!("the outermost element is <{}>; a URDF begins with <robot>", root.tag_name().name());
-        return Err(at(lines.line(root), RobotError::Malformed { message }));
+        let tag = printable(root.tag_name().name());
+        let message = format!("the outermost element is <{tag}>; a URDF begins with <robot>");
+        return Err(RobotError::malformed(message).at(lines.line(root)));
     }
-    let mut reduction = Reduction::new(root, &lines);
+    let mut reader = Reader::new(root, &lines);
+    reader.unknown.check(root, "<robot>", &lines);
     for node in root.children().filter(Node::is_element) {
         let same_namespace = node.tag_name().namespace() == root.tag_name().namespace();
         match node.tag_name().name() {
-            "link" if same_namespace => reduction.link(node)?,
-            "joint" if same_namespace => reduction.joint(node)?,
+            "link" if same_namespace => reader.link(node)?,
+            "joint" if same_namespace => reader.joint(node)?,
+            "material" if same_namespace => reader.unknown.check(node, "<material>", &lines),
             name if node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro")) => {
-                reduction.unexpanded(name, lines.line(node));
+                reader.unexpanded(name, lines.line(node));
             }
             _ => {}
         }
     }
-    reduction.finish(lines.line(root))
+    Ok(reader.finish(root))
 }
 
-fn parse_xml(text: &str) -> Result<Document<'_>, Error> {
-    Document::parse_with_options(text, ParsingOptions { allow_dtd: true, ..ParsingOptions::default() })
-}
-
-/// The text with namespace prefixes that nobody declared declared in `<robot>`, on the same line.
-///
-/// Simulators' extensions come with such prefixes; readers of URDF do not mind, XML does.
-fn with_prefixes_declared(text: &str) -> String {
-    const MOST: usize = 64;
-    let mut text = text.to_owned();
-    let mut last = String::new();
-    for _ in 0..MOST {
-        let Err(Error::UnknownNamespace(prefix, _)) = parse_xml(&text) else { break };
-        let Some(root) = text.find("<robot").filter(|_| prefix != last) else { break };
-        text.insert_str(root + "<robot".len(), &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""));
-        last = prefix;
-    }
-    text
-}
-
-fn not_well_formed(error: &Error, lines: &Lines) -> RobotError {
-    let (line, message) = match error {
-        Error::UnclosedRootNode | Error::UnexpectedEndOfStream => {
-            (lines.count(), "the text ends inside an element; complete the file".into())
-        }
-        error => (error.pos().row as usize, format!("not well-formed XML: {error}; correct it")),
-    };
-    at(line, RobotError::Malformed { message })
-}
-
-/// The reduced document, as far as it is written.
-struct Reduction<'a> {
+/// What has been read so far.
+struct Reader<'a> {
     lines: &'a Lines,
     /// Major and minor version of the format.
     version: (u32, u32),
-    text: String,
-    link_lines: Vec<usize>,
-    joint_lines: Vec<usize>,
+    links: Vec<Link>,
+    joints: Vec<SourceJoint>,
+    limits: LimitReader,
+    unknown: Unknown,
     notes: Vec<Warning>,
     is_xacro: bool,
-    /// Joints whose `<limit>` lacks effort or velocity.
-    unlimited: Vec<String>,
-    /// Joints whose lower limit lies above the upper one.
-    swapped: Vec<String>,
 }
 
-impl<'a> Reduction<'a> {
+impl<'a> Reader<'a> {
     fn new(root: Node<'a, 'a>, lines: &'a Lines) -> Self {
         let number = |text: &str| text.parse::<u32>().ok();
         let version = root.attribute("version").and_then(|text| text.trim().split_once('.'));
         let version =
             version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0));
-        // No version: what later ones changed, quaternions and omitted limits, is written out.
-        let text = format!("<robot name=\"{}\">\n", escaped(root.attribute("name").unwrap_or_default()));
-        let (link_lines, joint_lines, notes, unlimited, swapped) = Default::default();
-        Self { lines, version, text, link_lines, joint_lines, notes, is_xacro: false, unlimited, swapped }
+        Self {
+            lines,
+            version,
+            links: Vec::new(),
+            joints: Vec::new(),
+            limits: LimitReader::new(version),
+            unknown: Unknown::default(),
+            notes: Vec::new(),
+            is_xacro: false,
+        }
     }
 
-    fn finish(mut self, line: usize) -> Result<Source, RobotError> {
-        for (joints, what) in [
-            (self.unlimited.join(", "), "without effort or velocity is taken as unlimited"),
-            (self.swapped.join(", "), "with lower above upper is taken as no limit of position"),
-        ] {
-            if !joints.is_empty() {
-                self.notes.push(Warning::Note { text: format!("<limit> {what}: joints {joints}") });
-            }
+    fn finish(self, root: Node<'_, '_>) -> Source {
+        let name = root.attribute("name").filter(|name| !name.trim().is_empty()).unwrap_or("robot");
+        let warnings = self.unknown.warnings().chain(self.notes).chain(self.limits.warnings());
+        Source {
+            name: name.to_owned(),
+            line: self.lines.line(root),
+            links: self.links,
+            joints: self.joints,
+            warnings: warnings.collect(),
         }
-        let Self { text, link_lines, joint_lines, notes, .. } = self;
-        let malformed = |message| at(line, RobotError::Malformed { message });
-        let robot = urdf_rs::read_from_string(&(text + "</robot>"))
-            .map_err(|error| malformed(format!("cannot be read as URDF: {error}")))?;
-        if (robot.links.len(), robot.joints.len()) != (link_lines.len(), joint_lines.len()) {
-            return Err(malformed(
-                "cannot be read as URDF: links or joints are lost; check their names".into(),
-            ));
-        }
-        Ok(Source { robot, line, link_lines, joint_lines, notes })
-    }
-
-    fn write(&mut self, element: std::fmt::Arguments<'_>) {
-        // Writing to a string cannot fail.
-        let _ = self.text.write_fmt(element);
     }
 
     fn note(&mut self, text: String) {
@@ -144,135 +152,107 @@ impl<'a> Reduction<'a> {
     fn unexpanded(&mut self, name: &str, line: usize) {
         if !std::mem::replace(&mut self.is_xacro, true) {
             self.note(format!(
-                "the file holds xacro elements (the first is '{name}' in line {line}), which are left out; \
-                 expand it first (xacro robot.xacro > robot.urdf)"
+                "the file holds xacro elements (the first is '{}' in line {line}), which were ignored; \
+                 expand it first (xacro robot.xacro > robot.urdf)",
+                printable(name)
             ));
         }
     }
 
     fn link(&mut self, node: Node<'a, 'a>) -> Result<(), RobotError> {
         let name = Element::new(node, self.lines, "").required_text("name")?;
-        let owner = format!("link '{name}'");
+        let owner = format!("link '{}'", printable(name));
         let link = Element::new(node, self.lines, &owner);
-        self.link_lines.push(link.line());
-        self.write(format_args!("<link name=\"{}\">", escaped(name)));
-        if let Some(inertial) = link.child("inertial")? {
-            self.text += "<inertial>";
-            self.origin(&inertial)?;
-            let mass = inertial.required_child("mass")?.required_number("value")?;
-            self.write(format_args!("<mass value=\"{mass:?}\"/><inertia"));
-            let inertia = inertial.required_child("inertia")?;
-            for entry in ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"] {
-                let value = inertia.required_number(entry)?;
-                self.write(format_args!(" {entry}=\"{value:?}\""));
-            }
-            self.text += "/></inertial>";
-        }
-        self.text += "</link>\n";
+        self.unknown.check(node, &owner, self.lines);
+        let inertia = match link.child("inertial")? {
+            Some(inertial) => self.inertia(&inertial)?,
+            None => LinkInertia::massless(),
+        };
+        self.links.push(Link { name: name.to_owned(), inertia, line: link.line() });
         Ok(())
+    }
+
+    /// An `<inertial>` in the frame of its link.
+    fn inertia(&mut self, inertial: &Element<'_>) -> Result<LinkInertia, RobotError> {
+        let placement = self.origin(inertial)?;
+        let mass = inertial.required_child("mass")?.required_number("value")?;
+        let matrix = inertial.required_child("inertia")?;
+        let entry = |name| matrix.required_number(name);
+        let [ixx, ixy, ixz] = [entry("ixx")?, entry("ixy")?, entry("ixz")?];
+        let [iyy, iyz, izz] = [entry("iyy")?, entry("iyz")?, entry("izz")?];
+        let matrix = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
+        Ok(LinkInertia::about_com(mass, [0.0; 3], matrix).placed(&placement))
     }
 
     fn joint(&mut self, node: Node<'a, 'a>) -> Result<(), RobotError> {
         let name = Element::new(node, self.lines, "").required_text("name")?;
-        let owner = format!("joint '{name}'");
+        let owner = format!("joint '{}'", printable(name));
         let joint = Element::new(node, self.lines, &owner);
-        let kind = joint.required_text("type")?;
-        if !TYPES.contains(&kind) {
-            let (joint_name, kind) = (name.to_owned(), kind.to_owned());
-            return Err(at(joint.line(), RobotError::UnsupportedJoint { joint: joint_name, kind }));
-        }
+        self.unknown.check(node, &owner, self.lines);
+        let kind_name = joint.required_text("type")?;
+        let Some(kind) = JointType::from_name(kind_name) else {
+            let (joint_name, kind) = (name.to_owned(), kind_name.to_owned());
+            return Err(RobotError::UnsupportedJoint { joint: joint_name, kind }.at(joint.line()));
+        };
         let parent = joint.required_child("parent")?.required_text("link")?;
         let child = joint.required_child("child")?.required_text("link")?;
-        self.joint_lines.push(joint.line());
-        self.write(format_args!("<joint name=\"{}\" type=\"{kind}\">", escaped(name)));
-        self.write(format_args!(
-            "<parent link=\"{}\"/><child link=\"{}\"/>",
-            escaped(parent),
-            escaped(child)
-        ));
-        self.origin(&joint)?;
-        if kind != "fixed" {
-            self.motion(&joint, name, kind)?;
+        let placement = self.origin(&joint)?;
+        let mut read = SourceJoint {
+            name: name.to_owned(),
+            kind,
+            parent: parent.to_owned(),
+            child: child.to_owned(),
+            placement,
+            axis: Vector3::x(),
+            limits: Limits::default(),
+            dynamics: None,
+            line: joint.line(),
+        };
+        if kind != JointType::Fixed {
+            self.motion(&joint, &mut read)?;
         }
-        self.text += "</joint>\n";
+        self.joints.push(read);
         Ok(())
     }
 
     /// What only a joint that moves has.
-    fn motion(&mut self, joint: &Element<'_>, name: &str, kind: &str) -> Result<(), RobotError> {
+    fn motion(&mut self, joint: &Element<'_>, read: &mut SourceJoint) -> Result<(), RobotError> {
         if let Some(mimic) = joint.child("mimic")? {
-            let (joint, master) = (name.to_owned(), mimic.required_text("joint")?.to_owned());
-            return Err(at(mimic.line(), RobotError::Mimic { joint, master }));
+            let (joint, master) = (read.name.clone(), mimic.required_text("joint")?.to_owned());
+            return Err(RobotError::Mimic { joint, master }.at(mimic.line()));
         }
-        if let Some(axis) = joint.child("axis")?.filter(|_| kind != "floating") {
-            let [x, y, z] = axis
+        if let Some(axis) = joint.child("axis")?.filter(|_| read.kind != JointType::Floating) {
+            let xyz = axis
                 .any_numbers::<3>("xyz")?
                 .ok_or_else(|| axis.refuse("has no xyz; add xyz=\"0 0 1\" or another direction"))?;
-            let length = (x * x + y * y + z * z).sqrt();
+            read.axis = Vector3::from(xyz);
+            let length = read.axis.norm();
             if !(length.is_finite() && length > 0.0) {
-                return Err(at(axis.line(), RobotError::BadAxis { joint: name.to_owned() }));
+                return Err(RobotError::BadAxis { joint: read.name.clone() }.at(axis.line()));
             }
-            self.write(format_args!("<axis xyz=\"{x:?} {y:?} {z:?}\"/>"));
         }
         if let Some(dynamics) = joint.child("dynamics")? {
-            let damping = dynamics.number("damping")?.unwrap_or(0.0);
-            let friction = dynamics.number("friction")?.unwrap_or(0.0);
-            self.write(format_args!("<dynamics damping=\"{damping:?}\" friction=\"{friction:?}\"/>"));
+            let [damping, friction] = [dynamics.number("damping")?, dynamics.number("friction")?];
+            read.dynamics = Some([damping.unwrap_or(0.0), friction.unwrap_or(0.0)]);
         }
-        if !["floating", "planar"].contains(&kind) {
-            self.limit(joint, name, kind == "continuous")?;
+        if !matches!(read.kind, JointType::Floating | JointType::Planar) {
+            read.limits = self.limits.read(joint, read)?;
         }
         Ok(())
     }
 
-    /// All limits of a joint: an omitted one is infinite, but an omitted position is 0 before version 1.2.
-    fn limit(&mut self, joint: &Element<'_>, name: &str, is_continuous: bool) -> Result<(), RobotError> {
-        const NONE: f64 = f64::INFINITY;
-        let [mut lower, mut upper, mut effort, mut velocity] = [-NONE, NONE, NONE, NONE];
-        if let Some(limit) = joint.child("limit")? {
-            let given = [limit.number("effort")?, limit.number("velocity")?];
-            [effort, velocity] = given.map(|limit| limit.unwrap_or(NONE));
-            let positions = match is_continuous {
-                true => [Some(lower), Some(upper)],
-                false => [limit.number("lower")?, limit.number("upper")?],
-            };
-            let is_old = self.version < (1, 2);
-            let omitted = if is_old { [0.0; 2] } else { [-NONE, NONE] };
-            [lower, upper] = [0, 1].map(|side| positions[side].unwrap_or(omitted[side]));
-            if is_old && given.contains(&None) {
-                self.unlimited.push(name.to_owned());
-            }
-            if lower > upper {
-                self.swapped.push(name.to_owned());
-                [lower, upper] = [-NONE, NONE];
-            }
-            if is_old && positions == [None, None] {
-                self.note(format!(
-                    "<limit> of joint '{name}' has neither lower nor upper, which by the format means 0: \
-                     add them, or make the joint continuous"
-                ));
-            }
-        }
-        self.write(format_args!(
-            "<limit lower=\"{lower:?}\" upper=\"{upper:?}\" effort=\"{effort:?}\" velocity=\"{velocity:?}\"/>"
-        ));
-        Ok(())
-    }
-
-    /// The `<origin>` of a joint or of an `<inertial>`.
-    fn origin(&mut self, of: &Element<'_>) -> Result<(), RobotError> {
-        let Some(origin) = of.child("origin")? else { return Ok(()) };
-        let [x, y, z] = origin.numbers::<3>("xyz")?.unwrap_or_default();
-        self.write(format_args!("<origin xyz=\"{x:?} {y:?} {z:?}\""));
+    /// The placement by the `<origin>` of a joint or of an `<inertial>`.
+    fn origin(&mut self, of: &Element<'_>) -> Result<Placement, RobotError> {
+        let Some(origin) = of.child("origin")? else { return Ok(Placement::identity()) };
+        let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
         let angles = origin.numbers::<3>("rpy")?;
-        if let Some([roll, pitch, yaw]) = angles {
-            self.write(format_args!(" rpy=\"{roll:?} {pitch:?} {yaw:?}\""));
-        }
+        let mut rpy = angles.unwrap_or_default();
         match origin.attribute("quat_xyzw") {
             Some(_) if self.version < (1, 1) => self.note(format!(
-                "quat_xyzw of {} is ignored, as by the format before version 1.1; \
+                "quat_xyzw of {} (line {}) was ignored, as by the format before version 1.1; \
                  write <robot version=\"1.1\"> if it is meant",
-                origin.description()
+                origin.description(),
+                origin.line()
             )),
             Some(_) if angles.is_some() => {
                 return Err(origin.refuse("has both rpy and quat_xyzw; keep one of them"));
@@ -283,12 +263,10 @@ impl<'a> Reduction<'a> {
                 if !(norm.is_finite() && norm > 0.0) {
                     return Err(origin.refuse("has a quat_xyzw of length zero; give a unit quaternion"));
                 }
-                let [roll, pitch, yaw] = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
-                self.write(format_args!(" rpy=\"{roll:?} {pitch:?} {yaw:?}\""));
+                rpy = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
             }
             None => {}
         }
-        self.text += "/>";
-        Ok(())
+        Ok(Placement::from_xyz_rpy(xyz, rpy))
     }
 }

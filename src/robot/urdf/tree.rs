@@ -1,70 +1,68 @@
-//! Which joint moves which link: the tree behind a URDF, and where everything sits in it.
+//! Which joint moves which link: the tree of a URDF, and where each frame lies in it.
 
-use super::element::at;
-use super::source::Source;
+use super::source::{JointType, Source};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use std::collections::{HashMap, HashSet};
-use urdf_rs::{JointType, Pose};
 
-/// Where a frame sits once fixed joints are gone.
+/// Where a frame lies once fixed joints are merged.
 #[derive(Clone, Copy)]
-pub(super) struct Seat {
+pub(super) struct Attachment {
     /// The nearest joint above that moves; none on the base.
     pub(super) carrier: Option<usize>,
     /// The frame in the frame of that joint, or of the root link.
     pub(super) placement: Placement,
 }
 
-/// The seats of all links and of all joint frames at q = 0.
-pub(super) struct Seats {
-    pub(super) links: Vec<Seat>,
-    pub(super) joints: Vec<Seat>,
+/// The attachments of all links and of all joint frames at q = 0.
+pub(super) struct Attachments {
+    pub(super) links: Vec<Attachment>,
+    pub(super) joints: Vec<Attachment>,
+    /// The link without a parent.
+    pub(super) root: Option<usize>,
 }
 
-/// Checks that links and joints form one tree, and seats them from its root outwards.
-pub(super) fn seats(source: &Source) -> Result<Seats, RobotError> {
+/// Checks that links and joints form one tree, and places them from its root outwards.
+pub(super) fn attachments(source: &Source) -> Result<Attachments, RobotError> {
     let Graph { ends, mover } = Graph::of(source)?;
-    let mut standing_on = vec![Vec::new(); mover.len()];
+    let mut children = vec![Vec::new(); mover.len()];
     for (joint, &[parent, _]) in ends.iter().enumerate() {
-        standing_on[parent].push(joint);
+        children[parent].push(joint);
     }
-    let base = Seat { carrier: None, placement: Placement::identity() };
-    let mut seats = Seats { links: vec![base; mover.len()], joints: vec![base; ends.len()] };
+    let base = Attachment { carrier: None, placement: Placement::identity() };
     let roots: Vec<usize> = (0..mover.len()).filter(|&link| mover[link].is_none()).collect();
+    let mut found = Attachments {
+        links: vec![base; mover.len()],
+        joints: vec![base; ends.len()],
+        root: roots.first().copied(),
+    };
     let mut reached = vec![false; mover.len()];
     let mut next = roots.clone();
     while let Some(link) = next.pop() {
         reached[link] = true;
-        for &joint in &standing_on[link] {
-            let Seat { carrier, placement } = seats.links[link];
-            let frame =
-                Seat { carrier, placement: placement.then(&placed(&source.robot.joints[joint].origin)) };
+        for &joint in &children[link] {
+            let Attachment { carrier, placement } = found.links[link];
+            let frame = Attachment { carrier, placement: placement.then(&source.joints[joint].placement) };
             let child = ends[joint][1];
-            seats.joints[joint] = frame;
-            seats.links[child] = match source.robot.joints[joint].joint_type {
+            found.joints[joint] = frame;
+            found.links[child] = match source.joints[joint].kind {
                 JointType::Fixed => frame,
-                _ => Seat { carrier: Some(joint), placement: Placement::identity() },
+                _ => Attachment { carrier: Some(joint), placement: Placement::identity() },
             };
             next.push(child);
         }
     }
     if let Some(lost) = reached.iter().position(|reached| !reached) {
-        return Err(circle(source, &ends, &mover, lost));
+        return Err(cycle(source, &ends, &mover, lost));
     }
     match roots[..] {
         [first, second, ..] => {
-            let name = |link: usize| source.robot.links[link].name.clone();
+            let name = |link: usize| source.links[link].name.clone();
             let error = RobotError::SeveralRoots { first: name(first), second: name(second) };
-            Err(at(source.link_lines[second], error))
+            Err(error.at(source.links[second].line))
         }
-        _ => Ok(seats),
+        _ => Ok(found),
     }
-}
-
-/// The placement that an `<origin>` gives.
-pub(super) fn placed(origin: &Pose) -> Placement {
-    Placement::from_xyz_rpy(*origin.xyz, *origin.rpy)
 }
 
 /// Links and joints by number instead of by name.
@@ -77,35 +75,35 @@ struct Graph {
 
 impl Graph {
     fn of(source: &Source) -> Result<Self, RobotError> {
-        let (links, joints) = (&source.robot.links, &source.robot.joints);
+        let (links, joints) = (&source.links, &source.joints);
         let duplicate = |kind, name: &str| RobotError::DuplicateName { kind, name: name.to_owned() };
         let mut index = HashMap::with_capacity(links.len());
         for (i, link) in links.iter().enumerate() {
             if index.insert(link.name.as_str(), i).is_some() {
-                return Err(at(source.link_lines[i], duplicate("link", &link.name)));
+                return Err(duplicate("link", &link.name).at(link.line));
             }
         }
         let mut names = HashSet::with_capacity(joints.len());
         let mut ends = Vec::with_capacity(joints.len());
         let mut mover: Vec<Option<usize>> = vec![None; links.len()];
         for (i, joint) in joints.iter().enumerate() {
-            let refused = |error| Err(at(source.joint_lines[i], error));
+            let refused = |error: RobotError| Err(error.at(joint.line));
             let name = || joint.name.clone();
             if !names.insert(joint.name.as_str()) {
                 return refused(duplicate("joint", &joint.name));
             }
-            let Some(&parent) = index.get(joint.parent.link.as_str()) else {
-                let parent = joint.parent.link.clone();
+            let Some(&parent) = index.get(joint.parent.as_str()) else {
+                let parent = joint.parent.clone();
                 return refused(RobotError::UnknownParent { joint: name(), parent, kind: "link" });
             };
-            let Some(&child) = index.get(joint.child.link.as_str()) else {
-                return refused(RobotError::UnknownChild { joint: name(), child: joint.child.link.clone() });
+            let Some(&child) = index.get(joint.child.as_str()) else {
+                return refused(RobotError::UnknownChild { joint: name(), child: joint.child.clone() });
             };
             if parent == child {
                 return refused(RobotError::Cycle { joints: vec![name()] });
             }
             if let Some(first) = mover[child].replace(i) {
-                let (link, first) = (joint.child.link.clone(), joints[first].name.clone());
+                let (link, first) = (joint.child.clone(), joints[first].name.clone());
                 return refused(RobotError::TwoParents { link, first, second: name() });
             }
             ends.push([parent, child]);
@@ -114,8 +112,8 @@ impl Graph {
     }
 }
 
-/// Names the circle of joints above a link that no root reaches.
-fn circle(source: &Source, ends: &[[usize; 2]], mover: &[Option<usize>], lost: usize) -> RobotError {
+/// Names the loop of joints above a link that no root reaches.
+fn cycle(source: &Source, ends: &[[usize; 2]], mover: &[Option<usize>], lost: usize) -> RobotError {
     let mut walk: Vec<usize> = Vec::new();
     let mut step = vec![None; ends.len()];
     let mut above = mover[lost];
@@ -128,9 +126,7 @@ fn circle(source: &Source, ends: &[[usize; 2]], mover: &[Option<usize>], lost: u
         walk.push(joint);
         above = mover[ends[joint][0]];
     }
-    let line = walk.first().map_or(source.line, |&joint| source.joint_lines[joint]);
-    at(
-        line,
-        RobotError::Cycle { joints: walk.iter().map(|&j| source.robot.joints[j].name.clone()).collect() },
-    )
+    let line = walk.first().map_or(source.line, |&joint| source.joints[joint].line);
+    RobotError::Cycle { joints: walk.iter().map(|&joint| source.joints[joint].name.clone()).collect() }
+        .at(line)
 }

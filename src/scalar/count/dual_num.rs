@@ -1,9 +1,9 @@
-//! [`Count`] as a number of num-dual's: what the pipeline uses of it is counted by kind, as [`Scalar`] does; the functions
-//! that no formula here needs are one [`other`](super::Operations::other) each.
+//! [`Count`] as a number of num-dual's: operations that the pipeline uses are counted by kind, as by
+//! [`Scalar`]; each other function counts as one [`other`](super::Operations::other).
 
 use super::Count;
-use crate::scalar::Scalar;
 use crate::scalar::dual_num::dual_num;
+use crate::scalar::number::Scalar;
 
 impl Count {
     fn real_part(&self) -> f64 {

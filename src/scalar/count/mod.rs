@@ -1,4 +1,4 @@
-//! A scalar that counts what the pipeline does with it.
+//! A scalar that counts operations.
 
 mod dual_num;
 mod number;
@@ -9,7 +9,8 @@ pub use number::Count;
 use std::cell::Cell;
 use std::ops::{Add, AddAssign};
 
-/// Arithmetic operations, by kind. Changes of sign, choices by [`select`](super::Scalar::select) and copies are free.
+/// Arithmetic operations, by kind. Changes of sign, choices by [`select`](super::Scalar::select) and copies
+/// are free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Multiplications.
@@ -52,18 +53,18 @@ impl AddAssign for Operations {
     }
 }
 
-/// What becomes of operations whose outcome is known beforehand.
+/// How operations with constant results are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Constants {
-    /// They are free, as in code generated for one robot: products with exactly 0, 1 or -1, sums with exactly 0,
-    /// anything between two constants. A division by a constant is a multiplication.
+    /// They are free, as in code generated for one robot: products with exactly 0, 1 or -1, sums with exactly
+    /// 0, anything between two constants. A division by a constant is a multiplication.
     #[default]
     Folded,
     /// They count like all others: every operation that the same code executes on `f64`.
     Kept,
 }
 
-/// What has been counted so far on a thread, and how.
+/// The running count of a thread, and its mode.
 #[derive(Clone, Copy)]
 struct Tally {
     operations: Operations,
@@ -81,7 +82,7 @@ thread_local! {
     static TALLY: Cell<Tally> = const { Cell::new(Tally::new(Constants::Folded)) };
 }
 
-/// Puts the tally of the surroundings back, however the count ends.
+/// Restores the outer tally, also after a panic.
 struct Surroundings(Tally);
 
 impl Drop for Surroundings {
@@ -90,9 +91,9 @@ impl Drop for Surroundings {
     }
 }
 
-/// Counts the operations that `work` does with [`Count`] numbers on this thread, [`Constants::Folded`].
+/// Counts the operations of `work` with [`Count`] numbers on this thread, [`Constants::Folded`].
 ///
-/// A count within a count is apart from it: what the inner one counts is missing in the outer one.
+/// Nested counts are separate: the outer count does not include the inner one.
 ///
 /// ```
 /// use costate::scalar::{Count, Scalar, count};
@@ -120,7 +121,7 @@ pub fn count_with<R>(constants: Constants, work: impl FnOnce() -> R) -> (R, Oper
     (result, counted)
 }
 
-/// Counts an operation; one that is `known` beforehand only where constants are kept.
+/// Counts an operation; if its result is `known` beforehand, only with constants kept.
 fn tally(known: bool, update: impl FnOnce(&mut Operations)) {
     let mut tally = TALLY.get();
     if !known || tally.constants == Constants::Kept {
@@ -129,7 +130,7 @@ fn tally(known: bool, update: impl FnOnce(&mut Operations)) {
     }
 }
 
-/// Whether constants are folded at present.
+/// Whether constants are currently folded.
 fn folds() -> bool {
     TALLY.get().constants == Constants::Folded
 }

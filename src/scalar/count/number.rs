@@ -1,14 +1,15 @@
 //! The counting number and its arithmetic.
 
 use super::{Operations, tally};
-use crate::scalar::{Scalar, real_tanh_and_slope};
+use crate::scalar::number::Scalar;
+use crate::scalar::real::real_tanh_and_slope;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A value that counts the operations done with it, see [`count`](super::count).
 ///
-/// It knows whether it is a constant: made from a number of the model, or the outcome of constants alone. A variable
-/// that happens to be 0 is no constant, so counts do not depend on the state. It is a number of num-dual's too: dual and
-/// hyper-dual numbers over it count what those over `f64` do.
+/// It knows whether it is a constant: a number of the model, or a result of constants only. A variable with
+/// the value 0 is not a constant, so that counts do not depend on the state. It implements num-dual's traits:
+/// dual and hyper-dual numbers over it count the operations of those over `f64`.
 #[derive(Clone, Copy, Debug)]
 pub struct Count {
     pub(super) value: f64,
@@ -16,7 +17,7 @@ pub struct Count {
 }
 
 impl Count {
-    /// A variable: operations with it count whatever its value.
+    /// A variable: its operations count regardless of its value.
     pub fn variable(value: f64) -> Self {
         Self { value, constant: false }
     }
@@ -39,7 +40,7 @@ impl Count {
         self.constant && self.value == value
     }
 
-    /// Whether a product with it is known beforehand.
+    /// Whether the result of a product with it is known beforehand.
     fn is_trivial_factor(self) -> bool {
         self.is(0.0) || self.is(1.0) || self.is(-1.0)
     }

@@ -1,7 +1,7 @@
-//! What num-dual asks of a number before its functions: operators of all forms, constants, comparisons.
+//! The supertraits of num-dual's numbers: operators in all forms, constants, comparisons.
 
 use super::{Count, tally};
-use crate::scalar::Scalar;
+use crate::scalar::number::Scalar;
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use std::cmp::Ordering;
 use std::fmt;
@@ -63,7 +63,7 @@ impl Count {
         self.is_constant() && other.is_constant()
     }
 
-    /// The value of a function that is none of those counted by kind.
+    /// A function that is not counted by kind.
     pub(super) fn other(self, value: f64) -> Self {
         self.function(value, |o| o.other += 1)
     }

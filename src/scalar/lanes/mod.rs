@@ -1,4 +1,4 @@
-//! Several states at once: numbers of which every operation works on all lanes of a vector.
+//! Several states at once: every operation works on all lanes of a vector.
 
 mod dual_num;
 mod operators;
@@ -9,23 +9,24 @@ mod vector;
 
 pub use vector::Vector;
 
-use super::{Scalar, real_tanh_and_slope};
+use super::number::Scalar;
+use super::real::real_tanh_and_slope;
 
 /// One `f64` for each of several states, in the lanes of a vector of the crate `wide`.
 ///
-/// The pipeline runs on it unchanged, so that one call computes a quantity at four ([`F64x4`]) or eight ([`F64x8`]) states.
-/// No lane sees another: each holds what `f64` would give for its state, within rounding (where the processor fuses a
-/// product and a sum, [`mul_add`](Scalar::mul_add) does in both). [`Tangent`](super::Tangent) and num-dual's `Dual`, `Dual2`,
-/// `Dual3`, `HyperDual` and `HyperHyperDual` can be made of it; those with a vector of derivatives choose by one truth value
-/// and cannot.
+/// The pipeline runs on it unchanged, so that one call computes a quantity at four ([`F64x4`]) or eight
+/// ([`F64x8`]) states. Lanes are independent: each holds the `f64` result of its state, within rounding (with
+/// fused multiply-add, [`mul_add`](Scalar::mul_add) is fused in both). [`Tangent`](super::Tangent) and
+/// num-dual's `Dual`, `Dual2`, `Dual3`, `HyperDual` and `HyperHyperDual` can have lanes as components; those
+/// with a vector of derivatives select by one truth value and cannot.
 ///
-/// What the library refuses it refuses for all lanes: one state that is not finite, or whose mass matrix is singular, is the
-/// error of the whole call, and no lane has a result. A [`Batch`](crate::batch::Batch) then evaluates the states one by one.
-/// In [`sin_cos`](Scalar::sin_cos) one lane beyond 1e6 rad, or that is no number, sends all of them to the standard library,
-/// one after the other: as exact, but slower.
+/// An error concerns all lanes: if one state is not finite, or its mass matrix is singular, the whole call
+/// fails. A [`Batch`](crate::batch::Batch) then evaluates the states one by one. In
+/// [`sin_cos`](Scalar::sin_cos) one lane beyond 1e5 rad, or NaN, makes all of them use the standard library
+/// one by one: equally exact, but slower.
 ///
-/// A vector is as wide as the instructions that the program is compiled for: eight lanes are one register with AVX-512,
-/// two with AVX, four with SSE2. Compile with `-C target-cpu=native` for the processor at hand.
+/// The number of registers depends on the compile target: eight lanes are one register with AVX-512, two with
+/// AVX, four with SSE2. Compile with `-C target-cpu=native` for the local processor.
 ///
 /// ```
 /// use costate::scalar::{F64x4, Scalar};
@@ -45,13 +46,13 @@ pub type F64x4 = Lanes<wide::f64x4>;
 /// Eight states at once.
 pub type F64x8 = Lanes<wide::f64x8>;
 
-/// Truth values, one a lane.
+/// Truth values, one per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct LaneMask<V>(V);
 
 impl<V: Vector> LaneMask<V> {
-    /// Whether lane `k` holds.
+    /// Whether lane `k` is true.
     pub fn lane(&self, k: usize) -> bool {
         self.0.as_slice()[k].to_bits() != 0
     }
@@ -70,7 +71,8 @@ impl<V: Vector> Lanes<V> {
         self.0
     }
 
-    /// From as many numbers as there are lanes, or fewer; the lanes left over repeat the last, and are zero where there is none.
+    /// From up to as many values as there are lanes; the remaining lanes repeat the last value, and are zero
+    /// if there is none.
     #[inline]
     pub fn from_lanes(values: &[f64]) -> Self {
         let mut lanes = Self(V::splat(values.last().copied().unwrap_or(0.0)));
@@ -78,19 +80,19 @@ impl<V: Vector> Lanes<V> {
         lanes
     }
 
-    /// The number in lane `k`.
+    /// The value in lane `k`.
     #[inline(always)]
     pub fn lane(&self, k: usize) -> f64 {
         self.0.as_slice()[k]
     }
 
-    /// The numbers, lane by lane.
+    /// The values by lane.
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
         self.0.as_slice()
     }
 
-    /// The numbers, lane by lane, to be written.
+    /// The values by lane, mutable.
     #[inline(always)]
     pub fn as_mut_slice(&mut self) -> &mut [f64] {
         self.0.as_mut_slice()
@@ -152,7 +154,8 @@ impl<V: Vector> Scalar for Lanes<V> {
     fn exp(self) -> Self {
         Self(self.0.exp())
     }
-    /// From half of ln 2 to ln 2 by `e^2h - 1 = m (m + 2)`, `m = e^h - 1`, which loses less than what the vector does there.
+    /// From half of ln 2 to ln 2 by `e^2h - 1 = m (m + 2)`, `m = e^h - 1`, which loses less precision there
+    /// than the vector function.
     #[inline]
     fn exp_m1(self) -> Self {
         let size = Scalar::abs(self);

@@ -1,7 +1,7 @@
-//! Arithmetic in every lane, and what num-dual asks of a number before its functions.
+//! Arithmetic in every lane, and the supertraits of num-dual's numbers.
 
 use super::{Lanes, Vector};
-use crate::scalar::Scalar;
+use crate::scalar::number::Scalar;
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use std::cmp::Ordering;
 use std::fmt;
@@ -172,7 +172,7 @@ impl<V: Vector> Product for Lanes<V> {
     }
 }
 
-/// Equal in every lane.
+/// Equality in every lane.
 impl<V: Vector> PartialEq for Lanes<V> {
     fn eq(&self, other: &Self) -> bool {
         self.every(other, |a, b| a == b)
@@ -185,7 +185,7 @@ impl<V: Vector> PartialEq<f64> for Lanes<V> {
     }
 }
 
-/// Ordered where all lanes are ordered alike; otherwise neither is less.
+/// Ordered if all lanes have the same order; otherwise neither is less.
 impl<V: Vector> PartialOrd for Lanes<V> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         let order = self.lane(0).partial_cmp(&other.lane(0));

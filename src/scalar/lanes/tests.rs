@@ -3,7 +3,7 @@ use crate::scalar::{Scalar, Tangent};
 use num_dual::{Dual, Dual64};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Units in the last place of `expected`; infinite where only one of them is a number.
+/// Units in the last place of `expected`; infinite if only one of them is NaN.
 fn units(found: f64, expected: f64) -> f64 {
     if found == expected || (found.is_nan() && expected.is_nan()) {
         return 0.0;
@@ -13,7 +13,7 @@ fn units(found: f64, expected: f64) -> f64 {
     if found.is_finite() && unit.is_finite() { (found - expected).abs() / unit } else { f64::INFINITY }
 }
 
-/// Angles and exponents over all sizes, special ones in between, NaN and infinities among them.
+/// Angles and exponents of all magnitudes, with special values, NaN and infinities.
 fn arguments() -> Vec<f64> {
     let mut all =
         vec![0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 5e-324, -5e-324, 1e-310, f64::MAX];
@@ -82,7 +82,7 @@ fn the_sign_of_a_zero_is_kept() {
     assert_eq!(signs(zeros.exp_m1()), [false, true, false, true]);
 }
 
-/// What is chosen in one lane does not depend on the others, and NaN is less than nothing, as for `f64`.
+/// The choice in one lane does not depend on the others, and comparisons with NaN are false, as for `f64`.
 fn masks_are_exact<V: Vector>() {
     let values = [1.0, f64::NAN, -3.0, f64::INFINITY, -0.0, 0.0, f64::NEG_INFINITY, 5e-324];
     for shift in 0..8 {

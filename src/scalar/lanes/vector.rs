@@ -1,9 +1,9 @@
-//! What is asked of a vector of `wide`: the few operations that everything else is made of.
+//! The primitive operations of a vector of `wide`.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 
-/// Several `f64` that one instruction works on; implemented for `wide::f64x4` and `wide::f64x8`.
+/// A SIMD vector of `f64`; implemented for `wide::f64x4` and `wide::f64x8`.
 ///
 /// Masks are vectors too: all bits of a lane set, or none.
 pub trait Vector:
@@ -25,16 +25,16 @@ pub trait Vector:
     /// Number of lanes.
     const LANES: usize;
 
-    /// The same number in every lane.
+    /// The same value in every lane.
     fn splat(value: f64) -> Self;
 
-    /// The numbers, lane by lane.
+    /// The values by lane.
     fn as_slice(&self) -> &[f64];
 
-    /// The numbers, lane by lane, to be written.
+    /// The values by lane, mutable.
     fn as_mut_slice(&mut self) -> &mut [f64];
 
-    /// `self * factor + term`, one rounding where the target has the instruction.
+    /// `self * factor + term`, rounded once if the target has the instruction.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
     /// Square root.
@@ -46,18 +46,18 @@ pub trait Vector:
     /// `e^x - 1`: to one unit in the last place up to half of ln 2, to six beyond.
     fn exp_m1(self) -> Self;
 
-    /// Mask of `self < other`; false where one of them is not a number.
+    /// Mask of `self < other`; false if one of them is NaN.
     fn less(self, other: Self) -> Self;
 
     /// `if_true` where the mask holds, `if_false` elsewhere.
     fn select(mask: Self, if_true: Self, if_false: Self) -> Self;
 
-    /// Whether the mask holds in every lane.
+    /// Whether the mask is true in every lane.
     fn all(mask: Self) -> bool;
 }
 
 mod sealed {
-    /// Keeps [`Vector`](super::Vector) to the two vectors it is for.
+    /// Restricts [`Vector`](super::Vector) to the two supported types.
     pub trait Sealed {}
     impl Sealed for wide::f64x4 {}
     impl Sealed for wide::f64x8 {}

@@ -1,7 +1,7 @@
 //! Contracted Hessians and Jacobians of steps against hyper-dual numbers through the step.
 
 use super::{filled, flat, made, off};
-use costate::derivative::{DerivativeError, Hessian, largest};
+use costate::derivative::{ByCalls, DerivativeError, Hessian, largest};
 use costate::dynamics::Dynamics;
 use costate::matrix::Matrix;
 use costate::robot::Robot;
@@ -24,7 +24,7 @@ pub fn differences<F: ModelFamily + Clone, M: Scheme<F>>(
     (x, u, y, h): (&[f64], &[f64], &[f64], f64),
 ) -> Result<[f64; 7], StepError<F::Error>> {
     let (states, inputs) = (x.len(), x.len() + u.len());
-    let mut judge = Hessian::new(OneStep::<F, M>::new(family.clone()));
+    let mut judge = Hessian::new(ByCalls(OneStep::<F, M>::new(family.clone())));
     let whole = match judge.contract(&[x, u, &[h]].concat(), y) {
         Ok(whole) => whole.clone(),
         Err(DerivativeError::Function(error)) => return Err(error),

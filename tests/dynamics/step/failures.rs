@@ -1,11 +1,11 @@
 //! What steps refuse, and what is left of a workspace afterwards.
 
 use super::{FREE, SWING, flat, robot};
-use costate::EvalError;
 use costate::derivative::largest;
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StepError, StoermerVerlet};
+use costate::{EvalError, LengthError};
 
 type AnyStep = Box<dyn Step<f64, Error = StepError<EvalError>>>;
 
@@ -84,7 +84,7 @@ fn the_model_refuses_states_that_are_not_numbers() {
 #[test]
 fn wrong_lengths_are_refused_by_name() {
     for (name, mut step) in all() {
-        let wrong = |what, expected, found| StepError::WrongLength { what, expected, found };
+        let wrong = |what, expected, found| StepError::WrongLength(LengthError { what, expected, found });
         assert_eq!(step.evaluate(&SWING[..3], &FREE, 0.01).unwrap_err(), wrong("x", 4, 3), "{name}");
         assert_eq!(step.linearise(&SWING, &SWING, 0.01).unwrap_err(), wrong("u", 2, 4), "{name}");
         assert_eq!(step.contract(&SWING, &FREE, 0.01, &FREE).unwrap_err(), wrong("y", 4, 2), "{name}");

@@ -81,7 +81,7 @@ fn in_q_p(
         Quantity::FX => vec![("f", f, size), ("f_x", f_x, size)],
         Quantity::YFX => vec![("f", f, size), ("y_f_x", y_f_x, with_y)],
         Quantity::YFXX => vec![("f", f, size), ("f_x", f_x, size), ("y_f_xx", y_f_xx, with_y)],
-        Quantity::YFXXD => vec![("y_f_xx_d", product, largest(&y_f_xx).max(with_d))],
+        Quantity::HessianProduct => vec![("y_f_xx_d", product, largest(&y_f_xx).max(with_d))],
         Quantity::MassMatrix => vec![("m", m, 0.0)],
         Quantity::Energy => {
             vec![("kinetic", vec![energy.kinetic], 0.0), ("potential", vec![energy.potential], size)]
@@ -118,7 +118,7 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
             vec![("kinetic", vec![energy.kinetic], 0.0), ("potential", vec![energy.potential], tau_size)]
         }
         Quantity::InverseDynamics => vec![("tau", tau, tau_size)],
-        Quantity::YFX | Quantity::YFXXD => panic!("not in (q, v)"),
+        Quantity::YFX | Quantity::HessianProduct => panic!("not in (q, v)"),
     }
 }
 

@@ -55,7 +55,7 @@ pub(crate) fn estimate<E: Extremal>(
         for round in 0..3 {
             for j in 1..s {
                 let range = j * m..(j + 1) * m;
-                timed.rate(&points[range.clone()], arc, &mut slopes[range])?;
+                timed.evaluate(&points[range.clone()], arc, &mut slopes[range])?;
             }
             if round < 2 {
                 for j in 1..s {

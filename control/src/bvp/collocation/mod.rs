@@ -13,7 +13,7 @@ use crate::bvp::mesh::{Mesh, Span};
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Discretised, Failure, Solvable};
-use crate::extremal::{Extremal, Rate};
+use crate::extremal::{Extremal, HamiltonianTerms};
 
 /// The collocation equations on one mesh: all that is ever allocated for it.
 ///
@@ -31,7 +31,7 @@ pub(crate) struct Collocation {
     /// dw/ds at the last evaluation.
     pub slopes: Values,
     /// H* and cost at the last evaluation: nodes, inner points.
-    pub rates: (Vec<Rate>, Vec<Rate>),
+    pub rates: (Vec<HamiltonianTerms>, Vec<HamiltonianTerms>),
     pub scale: Vec<f64>,
     node_jacobians: Vec<f64>,
     condensed: Vec<Condensed>,
@@ -74,7 +74,7 @@ impl Collocation {
             condensed: vec![Condensed::new(m, points - 2); nodes - 1],
             borders: Borders::new(m, timed.at_start(), nodes),
             slopes: Values::zeros(nodes, m, points),
-            rates: (vec![Rate::default(); nodes], vec![Rate::default(); inner]),
+            rates: (vec![HamiltonianTerms::default(); nodes], vec![HamiltonianTerms::default(); inner]),
             scale: vec![1.0; m],
             node_jacobians: vec![0.0; nodes * m * m],
             inner_residual: vec![0.0; inner * m],
@@ -170,14 +170,14 @@ impl<E: Extremal> Solvable<E> for Collocation {
         for i in 0..self.mesh.nodes() {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
             let slope = &mut self.slopes.nodes[range.clone()];
-            self.rates.0[i] = timed.rate(&values.nodes[range], arc, slope)?;
+            self.rates.0[i] = timed.evaluate(&values.nodes[range], arc, slope)?;
         }
         for (k, span) in self.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, .. } = *span {
                 for point in k * inner..(k + 1) * inner {
                     let range = point * m..(point + 1) * m;
                     let slope = &mut self.slopes.inner[range.clone()];
-                    self.rates.1[point] = timed.rate(&values.inner[range], arc, slope)?;
+                    self.rates.1[point] = timed.evaluate(&values.inner[range], arc, slope)?;
                 }
             }
         }
@@ -190,7 +190,7 @@ impl<E: Extremal> Solvable<E> for Collocation {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
             let jacobian = &mut self.node_jacobians[i * m * m..(i + 1) * m * m];
             let slope = &mut self.slopes.nodes[range.clone()];
-            self.rates.0[i] = timed.linear(&self.current.nodes[range], arc, slope, jacobian)?;
+            self.rates.0[i] = timed.linearise(&self.current.nodes[range], arc, slope, jacobian)?;
             to_scaled(jacobian, &self.scale);
         }
         for (k, span) in self.mesh.spans.iter().enumerate() {
@@ -201,7 +201,8 @@ impl<E: Extremal> Solvable<E> for Collocation {
                     let range = point * m..(point + 1) * m;
                     let (slope, jacobian) =
                         (&mut self.slopes.inner[range.clone()], condensed.jacobian_mut(j));
-                    self.rates.1[point] = timed.linear(&self.current.inner[range], arc, slope, jacobian)?;
+                    self.rates.1[point] =
+                        timed.linearise(&self.current.inner[range], arc, slope, jacobian)?;
                     to_scaled(jacobian, &self.scale);
                 }
                 let ends = self.node_jacobians[k * m * m..(k + 2) * m * m].split_at(m * m);

@@ -1,6 +1,6 @@
 //! Conditions at the two ends of a robot's motion.
 
-use crate::problem::Problem;
+use crate::problem::{BoundaryState, Problem};
 use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
@@ -15,8 +15,8 @@ use costate::scalar::Tangent;
 pub(crate) struct Ends {
     start: Given,
     end: Given,
-    /// (q, v) of the end asked for.
-    asked: Vec<f64>,
+    /// (q, v) of the original end.
+    original: Vec<f64>,
     work: Work,
 }
 
@@ -46,21 +46,21 @@ impl Ends {
         let zero = Tangent::new(0.0, 0.0);
         let dual = Hamiltonian::new(robot);
         Ok(Self {
-            start: Given::new(robot, (&start.q, &start.v), (&start.q_free, &start.v_free))?,
-            end: Given::new(robot, (&end.q, &end.v), (&end.q_free, &end.v_free))?,
-            asked: end.q.iter().chain(&end.v).copied().collect(),
+            start: Given::new(robot, start)?,
+            end: Given::new(robot, end)?,
+            original: end.q.iter().chain(&end.v).copied().collect(),
             work: Work { dual, q: vec![zero; n], p: vec![zero; n], rates: vec![zero; n] },
         })
     }
 
-    /// An end that lies a part of the way from the start to the one asked for, in positions and rates.
+    /// Moves the end to a fraction of the distance from the start to the original end, in positions and rates.
     pub fn set_goal(&mut self, goal: f64) {
-        let Self { start, end, asked, work } = self;
+        let Self { start, end, original, work } = self;
         let n = end.v.len();
         let part = |from: f64, to: f64| if goal == 1.0 { to } else { from + goal * (to - from) };
         for i in 0..n {
-            end.x[i] = part(start.x[i], asked[i]);
-            end.v[i] = part(start.v[i], asked[n + i]);
+            end.x[i] = part(start.x[i], original[i]);
+            end.v[i] = part(start.v[i], original[n + i]);
             work.q[i] = Tangent::new(end.x[i], 0.0);
             work.rates[i] = Tangent::new(end.v[i], 0.0);
         }
@@ -84,16 +84,12 @@ impl Ends {
 }
 
 impl Given {
-    fn new(
-        robot: &Robot,
-        (q, v): (&[f64], &[f64]),
-        (q_free, v_free): (&[usize], &[usize]),
-    ) -> Result<Self, EvalError> {
+    fn new(robot: &Robot, BoundaryState { q, v, q_free, v_free }: &BoundaryState) -> Result<Self, EvalError> {
         let mut hamiltonian = Hamiltonian::<f64>::new(robot);
         hamiltonian.inverse_mass_matrix(q)?;
         let x = q.iter().chain(hamiltonian.momentum(q, v)?).copied().collect();
         let marked = |joints: &[usize]| (0..robot.len()).map(|j| joints.contains(&j)).collect();
-        Ok(Self { x, v: v.to_vec(), q_free: marked(q_free), v_free: marked(v_free) })
+        Ok(Self { x, v: v.clone(), q_free: marked(q_free), v_free: marked(v_free) })
     }
 
     fn is_fixed(&self) -> bool {

@@ -45,7 +45,7 @@ pub(crate) struct Running<S> {
 }
 
 impl<S: ExtremalScalar> Equations<S> {
-    /// Those of a problem that was checked, for a model that was turned already.
+    /// The equations of a problem, with derivatives from an existing workspace.
     pub fn new(problem: &Problem, second: HamiltonianSecondOrder<S>) -> Self {
         let n = problem.robot.len();
         let zeros = vec![S::zero(); n];
@@ -119,7 +119,7 @@ impl<S: ExtremalScalar> Equations<S> {
     }
 
     /// z', 4n.
-    pub fn rate(
+    pub fn evaluate(
         &mut self,
         z: &[S],
         control: impl Fn(usize, S) -> Control<S>,
@@ -135,7 +135,7 @@ impl<S: ExtremalScalar> Equations<S> {
     }
 
     /// z' and its Jacobian, 4n x 4n; without the blocks y'F_xx where `hessian` says so.
-    pub fn linear(
+    pub fn linearise(
         &mut self,
         z: &[S],
         control: impl Fn(usize, S) -> Control<S>,

@@ -3,17 +3,20 @@
 pub(crate) mod ends;
 pub(crate) mod equations;
 
-use crate::extremal::actuation::{Actuation, price};
+use crate::extremal::actuation::Actuation;
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::ends::Ends;
 use crate::extremal::hamiltonian::equations::{Equations, Running};
-use crate::extremal::{Ease, Extremal, Law, Rate, Side};
-use crate::options::Jacobian;
-use crate::problem::Problem;
+use crate::extremal::relaxation::{Relaxable, RelaxedParts};
+use crate::extremal::{
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
+};
+use crate::options::JacobianRoute;
+use crate::problem::check::CheckedProblem;
 use costate::EvalError;
 use costate::hamiltonian::HamiltonianSecondOrder;
 
-/// The extremals of a [`Problem`]:
+/// The extremals of a [`Problem`](crate::Problem):
 ///
 /// ```text
 /// x' = F + (0, B u)      y' = -F_x'y + l_x      u = clip(R^-1 B y_p)
@@ -28,40 +31,33 @@ use costate::hamiltonian::HamiltonianSecondOrder;
 pub struct RobotExtremal {
     pub(crate) equations: Equations<f64>,
     pub(crate) actuation: Actuation,
-    /// Actuation and weight of the penalties of the problem itself.
-    asked: (Actuation, f64),
+    relaxable: Relaxable,
     ends: Ends,
-    jacobian: Jacobian,
-    ease: Ease,
-    /// Whether an easier problem has weaker user terms.
-    ease_terms: bool,
+    jacobian: JacobianRoute,
     differences: Differences,
 }
 
 impl RobotExtremal {
-    /// The extremals of a problem that was [checked](Problem::check).
+    /// The extremals of a problem.
     ///
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
-    pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
+    pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         Ok(Self {
-            equations: Equations::new(problem, HamiltonianSecondOrder::new(&problem.robot)),
-            actuation: Actuation::new(problem),
-            asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
-            ends: Ends::new(problem)?,
+            equations: Equations::new(&problem, HamiltonianSecondOrder::new(&problem.robot)),
+            actuation: Actuation::new(&problem),
+            relaxable: Relaxable::new(&problem),
+            ends: Ends::new(&problem)?,
             jacobian,
-            ease: Ease::NONE,
-            ease_terms: problem.terms_may_be_weaker(),
             differences: Differences::new(4 * n),
         })
     }
 
-    /// Makes controls that cost nothing cost so much, in parts of what matters, and takes that for the problem itself.
+    /// Smooths controls without effort by this [weight](Relaxation::effort), as a new original problem.
     pub(crate) fn smooth(&mut self, effort: f64) {
-        let asked = self.asked.0.clone();
-        self.asked.0.ease(&asked, self.time_cost(), Ease { effort, ..Ease::NONE });
-        self.actuation = self.asked.0.clone();
+        self.relaxable.smooth(effort);
+        self.actuation = self.relaxable.original().clone();
     }
 
     /// Momenta `p = M(q) v`.
@@ -82,36 +78,37 @@ impl Differenced for RobotExtremal {
     }
 }
 
-impl Extremal for RobotExtremal {
+impl BoundaryValueProblem for RobotExtremal {
     fn states(&self) -> usize {
         2 * self.equations.force.len()
     }
 
-    fn controls(&self) -> usize {
-        self.equations.force.len()
-    }
-
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         let actuation = &self.actuation;
-        let l = self.equations.rate(z, |i, y_p| actuation.control(i, y_p, law), g)?;
+        let l = self.equations.evaluate(z, |i, y_p| actuation.control(i, y_p, law), g)?;
         Ok(with_hamiltonian(z, g, l))
     }
 
-    fn linear(
+    fn linearise(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
-        if self.jacobian == Jacobian::Differences {
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if self.jacobian == JacobianRoute::Differences {
             self.by_differences(z, law, jacobian)?;
-            return self.rate(z, law, g);
+            return self.evaluate(z, law, g);
         }
-        let hessian = self.jacobian == Jacobian::Exact;
+        let hessian = self.jacobian == JacobianRoute::Exact;
         let actuation = &self.actuation;
         let control = |i, y_p| actuation.control(i, y_p, law);
-        let l = self.equations.linear(z, control, hessian, (g, jacobian))?;
+        let l = self.equations.linearise(z, control, hessian, (g, jacobian))?;
         Ok(with_hamiltonian(z, g, l))
     }
 
@@ -131,32 +128,15 @@ impl Extremal for RobotExtremal {
         self.ends.are_fixed()
     }
 
-    fn ease(&self) -> Ease {
-        self.ease
-    }
-
-    fn set_ease(&mut self, ease: Ease) {
-        self.ease = ease;
-        self.ends.set_goal(ease.goal);
-        let price = price(self.equations.time_cost);
-        self.equations.penalties.set_weight(ease.penalty * self.asked.1);
-        self.equations.penalties.set_rounding(ease.effort * price);
-        self.equations.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
-        self.actuation.ease(&self.asked.0, self.equations.time_cost, ease);
-    }
-
-    fn easiest(&self) -> Ease {
-        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
-    }
-
-    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        stretch(z, factor);
-    }
-
     /// Positions, momenta, and the costates of each.
     fn group(&self, component: usize) -> usize {
         component / self.equations.force.len()
+    }
+}
+
+impl BoundedControls for RobotExtremal {
+    fn controls(&self) -> usize {
+        self.equations.force.len()
     }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
@@ -164,16 +144,22 @@ impl Extremal for RobotExtremal {
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, z[3 * n + i]));
     }
 
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         let n = self.equations.force.len();
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, z[3 * n + i], law).u);
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.reached_bounds(&self.asked.0, control)
+        self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        control: usize,
+        sides: (BoundSide, BoundSide),
+        z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         let at = 3 * self.equations.force.len() + control;
         gradient.fill(0.0);
         let (value, slope) = self.actuation.switching(control, sides, z[at]);
@@ -190,11 +176,32 @@ impl Extremal for RobotExtremal {
     }
 }
 
+impl Homotopy for RobotExtremal {
+    fn relaxation(&self) -> Relaxation {
+        self.relaxable.current()
+    }
+
+    fn set_relaxation(&mut self, relaxation: Relaxation) {
+        let Equations { penalties, terms, .. } = &mut self.equations;
+        self.ends.set_goal(relaxation.goal);
+        self.relaxable.apply(relaxation, RelaxedParts { actuation: &mut self.actuation, penalties, terms });
+    }
+
+    fn easiest(&self) -> Relaxation {
+        self.relaxable.easiest()
+    }
+
+    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like $T^{-3}$.
+    fn stretch(&self, z: &mut [f64], factor: f64) {
+        stretch(z, factor);
+    }
+}
+
 /// `H* = y'f - l` and l.
-pub(crate) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> Rate {
+pub(crate) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> HamiltonianTerms {
     let states = z.len() / 2;
     let hamiltonian = costate::matrix::dot(&z[states..], &g[..states]) - l.cost - l.penalty - l.smoothing;
-    Rate { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
+    HamiltonianTerms { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
 }
 
 /// Positions, rates or momenta, and the costates of each, of a motion that takes `factor` times as long.

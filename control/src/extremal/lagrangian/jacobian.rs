@@ -1,7 +1,7 @@
 //! The Jacobian of the extremals of a robot in Lagrangian coordinates.
 
 use crate::extremal::lagrangian::LagrangianExtremal;
-use crate::options::Jacobian;
+use crate::options::JacobianRoute;
 use costate::EvalError;
 use costate::matrix::Block;
 
@@ -11,7 +11,7 @@ impl LagrangianExtremal {
         let n = self.force.len();
         let m = 4 * n;
         let (q, v, y_q, y_v) = (&z[..n], &z[n..2 * n], &z[2 * n..3 * n], &z[3 * n..]);
-        let (linear, hessian) = if self.jacobian == Jacobian::WithoutHessian {
+        let (linear, hessian) = if self.jacobian == JacobianRoute::WithoutHessian {
             (self.second.first().linearise_forward_dynamics(q, v, &self.force)?, None)
         } else {
             let all = self.second.contract_forward_dynamics(q, v, &self.force, y_v)?;

@@ -1,22 +1,24 @@
 //! Extremals of a robot in Lagrangian coordinates: `z = (q, v, y_q, y_v)`.
 
-pub(crate) mod ends;
 pub(crate) mod jacobian;
 
-use crate::extremal::actuation::{Actuation, price};
+use crate::extremal::actuation::Actuation;
+use crate::extremal::component_ends::{ComponentEnds, GivenComponents};
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
-use crate::extremal::lagrangian::ends::LagrangianEnds;
 use crate::extremal::penalty::Penalties;
+use crate::extremal::relaxation::{Relaxable, RelaxedParts};
 use crate::extremal::user_terms::UserTerms;
-use crate::extremal::{Ease, Extremal, Law, Rate, Side};
-use crate::options::Jacobian;
-use crate::problem::Problem;
+use crate::extremal::{
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
+};
+use crate::options::JacobianRoute;
+use crate::problem::check::CheckedProblem;
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 
-/// The extremals of a [`Problem`] with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
+/// The extremals of a [`Problem`](crate::Problem) with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
 ///
 /// ```text
 /// x' = (v, a(q, v, B u))      y' = -f_x'y + l_x      u = clip(R^-1 B w),  w = M^-1 y_v
@@ -27,23 +29,19 @@ use costate::lagrangian::LagrangianSecondOrder;
 /// H is `y'f - l` at a given u. The actuation acts through M^-1, so u depends on q, which adds to all blocks; in Hamiltonian
 /// coordinates it depends on y_p alone. Penalties and [user terms](crate::UserTerm) depend on x itself. Free ends: `y_q,j = 0`, `y_v,j = 0`.
 ///
-/// [`Jacobian::WithoutHessian`] leaves out the second derivatives of the dynamics, `y_v'a_xx` and `y_v'a_uq`; with them goes
+/// [`JacobianRoute::WithoutHessian`] leaves out the second derivatives of the dynamics, `y_v'a_xx` and `y_v'a_uq`; with them goes
 /// all that u changes with q. Built once; evaluations do not allocate.
 #[derive(Clone, Debug)]
 pub struct LagrangianExtremal {
     pub(crate) second: LagrangianSecondOrder<f64>,
     pub(crate) actuation: Actuation,
-    /// Actuation and weight of the penalties of the problem itself.
-    asked: (Actuation, f64),
+    relaxable: Relaxable,
     pub(crate) penalties: Penalties,
     pub(crate) terms: UserTerms<f64>,
-    ends: LagrangianEnds,
+    ends: ComponentEnds,
     /// c_t.
     time_cost: f64,
-    pub(crate) jacobian: Jacobian,
-    ease: Ease,
-    /// Whether an easier problem has weaker user terms.
-    ease_terms: bool,
+    pub(crate) jacobian: JacobianRoute,
     /// w.
     pub(crate) pull: Vec<f64>,
     /// B u.
@@ -57,11 +55,11 @@ pub struct LagrangianExtremal {
 }
 
 impl LagrangianExtremal {
-    /// The extremals of a problem that was [checked](Problem::check).
+    /// The extremals of a problem.
     ///
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
-    pub fn new(problem: &Problem, jacobian: Jacobian) -> Result<Self, EvalError> {
+    pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
         let n = problem.robot.len();
         let mut second = LagrangianSecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
@@ -69,15 +67,16 @@ impl LagrangianExtremal {
         }
         Ok(Self {
             second,
-            actuation: Actuation::new(problem),
-            asked: (Actuation::new(problem), problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight)),
+            actuation: Actuation::new(&problem),
+            relaxable: Relaxable::new(&problem),
             penalties: Penalties::new(n, problem.penalty.as_ref()),
             terms: UserTerms::new(n, &problem.terms),
-            ends: LagrangianEnds::new(problem),
+            ends: ComponentEnds::new(
+                GivenComponents::of_robot(&problem.start),
+                GivenComponents::of_robot(&problem.end),
+            ),
             time_cost: problem.cost.time,
             jacobian,
-            ease: Ease::NONE,
-            ease_terms: problem.terms_may_be_weaker(),
             pull: vec![0.0; n],
             force: vec![0.0; n],
             slopes: vec![0.0; n],
@@ -88,7 +87,12 @@ impl LagrangianExtremal {
     }
 
     /// w, controls and penalties at z; M(q) is factored after it.
-    fn prepare(&mut self, z: &[f64], law: Law<'_>, curvature: bool) -> Result<Running<f64>, EvalError> {
+    fn prepare(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        curvature: bool,
+    ) -> Result<Running<f64>, EvalError> {
         let n = self.force.len();
         self.pull.copy_from_slice(&z[3 * n..]);
         self.second.first().solve_mass_matrix(&z[..n], &mut self.pull)?;
@@ -140,16 +144,17 @@ impl Differenced for LagrangianExtremal {
     }
 }
 
-impl Extremal for LagrangianExtremal {
+impl BoundaryValueProblem for LagrangianExtremal {
     fn states(&self) -> usize {
         2 * self.force.len()
     }
 
-    fn controls(&self) -> usize {
-        self.force.len()
-    }
-
-    fn rate(&mut self, z: &[f64], law: Law<'_>, g: &mut [f64]) -> Result<Rate, EvalError> {
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
         let n = self.force.len();
         let l = self.prepare(z, law, false)?;
         let (f, y_rate) = g.split_at_mut(2 * n);
@@ -160,16 +165,16 @@ impl Extremal for LagrangianExtremal {
         Ok(with_hamiltonian(z, g, l))
     }
 
-    fn linear(
+    fn linearise(
         &mut self,
         z: &[f64],
-        law: Law<'_>,
+        law: ControlLaw<'_>,
         g: &mut [f64],
         jacobian: &mut [f64],
-    ) -> Result<Rate, EvalError> {
-        if self.jacobian == Jacobian::Differences {
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if self.jacobian == JacobianRoute::Differences {
             self.by_differences(z, law, jacobian)?;
-            return self.rate(z, law, g);
+            return self.evaluate(z, law, g);
         }
         let l = self.prepare(z, law, true)?;
         self.exact(z, g, jacobian)?;
@@ -194,31 +199,15 @@ impl Extremal for LagrangianExtremal {
         self.ends.are_fixed()
     }
 
-    fn ease(&self) -> Ease {
-        self.ease
-    }
-
-    fn set_ease(&mut self, ease: Ease) {
-        self.ease = ease;
-        self.ends.set_goal(ease.goal);
-        self.penalties.set_weight(ease.penalty * self.asked.1);
-        self.penalties.set_rounding(ease.effort * price(self.time_cost));
-        self.terms.factor = if self.ease_terms { ease.penalty } else { 1.0 };
-        self.actuation.ease(&self.asked.0, self.time_cost, ease);
-    }
-
-    fn easiest(&self) -> Ease {
-        self.asked.0.easiest(self.asked.1 > 0.0 || self.ease_terms)
-    }
-
-    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like T^-3.
-    fn stretch(&self, z: &mut [f64], factor: f64) {
-        stretch(z, factor);
-    }
-
     /// Positions, rates, and the costates of each.
     fn group(&self, component: usize) -> usize {
         component / self.force.len()
+    }
+}
+
+impl BoundedControls for LagrangianExtremal {
+    fn controls(&self) -> usize {
+        self.force.len()
     }
 
     fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
@@ -226,17 +215,23 @@ impl Extremal for LagrangianExtremal {
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, self.pull[i]));
     }
 
-    fn controls_at(&mut self, z: &[f64], law: Law<'_>, u: &mut [f64]) {
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         self.pull_at(z);
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, self.pull[i], law).u);
     }
 
     fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.reached_bounds(&self.asked.0, control)
+        self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
     /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.
-    fn switching(&mut self, control: usize, sides: (Side, Side), z: &[f64], gradient: &mut [f64]) -> f64 {
+    fn switching(
+        &mut self,
+        control: usize,
+        sides: (BoundSide, BoundSide),
+        z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
         let n = self.force.len();
         self.pull_at(z);
         let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
@@ -259,5 +254,26 @@ impl Extremal for LagrangianExtremal {
         }
         f.copy_from_slice(self.second.first().evaluate(&x[..n], &x[n..], &self.force)?);
         Ok(())
+    }
+}
+
+impl Homotopy for LagrangianExtremal {
+    fn relaxation(&self) -> Relaxation {
+        self.relaxable.current()
+    }
+
+    fn set_relaxation(&mut self, relaxation: Relaxation) {
+        let Self { ends, relaxable, actuation, penalties, terms, .. } = self;
+        ends.set_goal(relaxation.goal);
+        relaxable.apply(relaxation, RelaxedParts { actuation, penalties, terms });
+    }
+
+    fn easiest(&self) -> Relaxation {
+        self.relaxable.easiest()
+    }
+
+    /// Exact without gravity, springs, friction and limits, where the cost of effort falls like $T^{-3}$.
+    fn stretch(&self, z: &mut [f64], factor: f64) {
+        stretch(z, factor);
     }
 }

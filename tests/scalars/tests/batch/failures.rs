@@ -1,9 +1,9 @@
 //! Bad nodes and arrays that do not fit.
 
 use crate::arrays::{Arrays, gimbal, node, robot};
-use costate::EvalError;
-use costate::batch::{Batch, BatchError, Model, ModelQuantity, NodeError, Packed};
+use costate::batch::{ArrayRole, Batch, BatchError, Model, ModelQuantity, NodeError, Packed};
 use costate::hamiltonian::HamiltonianSecondOrder;
+use costate::{EvalError, LengthError};
 use std::f64::consts::FRAC_PI_2;
 
 /// Bad nodes among good ones: each is named, its outputs are not-a-number, and the others are what they are without it.
@@ -60,18 +60,18 @@ fn bad_nodes_cost_no_other_node() {
 fn arrays_that_do_not_fit_are_refused_and_left_alone() {
     let mut batch = Batch::<f64, _>::new(Model(HamiltonianSecondOrder::new(&robot("two_link.toml"))));
     let (x, u, mut f) = (vec![0.1; 12], vec![0.2; 6], vec![7.0; 12]);
-    let wrong = |what, length, found| BatchError::WrongLength { what, nodes: 3, length, found };
+    let wrong = |what, length: usize, found| BatchError::WrongLength {
+        nodes: 3,
+        length: LengthError { what, expected: 3 * length, found },
+    };
     assert_eq!(batch.evaluate(&x, &u[..5], &mut f).unwrap_err(), wrong("u", 2, 5));
     assert_eq!(batch.evaluate(&x, &u, &mut f[..11]).unwrap_err(), wrong("f", 4, 11));
     assert_eq!(batch.run(ModelQuantity::Value, 3, [&x[..11], &u], [&mut f]).unwrap_err(), wrong("x", 4, 11));
     let error = batch.run(ModelQuantity::Value, 3, [&x], [&mut f]).unwrap_err();
-    assert_eq!(error, BatchError::WrongNumber { what: "inputs", expected: 2, found: 1 });
-    assert_eq!(
-        error.to_string(),
-        "1 arrays were given as inputs, not 2; the layout of the quantity names them in order"
-    );
+    assert_eq!(error, BatchError::WrongNumber { role: ArrayRole::Input, expected: 2, found: 1 });
+    assert_eq!(error.to_string(), "the quantity has 2 inputs, not 1; its layout names them in order");
     let error = batch.run(ModelQuantity::Linearisation, 3, [&x, &u], [&mut f]).unwrap_err();
-    assert_eq!(error, BatchError::WrongNumber { what: "outputs", expected: 3, found: 1 });
+    assert_eq!(error, BatchError::WrongNumber { role: ArrayRole::Output, expected: 3, found: 1 });
     assert_eq!(f, vec![7.0; 12]);
     assert!(batch.evaluate(&x, &u, &mut f).unwrap().is_empty() && f[11] != 7.0);
     assert!(batch.evaluate(&[], &[], &mut []).unwrap().is_empty(), "no nodes are none too many");

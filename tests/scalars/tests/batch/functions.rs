@@ -1,7 +1,7 @@
 //! Functions of slices, as generators and compilers make them.
 
 use crate::arrays::{Arrays, node};
-use costate::batch::{Batch, Failure, NodeError, NodeFunction, Packed};
+use costate::batch::{Batch, Failure, NodeArray, NodeError, NodeFunction, Packed};
 use costate::on_slices;
 use costate::scalar::Scalar;
 use costate_test_support::random_robot::difference;
@@ -21,7 +21,11 @@ fn functions_are_evaluated<S: Packed<Lane = f64>>() {
     let nodes = 19;
     let Arrays { mut x, u, .. } = Arrays::new(4, 2, nodes);
     let function = on_slices!(S, straight_line, (x: 4, u: 2) -> (f: 4));
-    let mut batch = Batch::<S, _>::new(NodeFunction::new(&[("x", 4), ("u", 2)], &[("f", 4)], function));
+    let mut batch = Batch::<S, _>::new(NodeFunction::new(
+        &[NodeArray::new("x", 4), NodeArray::new("u", 2)],
+        &[NodeArray::new("f", 4)],
+        function,
+    ));
     let mut f = vec![0.0; nodes * 4];
     assert!(batch.run((), nodes, [&x, &u], [&mut f]).unwrap().is_empty());
     for k in 0..nodes {
@@ -61,7 +65,11 @@ fn straight_line_functions_are_evaluated_like_models() {
 #[test]
 fn a_function_of_other_lengths_than_its_layout_fails_at_every_node() {
     let function = on_slices!(f64, straight_line, (x: 4, u: 2) -> (f: 4));
-    let mut batch = Batch::<f64, _>::new(NodeFunction::new(&[("x", 4), ("u", 2)], &[("f", 3)], function));
+    let mut batch = Batch::<f64, _>::new(NodeFunction::new(
+        &[NodeArray::new("x", 4), NodeArray::new("u", 2)],
+        &[NodeArray::new("f", 3)],
+        function,
+    ));
     let mut f = vec![0.0; 6];
     let failures = batch.run((), 2, [&[0.1; 8], &[0.2; 4]], [&mut f]).unwrap();
     assert_eq!(failures.len(), 2);

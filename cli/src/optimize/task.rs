@@ -1,0 +1,33 @@
+//! A problem file and the saved motion that it names.
+
+use costate::robot::{LoadOptions, Robot};
+use costate_control::{Key, Problem, ProblemFile, ProblemFileError, SolverOptions, Trajectory};
+use std::path::Path;
+
+/// The contents of a problem file.
+pub struct Task {
+    pub problem: Problem,
+    pub options: SolverOptions,
+    pub start_from: Option<Trajectory>,
+    /// The text of the file.
+    pub text: String,
+}
+
+impl Task {
+    /// Reads a problem file, its robot and its saved motion.
+    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, ProblemFileError> {
+        let file = ProblemFile::read(path, load)?;
+        let start = file.start_from.as_ref().map(|saved| read_start(saved, &file.problem.robot));
+        let start_from = start.transpose().map_err(|error| file.refuse(Key::START_FROM, error))?;
+        let ProblemFile { problem, options, text, .. } = file;
+        Ok(Self { problem, options, start_from, text })
+    }
+}
+
+fn read_start(path: &Path, robot: &Robot) -> Result<Trajectory, String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| format!("{}: cannot be read ({error}); check the path", path.display()))?;
+    Trajectory::from_json(&text, robot).map_err(|error| {
+        format!("{}: {error}; give a file that `costate optimize --save` wrote", path.display())
+    })
+}

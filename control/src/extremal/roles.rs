@@ -1,0 +1,167 @@
+//! What an extremal must offer, by role.
+
+use crate::extremal::{BoundSide, ControlLaw, Relaxation};
+use costate::EvalError;
+
+/// Hamiltonian and running cost at one point of an extremal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HamiltonianTerms {
+    /// $H^* = y^\top f - l$.
+    pub hamiltonian: f64,
+    /// Running cost l without penalties.
+    pub cost: f64,
+    /// Penalties.
+    pub penalty: f64,
+    /// The rest of l: cost that only a relaxed problem has.
+    pub smoothing: f64,
+}
+
+impl HamiltonianTerms {
+    /// $|y^\top f| + |l|$: the scale for errors of $H^*$.
+    pub fn magnitude(&self) -> f64 {
+        let l = self.cost + self.penalty + self.smoothing;
+        (self.hamiltonian + l).abs() + l.abs()
+    }
+}
+
+/// A differential equation with conditions at both ends, $z' = g(z)$, $z = (x, y)$, of a maximised Hamiltonian:
+///
+/// $$ H^*(x, y) = \max_u \left[ y^\top f(x, u) - l(x, u) \right], \qquad
+///    x' = \frac{\partial H^*}{\partial y}, \qquad y' = -\frac{\partial H^*}{\partial x} $$
+///
+/// There are N conditions at each end, N being the length of x and of the costate y. Matrices are row-major.
+pub trait BoundaryValueProblem {
+    /// Length N of x.
+    fn states(&self) -> usize;
+
+    /// g(z), 2N entries.
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at z.
+    fn evaluate(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError>;
+
+    /// g(z) and its Jacobian, 2N x 2N.
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at z.
+    fn linearise(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError>;
+
+    /// Residuals of the N conditions at the start, and their Jacobian, N x 2N.
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at z.
+    fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError>;
+
+    /// Residuals of the N conditions at the end, and their Jacobian, N x 2N.
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at z.
+    fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError>;
+
+    /// $c_t$, the constant part of l: the cost of time.
+    fn time_cost(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether the conditions at both ends fix all of x.
+    fn ends_are_fixed(&self) -> bool {
+        true
+    }
+
+    /// The group of a component of z. Components of one group have one unit; each is scaled by at least a fraction of
+    /// the largest of its group.
+    fn group(&self, component: usize) -> usize {
+        component / self.states().max(1)
+    }
+}
+
+/// The controls of an extremal and their bounds. The defaults are those of an equation without controls.
+pub trait BoundedControls {
+    /// Number of controls; unbounded controls may be left out.
+    fn controls(&self) -> usize {
+        0
+    }
+
+    /// The controls at z before clipping to their bounds: infinite where only the sign of a costate decides, NaN where
+    /// they cannot be computed.
+    fn unbounded_controls(&mut self, _z: &[f64], _u: &mut [f64]) {}
+
+    /// Lower and upper bound of a control.
+    fn bounds(&self, _control: usize) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// The function whose zero is the time at which `control` leaves or reaches a bound, given the sides before and
+    /// after, and its gradient in z, 2N.
+    fn switching(
+        &mut self,
+        _control: usize,
+        _sides: (BoundSide, BoundSide),
+        _z: &[f64],
+        gradient: &mut [f64],
+    ) -> f64 {
+        gradient.fill(0.0);
+        0.0
+    }
+
+    /// The controls under this law.
+    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
+        self.unbounded_controls(z, u);
+        for (i, u) in u.iter_mut().enumerate() {
+            let (low, high) = self.bounds(i);
+            *u = match law {
+                ControlLaw::Maximal => u.clamp(low, high),
+                ControlLaw::Given(sides) => match sides[i] {
+                    BoundSide::Low => low,
+                    BoundSide::Inside => *u,
+                    BoundSide::High => high,
+                },
+            };
+        }
+    }
+
+    /// $x' = f(x, u)$ for any control, N entries. A solution is verified by integrating it once more with its controls.
+    /// The default writes NaN: [`Motion::end_state`](crate::Motion::end_state) is then `None`.
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at x.
+    fn state_rate(&mut self, _x: &[f64], _u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
+        f.fill(f64::NAN);
+        Ok(())
+    }
+}
+
+/// A family of easier problems. The defaults are those of a problem that cannot be relaxed.
+pub trait Homotopy {
+    /// The current relaxation.
+    fn relaxation(&self) -> Relaxation {
+        Relaxation::NONE
+    }
+
+    /// Relaxes the problem, or restores it by [`Relaxation::NONE`]. Parts that the problem does not have are ignored.
+    fn set_relaxation(&mut self, _: Relaxation) {}
+
+    /// The most relaxed problem. Fields that equal those of [`Relaxation::NONE`] cannot be relaxed.
+    fn easiest(&self) -> Relaxation {
+        Relaxation::NONE
+    }
+
+    /// Turns z at some t/T into a guess for a motion that takes `factor` times as long.
+    fn stretch(&self, _z: &mut [f64], _factor: f64) {}
+}
+
+/// A boundary-value problem with its controls and relaxations. Implemented for every type that has the three roles.
+pub trait Extremal: BoundaryValueProblem + BoundedControls + Homotopy {}
+
+impl<E: BoundaryValueProblem + BoundedControls + Homotopy> Extremal for E {}

@@ -1,0 +1,173 @@
+//! Problems that can be solved at all.
+
+use crate::problem::error::ProblemError;
+use crate::problem::key::Key;
+use crate::problem::{Bounds, FinalTime, Penalty, Problem};
+use std::ops::Deref;
+
+/// A problem whose fields fit together, from [`Problem::check`]. Dereferences to the problem.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckedProblem<'a> {
+    problem: &'a Problem,
+}
+
+impl<'a> CheckedProblem<'a> {
+    /// The problem.
+    pub fn problem(self) -> &'a Problem {
+        self.problem
+    }
+}
+
+impl Deref for CheckedProblem<'_> {
+    type Target = Problem;
+
+    fn deref(&self) -> &Problem {
+        self.problem
+    }
+}
+
+impl Problem {
+    /// Checks lengths, ranges, and whether there is something to minimise.
+    ///
+    /// # Errors
+    /// The first [`ProblemError`] found.
+    pub fn check(&self) -> Result<CheckedProblem<'_>, ProblemError> {
+        let Self { start, end, .. } = self;
+        self.finite(Key::START_Q, &start.q)?;
+        self.finite(Key::START_V, &start.v)?;
+        self.finite(Key::END_Q, &end.q)?;
+        self.finite(Key::END_V, &end.v)?;
+        self.exist(Key::START_Q_FREE, &start.q_free)?;
+        self.exist(Key::START_V_FREE, &start.v_free)?;
+        self.exist(Key::END_Q_FREE, &end.q_free)?;
+        self.exist(Key::END_V_FREE, &end.v_free)?;
+        self.check_costs()?;
+        self.finite(Key::GAIN, &self.gain)?;
+        if let Some(joint) = self.gain.iter().position(|&gain| gain == 0.0) {
+            return Err(ProblemError::NoGain { joint: self.name(joint) });
+        }
+        self.check_bounds()?;
+        let costs = self.cost.effort.iter().any(|&r| r > 0.0) || !self.terms.is_empty();
+        if matches!(self.time, FinalTime::Fixed(_)) && !costs {
+            return Err(ProblemError::NothingToMinimise);
+        }
+        if let Some(penalty) = &self.penalty {
+            self.check_penalty(penalty)?;
+        }
+        Ok(CheckedProblem { problem: self })
+    }
+
+    /// Final time and weights.
+    fn check_costs(&self) -> Result<(), ProblemError> {
+        let (key, time) = match self.time {
+            FinalTime::Fixed(time) => (Key::FINAL_TIME, time),
+            FinalTime::Free { guess } => (Key::TIME_GUESS, guess),
+        };
+        if !(time > 0.0 && time.is_finite()) {
+            return Err(ProblemError::NotPositive { key, value: time });
+        }
+        not_negative(Key::COST_TIME, self.cost.time)?;
+        if matches!(self.time, FinalTime::Free { .. }) && self.cost.time == 0.0 && self.terms.is_empty() {
+            return Err(ProblemError::FreeTimeWithoutCost);
+        }
+        self.finite(Key::EFFORT, &self.cost.effort)?;
+        match self.cost.effort.iter().position(|&weight| weight < 0.0) {
+            Some(j) => {
+                let (joint, value) = (Some(self.name(j)), self.cost.effort[j]);
+                Err(ProblemError::Negative { key: Key::EFFORT, joint, value })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Bounds are numbers with something between them, and finite on both sides where the control costs nothing.
+    fn check_bounds(&self) -> Result<(), ProblemError> {
+        if let Some(Bounds { u_min, u_max }) = &self.bounds {
+            self.numbers(Key::U_MIN, u_min)?;
+            self.numbers(Key::U_MAX, u_max)?;
+            if let Some(joint) = (0..u_min.len()).find(|&j| u_min[j] >= u_max[j]) {
+                let (u_min, u_max) = (u_min[joint], u_max[joint]);
+                return Err(ProblemError::EmptyBounds { joint: self.name(joint), u_min, u_max });
+            }
+        }
+        let bounded = |j: usize| {
+            self.bounds
+                .as_ref()
+                .is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
+        };
+        match (0..self.robot.len()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
+            Some(joint) => Err(ProblemError::UnboundedEffort { joint: self.name(joint) }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_penalty(&self, penalty: &Penalty) -> Result<(), ProblemError> {
+        let Penalty { weight, q_min, q_max, v_max } = penalty;
+        not_negative(Key::PENALTY_WEIGHT, *weight)?;
+        for (key, values) in [(Key::Q_MIN, q_min), (Key::Q_MAX, q_max), (Key::V_MAX, v_max)] {
+            values.as_ref().map_or(Ok(()), |values| self.numbers(key, values))?;
+        }
+        if let Some(v_max) = v_max
+            && let Some(j) = v_max.iter().position(|&limit| limit < 0.0)
+        {
+            let (joint, value) = (Some(self.name(j)), v_max[j]);
+            return Err(ProblemError::Negative { key: Key::V_MAX, joint, value });
+        }
+        let entry = |list: &Option<Vec<f64>>, j: usize, none: f64| list.as_ref().map_or(none, |list| list[j]);
+        let range = |j: usize| (entry(q_min, j, f64::NEG_INFINITY), entry(q_max, j, f64::INFINITY));
+        match (0..self.robot.len()).map(range).enumerate().find(|(_, (q_min, q_max))| q_min >= q_max) {
+            Some((joint, (q_min, q_max))) => {
+                Err(ProblemError::EmptyRange { joint: self.name(joint), q_min, q_max })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// One entry per joint.
+    fn length(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+        let (expected, found) = (self.robot.len(), values.len());
+        if found == expected { Ok(()) } else { Err(ProblemError::WrongLength { key, expected, found }) }
+    }
+
+    /// One number per joint, possibly infinite.
+    fn numbers(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+        self.length(key, values)?;
+        match values.iter().position(|value| value.is_nan()) {
+            Some(joint) => Err(ProblemError::NotANumber { key, joint: self.name(joint) }),
+            None => Ok(()),
+        }
+    }
+
+    /// One finite number per joint.
+    fn finite(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+        self.length(key, values)?;
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(joint) => Err(ProblemError::NotFinite { key, joint: self.name(joint) }),
+            None => Ok(()),
+        }
+    }
+
+    /// Indices of joints of the robot.
+    fn exist(&self, key: Key, indices: &[usize]) -> Result<(), ProblemError> {
+        match indices.iter().find(|&&joint| joint >= self.robot.len()) {
+            Some(joint) => Err(self.unknown_joint(key, joint.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn unknown_joint(&self, key: Key, joint: String) -> ProblemError {
+        let joints = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        ProblemError::UnknownJoint { key, joint, joints }
+    }
+
+    fn name(&self, joint: usize) -> String {
+        self.robot.joints()[joint].name.clone()
+    }
+}
+
+fn not_negative(key: Key, value: f64) -> Result<(), ProblemError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ProblemError::Negative { key, joint: None, value })
+}

@@ -1,0 +1,270 @@
+//! TOML tables whose values are read with their lines and keys.
+
+use crate::problem::error::ProblemError;
+use crate::problem::file::error::{ProblemFileCause, ProblemFileError};
+use crate::problem::key::Key;
+use std::ops::Range;
+use std::path::Path;
+use std::string::FromUtf8Error;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// An error of the text, without its file.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    pub line: Option<usize>,
+    pub key: Option<String>,
+    pub cause: ProblemFileCause,
+}
+
+impl Fault {
+    pub fn in_file(self, path: Option<&Path>) -> ProblemFileError {
+        let Self { line, key, cause } = self;
+        ProblemFileError { path: path.map(Path::to_path_buf), line, key, cause }
+    }
+}
+
+impl From<ProblemFileCause> for Fault {
+    fn from(cause: ProblemFileCause) -> Self {
+        Self { line: None, key: None, cause }
+    }
+}
+
+/// The line at which a file stops being UTF-8.
+pub(crate) fn not_utf8(error: &FromUtf8Error) -> Fault {
+    let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+    Fault { line: Some(line_at(valid, valid.len())), key: None, cause: ProblemFileCause::NotUtf8 }
+}
+
+/// Line of a byte, from 1.
+fn line_at(text: &[u8], offset: usize) -> usize {
+    1 + text.iter().take(offset).filter(|&&byte| byte == b'\n').count()
+}
+
+/// A key with the last table header above it.
+fn full_key(text: &str, place: Range<usize>) -> String {
+    let above = text.get(..place.start).unwrap_or_default();
+    let header = above.lines().rev().find_map(|line| line.trim().strip_prefix('[')?.split(']').next());
+    let name = text.get(place).unwrap_or_default();
+    header.map_or_else(|| name.into(), |table| format!("{table}.{name}"))
+}
+
+/// The whole text.
+pub(crate) struct Document<'t> {
+    text: &'t str,
+    root: Spanned<DeTable<'t>>,
+}
+
+impl<'t> Document<'t> {
+    pub fn parse(text: &'t str) -> Result<Self, Fault> {
+        let root = DeTable::parse(text).map_err(|error| {
+            let line = error.span().map(|span| line_at(text.as_bytes(), span.start));
+            match error.span() {
+                Some(span) if error.message() == "duplicate key" => {
+                    Fault { line, key: Some(full_key(text, span)), cause: ProblemFileCause::DuplicateKey }
+                }
+                _ => Fault { line, ..ProblemFileCause::Syntax(error.message().trim_end().into()).into() },
+            }
+        })?;
+        Ok(Self { text, root })
+    }
+
+    pub fn root(&self) -> Table<'_> {
+        Table { text: self.text, path: None, line: None, values: self.root.get_ref() }
+    }
+
+    /// Line of a key, or of its table where the key is missing.
+    pub fn line_of(&self, key: Key) -> Option<usize> {
+        let root = self.root();
+        let Ok(Some(table)) = root.table(key.table()) else { return root.line_of(key.table()) };
+        table.line_of(key.name()).or(table.line)
+    }
+
+    pub fn fault_of(&self, error: ProblemError) -> Fault {
+        let key = error.key();
+        Fault {
+            line: key.and_then(|key| self.line_of(key)),
+            key: key.map(|key| key.to_string()),
+            cause: ProblemFileCause::Problem(error),
+        }
+    }
+}
+
+/// A table of the document.
+pub(crate) struct Table<'d> {
+    text: &'d str,
+    path: Option<&'static str>,
+    line: Option<usize>,
+    values: &'d DeTable<'d>,
+}
+
+impl<'d> Table<'d> {
+    /// Refuses keys other than these.
+    pub fn only(&self, known: &'static [&'static str]) -> Result<(), Fault> {
+        match self.values.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref())) {
+            Some((key, _)) => Err(self.fault(key.get_ref(), ProblemFileCause::UnknownKey { known })),
+            None => Ok(()),
+        }
+    }
+
+    /// Line of a key.
+    pub fn line_of(&self, name: &str) -> Option<usize> {
+        let (key, _) = self.values.iter().find(|(key, _)| key.get_ref() == name)?;
+        Some(line_at(self.text.as_bytes(), Spanned::span(key).start))
+    }
+
+    /// An error of one key.
+    pub fn fault(&self, name: &str, cause: ProblemFileCause) -> Fault {
+        let key = self.path.map_or_else(|| name.into(), |path| format!("{path}.{name}"));
+        Fault { line: self.line_of(name).or(self.line), key: Some(key), cause }
+    }
+
+    /// The value of a key that must be given.
+    pub fn need<T>(&self, name: &str, value: Option<T>) -> Result<T, Fault> {
+        value.ok_or_else(|| self.fault(name, ProblemFileCause::MissingKey))
+    }
+
+    pub fn table(&self, name: &'static str) -> Result<Option<Table<'d>>, Fault> {
+        let line = self.line_of(name);
+        self.value(name, "a table", |value| match value {
+            DeValue::Table(values) => Some(Table { text: self.text, path: Some(name), line, values }),
+            _ => None,
+        })
+    }
+
+    pub fn number(&self, name: &str) -> Result<Option<f64>, Fault> {
+        self.value(name, "a number", number)
+    }
+
+    pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, Fault> {
+        self.list(name, "a list of numbers", number)
+    }
+
+    /// A whole number that is not negative.
+    pub fn whole(&self, name: &str) -> Result<Option<u64>, Fault> {
+        self.value(name, "a whole number that is not negative", whole)
+    }
+
+    pub fn flag(&self, name: &str) -> Result<Option<bool>, Fault> {
+        self.value(name, "true or false", |value| match value {
+            DeValue::Boolean(flag) => Some(*flag),
+            _ => None,
+        })
+    }
+
+    pub fn string(&self, name: &str) -> Result<Option<String>, Fault> {
+        self.value(name, "a string", string)
+    }
+
+    /// One of these names.
+    pub fn choice<T: Copy>(&self, name: &str, choices: &[(&'static str, T)]) -> Result<Option<T>, Fault> {
+        let Some(found) = self.string(name)? else { return Ok(None) };
+        match choices.iter().find(|(choice, _)| *choice == found) {
+            Some(&(_, value)) => Ok(Some(value)),
+            None => {
+                let known = choices.iter().map(|&(choice, _)| choice).collect();
+                Err(self.fault(name, ProblemFileCause::UnknownValue { found, known }))
+            }
+        }
+    }
+
+    pub fn list<T>(
+        &self,
+        name: &str,
+        expected: &'static str,
+        read: impl Fn(&DeValue<'_>) -> Option<T>,
+    ) -> Result<Option<Vec<T>>, Fault> {
+        let Some(value) = self.values.get(name) else { return Ok(None) };
+        let wrong = |found: &DeValue<'_>| {
+            self.fault(name, ProblemFileCause::WrongType { expected, found: describe(found) })
+        };
+        let DeValue::Array(entries) = value.get_ref() else { return Err(wrong(value.get_ref())) };
+        let entry =
+            |entry: &Spanned<DeValue<'_>>| read(entry.get_ref()).ok_or_else(|| wrong(entry.get_ref()));
+        entries.iter().map(entry).collect::<Result<_, _>>().map(Some)
+    }
+
+    fn value<T>(
+        &self,
+        name: &str,
+        expected: &'static str,
+        read: impl Fn(&'d DeValue<'d>) -> Option<T>,
+    ) -> Result<Option<T>, Fault> {
+        let Some(value) = self.values.get(name) else { return Ok(None) };
+        let value = value.get_ref();
+        let wrong = || self.fault(name, ProblemFileCause::WrongType { expected, found: describe(value) });
+        read(value).map(Some).ok_or_else(wrong)
+    }
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(whole) => Some(i64::from_str_radix(whole.as_str(), whole.radix()).ok()? as f64),
+        _ => None,
+    }
+}
+
+pub(super) fn whole(value: &DeValue<'_>) -> Option<u64> {
+    match value {
+        DeValue::Integer(whole) => u64::from_str_radix(whole.as_str(), whole.radix()).ok(),
+        _ => None,
+    }
+}
+
+pub(super) fn string(value: &DeValue<'_>) -> Option<String> {
+    match value {
+        DeValue::String(text) => Some(text.to_string()),
+        _ => None,
+    }
+}
+
+/// A value in an error.
+fn describe(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => format!("the string {text:?}"),
+        DeValue::Integer(whole) => format!("{whole}"),
+        DeValue::Float(float) => format!("{float}"),
+        DeValue::Boolean(flag) => format!("{flag}"),
+        DeValue::Datetime(_) => "a date".into(),
+        DeValue::Array(_) => "a list".into(),
+        DeValue::Table(_) => "a table".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_has_its_line_in_tables_of_either_form() {
+        let text = "robot = \"a\"\n\n[start]\nq = [\n  1.0,\n]\n[end]\nq = [1]\n";
+        let document = Document::parse(text).unwrap_or_else(|fault| panic!("{fault:?}"));
+        assert_eq!(document.line_of(Key::START_Q), Some(4));
+        assert_eq!(document.line_of(Key::END_Q), Some(8));
+        assert_eq!(document.line_of(Key::END_V), Some(7));
+        assert_eq!(document.line_of(Key::U_MIN), None);
+        let dotted = Document::parse("a = 1\nstart.q = [0]\nend = { q = [1] }\n");
+        let dotted = dotted.unwrap_or_else(|fault| panic!("{fault:?}"));
+        assert_eq!((dotted.line_of(Key::START_Q), dotted.line_of(Key::END_Q)), (Some(2), Some(3)));
+    }
+
+    #[test]
+    fn errors_of_the_text_name_line_and_key() {
+        let message = |text: &str| match Document::parse(text) {
+            Ok(_) => String::new(),
+            Err(fault) => fault.in_file(None).to_string(),
+        };
+        assert_eq!(
+            message("[time]\nfinal = 1\nfinal = 2\n"),
+            "problem:3: time.final: duplicate key; remove one of the two"
+        );
+        assert!(message("a = 1\nq = [\n").starts_with("problem:"), "{}", message("a = 1\nq = [\n"));
+        let bytes = b"robot = 1\n# \xff\n".to_vec();
+        let fault = not_utf8(&String::from_utf8(bytes).unwrap_err());
+        assert_eq!(
+            fault.in_file(None).to_string(),
+            "problem:2: the text is not UTF-8; save the file as UTF-8"
+        );
+    }
+}

@@ -1,0 +1,95 @@
+//! Problem files in TOML; `docs/optimize.md` describes the format.
+
+pub(crate) mod document;
+pub(crate) mod error;
+mod tables;
+
+pub use error::{ProblemFileCause, ProblemFileError};
+
+use crate::options::SolverOptions;
+use crate::problem::Problem;
+use crate::problem::file::document::{Document, Fault};
+use crate::problem::key::Key;
+use costate::robot::{LoadOptions, Robot};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// A problem file and the robot that it names.
+///
+/// ```
+/// use costate_control::{ProblemFile, Solver};
+/// use costate::robot::LoadOptions;
+/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+/// let file = ProblemFile::read("examples/problems/pendulum_swing_up.toml", LoadOptions::default())?;
+/// let solution = Solver::new(&file.problem, file.options.clone())?.solve();
+/// assert!(solution.status.is_converged());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ProblemFile {
+    /// The problem; it is [valid](Problem::check).
+    pub problem: Problem,
+    /// The options of the table `[solver]`, in range.
+    pub options: SolverOptions,
+    /// The saved motion of `[start_from]`, relative paths resolved.
+    pub start_from: Option<PathBuf>,
+    /// The text of the file.
+    pub text: String,
+    path: Option<PathBuf>,
+}
+
+impl ProblemFile {
+    /// Reads a problem file and the robot that it names. Paths in the file are relative to its folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read, text that is not TOML, an unknown or missing key, a value of the wrong type, an
+    /// invalid robot or problem.
+    pub fn read(path: impl AsRef<Path>, load: LoadOptions) -> Result<Self, ProblemFileError> {
+        let path = path.as_ref();
+        let at = |fault: Fault| fault.in_file(Some(path));
+        let bytes = std::fs::read(path).map_err(|error| at(ProblemFileCause::Unreadable(error).into()))?;
+        let text = String::from_utf8(bytes).map_err(|error| at(document::not_utf8(&error)))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&text, folder, load, Some(path)).map_err(at)
+    }
+
+    /// Reads a problem from the text of a problem file. Paths in the text are relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_text(
+        text: &str,
+        folder: impl AsRef<Path>,
+        load: LoadOptions,
+    ) -> Result<Self, ProblemFileError> {
+        Self::parse(text, folder.as_ref(), load, None).map_err(|fault| fault.in_file(None))
+    }
+
+    fn parse(text: &str, folder: &Path, load: LoadOptions, path: Option<&Path>) -> Result<Self, Fault> {
+        let document = Document::parse(text)?;
+        let root = document.root();
+        let tables = tables::read(&root)?;
+        let robot = Robot::from_file_with(folder.join(&tables.robot), load)
+            .map_err(|error| root.fault("robot", ProblemFileCause::Robot(error)))?;
+        let in_document = |error| document.fault_of(error);
+        let problem = tables.problem(robot).map_err(in_document)?;
+        problem.check().map_err(in_document)?;
+        tables.options.check().map_err(in_document)?;
+        Ok(Self {
+            problem,
+            options: tables.options,
+            start_from: tables.start_from.map(|file| folder.join(file)),
+            text: text.into(),
+            path: path.map(Path::to_path_buf),
+        })
+    }
+
+    /// The error of a key whose value turned out to be wrong after reading, with file and line. For
+    /// [`Key::START_FROM`], whose file is not read here.
+    pub fn refuse(&self, key: Key, cause: impl Into<Box<dyn Error + Send + Sync>>) -> ProblemFileError {
+        let line = Document::parse(&self.text).ok().and_then(|document| document.line_of(key));
+        let cause = ProblemFileCause::Other(cause.into());
+        Fault { line, key: Some(key.to_string()), cause }.in_file(self.path.as_deref())
+    }
+}

@@ -1,0 +1,198 @@
+//! The tables and keys of a problem file.
+
+use crate::options::{Coordinates, JacobianRoute, Method, SolverOptions};
+use crate::problem::error::ProblemError;
+use crate::problem::file::document::{Fault, Table, string, whole};
+use crate::problem::file::error::ProblemFileCause;
+use crate::problem::key::Key;
+use crate::problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
+use costate::robot::Robot;
+
+const ROOT: &[&str] =
+    &["robot", "start", "end", "time", "cost", "actuation", "bounds", "penalty", "start_from", "solver"];
+const STATE: &[&str] = &["q", "v", "q_free", "v_free"];
+const TIME: &[&str] = &["final", "free", "guess"];
+const COST: &[&str] = &["time", "effort"];
+const ACTUATION: &[&str] = &["gain"];
+const BOUNDS: &[&str] = &["u_min", "u_max"];
+const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
+const START_FROM: &[&str] = &["file"];
+const SOLVER: &[&str] = &["starts", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates"];
+
+const JACOBIANS: [(&str, JacobianRoute); 3] = [
+    ("exact", JacobianRoute::Exact),
+    ("differences", JacobianRoute::Differences),
+    ("without_hessian", JacobianRoute::WithoutHessian),
+];
+const METHODS: [(&str, Method); 2] = [("collocation", Method::Collocation), ("shooting", Method::Shooting)];
+const COORDINATES: [(&str, Coordinates); 2] =
+    [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
+
+/// The values of a problem file, before its robot is known.
+pub(super) struct Tables {
+    pub robot: String,
+    start: StateTable,
+    end: StateTable,
+    time: FinalTime,
+    cost_time: f64,
+    effort: Option<Vec<f64>>,
+    gain: Option<Vec<f64>>,
+    bounds: Option<Bounds>,
+    penalty: Option<Penalty>,
+    pub start_from: Option<String>,
+    pub options: SolverOptions,
+}
+
+struct StateTable {
+    q: Vec<f64>,
+    v: Option<Vec<f64>>,
+    q_free: Vec<JointName>,
+    v_free: Vec<JointName>,
+}
+
+/// A joint by its name, or by its index from 0.
+enum JointName {
+    Name(String),
+    Index(usize),
+}
+
+/// Reads all tables.
+pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
+    root.only(ROOT)?;
+    let optional = |name: &'static str, keys: &'static [&'static str]| -> Result<Option<Table<'_>>, Fault> {
+        let table = root.table(name)?;
+        if let Some(table) = &table {
+            table.only(keys)?;
+        }
+        Ok(table)
+    };
+    let needed = |name, keys| root.need(name, optional(name, keys)?);
+    let robot = root.need("robot", root.string("robot")?)?;
+    let (start, end) = (state(&needed("start", STATE)?)?, state(&needed("end", STATE)?)?);
+    let time = time(&needed("time", TIME)?)?;
+    let cost = optional("cost", COST)?;
+    let cost = cost.as_ref();
+    let actuation = optional("actuation", ACTUATION)?;
+    let start_from = optional("start_from", START_FROM)?;
+    Ok(Tables {
+        robot,
+        start,
+        end,
+        time,
+        cost_time: cost.map_or(Ok(None), |cost| cost.number("time"))?.unwrap_or(0.0),
+        effort: cost.map_or(Ok(None), |cost| cost.numbers("effort"))?,
+        gain: actuation.map_or(Ok(None), |actuation| actuation.numbers("gain"))?,
+        bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
+        penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
+        start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
+        options: optional("solver", SOLVER)?.as_ref().map(options).transpose()?.unwrap_or_default(),
+    })
+}
+
+fn state(table: &Table<'_>) -> Result<StateTable, Fault> {
+    let joints = |name: &str| {
+        let found = table.list(name, "a list of joints, by name or by index from 0", |value| {
+            let index = || whole(value).and_then(|index| usize::try_from(index).ok()).map(JointName::Index);
+            string(value).map(JointName::Name).or_else(index)
+        });
+        found.map(Option::unwrap_or_default)
+    };
+    Ok(StateTable {
+        q: table.need("q", table.numbers("q")?)?,
+        v: table.numbers("v")?,
+        q_free: joints("q_free")?,
+        v_free: joints("v_free")?,
+    })
+}
+
+fn time(table: &Table<'_>) -> Result<FinalTime, Fault> {
+    let conflict = |key: &str, message| Err(table.fault(key, ProblemFileCause::Conflict(message)));
+    let free = table.flag("free")?.unwrap_or(false);
+    match (table.number("final")?, table.number("guess")?) {
+        (Some(_), _) if free => conflict("final", "the time is also `free = true`; keep one of the two"),
+        (Some(_), Some(_)) => conflict("guess", "only for `free = true`; remove it, or time.final"),
+        (Some(time), None) => Ok(FinalTime::Fixed(time)),
+        (None, Some(guess)) if free => Ok(FinalTime::Free { guess }),
+        (None, None) if free => {
+            conflict("guess", "missing; with `free = true` give a first guess of T, in s")
+        }
+        (None, _) => conflict("final", "missing; give it in s, or `free = true` and `guess`"),
+    }
+}
+
+fn bounds(table: &Table<'_>) -> Result<Bounds, Fault> {
+    Ok(Bounds {
+        u_min: table.need("u_min", table.numbers("u_min")?)?,
+        u_max: table.need("u_max", table.numbers("u_max")?)?,
+    })
+}
+
+fn penalty(table: &Table<'_>) -> Result<Penalty, Fault> {
+    Ok(Penalty {
+        weight: table.need("weight", table.number("weight")?)?,
+        q_min: table.numbers("q_min")?,
+        q_max: table.numbers("q_max")?,
+        v_max: table.numbers("v_max")?,
+    })
+}
+
+fn options(table: &Table<'_>) -> Result<SolverOptions, Fault> {
+    let count = |name: &str, default: usize| -> Result<usize, Fault> {
+        let found = table.whole(name)?;
+        Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
+    };
+    let defaults = SolverOptions::default();
+    Ok(SolverOptions {
+        starts: count("starts", defaults.starts)?,
+        seed: table.whole("seed")?.unwrap_or(defaults.seed),
+        tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
+        nodes: count("nodes", defaults.nodes)?,
+        jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
+        method: table.choice("method", &METHODS)?.unwrap_or(defaults.method),
+        coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
+        ..defaults
+    })
+}
+
+impl Tables {
+    /// The problem of this robot.
+    pub fn problem(&self, robot: Robot) -> Result<Problem, ProblemError> {
+        let n = robot.len();
+        let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
+        let fixed = |table: &StateTable| BoundaryState::fixed(&table.q, &fill(&table.v, 0.0));
+        let (start, end) = (fixed(&self.start), fixed(&self.end));
+        let effort = fill(&self.effort, 0.0);
+        let mut problem = Problem {
+            start,
+            end,
+            time: self.time,
+            cost: Objective { time: self.cost_time, effort },
+            terms: Vec::new(),
+            gain: fill(&self.gain, 1.0),
+            bounds: self.bounds.clone(),
+            penalty: self.penalty.clone(),
+            robot,
+        };
+        problem.start.q_free = indices(&problem, Key::START_Q_FREE, &self.start.q_free)?;
+        problem.start.v_free = indices(&problem, Key::START_V_FREE, &self.start.v_free)?;
+        problem.end.q_free = indices(&problem, Key::END_Q_FREE, &self.end.q_free)?;
+        problem.end.v_free = indices(&problem, Key::END_V_FREE, &self.end.v_free)?;
+        Ok(problem)
+    }
+}
+
+/// Indices of joints, sorted, each once.
+fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Result<Vec<usize>, ProblemError> {
+    let joints = problem.robot.joints();
+    let index = |name: &JointName| match name {
+        JointName::Index(index) => Ok(*index),
+        JointName::Name(name) => {
+            let found = joints.iter().position(|joint| joint.name == *name);
+            found.ok_or_else(|| problem.unknown_joint(key, format!("'{name}'")))
+        }
+    };
+    let mut indices: Vec<usize> = names.iter().map(index).collect::<Result<_, _>>()?;
+    indices.sort_unstable();
+    indices.dedup();
+    Ok(indices)
+}

@@ -1,0 +1,66 @@
+//! Names of the fields of a problem.
+
+use std::fmt;
+
+/// A field of a problem or of the solver's options, with its place in a problem file. Prints as `bounds.u_min`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key {
+    table: &'static str,
+    name: &'static str,
+    field: &'static str,
+}
+
+impl Key {
+    pub(crate) const START_Q: Self = Self::new("start", "q", "start.q");
+    pub(crate) const START_V: Self = Self::new("start", "v", "start.v");
+    pub(crate) const START_Q_FREE: Self = Self::new("start", "q_free", "start.q_free");
+    pub(crate) const START_V_FREE: Self = Self::new("start", "v_free", "start.v_free");
+    pub(crate) const END_Q: Self = Self::new("end", "q", "end.q");
+    pub(crate) const END_V: Self = Self::new("end", "v", "end.v");
+    pub(crate) const END_Q_FREE: Self = Self::new("end", "q_free", "end.q_free");
+    pub(crate) const END_V_FREE: Self = Self::new("end", "v_free", "end.v_free");
+    pub(crate) const FINAL_TIME: Self = Self::new("time", "final", "time");
+    pub(crate) const FREE_TIME: Self = Self::new("time", "free", "time");
+    pub(crate) const TIME_GUESS: Self = Self::new("time", "guess", "time");
+    pub(crate) const COST_TIME: Self = Self::new("cost", "time", "cost.time");
+    pub(crate) const EFFORT: Self = Self::new("cost", "effort", "cost.effort");
+    pub(crate) const GAIN: Self = Self::new("actuation", "gain", "gain");
+    pub(crate) const U_MIN: Self = Self::new("bounds", "u_min", "bounds.u_min");
+    pub(crate) const U_MAX: Self = Self::new("bounds", "u_max", "bounds.u_max");
+    pub(crate) const PENALTY_WEIGHT: Self = Self::new("penalty", "weight", "penalty.weight");
+    pub(crate) const Q_MIN: Self = Self::new("penalty", "q_min", "penalty.q_min");
+    pub(crate) const Q_MAX: Self = Self::new("penalty", "q_max", "penalty.q_max");
+    pub(crate) const V_MAX: Self = Self::new("penalty", "v_max", "penalty.v_max");
+    /// The file of a saved motion.
+    pub const START_FROM: Self = Self::new("start_from", "file", "start");
+
+    const fn new(table: &'static str, name: &'static str, field: &'static str) -> Self {
+        Self { table, name, field }
+    }
+
+    /// A field of [`SolverOptions`](crate::SolverOptions).
+    pub(crate) const fn solver(name: &'static str) -> Self {
+        Self::new("solver", name, name)
+    }
+
+    /// The table of a problem file.
+    pub fn table(self) -> &'static str {
+        self.table
+    }
+
+    /// The key within the table.
+    pub fn name(self) -> &'static str {
+        self.name
+    }
+
+    /// The field of [`Problem`](crate::Problem) or [`SolverOptions`](crate::SolverOptions): `gain` for `actuation.gain`.
+    pub fn field(self) -> &'static str {
+        self.field
+    }
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.table, self.name)
+    }
+}

@@ -1,0 +1,85 @@
+//! The parts of a problem: ends, final time, weights, bounds, penalties.
+
+/// State at one end of a motion, some components possibly free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundaryState {
+    /// Positions (rad, m), n entries. Those of free joints only shape the first guess.
+    pub q: Vec<f64>,
+    /// Rates (rad/s, m/s), n entries. Those of free joints only shape the first guess.
+    pub v: Vec<f64>,
+    /// Joints whose position is free: $(y_q + P^\top y_p)_j = 0$ here, $P = \partial(M v)/\partial q$.
+    pub q_free: Vec<usize>,
+    /// Joints whose rate is free: $(M y_p)_j = 0$ here.
+    pub v_free: Vec<usize>,
+}
+
+impl BoundaryState {
+    /// These positions and rates, nothing free.
+    pub fn fixed(q: &[f64], v: &[f64]) -> Self {
+        Self { q: q.to_vec(), v: v.to_vec(), q_free: Vec::new(), v_free: Vec::new() }
+    }
+
+    /// With the positions of these joints free.
+    #[must_use]
+    pub fn with_q_free(self, joints: &[usize]) -> Self {
+        Self { q_free: joints.to_vec(), ..self }
+    }
+
+    /// With the rates of these joints free.
+    #[must_use]
+    pub fn with_v_free(self, joints: &[usize]) -> Self {
+        Self { v_free: joints.to_vec(), ..self }
+    }
+}
+
+/// Duration of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FinalTime {
+    /// T (s).
+    Fixed(f64),
+    /// Determined by $H^*(T) = 0$.
+    Free {
+        /// First guess of T (s).
+        guess: f64,
+    },
+}
+
+impl FinalTime {
+    /// T or its guess (s).
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Fixed(time) | Self::Free { guess: time } => time,
+        }
+    }
+}
+
+/// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \, dt$.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Objective {
+    /// $c_t$, the cost of a second.
+    pub time: f64,
+    /// $r_i$, n entries. Zero only for a control that is bounded on both sides.
+    pub effort: Vec<f64>,
+}
+
+/// `u_min <= u <= u_max` (N m or N, before the gain), n entries each. An infinite entry is no bound on that side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower bounds.
+    pub u_min: Vec<f64>,
+    /// Upper bounds.
+    pub u_max: Vec<f64>,
+}
+
+/// Adds weight/2 times the squared violation of each limit to the running cost. An infinite entry is no limit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Penalty {
+    /// Weight of all violations.
+    pub weight: f64,
+    /// Lower limits of q (rad, m).
+    pub q_min: Option<Vec<f64>>,
+    /// Upper limits of q (rad, m).
+    pub q_max: Option<Vec<f64>>,
+    /// Limits of |v| (rad/s, m/s).
+    pub v_max: Option<Vec<f64>>,
+}

@@ -1,0 +1,97 @@
+//! Problem files: every key, defaults, and errors.
+
+use costate::robot::LoadOptions;
+use costate_control::{
+    BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, Method, Objective, Penalty,
+    ProblemFile, ProblemFileCause, SolverOptions,
+};
+
+const LEAST: &str = "robot = \"two_link.toml\"\n[start]\nq = [0, 0]\n[end]\nq = [1, 1]\n[time]\nfinal = 2\n[cost]\n\
+                     effort = [1, 1]\n";
+
+/// Reads this text beside the robots of the repository.
+fn read(text: &str) -> Result<ProblemFile, String> {
+    ProblemFile::from_text(text, "../robots", LoadOptions::default()).map_err(|error| error.to_string())
+}
+
+#[test]
+fn every_key_reaches_the_problem() {
+    let text = "robot = \"two_link.toml\"\n[start]\nq = [0, 0.1]\nv = [0.2, 0.3]\nq_free = [1]\n\
+                v_free = [\"elbow\", 0]\n\
+                [end]\nq = [1, 1.1]\nv = [1.2, 1.3]\nq_free = [\"elbow\", 1, 0]\nv_free = [\"shoulder\"]\n\
+                [time]\nfree = true\nguess = 2\n\
+                [cost]\ntime = 3\neffort = [2, 0]\n\
+                [actuation]\ngain = [5, -6]\n\
+                [bounds]\nu_min = [-inf, -8]\nu_max = [7.5, 8.5]\n\
+                [penalty]\nweight = 9\nq_min = [-10, -11]\nq_max = [10, 11]\nv_max = [12, 13]\n\
+                [start_from]\nfile = \"saved.json\"\n\
+                [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\n\
+                method = \"shooting\"\ncoordinates = \"lagrangian\"\n";
+    let ProblemFile { problem, options, start_from, .. } = read(text).unwrap();
+    let (q, v) = (vec![0.0, 0.1], vec![0.2, 0.3]);
+    assert_eq!(problem.start, BoundaryState { q, v, q_free: vec![1], v_free: vec![0, 1] });
+    let (q, v) = (vec![1.0, 1.1], vec![1.2, 1.3]);
+    assert_eq!(problem.end, BoundaryState { q, v, q_free: vec![0, 1], v_free: vec![0] });
+    assert_eq!(problem.time, FinalTime::Free { guess: 2.0 });
+    assert_eq!(problem.cost, Objective { time: 3.0, effort: vec![2.0, 0.0] });
+    assert_eq!(problem.gain, [5.0, -6.0]);
+    let bounds = Bounds { u_min: vec![f64::NEG_INFINITY, -8.0], u_max: vec![7.5, 8.5] };
+    assert_eq!(problem.bounds, Some(bounds));
+    let limits = |a: f64, b: f64| Some(vec![a, b]);
+    let (q_min, q_max, v_max) = (limits(-10.0, -11.0), limits(10.0, 11.0), limits(12.0, 13.0));
+    assert_eq!(problem.penalty, Some(Penalty { weight: 9.0, q_min, q_max, v_max }));
+    assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (14, 15, 1e-6, 17));
+    assert_eq!((options.jacobian, options.method), (JacobianRoute::WithoutHessian, Method::Shooting));
+    assert_eq!(options.coordinates, Coordinates::Lagrangian);
+    assert_eq!(start_from.unwrap(), std::path::Path::new("../robots/saved.json"));
+}
+
+#[test]
+fn missing_keys_have_their_documented_defaults() {
+    let ProblemFile { problem, options, start_from, .. } = read(LEAST).unwrap();
+    assert_eq!((&problem.start.v, &problem.end.v), (&vec![0.0; 2], &vec![0.0; 2]));
+    assert_eq!((problem.end.q_free.len(), problem.end.v_free.len()), (0, 0));
+    assert_eq!((problem.start.q_free.len(), problem.start.v_free.len()), (0, 0));
+    let time = (problem.time, problem.cost.time);
+    assert_eq!((time, problem.gain), ((FinalTime::Fixed(2.0), 0.0), vec![1.0; 2]));
+    assert!(problem.bounds.is_none() && problem.penalty.is_none() && start_from.is_none());
+    assert_eq!(options, SolverOptions::default());
+}
+
+#[test]
+fn errors_have_line_key_and_cause() {
+    for (from, to, message) in [
+        ("final = 2", "final = 2\nfinal = 3", "problem:8: time.final: duplicate key; remove one of the two"),
+        ("final = 2", "final = \"soon\"", "problem:7: time.final: give a number, not the string \"soon\""),
+        ("final = 2", "free = 1", "problem:7: time.free: give true or false, not 1"),
+        ("q = [0, 0]", "q = [0, true]", "problem:3: start.q: give a list of numbers, not true"),
+        (
+            "q = [0, 0]",
+            "q = [0]",
+            "problem:3: start.q: has 1 entry, the robot has 2 joints: give one entry for each joint",
+        ),
+        ("[cost]", "[costs]", "problem:8: costs: unknown key; the keys here are `robot`, `start`"),
+        (
+            "q = [0, 0]",
+            "q = [0, 0]\nq_free = [\"wrist\"]",
+            "problem:4: start.q_free: there is no joint 'wrist'; the joints are shoulder, elbow, or by index 0 to 1",
+        ),
+        (
+            "[cost]",
+            "[solver]\nnodes = -4\n[cost]",
+            "problem:9: solver.nodes: give a whole number that is not negative",
+        ),
+        ("[cost]", "[solver]\ntolerance = 1\n[cost]", "problem:9: solver.tolerance: must be between"),
+        ("two_link.toml", "none.toml", "problem:1: robot: "),
+        ("[end]\nq = [1, 1]\n", "", "problem: end: missing; add it"),
+        ("[time]", "[time", "problem:6: not TOML: "),
+    ] {
+        let error = read(&LEAST.replace(from, to)).unwrap_err();
+        assert!(error.starts_with(message), "{error}\n{message}");
+    }
+    let error = ProblemFile::from_text("robot = 1", ".", LoadOptions::default()).unwrap_err();
+    assert!(matches!(error.cause, ProblemFileCause::WrongType { .. }));
+    assert_eq!((error.line, error.key.as_deref(), error.path), (Some(1), Some("robot"), None));
+    let file = read(&format!("{LEAST}[start_from]\nfile = \"x\"\n")).unwrap();
+    assert_eq!(file.refuse(Key::START_FROM, "empty").to_string(), "problem:11: start_from.file: empty");
+}

@@ -1,0 +1,12 @@
+//! Source text of a program, in Rust and C.
+//!
+//! `text` has what both languages share; `runtime` holds the parts of the text that are the same for every
+//! program, as files that the tests compile too.
+
+mod c;
+mod rust;
+mod text;
+
+pub use c::COptions;
+pub use rust::RustOptions;
+pub use text::DEFAULT_LIMIT;

@@ -1,0 +1,258 @@
+//! Every quantity of a robot for any scalar, with arguments and results as in its program.
+
+use super::quantity::{Coordinates, Quantity, Variable};
+use super::shape::Shape;
+use crate::codegen::error::CodegenError;
+use crate::error::{EvalError, check_length};
+use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
+use crate::lagrangian::{Lagrangian, LagrangianSecondOrder};
+use crate::matrix::Block;
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+
+/// A quantity of a robot by the generic code, with the arguments and results of its program.
+///
+/// [`robot_program`](super::robot_program) records it, and programs are compared with it.
+///
+/// ```
+/// use costate::codegen::{Coordinates, Quantity, RobotQuantity};
+/// use costate::robot::Robot;
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// let mut energy = RobotQuantity::<f64>::new(&robot, Quantity::Energy, Coordinates::Lagrangian)?;
+/// let mut energies = [0.0; 2];
+/// energy.evaluate(&[0.3, -0.8, 0.0, 0.0], &mut energies)?; // q, v in; kinetic, potential out
+/// assert_eq!(energies[0], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct RobotQuantity<S: Scalar> {
+    quantity: Quantity,
+    variables: &'static [Variable],
+    arguments: Vec<Shape>,
+    results: Vec<Shape>,
+    inputs: usize,
+    outputs: usize,
+    workspace: Workspace<S>,
+}
+
+#[derive(Clone, Debug)]
+enum Workspace<S: Scalar> {
+    Hamiltonian(Box<Hamiltonian<S>>),
+    HamiltonianSecond(Box<HamiltonianSecondOrder<S>>),
+    Lagrangian(Box<Lagrangian<S>>),
+    LagrangianSecond(Box<LagrangianSecondOrder<S>>),
+}
+
+impl<S: Scalar> RobotQuantity<S> {
+    /// The workspace of a quantity.
+    ///
+    /// # Errors
+    /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
+    pub fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
+        Self::from_tree(Tree::from(robot), quantity, coordinates)
+    }
+
+    /// The workspace of a quantity of an existing [`Tree`].
+    ///
+    /// # Errors
+    /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
+    pub fn from_tree(tree: Tree, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
+        let n = tree.len();
+        let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
+        let arguments: Vec<Shape> = variables.iter().map(|variable| variable.shape(coordinates, n)).collect();
+        let (results, _) = quantity.results(coordinates, n);
+        let second = matches!(quantity, Quantity::YFXX | Quantity::HessianProduct);
+        let workspace = match (coordinates, second) {
+            (Coordinates::Hamiltonian, false) => {
+                Workspace::Hamiltonian(Box::new(Hamiltonian::from_tree(tree)))
+            }
+            (Coordinates::Hamiltonian, true) => {
+                Workspace::HamiltonianSecond(Box::new(HamiltonianSecondOrder::from_tree(tree)))
+            }
+            (Coordinates::Lagrangian, false) => Workspace::Lagrangian(Box::new(Lagrangian::from_tree(tree))),
+            (Coordinates::Lagrangian, true) => {
+                Workspace::LagrangianSecond(Box::new(LagrangianSecondOrder::from_tree(tree)))
+            }
+        };
+        let entries = |shapes: &[Shape]| shapes.iter().map(Shape::entries).sum();
+        let (inputs, outputs) = (entries(&arguments), entries(&results));
+        Ok(Self { quantity, variables, arguments, results, inputs, outputs, workspace })
+    }
+
+    /// The arguments, in order.
+    pub fn arguments(&self) -> &[Shape] {
+        &self.arguments
+    }
+
+    /// The results, in order.
+    pub fn results(&self) -> &[Shape] {
+        &self.results
+    }
+
+    /// Number of entries of all arguments.
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// Number of entries of all results.
+    pub fn outputs(&self) -> usize {
+        self.outputs
+    }
+
+    /// Evaluates the quantity: all arguments one after the other, all results likewise, each row by row.
+    /// Allocates nothing.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`]. Outputs may
+    /// be written before an error is found.
+    pub fn evaluate(&mut self, inputs: &[S], outputs: &mut [S]) -> Result<(), EvalError> {
+        check_length("inputs", inputs, self.inputs)?;
+        check_length("outputs", outputs, self.outputs)?;
+        let arguments = Arguments::split(self.variables, &self.arguments, inputs);
+        let results = &mut Results { rest: outputs };
+        match &mut self.workspace {
+            Workspace::Hamiltonian(first) => hamiltonian(first, self.quantity, &arguments, results),
+            Workspace::HamiltonianSecond(second) => {
+                hamiltonian_second(second, self.quantity, &arguments, results)
+            }
+            Workspace::Lagrangian(first) => lagrangian(first, self.quantity, &arguments, results),
+            Workspace::LagrangianSecond(second) => lagrangian_second(second, &arguments, results),
+        }
+    }
+}
+
+/// The arguments of a quantity; those that it does not have are empty.
+#[derive(Clone, Copy)]
+struct Arguments<'a, S> {
+    q: &'a [S],
+    /// p or v.
+    rate: &'a [S],
+    u: &'a [S],
+    a: &'a [S],
+    y: &'a [S],
+    d: &'a [S],
+}
+
+impl<'a, S> Arguments<'a, S> {
+    fn split(variables: &[Variable], shapes: &[Shape], inputs: &'a [S]) -> Self {
+        let mut all = Self { q: &[], rate: &[], u: &[], a: &[], y: &[], d: &[] };
+        let mut rest = inputs;
+        for (variable, shape) in variables.iter().zip(shapes) {
+            let (part, more) = rest.split_at(shape.entries());
+            rest = more;
+            match variable {
+                Variable::Q => all.q = part,
+                Variable::P | Variable::V => all.rate = part,
+                Variable::U => all.u = part,
+                Variable::A => all.a = part,
+                Variable::Y => all.y = part,
+                Variable::D => all.d = part,
+            }
+        }
+        all
+    }
+}
+
+/// Results, written one after the other.
+struct Results<'a, S> {
+    rest: &'a mut [S],
+}
+
+impl<S: Scalar> Results<'_, S> {
+    /// Appends numbers.
+    fn push(&mut self, values: &[S]) -> &mut Self {
+        let (here, rest) = std::mem::take(&mut self.rest).split_at_mut(values.len());
+        here.copy_from_slice(values);
+        self.rest = rest;
+        self
+    }
+
+    fn push_rows(&mut self, block: Block<'_, S>) -> &mut Self {
+        block.iter_rows().for_each(|row| {
+            self.push(row);
+        });
+        self
+    }
+}
+
+/// The quantities of first order in (q, p).
+fn hamiltonian<S: Scalar>(
+    first: &mut Hamiltonian<S>,
+    quantity: Quantity,
+    &Arguments { q, rate: p, u, y, .. }: &Arguments<'_, S>,
+    results: &mut Results<'_, S>,
+) -> Result<(), EvalError> {
+    match quantity {
+        Quantity::F => results.push(first.evaluate(q, p, u)?),
+        Quantity::FX => {
+            let linear = first.linearise(q, p, u)?;
+            results.push(linear.f()).push_rows(linear.matrix())
+        }
+        Quantity::YFX => {
+            let product = first.adjoint(q, p, u, y)?;
+            results.push(product.f).push(product.y_f_x)
+        }
+        Quantity::Energy => {
+            let energy = first.energy(q, p)?;
+            results.push(&[energy.kinetic, energy.potential])
+        }
+        Quantity::MassMatrix => results.push_rows(first.mass_matrix(q)?.view()),
+        Quantity::YFXX | Quantity::HessianProduct | Quantity::InverseDynamics => results,
+    };
+    Ok(())
+}
+
+/// y'F_xx with F and F_x, and y'F_xx d.
+fn hamiltonian_second<S: Scalar>(
+    second: &mut HamiltonianSecondOrder<S>,
+    quantity: Quantity,
+    &Arguments { q, rate: p, u, y, d, .. }: &Arguments<'_, S>,
+    results: &mut Results<'_, S>,
+) -> Result<(), EvalError> {
+    if quantity == Quantity::HessianProduct {
+        results.push(second.hessian_product(q, p, y, d)?);
+        return Ok(());
+    }
+    let all = second.contract(q, p, u, y)?;
+    let linear = all.linearisation();
+    results.push(linear.f()).push_rows(linear.matrix()).push_rows(all.matrix());
+    Ok(())
+}
+
+/// The quantities of first order in (q, v).
+fn lagrangian<S: Scalar>(
+    first: &mut Lagrangian<S>,
+    quantity: Quantity,
+    &Arguments { q, rate: v, u, a, .. }: &Arguments<'_, S>,
+    results: &mut Results<'_, S>,
+) -> Result<(), EvalError> {
+    match quantity {
+        Quantity::F => results.push(first.forward_dynamics(q, v, u)?),
+        Quantity::FX => {
+            let linear = first.linearise_forward_dynamics(q, v, u)?;
+            results.push(linear.acceleration()).push_rows(linear.matrix())
+        }
+        Quantity::Energy => {
+            let energy = first.energy(q, v)?;
+            results.push(&[energy.kinetic, energy.potential])
+        }
+        Quantity::InverseDynamics => results.push(first.inverse_dynamics(q, v, a)?),
+        Quantity::MassMatrix => results.push_rows(first.mass_matrix(q)?.view()),
+        Quantity::YFX | Quantity::YFXX | Quantity::HessianProduct => results,
+    };
+    Ok(())
+}
+
+/// The contracted Hessian of the accelerations, with these and their Jacobian.
+fn lagrangian_second<S: Scalar>(
+    second: &mut LagrangianSecondOrder<S>,
+    &Arguments { q, rate: v, u, y, .. }: &Arguments<'_, S>,
+    results: &mut Results<'_, S>,
+) -> Result<(), EvalError> {
+    let all = second.contract_forward_dynamics(q, v, u, y)?;
+    let linear = all.forward_dynamics();
+    results.push(linear.acceleration()).push_rows(linear.matrix());
+    results.push_rows(all.xx()).push_rows(all.uq());
+    Ok(())
+}

@@ -1,0 +1,126 @@
+//! Programs of the quantities of a robot.
+
+use super::evaluator::RobotQuantity;
+use super::options::ProgramOptions;
+use super::parameters::{labelled, layout, parameter_values};
+use super::quantity::{Coordinates, Quantity, Variable};
+use super::shape::Shape;
+use super::size::check_size;
+use crate::codegen::error::CodegenError;
+use crate::codegen::names::name_from;
+use crate::codegen::program::{Program, RecordedResult};
+use crate::codegen::record::Expr;
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+
+/// Records a quantity of a robot by the route with the fewest operations: see [`Quantity`] for arguments and
+/// results.
+///
+/// The name is that of robot, coordinates and quantity. Nothing is checked when the program runs: a singular
+/// mass matrix gives results that are not finite.
+///
+/// # Errors
+/// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;
+/// [`CodegenError::LargeRobot`], [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the
+/// program has more steps than [`ProgramOptions::limit`].
+pub fn robot_program(
+    robot: &Robot,
+    quantity: Quantity,
+    coordinates: Coordinates,
+    options: &ProgramOptions,
+) -> Result<Program, CodegenError> {
+    program_with(robot, quantity, coordinates, options, |_, _| Ok(Vec::new()))
+}
+
+/// The same with further results, of the model and q, recorded first and listed last.
+pub(super) fn program_with(
+    robot: &Robot,
+    quantity: Quantity,
+    coordinates: Coordinates,
+    options: &ProgramOptions,
+    further: impl FnOnce(&Tree, &[Expr]) -> Result<Vec<RecordedResult>, CodegenError>,
+) -> Result<Program, CodegenError> {
+    let n = robot.len();
+    let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
+    let name = name_from(&format!("{} {} {}", robot.name(), coordinates.name(), quantity.name()));
+    check_size(robot, quantity, coordinates, &name, options.limit)?;
+    let is_argument = |variable: Variable| !options.only || quantity.depends_on(variable, coordinates);
+    let shapes = variables.iter().filter(|variable| is_argument(**variable));
+    let shapes = shapes.map(|variable| variable.shape(coordinates, n));
+    let mut sizes: Vec<(&str, usize)> = shapes.map(|shape| (shape.name, shape.entries())).collect();
+    if options.parameters {
+        sizes.push(("parameters", parameter_values(robot).len()));
+    }
+    let program = Program::try_record_within(&name, &sizes, options.limit, |arguments| {
+        let mut arguments = arguments.iter();
+        // A variable that the quantity does not depend on is zero.
+        let inputs: Vec<Vec<Expr>> = variables
+            .iter()
+            .map(|&variable| {
+                let given = is_argument(variable).then(|| arguments.next().cloned()).flatten();
+                given.unwrap_or_else(|| vec![Expr::zero(); variable.shape(coordinates, n).entries()])
+            })
+            .collect();
+        let tree = match arguments.next() {
+            Some(parameters) => labelled(robot, parameters)?,
+            None => Tree::from(robot),
+        };
+        let mut further = further(&tree, inputs.first().map_or(&[], Vec::as_slice))?;
+        let mut evaluator = RobotQuantity::<Expr>::from_tree(tree, quantity, coordinates)?;
+        let mut outputs = vec![Expr::zero(); evaluator.outputs()];
+        evaluator.evaluate(&inputs.concat(), &mut outputs)?;
+        let mut results = split(evaluator.results(), &outputs);
+        if options.only {
+            let (all, own) = quantity.results(coordinates, n);
+            results.drain(..all.len() - own);
+        }
+        results.append(&mut further);
+        Ok(results)
+    })?;
+    let what = if options.only { "alone" } else { "with the results it builds on" };
+    let mut notes = vec![
+        format!("{}: {} in {} coordinates, {what}.", robot.name(), quantity.name(), coordinates.name()),
+        "The mass matrix must be regular: results are not finite otherwise, and nothing is checked.".into(),
+    ];
+    if options.parameters {
+        notes.push("Parameters: link about the origin and in the axes of the joint frame of the robot file; SI units.".into());
+        notes.extend(layout(robot));
+    }
+    Ok(program.with_notes(notes).with_meanings(&MEANINGS))
+}
+
+/// Results of these shapes.
+fn split(shapes: &[Shape], entries: &[Expr]) -> Vec<RecordedResult> {
+    let mut rest = entries;
+    let result = |shape: &Shape| {
+        let (part, more) = rest.split_at(shape.entries());
+        rest = more;
+        (shape.name.into(), shape.rows, shape.columns, part.to_vec())
+    };
+    shapes.iter().map(result).collect()
+}
+
+/// The meaning of each name, in SI units.
+const MEANINGS: [(&str, &str); 21] = [
+    ("q", "positions (rad, m)"),
+    ("p", "conjugate momenta M v (kg m^2/s, kg m/s)"),
+    ("v", "velocities (rad/s, m/s)"),
+    ("u", "actuation (N m, N)"),
+    ("a", "accelerations (rad/s^2, m/s^2)"),
+    ("y", "costate"),
+    ("d", "direction (d_q, d_p)"),
+    ("f", "dx/dt, x = (q, p)"),
+    ("f_x", "df/dx, rows and columns in the order (q, p)"),
+    ("y_f_x", "sum over k of y_k df_k/dx"),
+    ("y_f_xx", "sum over k of y_k d2f_k/dx dx, symmetric"),
+    ("y_f_xx_d", "that matrix times d"),
+    ("m", "mass matrix, armature included (kg m^2, kg m, kg)"),
+    ("kinetic", "kinetic energy (J)"),
+    ("potential", "potential energy (J)"),
+    ("qdd", "accelerations (rad/s^2, m/s^2)"),
+    ("qdd_z", "d qdd/dz, columns in the order z = (q, v, u)"),
+    ("y_qdd_xx", "sum over k of y_k d2qdd_k/dx dx, x = (q, v), symmetric"),
+    ("y_qdd_uq", "sum over k of y_k d2qdd_k/du dq"),
+    ("tau", "actuation for a (N m, N)"),
+    ("parameters", "constants of the robot, as listed above"),
+];

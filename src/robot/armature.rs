@@ -1,0 +1,51 @@
+//! The armature matrix: constant rotor inertia that is added to the mass matrix.
+
+use super::checks;
+use super::error::RobotError;
+use nalgebra::DMatrix;
+
+/// A symmetric matrix by its entries `(i, j, A_ij)`, i >= j, that are not zero, row by row.
+///
+/// Most robots have a diagonal one, or none: memory grows with the entries, not with n^2.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Armature {
+    n: usize,
+    entries: Vec<(usize, usize, f64)>,
+}
+
+impl Armature {
+    /// A diagonal matrix; its entries have been checked.
+    pub(super) fn diagonal(of_joints: impl ExactSizeIterator<Item = f64>) -> Self {
+        let n = of_joints.len();
+        let entries = of_joints.enumerate().map(|(i, value)| (i, i, value)).filter(|entry| entry.2 != 0.0);
+        Self { n, entries: entries.collect() }
+    }
+
+    /// # Errors
+    /// [`RobotError::BadArmature`] unless the matrix is symmetric and positive semidefinite.
+    pub(super) fn from_matrix(matrix: &DMatrix<f64>) -> Result<Self, RobotError> {
+        checks::armature(matrix)?;
+        let lower = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let entries = lower.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0);
+        Ok(Self { n: matrix.nrows(), entries: entries.collect() })
+    }
+
+    pub(super) fn entries(&self) -> &[(usize, usize, f64)] {
+        &self.entries
+    }
+
+    /// `A_ij`.
+    pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
+        let key = (i.max(j), i.min(j));
+        let found = self.entries.binary_search_by_key(&key, |&(row, column, _)| (row, column));
+        found.map_or(0.0, |at| self.entries[at].2)
+    }
+
+    pub(super) fn matrix(&self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.n, self.n);
+        for &(i, j, value) in &self.entries {
+            (matrix[(i, j)], matrix[(j, i)]) = (value, value);
+        }
+        matrix
+    }
+}

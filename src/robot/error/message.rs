@@ -1,0 +1,145 @@
+//! What each error says.
+
+use super::RobotError;
+use crate::robot::printable::{list, printable, sentence};
+use std::fmt;
+use std::path::Path;
+
+impl fmt::Display for RobotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InFile { path, line, error } => write!(f, "{}{error}", position(path, *line)),
+            Self::Unreadable { source } => {
+                write!(f, "cannot be read ({source}); check the path and the permissions")
+            }
+            Self::UnknownFormat => {
+                f.write_str("unknown kind of robot file; use a name that ends in .urdf or .toml")
+            }
+            Self::ReaderMissing { feature } => write!(
+                f,
+                "this program was built without the reader of this format; build `costate` with the feature `{feature}`"
+            ),
+            Self::TooLong { most } => write!(
+                f,
+                "the text is longer than {} MiB, the limit for a robot; remove what is not a link or joint",
+                most >> 20
+            ),
+            Self::NotUtf8 => f.write_str("the text is not UTF-8; save the file as UTF-8"),
+            Self::DocumentType => f.write_str(
+                "a document type (<!DOCTYPE ...>) is refused, since its entities can fill the memory; remove it",
+            ),
+            Self::Malformed { message, .. } => sentence(message).fmt(f),
+            Self::NoJoints { robot } => write!(
+                f,
+                "robot '{}' has no moving joint; describe at least one revolute or prismatic joint \
+                 (the base does not move: attach a free body to a link 'world' by a floating joint)",
+                printable(robot)
+            ),
+            Self::DuplicateName { kind, name } => {
+                write!(f, "two {kind}s are called '{}'; give each its own name", printable(name))
+            }
+            Self::UnknownParent { joint, parent, kind } => write!(
+                f,
+                "joint '{}' is attached to '{}', which does not exist; correct the name or add the missing {kind}",
+                printable(joint),
+                printable(parent)
+            ),
+            Self::UnknownChild { joint, child } => write!(
+                f,
+                "joint '{}' moves link '{}', which does not exist; correct the name or add the missing link",
+                printable(joint),
+                printable(child)
+            ),
+            Self::TwoParents { link, first, second } => write!(
+                f,
+                "link '{}' is moved by two joints, '{}' and '{}'; a tree gives each link one parent: \
+                 open the loop by removing one of them",
+                printable(link),
+                printable(first),
+                printable(second)
+            ),
+            Self::Cycle { joints } => write!(
+                f,
+                "the joints form a loop, each attached to the next: {}; attach one of them to the world",
+                list(joints, " -> ")
+            ),
+            Self::SeveralRoots { first, second } => write!(
+                f,
+                "links '{}' and '{}' both have no parent joint; connect them by a joint (a fixed one merges them)",
+                printable(first),
+                printable(second)
+            ),
+            Self::Mimic { joint, master } => write!(
+                f,
+                "joint '{}' mimics joint '{}', but the joints of a tree are independent; \
+                 remove <mimic>, or make the joint fixed",
+                printable(joint),
+                printable(master)
+            ),
+            Self::UnsupportedJoint { joint, kind } => write!(
+                f,
+                "joint '{}' is of type '{}'; use revolute, continuous, prismatic, fixed, floating or planar",
+                printable(joint),
+                printable(kind)
+            ),
+            Self::BadAxis { joint } => write!(
+                f,
+                "the axis of joint '{}' has length zero or is not finite; give it a direction such as 0 0 1",
+                printable(joint)
+            ),
+            Self::BadPlacement { joint } => write!(
+                f,
+                "the placement of joint '{}' is not a finite right-handed rotation and translation; correct it",
+                printable(joint)
+            ),
+            Self::BadValue { joint, what, value, rule } => {
+                write!(f, "{what} of joint '{}' is {value}; {rule}", printable(joint))
+            }
+            Self::NonFiniteInertia { link, what } => {
+                write!(f, "{what} of link '{}' is not finite; correct it", printable(link))
+            }
+            Self::NegativeMass { link, mass } => {
+                write!(f, "the mass of link '{}' is {mass} kg; a mass is zero or positive", printable(link))
+            }
+            Self::IndefiniteInertia { link, moment } => write!(
+                f,
+                "the inertia of link '{}' about its centre of mass has the negative principal moment {moment} kg m^2; \
+                 check signs and reference point of the matrix",
+                printable(link)
+            ),
+            Self::MovesNothing { joint } => write!(
+                f,
+                "joint '{}' moves no mass at all, so the mass matrix is singular in every pose; \
+                 give its links a mass, give it armature (rotor inertia), or make it fixed",
+                printable(joint)
+            ),
+            Self::KinematicsOnly { joint } => write!(
+                f,
+                "joint '{}' moves no mass, and no link of the file has any: it describes kinematics only; \
+                 give its links <inertial> with <mass> and <inertia>",
+                printable(joint)
+            ),
+            Self::BadGravity => f.write_str("gravity is not finite; correct it"),
+            Self::BadArmature { problem, n } => write!(
+                f,
+                "the armature matrix {problem}; it must be {n} x {n}, symmetric and positive semidefinite, \
+                 in the order of the joints"
+            ),
+            Self::Strict { warnings } => {
+                let all: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+                write!(f, "refused by strict loading: {}", sentence(&all.join("; ")))
+            }
+        }
+    }
+}
+
+/// `path:line: `, or what is known of it.
+fn position(path: &Path, line: Option<usize>) -> String {
+    let name = path.display().to_string();
+    match (name.is_empty(), line) {
+        (false, Some(line)) => format!("{}:{line}: ", sentence(&name)),
+        (false, None) => format!("{}: ", sentence(&name)),
+        (true, Some(line)) => format!("line {line}: "),
+        (true, None) => String::new(),
+    }
+}

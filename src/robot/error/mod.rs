@@ -1,0 +1,240 @@
+//! What can be wrong with the description of a robot.
+
+mod message;
+
+use super::warning::Warning;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Why a robot was refused. Every message names the culprit and says what to do.
+///
+/// Names and values from the file are shown as [`printable`](super::printable) shows them. `source()` is the
+/// cause where there is one: the operating system's error, or that of the XML or TOML parser.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// Any of the other errors, with the file and, where known, the line.
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// Line of the culprit, from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        error: Box<RobotError>,
+    },
+    /// The file cannot be read.
+    Unreadable {
+        /// The operating system's error.
+        source: std::io::Error,
+    },
+    /// Neither .urdf nor .toml.
+    UnknownFormat,
+    /// The library was built without the reader of this format.
+    ReaderMissing {
+        /// The cargo feature that contains it: `"urdf"` or `"toml"`.
+        feature: &'static str,
+    },
+    /// The text is longer than [`RobotFormat::most_bytes`](super::RobotFormat::most_bytes).
+    TooLong {
+        /// The limit (bytes).
+        most: usize,
+    },
+    /// The text is not UTF-8.
+    NotUtf8,
+    /// A URDF with a document type, `<!DOCTYPE ...>`.
+    DocumentType,
+    /// The text breaks the rules of its format.
+    Malformed {
+        /// What is wrong and what was expected.
+        message: String,
+        /// The parser's error, if it found the mistake.
+        source: Option<Box<dyn Error + Send + Sync>>,
+    },
+    /// No joint moves.
+    NoJoints {
+        /// The robot.
+        robot: String,
+    },
+    /// A name given twice.
+    DuplicateName {
+        /// `"joint"` or `"link"`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// The parent does not exist.
+    UnknownParent {
+        /// The joint.
+        joint: String,
+        /// What it names as its parent.
+        parent: String,
+        /// `"joint"` or `"link"`.
+        kind: &'static str,
+    },
+    /// The child link does not exist.
+    UnknownChild {
+        /// The joint.
+        joint: String,
+        /// The link it names.
+        child: String,
+    },
+    /// A link moved by two joints.
+    TwoParents {
+        /// The link.
+        link: String,
+        /// First joint in the file.
+        first: String,
+        /// Second joint.
+        second: String,
+    },
+    /// Joints attached to each other in a loop.
+    Cycle {
+        /// The joints, each attached to the link of the next, the last to that of the first.
+        joints: Vec<String>,
+    },
+    /// More than one link without a parent.
+    SeveralRoots {
+        /// First root link.
+        first: String,
+        /// Another one.
+        second: String,
+    },
+    /// A joint that copies another one.
+    Mimic {
+        /// The joint.
+        joint: String,
+        /// The joint it copies.
+        master: String,
+    },
+    /// An unsupported type of joint.
+    UnsupportedJoint {
+        /// The joint.
+        joint: String,
+        /// Its type.
+        kind: String,
+    },
+    /// An axis without direction.
+    BadAxis {
+        /// The joint.
+        joint: String,
+    },
+    /// A placement that is not a rigid motion.
+    BadPlacement {
+        /// The joint.
+        joint: String,
+    },
+    /// A value out of its range.
+    BadValue {
+        /// The joint.
+        joint: String,
+        /// Which value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        rule: &'static str,
+    },
+    /// Mass, centre of mass or inertia not finite.
+    NonFiniteInertia {
+        /// The link.
+        link: String,
+        /// Which figure.
+        what: &'static str,
+    },
+    /// A mass below zero.
+    NegativeMass {
+        /// The link.
+        link: String,
+        /// The mass (kg).
+        mass: f64,
+    },
+    /// An inertia matrix that is not positive semidefinite.
+    IndefiniteInertia {
+        /// The link.
+        link: String,
+        /// Smallest principal moment (kg m^2).
+        moment: f64,
+    },
+    /// A joint that moves nothing.
+    MovesNothing {
+        /// The joint.
+        joint: String,
+    },
+    /// A file without any mass.
+    KinematicsOnly {
+        /// First joint.
+        joint: String,
+    },
+    /// Gravity is infinite or undefined.
+    BadGravity,
+    /// An armature matrix that does not fit.
+    BadArmature {
+        /// What is wrong.
+        problem: String,
+        /// Number of joints.
+        n: usize,
+    },
+    /// Warnings that strict loading refuses.
+    Strict {
+        /// The warnings that became errors.
+        warnings: Vec<Warning>,
+    },
+}
+
+impl RobotError {
+    /// A text that breaks the rules of its format.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(super) fn malformed(message: impl Into<String>) -> Self {
+        Self::Malformed { message: message.into(), source: None }
+    }
+
+    /// This error at a line of a file whose path the caller knows.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(super) fn at(self, line: impl Into<Option<usize>>) -> Self {
+        Self::InFile { path: PathBuf::new(), line: line.into(), error: Box::new(self) }
+    }
+
+    /// The line of the file, from 1, where it is known.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::InFile { line, .. } => *line,
+            _ => None,
+        }
+    }
+
+    /// The joint or link at fault, where there is one.
+    pub fn culprit(&self) -> Option<&str> {
+        match self {
+            Self::InFile { error, .. } => error.culprit(),
+            Self::UnknownParent { joint, .. }
+            | Self::UnknownChild { joint, .. }
+            | Self::Mimic { joint, .. }
+            | Self::UnsupportedJoint { joint, .. }
+            | Self::BadAxis { joint }
+            | Self::BadPlacement { joint }
+            | Self::BadValue { joint, .. }
+            | Self::MovesNothing { joint }
+            | Self::KinematicsOnly { joint } => Some(joint),
+            Self::TwoParents { second, .. } => Some(second),
+            Self::Cycle { joints } => joints.first().map(String::as_str),
+            Self::SeveralRoots { second, .. } => Some(second),
+            Self::NonFiniteInertia { link, .. }
+            | Self::NegativeMass { link, .. }
+            | Self::IndefiniteInertia { link, .. } => Some(link),
+            Self::DuplicateName { name, .. } => Some(name),
+            _ => None,
+        }
+    }
+}
+
+impl Error for RobotError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            // Its message contains that of `error`.
+            Self::InFile { error, .. } => error.source(),
+            Self::Unreadable { source } => Some(source),
+            Self::Malformed { source, .. } => source.as_deref().map(|source| source as _),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Robots from files, text and streams.
+
+use super::{LoadOptions, Robot, RobotError};
+use std::io::Read;
+use std::path::Path;
+
+/// The formats of robot files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RobotFormat {
+    /// URDF; needs the feature `urdf`.
+    Urdf,
+    /// TOML as described in `robot::file`; needs the feature `toml`.
+    Toml,
+}
+
+impl RobotFormat {
+    /// Longest text that is read (bytes): 16 MiB of URDF, 4 MiB of TOML. Reading either takes less than 256 MB.
+    pub const fn most_bytes(self) -> usize {
+        match self {
+            Self::Urdf => 16 << 20,
+            Self::Toml => 4 << 20,
+        }
+    }
+
+    /// The format that the extension of a path names, in capital or small letters.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFormat`] for anything but `.urdf` and `.toml`.
+    pub fn of_path(path: impl AsRef<Path>) -> Result<Self, RobotError> {
+        match path.as_ref().extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("urdf") => Ok(Self::Urdf),
+            Some("toml") => Ok(Self::Toml),
+            _ => Err(RobotError::UnknownFormat),
+        }
+    }
+
+    /// The format of a text, by its first character that is not blank: `<` begins a URDF.
+    pub fn of_text(text: &str) -> Self {
+        let text = text.trim_start_matches(|c: char| c == '\u{feff}' || c.is_whitespace());
+        if text.starts_with('<') { Self::Urdf } else { Self::Toml }
+    }
+}
+
+impl Robot {
+    /// Reads a `.urdf` or `.toml` file.
+    ///
+    /// # Errors
+    /// As [`from_file_with`](Self::from_file_with).
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, RobotError> {
+        Self::from_file_with(path, LoadOptions::default())
+    }
+
+    /// Reads a `.urdf` or `.toml` file, with options.
+    ///
+    /// # Errors
+    /// [`RobotError::InFile`] with the path and, where it is known, the line. In it:
+    /// [`RobotError::UnknownFormat`] for another extension, and the errors of [`read`](Self::read).
+    pub fn from_file_with(path: impl AsRef<Path>, options: LoadOptions) -> Result<Self, RobotError> {
+        let path = path.as_ref();
+        let read = || {
+            let format = RobotFormat::of_path(path)?;
+            let file = std::fs::File::open(path).map_err(|source| RobotError::Unreadable { source })?;
+            Self::read(file, format, options)
+        };
+        read().map_err(|error| match error {
+            RobotError::InFile { line, error, .. } => RobotError::InFile { path: path.into(), line, error },
+            error => RobotError::InFile { path: path.into(), line: None, error: Box::new(error) },
+        })
+    }
+
+    /// Reads a robot from a stream, such as standard input.
+    ///
+    /// A URDF may contain bytes that are not UTF-8, since old files have comments in other encodings; outside
+    /// comments they cause a [`Warning::NotUtf8`](super::Warning::NotUtf8).
+    ///
+    /// # Errors
+    /// [`RobotError::Unreadable`], [`RobotError::TooLong`] for more than [`RobotFormat::most_bytes`],
+    /// and the errors of [`from_urdf_str`](Self::from_urdf_str) or [`from_toml_str`](Self::from_toml_str).
+    pub fn read(source: impl Read, format: RobotFormat, options: LoadOptions) -> Result<Self, RobotError> {
+        let mut bytes = Vec::new();
+        let most = format.most_bytes();
+        source
+            .take(most as u64 + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|source| RobotError::Unreadable { source })?;
+        if bytes.len() > most {
+            return Err(RobotError::TooLong { most });
+        }
+        match format {
+            RobotFormat::Urdf => from_urdf_bytes(&bytes, options),
+            RobotFormat::Toml => from_toml_bytes(&bytes, options),
+        }
+    }
+
+    /// Reads the text of a URDF, as [`urdf::parse`](super::urdf::parse).
+    ///
+    /// # Errors
+    /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line
+    /// is known.
+    #[cfg(feature = "urdf")]
+    pub fn from_urdf_str(text: &str, options: LoadOptions) -> Result<Self, RobotError> {
+        super::urdf::parse(text, options)
+    }
+
+    /// Reads the text of a robot in TOML, as [`file::parse`](super::file::parse).
+    ///
+    /// # Errors
+    /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line
+    /// is known.
+    #[cfg(feature = "toml")]
+    pub fn from_toml_str(text: &str, options: LoadOptions) -> Result<Self, RobotError> {
+        super::file::parse(text, options)
+    }
+}
+
+#[cfg(feature = "urdf")]
+fn from_urdf_bytes(bytes: &[u8], options: LoadOptions) -> Result<Robot, RobotError> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => super::urdf::parse(text, options),
+        // A byte order mark of UTF-16.
+        Err(_) if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) => {
+            Err(RobotError::NotUtf8.at(1))
+        }
+        Err(_) => super::urdf::parse_replaced(&String::from_utf8_lossy(bytes), options),
+    }
+}
+
+#[cfg(not(feature = "urdf"))]
+fn from_urdf_bytes(_: &[u8], _: LoadOptions) -> Result<Robot, RobotError> {
+    Err(RobotError::ReaderMissing { feature: "urdf" })
+}
+
+#[cfg(feature = "toml")]
+fn from_toml_bytes(bytes: &[u8], options: LoadOptions) -> Result<Robot, RobotError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
+        RobotError::NotUtf8.at(1 + valid.iter().filter(|&&byte| byte == b'\n').count())
+    })?;
+    super::file::parse(text, options)
+}
+
+#[cfg(not(feature = "toml"))]
+fn from_toml_bytes(_: &[u8], _: LoadOptions) -> Result<Robot, RobotError> {
+    Err(RobotError::ReaderMissing { feature: "toml" })
+}
