@@ -1,6 +1,7 @@
 //! How far methods for the same numbers differ, and how far rounding lets them.
 
 use crate::matrix::Block;
+use std::cmp::Ordering;
 
 /// One comparison at one state, see [`StateReport`].
 ///
@@ -19,17 +20,18 @@ pub struct Figure {
 }
 
 /// What a [`Figure`] says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// The difference is within the bound.
     Agrees,
-    /// Rounding may change the block by more than a thousandth of it: M is nearly singular, or numbers overflow.
+    /// The difference exceeds the bound, but rounding may change the block by more than a thousandth of it: M is nearly
+    /// singular, or numbers overflow.
     NotComparable,
     /// The difference exceeds the bound, or is not a number.
     Differs,
 }
 
-/// Relative bounds above this one say nothing.
+/// Largest relative bound of a comparison that can fail.
 const COMPARABLE: f64 = 1e-3;
 
 impl Figure {
@@ -40,27 +42,23 @@ impl Figure {
 
     /// Judges the difference by `tolerance` times the bound.
     pub fn verdict(&self, tolerance: f64) -> Verdict {
-        if self.difference.is_nan() {
-            Verdict::Differs
-        } else if self.bound.is_nan() || self.bound > COMPARABLE {
-            Verdict::NotComparable
-        } else if self.ratio() <= tolerance {
+        if self.ratio() <= tolerance {
             Verdict::Agrees
+        } else if !self.difference.is_nan() && (self.bound.is_nan() || self.bound > COMPARABLE) {
+            Verdict::NotComparable
         } else {
             Verdict::Differs
         }
     }
 
-    /// The worse of two: not-a-number, then the larger ratio, then what cannot be compared; of equal ones the larger bound.
+    /// The worse of two by verdict, then by ratio. Not-a-number is the worst; of equal ones, the larger bound is kept.
     #[must_use]
     pub fn or_worse(self, other: &Self) -> Self {
-        let rank = |figure: &Self| match figure.verdict(f64::INFINITY) {
-            Verdict::Differs => f64::INFINITY,
-            Verdict::Agrees => figure.ratio(),
-            Verdict::NotComparable => -1.0,
+        let rank = |figure: &Self| {
+            let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+            (figure.verdict(1.0), figure.difference.is_nan(), number(figure.ratio()), number(figure.bound))
         };
-        let (ours, theirs) = (rank(&self), rank(other));
-        if theirs > ours || (theirs == ours && other.bound > self.bound) { *other } else { self }
+        if rank(other).partial_cmp(&rank(&self)).is_some_and(Ordering::is_gt) { *other } else { self }
     }
 }
 
@@ -69,6 +67,8 @@ impl Figure {
 pub struct StateReport {
     /// Condition number of M in the 2-norm.
     pub condition: f64,
+    /// Bound of the rounding error of M^-1 relative to its largest entry, in scaled coordinates.
+    pub inverse_error: f64,
     /// Every comparison; the same in every report on one robot, but that the last may be missing.
     pub figures: Vec<Figure>,
 }
@@ -84,15 +84,18 @@ impl StateReport {
         self.figures.iter().filter(move |figure| figure.verdict(tolerance) == Verdict::Differs)
     }
 
-    /// Whether rounding leaves too few digits for some comparison, see [`Verdict::NotComparable`].
+    /// Whether rounding leaves less than three digits of M^-1, or too few for some comparison (see
+    /// [`Verdict::NotComparable`]).
     pub fn is_nearly_singular(&self) -> bool {
-        self.figures.iter().any(|figure| figure.verdict(1.0) == Verdict::NotComparable)
+        self.inverse_error > COMPARABLE
+            || self.figures.iter().any(|figure| figure.verdict(1.0) == Verdict::NotComparable)
     }
 
     /// The worse of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
     #[must_use]
     pub fn with_worse_of(mut self, other: &Self) -> Self {
         self.condition = worse(self.condition, other.condition);
+        self.inverse_error = worse(self.inverse_error, other.inverse_error);
         for (ours, theirs) in self.figures.iter_mut().zip(&other.figures) {
             *ours = ours.or_worse(theirs);
         }

@@ -84,7 +84,9 @@ impl Routes {
         let (rows, mass_matrix) = self.rows(x, u, y)?;
         let d = scales(&mass_matrix);
         let figures = rows.iter().map(|row| row.judge(&d)).collect();
-        Ok(StateReport { condition: condition(mass_matrix), figures })
+        // M^-1 is a block of F_x, the first row.
+        let inverse_error = rows.first().map_or(0.0, |f_x| f_x.bound([0, 1], &d));
+        Ok(StateReport { condition: condition(mass_matrix), inverse_error, figures })
     }
 
     /// The rows, as (quantity, method), that let a relative change of the largest entry of some block pass. For tests.

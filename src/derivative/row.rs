@@ -70,6 +70,12 @@ impl Judged {
         })
     }
 
+    /// Relative bound of one block.
+    pub fn bound(&self, [row, column]: [usize; 2], d: &[f64]) -> f64 {
+        let [rows, columns] = self.row.scales.map(|exponents| parts(exponents, d));
+        self.figure(&self.largest(&rows[row], &columns[column])).bound
+    }
+
     /// A block relative to its size.
     fn figure(&self, block: &Largest) -> Figure {
         let [quantity, route] = self.row.name;
