@@ -77,6 +77,11 @@ impl Work {
         }
     }
 
+    /// Floating-point operations.
+    pub fn operations(&self) -> f64 {
+        self.operations
+    }
+
     /// Whether it is so much that the user has to ask for it twice.
     pub fn is_excessive(&self) -> bool {
         self.operations > MOST_OPERATIONS || self.bytes > MOST_BYTES

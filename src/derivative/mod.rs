@@ -16,12 +16,15 @@ mod forward_dynamics;
 mod function;
 mod hessian;
 mod jacobian;
-mod lagrangian_routes;
+mod methods;
 mod nested;
 mod operations;
 mod phase_velocity;
+mod reference;
 mod report;
+mod rounded;
 mod routes;
+mod row;
 
 pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};
@@ -31,10 +34,15 @@ pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};
 pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
-pub use operations::{OperationRow, OperationTable};
+pub use operations::{Extent, OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
-pub use report::{Figure, StateReport, largest, relative_difference, worse};
+pub(crate) use reference::RoundedPair;
+pub use report::{Figure, StateReport, Verdict, largest, relative_difference, worse};
+pub(crate) use rounded::Rounded;
 pub use routes::Routes;
+pub(crate) use routes::scales;
+pub use row::SAFETY;
+pub(crate) use row::{Judged, Row};
 
 /// Number of derivatives that a dual number carries at once by default.
 ///

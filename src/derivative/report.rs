@@ -1,53 +1,103 @@
-//! How far routes to the same numbers differ.
+//! How far methods for the same numbers differ, and how far rounding lets them.
 
 use crate::matrix::Block;
-use nalgebra::DMatrix;
+use std::cmp::Ordering;
 
 /// One comparison at one state, see [`StateReport`].
+///
+/// Every block is judged by a bound of its own; this is the block that comes closest to it. Both numbers are relative to
+/// its largest entry, in scaled coordinates (see [`Routes`](super::Routes)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// What is compared.
     pub quantity: &'static str,
-    /// By which route it was computed.
+    /// By which method it was computed.
     pub route: &'static str,
-    /// Relative difference from what judges it.
-    pub value: f64,
-    /// How much more than usual the condition of M may spoil it, see [`StateReport::excess`].
-    pub sensitivity: f64,
+    /// Relative difference from the reference.
+    pub difference: f64,
+    /// Relative difference that rounding may cause.
+    pub bound: f64,
 }
 
-/// What the routes say of each other at one state; made by [`Routes`](super::Routes).
+/// What a [`Figure`] says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The difference is within the bound.
+    Agrees,
+    /// The difference exceeds the bound, but rounding may change the block by more than a thousandth of it: M is nearly
+    /// singular, or numbers overflow.
+    NotComparable,
+    /// The difference exceeds the bound, or is not a number.
+    Differs,
+}
+
+/// Largest relative bound of a comparison that can fail.
+const COMPARABLE: f64 = 1e-3;
+
+impl Figure {
+    /// Difference in units of the bound; not-a-number if one of them is.
+    pub fn ratio(&self) -> f64 {
+        if self.difference == 0.0 { 0.0 } else { self.difference / self.bound }
+    }
+
+    /// Judges the difference by `tolerance` times the bound.
+    pub fn verdict(&self, tolerance: f64) -> Verdict {
+        if self.ratio() <= tolerance {
+            Verdict::Agrees
+        } else if !self.difference.is_nan() && (self.bound.is_nan() || self.bound > COMPARABLE) {
+            Verdict::NotComparable
+        } else {
+            Verdict::Differs
+        }
+    }
+
+    /// The worse of two by verdict, then by ratio. Not-a-number is the worst; of equal ones, the larger bound is kept.
+    #[must_use]
+    pub fn or_worse(self, other: &Self) -> Self {
+        let rank = |figure: &Self| {
+            let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+            (figure.verdict(1.0), figure.difference.is_nan(), number(figure.ratio()), number(figure.bound))
+        };
+        if rank(other).partial_cmp(&rank(&self)).is_some_and(Ordering::is_gt) { *other } else { self }
+    }
+}
+
+/// What the methods say of each other at one state; made by [`Routes`](super::Routes).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateReport {
     /// Condition number of M in the 2-norm.
     pub condition: f64,
+    /// Bound of the rounding error of M^-1 relative to its largest entry, in scaled coordinates.
+    pub inverse_error: f64,
     /// Every comparison; the same in every report on one robot, but that the last may be missing.
     pub figures: Vec<Figure>,
 }
 
 impl StateReport {
-    /// The figure of one quantity by one route, `None` if there is no such comparison.
-    pub fn get(&self, quantity: &str, route: &str) -> Option<f64> {
-        let same = |figure: &&Figure| figure.quantity == quantity && figure.route == route;
-        self.figures.iter().find(same).map(|figure| figure.value)
+    /// The figure of one quantity by one method, `None` if there is no such comparison.
+    pub fn get(&self, quantity: &str, route: &str) -> Option<&Figure> {
+        self.figures.iter().find(|figure| figure.quantity == quantity && figure.route == route)
     }
 
-    /// The largest of all figures.
-    pub fn worst(&self) -> f64 {
-        self.figures.iter().map(|figure| figure.value).fold(0.0, worse)
+    /// The comparisons whose difference exceeds `tolerance` times the bound, or is not a number.
+    pub fn failures(&self, tolerance: f64) -> impl Iterator<Item = &Figure> {
+        self.figures.iter().filter(move |figure| figure.verdict(tolerance) == Verdict::Differs)
     }
 
-    /// The largest figure in units of what double precision allows: `tolerance max(1, sensitivity condition / 1000)`.
-    pub fn excess(&self, tolerance: f64) -> f64 {
-        let allowed = |figure: &Figure| tolerance * (figure.sensitivity * self.condition / 1000.0).max(1.0);
-        self.figures.iter().map(|figure| figure.value / allowed(figure)).fold(0.0, worse)
+    /// Whether rounding leaves less than three digits of M^-1, or too few for some comparison (see
+    /// [`Verdict::NotComparable`]).
+    pub fn is_nearly_singular(&self) -> bool {
+        self.inverse_error > COMPARABLE
+            || self.figures.iter().any(|figure| figure.verdict(1.0) == Verdict::NotComparable)
     }
 
-    /// The larger of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
+    /// The worse of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
+    #[must_use]
     pub fn with_worse_of(mut self, other: &Self) -> Self {
         self.condition = worse(self.condition, other.condition);
+        self.inverse_error = worse(self.inverse_error, other.inverse_error);
         for (ours, theirs) in self.figures.iter_mut().zip(&other.figures) {
-            ours.value = worse(ours.value, theirs.value);
+            *ours = ours.or_worse(theirs);
         }
         self.figures.extend(other.figures.iter().skip(self.figures.len()));
         self
@@ -66,24 +116,13 @@ pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -
     in_relation(largest(&(a - b)), largest(b), natural)
 }
 
-/// The same for vectors.
-pub(super) fn vector_difference(a: &[f64], b: &[f64], natural: f64) -> f64 {
-    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    in_relation(largest(&differences), largest(b), natural)
-}
-
 /// The largest absolute value; not-a-number if one is (which nalgebra's `amax` and `f64::max` would pass over).
 pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().fold(0.0, |largest, value| worse(largest, value.abs()))
 }
 
-/// `max |a - a'| / max |a|`, see [`relative_difference`].
-pub(super) fn asymmetry(a: &DMatrix<f64>, natural: f64) -> f64 {
-    in_relation(largest(&(a - a.transpose())), largest(a), natural)
-}
-
 /// A difference relative to the size of what is compared.
-pub(super) fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
+fn in_relation(difference: f64, size: f64, natural: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / worse(size, natural) }
 }
 
@@ -94,7 +133,7 @@ pub fn worse(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Figure, StateReport, relative_difference};
+    use super::{Figure, Verdict, relative_difference};
     use crate::matrix::Matrix;
 
     /// A figure that is not a number must never look like agreement.
@@ -111,14 +150,32 @@ mod tests {
         assert_eq!(relative_difference(good.view(), good.view(), 0.0), 0.0);
     }
 
+    fn figure(difference: f64, bound: f64) -> Figure {
+        Figure { quantity: "F", route: "a", difference, bound }
+    }
+
     #[test]
-    fn figures_are_judged_by_their_own_sensitivity() {
-        let figure = |value, sensitivity| Figure { quantity: "F", route: "a", value, sensitivity };
-        let report = |figures: &[Figure]| StateReport { condition: 2000.0, figures: figures.to_vec() };
-        assert_eq!(report(&[figure(4e-12, 1.0), figure(4e-12, 10.0)]).excess(1e-12), 2.0);
-        assert_eq!(report(&[figure(4e-12, 0.0)]).excess(1e-12), 4.0);
-        let both = report(&[figure(1.0, 1.0)]).with_worse_of(&report(&[figure(f64::NAN, 1.0)]));
-        assert!(both.worst().is_nan() && both.excess(1.0).is_nan() && both.get("F", "a").unwrap().is_nan());
-        assert_eq!(both.get("F", "b"), None);
+    fn the_figure_nearest_to_its_bound_is_kept() {
+        let (near, far) = (figure(1e-14, 2e-14), figure(2e-14, 1e-13));
+        assert_eq!((near.or_worse(&far), far.or_worse(&near)), (near, near));
+        assert_eq!(
+            (near.ratio(), near.verdict(1.0), near.verdict(0.4)),
+            (0.5, Verdict::Agrees, Verdict::Differs)
+        );
+        assert_eq!((figure(0.0, 0.0).ratio(), figure(0.0, 0.0).verdict(1.0)), (0.0, Verdict::Agrees));
+        assert_eq!(figure(1e-20, 0.0).verdict(1.0), Verdict::Differs);
+    }
+
+    #[test]
+    fn not_a_number_fails_and_is_kept() {
+        let (bad, good) = (figure(f64::NAN, 1e-14), figure(1.0, 1e-14));
+        assert_eq!(bad.verdict(1e300), Verdict::Differs);
+        assert!(good.or_worse(&bad).difference.is_nan() && bad.or_worse(&good).difference.is_nan());
+    }
+
+    #[test]
+    fn what_has_no_digits_left_is_not_compared() {
+        assert_eq!(figure(0.1, 0.01).verdict(1.0), Verdict::NotComparable);
+        assert_eq!(figure(0.1, f64::NAN).verdict(1.0), Verdict::NotComparable);
     }
 }

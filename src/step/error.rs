@@ -28,6 +28,18 @@ pub enum StepError<E: std::error::Error> {
         /// infinite where there is none.
         change: f64,
     },
+    /// Newton's method stopped early: the momenta or velocities of the joints differ by many orders of magnitude, and the
+    /// small ones are not solved to rounding.
+    #[error(
+        "the implicit equation of a {scheme} step was solved to {difference:.0e} of the state only: the joints' masses \
+         differ by many orders of magnitude"
+    )]
+    Inaccurate {
+        /// Which step.
+        scheme: &'static str,
+        /// Difference to the solution after more iterations, relative to the largest scaled entry.
+        difference: f64,
+    },
 }
 
 /// x, u and y (if given) have the lengths of the model, and h is finite.

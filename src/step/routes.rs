@@ -1,4 +1,4 @@
-//! Comparison of the derivatives of every scheme with hyper-dual numbers.
+//! Compares the derivatives of steps in time with hyper-dual numbers.
 
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
@@ -8,18 +8,20 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Called, Figure, largest, relative_difference, worse};
+use crate::derivative::{Called, Figure, Judged, Rounded, RoundedPair, Row, Verdict, scales};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::Robot;
+use crate::scalar::{Scalar, Tangent};
 use num_dual::HyperDual64;
 use std::fmt;
 
-/// Compares the derivatives of one step of a robot, for every scheme, with hyper-dual numbers through the
-/// step itself, including the iterations of implicit schemes.
+/// Compares the derivatives of one step of a robot, by every scheme, with hyper-dual numbers through the step itself
+/// (through the iterations of implicit schemes, too).
 ///
-/// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction.
+/// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction. The bound is that of
+/// [`Routes`](crate::derivative::Routes).
 pub struct StepRoutes {
     momenta: Hamiltonian<f64>,
     runge_kutta: Compared<HamiltonianRobot, Classical>,
@@ -27,6 +29,10 @@ pub struct StepRoutes {
     midpoint: Compared<HamiltonianRobot, Midpoint>,
     semi_implicit: Compared<LagrangianRobot, SemiImplicit>,
 }
+
+/// Exponents of the scales for x = (q, p) and x = (q, v), see [`Row`]: of x, of what is dual to (x, u), and to (x, u, h).
+const MOMENTA: [&[i8]; 3] = [&[1, -1], &[-1, 1, 1], &[-1, 1, 1, 0]];
+const VELOCITIES: [&[i8]; 3] = [&[1, 1], &[-1, -1, 1], &[-1, -1, 1, 0]];
 
 impl fmt::Debug for StepRoutes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -41,10 +47,10 @@ impl StepRoutes {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
             momenta: Hamiltonian::new(robot),
-            runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian),
-            verlet: Compared::new("Verlet (q, p)", &hamiltonian),
-            midpoint: Compared::new("midpoint (q, p)", &hamiltonian),
-            semi_implicit: Compared::new("semi-implicit (q, v)", &lagrangian),
+            runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian, MOMENTA),
+            verlet: Compared::new("Verlet (q, p)", &hamiltonian, MOMENTA),
+            midpoint: Compared::new("midpoint (q, p)", &hamiltonian, MOMENTA),
+            semi_implicit: Compared::new("semi-implicit (q, v)", &lagrangian, VELOCITIES),
         }
     }
 
@@ -52,7 +58,7 @@ impl StepRoutes {
     /// product is (y, u). Appends all figures, or none on an error.
     ///
     /// # Errors
-    /// A wrong length, a state that the model refuses, or an implicit equation that was not solved.
+    /// A wrong length, a state that the model refuses, or an implicit equation that was not solved to rounding.
     #[inline]
     pub fn compare(
         &mut self,
@@ -62,87 +68,173 @@ impl StepRoutes {
         y: &[f64],
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<EvalError>> {
-        let n = self.momenta.dof();
-        check([2 * n, n], [x, u], h, Some(y))?;
-        let (q, p) = x.split_at(n);
-        let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
-        let mut found = Vec::new();
-        self.runge_kutta.compare(x, u, h, y, &mut found)?;
-        self.verlet.compare(x, u, h, y, &mut found)?;
-        self.midpoint.compare(x, u, h, y, &mut found)?;
-        self.semi_implicit.compare(&in_velocities, u, h, y, &mut found)?;
-        found.sort_by_key(|figure| figure.quantity);
-        figures.append(&mut found);
+        let (rows, d) = self.rows(x, u, h, y)?;
+        figures.extend(rows.iter().map(|row| row.judge(&d)));
         Ok(())
     }
-}
 
-/// One scheme and its reference.
-struct Compared<F: ModelFamily, M: Scheme<F>> {
-    name: &'static str,
-    step: M::Step<f64>,
-    judge: M::Step<Called<HyperDual64>>,
-    z: Vec<Called<HyperDual64>>,
-}
-
-impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
-    fn new(name: &'static str, family: &F) -> Self {
-        let step = M::step(family.model::<f64>());
-        let inputs = step.states() + step.controls() + 1;
-        Self {
-            name,
-            judge: M::step(family.model()),
-            z: vec![Called(HyperDual64::from_re(0.0)); inputs],
-            step,
-        }
-    }
-
-    fn compare(
+    /// As [`Routes::undetected`](crate::derivative::Routes::undetected).
+    ///
+    /// # Errors
+    /// As for [`compare`](Self::compare).
+    #[doc(hidden)]
+    #[inline]
+    pub fn undetected(
         &mut self,
         x: &[f64],
         u: &[f64],
         h: f64,
         y: &[f64],
-        figures: &mut Vec<Figure>,
-    ) -> Result<(), StepError<F::Error>> {
-        let (states, inputs) = (x.len(), self.z.len());
-        let direction = [y, u, &[0.0]].concat();
-        let values = [x, u, &[h]].concat();
-        let (mut phi_z, mut product) = (Matrix::zeros(states, inputs), Matrix::zeros(1, inputs - 1));
-        for j in 0..inputs {
-            for (l, z) in self.z.iter_mut().enumerate() {
-                *z = Called(HyperDual64::new(values[l], direction[l], f64::from(u8::from(l == j)), 0.0));
-            }
-            let (start, rest) = self.z.split_at(states);
-            let (control, duration) = rest.split_at(u.len());
-            let next = self.judge.evaluate(start, control, duration[0])?;
-            next.iter().enumerate().for_each(|(k, next)| phi_z[(k, j)] = next.0.eps2);
-            if j + 1 < inputs {
-                product[(0, j)] = next.iter().zip(y).map(|(next, y)| next.0.eps1eps2 * y).sum();
-            }
-        }
-        let found = self.step.contract(x, u, h, y)?;
-        let first = jacobian(&found);
-        let mut by_hand = Matrix::zeros(1, inputs - 1);
-        let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(states);
-        found.times([y, u], [in_x, in_u]);
-        let largest_first = largest(phi_z.as_slice());
-        let largest_second = found.xx.iter_rows().map(largest).fold(1e-3 * largest(y) * largest_first, worse);
-        let natural = largest_second * worse(largest(y), largest(u));
-        for (quantity, value) in [
-            ("Phi_z, z = (x, u, h)", relative_difference(first.view(), phi_z.view(), 0.0)),
-            ("y'Phi_zz d, z = (x, u)", relative_difference(by_hand.view(), product.view(), natural)),
-        ] {
-            figures.push(Figure { quantity, route: self.name, value, sensitivity: 1.0 });
-        }
-        Ok(())
+        change: f64,
+    ) -> Result<Vec<[&'static str; 2]>, StepError<EvalError>> {
+        let (rows, d) = self.rows(x, u, h, y)?;
+        Ok(rows.iter().filter(|row| !row.detects(change, &d)).map(|row| row.row.name).collect())
+    }
+
+    /// All rows, and the scales of the coordinates.
+    #[inline]
+    fn rows(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+    ) -> Result<(Vec<Judged>, Vec<f64>), StepError<EvalError>> {
+        let n = self.momenta.dof();
+        check([2 * n, n], [x, u], h, Some(y))?;
+        let (q, p) = x.split_at(n);
+        let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
+        let d = scales(&self.momenta.mass_matrix(q)?.view().to_nalgebra());
+        let mut found = Vec::new();
+        found.extend(self.runge_kutta.rows([x, u, y], h, &d)?);
+        found.extend(self.verlet.rows([x, u, y], h, &d)?);
+        found.extend(self.midpoint.rows([x, u, y], h, &d)?);
+        found.extend(self.semi_implicit.rows([&in_velocities, u, y], h, &d)?);
+        found.sort_by_key(|judged| judged.row.name[0]);
+        Ok((found, d))
     }
 }
 
+/// One scheme and its reference, in `f64` and in numbers that carry their rounding error.
+struct Compared<F: ModelFamily, M: Scheme<F>> {
+    name: &'static str,
+    /// Of the state, of what is dual to (x, u), and to (x, u, h).
+    scales: [&'static [i8]; 3],
+    step: M::Step<f64>,
+    reference: M::Step<Called<HyperDual64>>,
+    rounded_step: M::Step<Rounded>,
+    rounded_reference: M::Step<Called<RoundedPair>>,
+}
+
+impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
+    #[inline]
+    fn new(name: &'static str, family: &F, scales: [&'static [i8]; 3]) -> Self {
+        Self {
+            name,
+            scales,
+            step: M::step(family.model()),
+            reference: M::step(family.model()),
+            rounded_step: M::step(family.model()),
+            rounded_reference: M::step(family.model()),
+        }
+    }
+
+    #[inline]
+    fn rows(
+        &mut self,
+        [x, u, y]: [&[f64]; 3],
+        h: f64,
+        d: &[f64],
+    ) -> Result<Vec<Judged>, StepError<F::Error>> {
+        let names = (self.name, self.scales);
+        let rows = compare(names, (&mut self.step, &mut self.reference), [x, u, y], h)?;
+        let exact = |values: &[f64]| values.iter().map(|&value| Rounded::from_f64(value)).collect::<Vec<_>>();
+        let steps = (&mut self.rounded_step, &mut self.rounded_reference);
+        let rounded = compare(names, steps, [&exact(x), &exact(u), &exact(y)], Rounded::from_f64(h))?;
+        let mut rows: Vec<_> =
+            rows.into_iter().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect();
+        // Hyper-dual numbers take two more iterations: their value is solved to rounding.
+        let value = rows.remove(0).judge(d);
+        if value.verdict(1.0) == Verdict::Differs {
+            return Err(StepError::Inaccurate { scheme: self.name, difference: value.difference });
+        }
+        Ok(rows)
+    }
+}
+
+/// A hyper-dual number over S.
+trait HyperDual<S>: Scalar {
+    fn new(value: S, along: S, unit: S) -> Self;
+
+    /// The value, the derivative along the unit vector, and the second one along both directions.
+    fn parts(self) -> [S; 3];
+}
+
+impl HyperDual<f64> for Called<HyperDual64> {
+    fn new(value: f64, along: f64, unit: f64) -> Self {
+        Self(HyperDual64::new(value, along, unit, 0.0))
+    }
+
+    fn parts(self) -> [f64; 3] {
+        [self.0.re, self.0.eps2, self.0.eps1eps2]
+    }
+}
+
+impl HyperDual<Rounded> for Called<RoundedPair> {
+    fn new(value: Rounded, along: Rounded, unit: Rounded) -> Self {
+        Self(Tangent::new(Tangent::new(value, along), Tangent::new(unit, Rounded::zero())))
+    }
+
+    fn parts(self) -> [Rounded; 3] {
+        [self.0.re.re, self.0.eps.re, self.0.eps.eps]
+    }
+}
+
+/// Phi, Phi_z and `y'Phi_zz d` by a step and through the reference, over one number type.
+#[inline]
+fn compare<S: Scalar, T: HyperDual<S>, E: std::error::Error>(
+    (name, [state, dual, dual_with_h]): (&'static str, [&'static [i8]; 3]),
+    (step, reference): (&mut impl Step<S, Error = E>, &mut impl Step<T, Error = E>),
+    [x, u, y]: [&[S]; 3],
+    h: S,
+) -> Result<[Row<S>; 3], E> {
+    let (states, inputs) = (x.len(), x.len() + u.len() + 1);
+    let direction = [y, u, &[S::zero()]].concat();
+    let values = [x, u, &[h]].concat();
+    let (mut phi_z, mut product) = (Matrix::zeros(states, inputs), Matrix::zeros(1, inputs - 1));
+    let mut phi = Matrix::zeros(states, 1);
+    for j in 0..inputs {
+        let unit = |l| if l == j { S::one() } else { S::zero() };
+        let z: Vec<T> = (0..inputs).map(|l| T::new(values[l], direction[l], unit(l))).collect();
+        let next = reference.evaluate(&z[..states], &z[states..inputs - 1], z[inputs - 1])?;
+        let mut sum = S::zero();
+        for (k, next) in next.iter().enumerate() {
+            let [value, first, second] = next.parts();
+            phi[(k, 0)] = value;
+            phi_z[(k, j)] = first;
+            sum += second * y[k];
+        }
+        if j + 1 < inputs {
+            product[(0, j)] = sum;
+        }
+    }
+    let found = step.contract(x, u, h, y)?;
+    let (value, first) = (Matrix::from_rows(1, found.first.next), jacobian(&found));
+    let mut by_hand = Matrix::zeros(1, inputs - 1);
+    let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(states);
+    found.times([y, u], [in_x, in_u]);
+    Ok([
+        Row::new(["Phi", name], value.view(), phi.view(), [state, &[0]]),
+        Row::new(["Phi_z, z = (x, u, h)", name], first.view(), phi_z.view(), [state, dual_with_h]),
+        Row::new(["y'Phi_zz d, z = (x, u)", name], by_hand.view(), product.view(), [&[0], dual]),
+    ])
+}
+
 /// `[Phi_x, Phi_u, Phi_h]`.
-fn jacobian(found: &StepContraction<'_, f64>) -> Matrix<f64> {
+#[inline]
+fn jacobian<S: Scalar>(found: &StepContraction<'_, S>) -> Matrix<S> {
     let first = &found.first;
     let rows = first.phi_x.iter_rows().zip(first.phi_u.iter_rows()).zip(first.phi_h);
-    let entries: Vec<f64> = rows.flat_map(|((x, u), h)| [x, u, std::slice::from_ref(h)].concat()).collect();
+    let entries: Vec<S> = rows.flat_map(|((x, u), h)| [x, u, std::slice::from_ref(h)].concat()).collect();
     Matrix::from_rows(entries.len() / first.next.len().max(1), &entries)
 }

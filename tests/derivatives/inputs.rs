@@ -179,7 +179,7 @@ fn nearly_parallel_axes() {
     }
 }
 
-/// Masses of 1e-6 and 1e6 kg in one chain, gravity off: routes still agree within the condition of M.
+/// Masses of 1e-6 and 1e6 kg in one chain, without gravity: the methods still agree within their bounds.
 #[test]
 fn extreme_masses() {
     for masses in [[1e-6, 1e6, 1e-6], [1e6, 1e-6, 1e6], [1e6, 1.0, 1e-6]] {
@@ -198,7 +198,7 @@ fn extreme_masses() {
         let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
         let x = [q.to_vec(), p].concat();
         let report = Routes::new(&robot).compare(&x, &[0.0; 3], &[0.5; 6]).unwrap();
-        assert!(report.excess(1e-12) <= 1.0, "{report:?}");
+        assert_eq!(report.failures(1.0).collect::<Vec<_>>(), [&report.figures[0]; 0], "{report:?}");
     }
 }
 

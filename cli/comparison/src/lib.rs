@@ -3,7 +3,7 @@
 //! Both need the pipeline for a dozen number types. Here it is compiled once, for the command line and for the tests,
 //! and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): nobody times it.
 
-use costate::derivative::{DerivativeError, OperationTable, StateReport};
+use costate::derivative::{DerivativeError, Extent, OperationTable, StateReport};
 use costate::robot::Robot;
 use costate::scalar::Constants;
 use costate::step::StepError;
@@ -32,6 +32,22 @@ impl Routes {
     ) -> Result<StateReport, DerivativeError<EvalError>> {
         self.0.compare(x, u, y)
     }
+
+    /// [`derivative::Routes::undetected`].
+    ///
+    /// # Errors
+    /// Those of [`derivative::Routes::compare`].
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn undetected(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        y: &[f64],
+        change: f64,
+    ) -> Result<Vec<[&'static str; 2]>, DerivativeError<EvalError>> {
+        self.0.undetected(x, u, y, change)
+    }
 }
 
 /// [`step::StepRoutes`], compiled here.
@@ -59,16 +75,34 @@ impl StepRoutes {
     ) -> Result<(), StepError<EvalError>> {
         self.0.compare(x, u, h, y, figures)
     }
+
+    /// [`step::StepRoutes::undetected`].
+    ///
+    /// # Errors
+    /// Those of [`step::StepRoutes::compare`].
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn undetected(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        h: f64,
+        y: &[f64],
+        change: f64,
+    ) -> Result<Vec<[&'static str; 2]>, StepError<EvalError>> {
+        self.0.undetected(x, u, h, y, change)
+    }
 }
 
-/// [`OperationTable::new`].
+/// [`OperationTable::counted`].
 ///
 /// # Errors
-/// Those of [`OperationTable::new`].
+/// Those of [`OperationTable::counted`].
 #[inline(never)]
 pub fn operation_table(
     robot: &Robot,
     constants: Constants,
+    extent: Extent,
 ) -> Result<OperationTable, DerivativeError<EvalError>> {
-    OperationTable::new(robot, constants)
+    OperationTable::counted(robot, constants, extent)
 }

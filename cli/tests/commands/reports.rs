@@ -33,13 +33,84 @@ fn check_passes_and_fails_by_its_tolerance() {
     }
     let output = costate(&["check", "robots/biped.toml", "--samples", "5", "--tolerance", "1e-25"], b"");
     assert_eq!(output.status.code(), Some(1));
-    assert!(stdout(&output).contains("FAIL"));
+    assert!(stdout(&output).contains("FAIL: F_x by analytic differs by"), "{}", stdout(&output));
     let again =
         |seed| stdout(&costate(&["check", "robots/panda.urdf", "--samples", "3", "--seed", seed], b""));
     assert_eq!(again("7"), again("7"));
     assert_ne!(again("7"), again("8"));
     let friction = costate(&["check", "tests/fixtures/friction_tree.toml", "--samples", "20"], b"");
     assert!(friction.status.success(), "{}", stdout(&friction));
+}
+
+#[test]
+fn check_as_json() {
+    let output = costate(&["check", "robots/ur5.urdf", "--samples", "3", "--json"], b"");
+    assert!(output.status.success() && output.stderr.is_empty());
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&report["robot"], &report["n"], &report["pass"]), (&json!("ur5"), &json!(6), &json!(true)));
+    let rows = report["rows"].as_array().unwrap();
+    assert!(rows.len() > 20);
+    for row in rows {
+        for column in ["zero", "random"] {
+            assert_eq!(row[column]["verdict"], json!("agrees"), "{row}");
+            assert!(row[column]["ratio"].as_f64().unwrap() <= 1.0, "{row}");
+        }
+    }
+}
+
+/// Joints that move in metres beside joints that turn, in trees and at singular angles.
+#[test]
+fn check_passes_on_planar_and_floating_joints() {
+    let link = |k: usize| {
+        format!(
+            r#"<link name="l{k}"><inertial><origin xyz="0.1 0 0.2"/><mass value="2"/><inertia ixx="0.3" ixy="0" ixz="0" iyy="0.3" iyz="0" izz="0.2"/></inertial></link>"#
+        )
+    };
+    for kinds in [["planar", "planar", "planar"], ["floating", "planar", "continuous"]] {
+        let joint = |(k, kind): (usize, &&str)| {
+            let parent = if k == 0 { "world".into() } else { format!("l{}", k - 1) };
+            format!(
+                r#"{}<joint name="j{k}" type="{kind}"><parent link="{parent}"/><child link="l{k}"/><origin xyz="0.3 0 0.1"/><axis xyz="0 1 0"/></joint>"#,
+                link(k)
+            )
+        };
+        let joints: String = kinds.iter().enumerate().map(joint).collect();
+        let text = format!(r#"<robot name="mobile"><link name="world"/>{joints}</robot>"#);
+        let output = costate(&["check", "-", "--samples", "30"], text.as_bytes());
+        let table = stdout(&output);
+        assert!(output.status.success() && !table.contains("NaN"), "{table}");
+        assert!(table.lines().all(|line| line.chars().count() <= 110), "{table}");
+    }
+}
+
+/// A chain of pendulums.
+fn chain(n: usize) -> String {
+    let joint = |k: usize| {
+        let parent = if k == 0 { String::new() } else { format!("parent = \"j{}\"\n", k - 1) };
+        format!(
+            "[[joint]]\nname = \"j{k}\"\ntype = \"revolute\"\n{parent}axis = [0.0, 1.0, 0.0]\nxyz = [0.1, 0.0, 0.0]\n\
+             mass = 1.0\ncom = [0.05, 0.0, 0.0]\ninertia = {{ xx = 0.01, yy = 0.01, zz = 0.01 }}\n\n"
+        )
+    };
+    format!("name = \"chain\"\n\n{}", (0..n).map(joint).collect::<String>())
+}
+
+#[test]
+fn long_chains_are_refused_or_counted_in_part() {
+    let output = costate(&["check", "-", "--format", "toml"], chain(200).as_bytes());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("operations") && stderr(&output).contains("--force"),
+        "{}",
+        stderr(&output)
+    );
+    let output = costate(&["count", "-", "--format", "toml", "--json"], chain(100).as_bytes());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("left out") && stdout(&output).contains("dual pass"));
+    assert!(!stdout(&output).contains("hyperdual"));
+    let output = costate(&["count", "-", "--format", "toml"], chain(1000).as_bytes());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("1000 joints"), "{}", stderr(&output));
 }
 
 #[test]

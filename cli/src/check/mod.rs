@@ -1,0 +1,166 @@
+//! `costate check`: compares all methods for derivatives with each other.
+
+mod findings;
+mod report;
+mod sample;
+
+use crate::arguments::positive;
+use crate::report::counted;
+use crate::work::{Method, Work};
+use crate::{Outcome, RobotArguments, terminal};
+use costate::EvalError;
+use costate::derivative::{DerivativeError, StateReport};
+use costate::hamiltonian::Hamiltonian;
+use costate::robot::Robot;
+use costate::step::StepError;
+use costate_comparison::{Routes, StepRoutes};
+use fastrand::Rng;
+use findings::Findings;
+use report::{as_json, print};
+use sample::{Sample, random_sample};
+use std::io::Write;
+use std::process::ExitCode;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// Number of random states, besides q = 0
+    #[arg(long, default_value_t = 100)]
+    samples: usize,
+    /// Seed of the random states
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Largest difference allowed, in units of the rounding error bound of its block
+    #[arg(long, default_value = "1", value_parser = positive)]
+    tolerance: f64,
+    /// Print one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+    /// Start even if the work exceeds the limits
+    #[arg(long)]
+    force: bool,
+}
+
+/// Most operations for all states together that are started without `--force`: some minutes.
+const MOST_OPERATIONS: f64 = 3e11;
+
+/// Duration of the steps that are checked (s).
+const STEP: f64 = 1e-3;
+
+pub fn run(arguments: &Arguments) -> Outcome {
+    let robot = arguments.robot.load_and_warn()?;
+    if !arguments.force {
+        refuse_excessive(&robot, arguments.samples)?;
+    }
+    let findings = compare_all(&robot, arguments)?;
+    if let Some(first) = findings.singular.first() {
+        let (count, samples) = (findings.singular.len(), arguments.samples + 1);
+        terminal::warning(format!("{count} of {samples} states are left out: {first}"));
+        if count == samples {
+            return Err("no state could be evaluated".into());
+        }
+    }
+    let failures = findings.failures(arguments.tolerance);
+    let mut out = terminal::stdout();
+    if arguments.json {
+        writeln!(out, "{}", as_json(&robot, arguments, &findings, &failures))?;
+    } else {
+        print(&robot, arguments, &findings, &failures, &mut out)?;
+    }
+    Ok(if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The reference, hyper-dual numbers, takes work that grows with the fourth to fifth power of the number of joints.
+fn refuse_excessive(robot: &Robot, samples: usize) -> Result<(), String> {
+    let second = Work::lagrangian(robot, Method::HyperDual);
+    let all = [
+        second,
+        Work::lagrangian(robot, Method::Nested),
+        Work::hamiltonian(robot, Method::HyperDual),
+        Work::hamiltonian(robot, Method::Nested),
+    ];
+    let n = counted(robot.dof(), "joint");
+    if all.iter().any(Work::is_excessive) {
+        return Err(format!(
+            "automatic second derivatives of {n} take {second}; check a part of the robot, or use --force"
+        ));
+    }
+    let states = samples.saturating_add(1);
+    let operations = all.iter().map(Work::operations).sum::<f64>() * states as f64;
+    if operations > MOST_OPERATIONS {
+        let affordable = (MOST_OPERATIONS / operations * states as f64) as usize;
+        return Err(format!(
+            "{} of {n} take about {operations:.0e} operations (the limit is {MOST_OPERATIONS:.0e}); use --samples {} or \
+             fewer, or --force",
+            counted(states, "state"),
+            affordable.saturating_sub(1),
+        ));
+    }
+    Ok(())
+}
+
+/// Compares at q = 0 and at random states.
+fn compare_all(robot: &Robot, arguments: &Arguments) -> Result<Findings, Box<dyn std::error::Error>> {
+    let mut rng = Rng::with_seed(arguments.seed);
+    let mut routes = Routes::new(robot);
+    let mut steps = StepRoutes::new(robot);
+    let mut hamiltonian = Hamiltonian::new(robot);
+    let bar = terminal::progress_bar(arguments.samples as u64 + 1, "states");
+    let mut findings =
+        Findings { zero: None, random: None, singular: Vec::new(), nearly_singular: 0, steps_unsolved: 0 };
+    for k in 0..=arguments.samples {
+        let sample = random_sample(robot, &mut hamiltonian, &mut rng, k == 0)?;
+        match compare(&mut routes, &mut steps, &sample) {
+            Ok((report, unsolved)) => {
+                findings.steps_unsolved += usize::from(unsolved);
+                findings.nearly_singular += usize::from(report.is_nearly_singular());
+                let worst = if k == 0 { &mut findings.zero } else { &mut findings.random };
+                *worst = Some(match worst.take() {
+                    Some(worst) => worst.with_worse_of(&report),
+                    None => report,
+                });
+            }
+            Err(Left::Out(reason)) => findings.singular.push(reason),
+            Err(Left::Failed(error)) => return Err(error),
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(findings)
+}
+
+/// Why a state gives no figures.
+enum Left {
+    /// It is singular.
+    Out(String),
+    Failed(Box<dyn std::error::Error>),
+}
+
+impl From<EvalError> for Left {
+    fn from(error: EvalError) -> Self {
+        match error {
+            EvalError::SingularMassMatrix { .. } => Self::Out(error.to_string()),
+            _ => Self::Failed(error.into()),
+        }
+    }
+}
+
+/// All figures at one state, and whether those of steps are missing: near a singular M they may have no solution.
+fn compare(
+    routes: &mut Routes,
+    steps: &mut StepRoutes,
+    sample: &Sample,
+) -> Result<(StateReport, bool), Left> {
+    let Sample { x, u, y } = sample;
+    let mut report = routes.compare(x, u, y).map_err(|error| match error {
+        DerivativeError::Function(error) => error.into(),
+        error => Left::Failed(error.into()),
+    })?;
+    match steps.compare(x, u, STEP, y, &mut report.figures) {
+        Ok(()) => Ok((report, false)),
+        Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => Ok((report, true)),
+        Err(StepError::Dynamics(error)) => Err(error.into()),
+        Err(error) => Err(Left::Failed(error.into())),
+    }
+}

@@ -1,0 +1,184 @@
+//! The hand-derived methods over any number type, compared with given reference values.
+
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
+// everyone who builds the library.
+
+use super::reference::Reference;
+use super::row::{Row, matrix};
+use crate::error::EvalError;
+use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use crate::lagrangian::LagrangianSecondOrder;
+use crate::matrix::{Block, Matrix, dot};
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+use crate::tensors::Christoffel;
+
+/// A state in both sets of coordinates, actuation u, and costate y (2n).
+#[derive(Clone, Debug)]
+pub(super) struct State<S> {
+    /// (q, p).
+    pub x: Vec<S>,
+    pub v: Vec<S>,
+    pub u: Vec<S>,
+    pub y: Vec<S>,
+}
+
+impl<S: Copy> State<S> {
+    /// (q, v, u), the inputs of forward dynamics.
+    pub fn z(&self) -> Vec<S> {
+        let q = &self.x[..self.v.len()];
+        [q, &self.v, &self.u].concat()
+    }
+
+    pub fn map<T>(&self, lift: impl Fn(S) -> T) -> State<T> {
+        let all = |values: &[S]| values.iter().map(|&value| lift(value)).collect();
+        State { x: all(&self.x), v: all(&self.v), u: all(&self.u), y: all(&self.y) }
+    }
+}
+
+/// Workspaces of the methods that are compared with the reference.
+#[derive(Clone, Debug)]
+pub(super) struct Methods<S: Scalar> {
+    analytic: HamiltonianSecondOrder<S>,
+    dual_pass: DualPass<S>,
+    full: FullHessian<S>,
+    tensors: DualPass<S, Christoffel>,
+    lagrangian: LagrangianSecondOrder<S>,
+    /// Without friction.
+    pub conservative: Hamiltonian<S>,
+    packed: Matrix<S>,
+}
+
+/// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of q and p, of what is dual to them, of z = (q, v, u).
+const STATE: &[i8] = &[1, -1];
+const COSTATE: &[i8] = &[-1, 1];
+const COSTATE_OF_Z: &[i8] = &[-1, -1, 1];
+
+impl<S: Scalar> Methods<S> {
+    #[inline]
+    pub fn new(robot: &Robot) -> Self {
+        let (n, tree) = (robot.dof(), Tree::from(robot));
+        Self {
+            analytic: HamiltonianSecondOrder::from_tree(tree.clone()),
+            dual_pass: DualPass::from_tree(tree.clone()),
+            full: FullHessian::from_tree(tree.clone()),
+            lagrangian: LagrangianSecondOrder::from_tree(tree.clone()),
+            tensors: DualPass::with_route(tree, Christoffel),
+            conservative: Hamiltonian::new(&robot.without_friction()),
+            packed: Matrix::zeros(2 * n, 2 * n),
+        }
+    }
+
+    /// All comparisons at one state, in the order of the report.
+    #[inline]
+    pub fn rows(&mut self, state: &State<S>, reference: &Reference<S>) -> Result<Vec<Row<S>>, EvalError> {
+        let mut rows = Vec::new();
+        self.first(state, reference, &mut rows)?;
+        self.second(state, reference, &mut rows)?;
+        self.forward_dynamics(state, reference, &mut rows)?;
+        self.conserved(state, reference, &mut rows)?;
+        Ok(rows)
+    }
+
+    /// F_x by every method, and y'F_x.
+    #[inline]
+    fn first(
+        &mut self,
+        state: &State<S>,
+        to: &Reference<S>,
+        rows: &mut Vec<Row<S>>,
+    ) -> Result<(), EvalError> {
+        let State { x, u, y, .. } = state;
+        let (q, p) = x.split_at(u.len());
+        let mut add = |route, f_x: Block<'_, S>| {
+            rows.push(Row::new(["F_x", route], f_x, to.f_x.view(), [STATE, COSTATE]));
+        };
+        add("analytic", self.analytic.first().linearise(q, p, u)?.matrix());
+        add("tensors", self.tensors.first().linearise(q, p, u)?.matrix());
+        add("dual", to.dual_f_x.view());
+        let found = self.analytic.first().adjoint(q, p, u, y)?.y_f_x;
+        let product = |j| y.iter().enumerate().fold(S::zero(), |sum, (k, &y)| sum + y * to.f_x[(k, j)]);
+        let (found, expected) = (matrix(1, x.len(), |_, j| found[j]), matrix(1, x.len(), |_, j| product(j)));
+        rows.push(Row::new(["y'F_x", "analytic"], found.view(), expected.view(), [&[0], COSTATE]));
+        Ok(())
+    }
+
+    /// y'F_xx by every method, and its product with y.
+    #[inline]
+    fn second(
+        &mut self,
+        state: &State<S>,
+        to: &Reference<S>,
+        rows: &mut Vec<Row<S>>,
+    ) -> Result<(), EvalError> {
+        let State { x, u, y, .. } = state;
+        let (q, p) = x.split_at(u.len());
+        let mut add = |route, y_f_xx: Block<'_, S>| {
+            rows.push(Row::new(["y'F_xx", route], y_f_xx, to.y_f_xx.view(), [COSTATE, COSTATE]));
+        };
+        add("analytic", self.analytic.contract(q, p, u, y)?.matrix());
+        add("dual pass", self.dual_pass.contract(q, p, u, y)?.matrix());
+        self.full.hessian_tensor(q, p)?.contract(y, &mut self.packed)?;
+        add("packed tensor", self.packed.view());
+        add("tensors", self.tensors.contract(q, p, u, y)?.matrix());
+        add("dual", to.nested_y_f_xx.view());
+        rows.push(Row::asymmetry(["asymmetry of y'F_xx", "dual"], &to.nested_y_f_xx, COSTATE));
+        let found = self.analytic.hessian_product(q, p, y, y)?;
+        let product = matrix(1, x.len(), |_, i| dot(to.y_f_xx.row(i), y));
+        let found = matrix(1, x.len(), |_, j| found[j]);
+        rows.push(Row::new(["y'F_xx y", "analytic"], found.view(), product.view(), [&[0], COSTATE]));
+        Ok(())
+    }
+
+    /// a_z and y'a_zz, z = (q, v, u), for the second half of y.
+    #[inline]
+    fn forward_dynamics(
+        &mut self,
+        state: &State<S>,
+        to: &Reference<S>,
+        rows: &mut Vec<Row<S>>,
+    ) -> Result<(), EvalError> {
+        let State { x, v, u, y } = state;
+        let n = v.len();
+        let second = self.lagrangian.contract_forward_dynamics(&x[..n], v, u, &y[n..])?;
+        let mut first = |route, a_z: Block<'_, S>| {
+            let quantity = "a_z, z = (q, v, u)";
+            rows.push(Row::new([quantity, route], a_z, to.a_z.view(), [&[1], COSTATE_OF_Z]));
+        };
+        first("analytic", second.forward_dynamics().matrix());
+        first("dual", to.dual_a_z.view());
+        let mut add = |route, y_a_zz: Block<'_, S>| {
+            rows.push(Row::new(["y'a_zz", route], y_a_zz, to.y_a_zz.view(), [COSTATE_OF_Z, COSTATE_OF_Z]));
+        };
+        add("analytic", second.to_matrix().view());
+        add("dual", to.nested_y_a_zz.view());
+        Ok(())
+    }
+
+    /// Without friction and actuation: symmetry of J F_x, and dH/dt = 0.
+    #[inline]
+    fn conserved(
+        &mut self,
+        state: &State<S>,
+        to: &Reference<S>,
+        rows: &mut Vec<Row<S>>,
+    ) -> Result<(), EvalError> {
+        let n = state.v.len();
+        let (q, p) = state.x.split_at(n);
+        let first = self.conservative.linearise(q, p, &vec![S::zero(); n])?;
+        let f_x = first.matrix();
+        let j_f_x = matrix(2 * n, 2 * n, |i, j| if i < n { f_x.row(n + i)[j] } else { -f_x.row(i - n)[j] });
+        let products: Vec<S> = to.energy_gradient.iter().zip(first.f()).map(|(&g, &f)| g * f).collect();
+        rows.push(Row::asymmetry(["asymmetry of J F_x, D = 0", "analytic"], &j_f_x, COSTATE));
+        let sum = |terms: &dyn Fn(S) -> S| {
+            matrix(1, 1, |_, _| products.iter().fold(S::zero(), |sum, &product| sum + terms(product)))
+        };
+        rows.push(Row {
+            name: ["energy drift, u = D = 0", "analytic"],
+            difference: sum(&|product| product),
+            size: sum(&Scalar::abs),
+            scales: [&[0], &[0]],
+        });
+        Ok(())
+    }
+}
