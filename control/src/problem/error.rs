@@ -174,7 +174,8 @@ impl ProblemError {
             }
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds"
+                 or finite \
+                 bounds.u_min and bounds.u_max"
             ),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
