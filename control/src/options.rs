@@ -205,7 +205,7 @@ impl SolverOptions {
             return bad("starts", 0.0, "must be 1 or more");
         }
         if self.time_limit == Some(Duration::ZERO) {
-            return bad("time_limit", 0.0, "must be more than 0 s; leave it out for no limit");
+            return bad("time_limit", 0.0, "must be a positive number of seconds");
         }
         Ok(())
     }
