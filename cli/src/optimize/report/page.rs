@@ -23,7 +23,7 @@ pub fn text(motion: &Motion<'_>) -> String {
          {head}{motion_sections}\
          <section><h2>Solver</h2><div class=\"solver\">{solver}{iterations}</div></section>\n\
          <section><h2>Problem</h2><pre>{source}</pre></section>\n\
-         <footer>costate {version}; H* = y'f - l, y' = -H*_x, u = clip(R<sup>-1</sup>B'y_p). \
+         <footer>costate {version}; H* = y'f - l, y' = -H*_x, <span class=\"formula\">u = clip(R<sup>-1</sup>B'y_p)</span>. \
          Angles in rad, lengths in m, times in s; costates in units of the cost.</footer>\n\
          </body></html>\n",
         head = head(motion),
