@@ -32,6 +32,8 @@ pub struct ProblemFile {
     pub problem: Problem,
     /// The options of the table `[solver]`, in range.
     pub options: SolverOptions,
+    /// The robot file, relative paths resolved.
+    pub robot_path: PathBuf,
     /// The saved motion of `[start_from]`, relative paths resolved.
     pub start_from: Option<PathBuf>,
     /// The text of the file.
@@ -70,7 +72,8 @@ impl ProblemFile {
         let document = Document::parse(text)?;
         let root = document.root();
         let tables = tables::read(&root)?;
-        let robot = Robot::from_file_with(folder.join(&tables.robot), load)
+        let robot_path = folder.join(&tables.robot);
+        let robot = Robot::from_file_with(&robot_path, load)
             .map_err(|error| root.fault("robot", ProblemFileCause::Robot(error)))?;
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
@@ -79,6 +82,7 @@ impl ProblemFile {
         Ok(Self {
             problem,
             options: tables.options,
+            robot_path,
             start_from: tables.start_from.map(|file| folder.join(file)),
             text: text.into(),
             path: path.map(Path::to_path_buf),
