@@ -57,7 +57,7 @@ type PointListener<'a> = Box<dyn FnMut(&BranchPoint) -> ControlFlow<()> + Send +
 /// assert_eq!(branch.end, BranchEnd::Reached);
 /// let (first, last) = (&branch.points[0], &branch.solution);
 /// assert!((first.cost - 6.0 * std::f64::consts::PI.powi(2)).abs() < 1e-7);
-/// assert!((last.cost - 74.0616592202).abs() < 1e-7);
+/// assert!((last.motion.cost - 74.0616592202).abs() < 1e-7);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use = "a continuation does nothing until `follow` is called"]

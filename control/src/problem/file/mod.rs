@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let file = ProblemFile::read("examples/problems/pendulum_swing_up.toml", LoadOptions::default())?;
 /// let solution = Solver::new(&file.problem, file.options.clone())?.solve();
-/// assert!(solution.status.is_converged());
+/// assert!(solution.motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
