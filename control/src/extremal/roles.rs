@@ -6,7 +6,7 @@ use costate::EvalError;
 /// Hamiltonian and running cost at one point of an extremal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HamiltonianTerms {
-    /// $H^* = y^\top f - l$.
+    /// $H^\ast = y^\top f - l$.
     pub hamiltonian: f64,
     /// Running cost l without penalties.
     pub cost: f64,
@@ -17,7 +17,7 @@ pub struct HamiltonianTerms {
 }
 
 impl HamiltonianTerms {
-    /// $|y^\top f| + |l|$: the scale for errors of $H^*$.
+    /// $|y^\top f| + |l|$: the scale for errors of $H^\ast$.
     pub fn magnitude(&self) -> f64 {
         let l = self.cost + self.penalty + self.smoothing;
         (self.hamiltonian + l).abs() + l.abs()
@@ -26,8 +26,8 @@ impl HamiltonianTerms {
 
 /// A differential equation with conditions at both ends, $z' = g(z)$, $z = (x, y)$, of a maximised Hamiltonian:
 ///
-/// $$ H^*(x, y) = \max_u \left[ y^\top f(x, u) - l(x, u) \right], \qquad
-///    x' = \frac{\partial H^*}{\partial y}, \qquad y' = -\frac{\partial H^*}{\partial x} $$
+/// $$ H^\ast(x, y) = \max_u \left[ y^\top f(x, u) - l(x, u) \right], \qquad
+///    x' = \frac{\partial H^\ast}{\partial y}, \qquad y' = -\frac{\partial H^\ast}{\partial x} $$
 ///
 /// There are N conditions at each end, N being the length of x and of the costate y. Matrices are row-major.
 pub trait BoundaryValueProblem {

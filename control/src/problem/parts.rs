@@ -37,7 +37,7 @@ impl BoundaryState {
 pub enum FinalTime {
     /// T (s).
     Fixed(f64),
-    /// Determined by $H^*(T) = 0$.
+    /// Determined by $H^\ast(T) = 0$.
     Free {
         /// First guess of T (s).
         guess: f64,
@@ -53,7 +53,7 @@ impl FinalTime {
     }
 }
 
-/// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \, dt$.
+/// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \thinspace dt$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Objective {
     /// $c_t$, the cost of a second.

@@ -19,7 +19,7 @@ use std::error::Error;
 /// The extremals of a [`DynamicsProblem`]: of a drone, a car, any [`Dynamics`] that is affine in u.
 ///
 /// With $w = f_u^\top y$ the optimal control is $u_i = w_i / r_i$, clipped to its bounds. Inside the bounds it changes by
-/// $du = R^{-1} (f_u^\top dy + W\, dx)$, $W = \partial^2 (y^\top f) / \partial u\, \partial x$, and with S = $R^{-1}$
+/// $du = R^{-1} (f_u^\top dy + W dx)$, $W = \partial^2 (y^\top f) / \partial u \partial x$, and with S = $R^{-1}$
 /// restricted to these controls
 ///
 /// $$ x' = f, \quad y' = -f_x^\top y + l_x, \qquad
