@@ -193,7 +193,7 @@ fn many_unknown_names_are_a_few_warnings() {
     let chain = |inside: &dyn Fn(usize) -> String| {
         let links: Vec<String> = (0..30).map(|k| format!("l{k}")).collect();
         let mut text =
-            tree(&links.iter().map(String::as_str).collect::<Vec<_>>(), &[]).replace("</robot>", "");
+            tree(&links.iter().map(String::as_str).collect::<Vec<_>>(), &[]).replace("</robot>\n", "");
         for k in 1..30 {
             text += &format!(
                 "<joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{}\"/><child link=\"l{k}\"/>{}</joint>\n",

@@ -31,7 +31,7 @@ use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::recorder::Stop;
 use crate::solve::{Attempt, Discretisation, Recorder};
-use crate::solver::{Starts, solution};
+use crate::starts::{Starts, solution};
 use crate::status::Status;
 use family::Family;
 use std::fmt;

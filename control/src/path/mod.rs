@@ -38,7 +38,7 @@ pub(crate) fn lowest_path(
     attempt: PathAttempt,
     recorder: &mut Recorder<'_>,
 ) -> Option<Path> {
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     let mut objective = Objective::new(problem, INTERVALS);
     let weight = attempt.penalty * problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
     let limited = problem.bounds.is_some() || weight > 0.0;

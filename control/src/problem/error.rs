@@ -5,7 +5,8 @@ use costate::EvalError;
 use costate::codegen::CodegenError;
 use std::fmt;
 
-/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason) give each.
+/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
+/// give each.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ProblemError {
@@ -166,14 +167,15 @@ impl ProblemError {
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect"),
             Self::EmptyBounds { joint, u_min, u_max } => {
-                format!("the lower bound {u_min} of joint '{joint}' must be less than its upper bound {u_max}")
+                format!("the lower bound {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}")
             }
             Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {q_min} of joint '{joint}' must be less than its upper limit {q_max}")
+                format!("the lower limit {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}")
             }
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds"
+                 or finite \
+                 bounds.u_min and bounds.u_max"
             ),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \

@@ -99,7 +99,7 @@ fn levels(motion: &Motion<'_>, i: usize) -> Vec<Curve> {
 
 /// Whether limits of joints are drawn.
 pub fn has_limits(motion: &Motion<'_>) -> bool {
-    (0..motion.problem.robot.len()).any(|i| levels(motion, i).iter().any(|level| level.look == Look::Limit))
+    (0..motion.problem.robot.dof()).any(|i| levels(motion, i).iter().any(|level| level.look == Look::Limit))
 }
 
 /// All controls; with bounds if there are at most two.
@@ -108,8 +108,8 @@ fn controls(motion: &Motion<'_>) -> Panel {
     let (title, label) = names_of_controls(motion, &units::of_robot(robot, units::EFFORT));
     let mut plot = Plot::over_time(format!("{title}s u"), label);
     let Trajectory { t, u, .. } = &motion.solution.trajectory;
-    let few = robot.len() <= 2;
-    let levels = (0..robot.len()).filter(|_| few).flat_map(|i| levels(motion, i));
+    let few = robot.dof() <= 2;
+    let levels = (0..robot.dof()).filter(|_| few).flat_map(|i| levels(motion, i));
     plot.curves = levels.chain(curves(robot, t, u)).collect();
     plot.marks.clone_from(&motion.solution.motion.switches);
     ("controls".into(), plot)
@@ -118,7 +118,7 @@ fn controls(motion: &Motion<'_>) -> Panel {
 /// One plot for each control, with bounds or limits; none for at most two joints.
 pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
     let robot = &motion.problem.robot;
-    if robot.len() <= 2 {
+    if robot.dof() <= 2 {
         return Vec::new();
     }
     let Trajectory { t, u, .. } = &motion.solution.trajectory;

@@ -45,8 +45,8 @@ impl ProblemFile {
     /// Reads a problem file and the robot that it names. Paths in the file are relative to its folder.
     ///
     /// # Errors
-    /// A file that cannot be read, text that is not TOML, an unknown or missing key, a value of the wrong type, an
-    /// invalid robot or problem.
+    /// A file that cannot be read, text that is not TOML, an unknown or missing key, a value of the wrong
+    /// type, an invalid robot or problem.
     pub fn read(path: impl AsRef<Path>, load: LoadOptions) -> Result<Self, ProblemFileError> {
         let path = path.as_ref();
         let at = |fault: Fault| fault.in_file(Some(path));
@@ -94,6 +94,6 @@ impl ProblemFile {
     pub fn refuse(&self, key: Key, cause: impl Into<Box<dyn Error + Send + Sync>>) -> ProblemFileError {
         let line = Document::parse(&self.text).ok().and_then(|document| document.line_of(key));
         let cause = ProblemFileCause::Other(cause.into());
-        Fault { line, key: Some(key.to_string()), cause }.in_file(self.path.as_deref())
+        Fault { line, key: Some(key.to_string()), cause: Box::new(cause) }.in_file(self.path.as_deref())
     }
 }

@@ -170,7 +170,7 @@ fn time_limit(table: &Table<'_>) -> Result<Option<Duration>, Fault> {
 impl Tables {
     /// The problem of this robot.
     pub fn problem(&self, robot: Robot) -> Result<Problem, ProblemError> {
-        let n = robot.len();
+        let n = robot.dof();
         let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
         let fixed = |table: &StateTable| BoundaryState::fixed(&table.q, &fill(&table.v, 0.0));
         let (start, end) = (fixed(&self.start), fixed(&self.end));

@@ -1,0 +1,20 @@
+//! The corpus, large inputs and a few hundred mutated ones are read without panic, within bounds of memory and time.
+
+use std::process::Command;
+
+fn fuzz(arguments: &[&str]) {
+    let output = Command::new(env!("CARGO_BIN_EXE_costate-fuzz")).args(arguments).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    println!("{text}");
+    assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_corpus_and_large_inputs_are_read_within_bounds() {
+    fuzz(&["--replay"]);
+}
+
+#[test]
+fn mutated_inputs_are_read_within_bounds() {
+    fuzz(&["--inputs", "500", "--seed", "14"]);
+}
