@@ -85,7 +85,7 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         (
             and("[bounds]\nu_min = [-1.0, 2.0]\nu_max = [1.0, 2.0]"),
             Some(11),
-            &["bounds.u_min", "elbow", "upper bound 2"],
+            &["bounds.u_min", "elbow", "bounds.u_max"],
         ),
         (and("[bounds]\nu_min = [-1.0]\nu_max = [1.0, 2.0]"), Some(11), &["bounds.u_min", "1", "2"]),
         (
@@ -96,7 +96,7 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         (
             with("effort = [1.0, 1.0]", "effort = [1.0, 0.0]\n[bounds]\nu_min = [-1, -1]\nu_max = [1, inf]"),
             Some(9),
-            &["cost.effort", "elbow", "both sides", "finite bounds"],
+            &["cost.effort", "elbow", "both sides", "bounds.u_max"],
         ),
         (and("[bounds]\nu_max = [1.0, 2.0]"), Some(10), &["bounds.u_min", "missing", "add it"]),
         (and("[penalty]\nweight = -1.0"), Some(11), &["penalty.weight", "negative"]),
