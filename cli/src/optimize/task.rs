@@ -20,7 +20,8 @@ impl Task {
     /// Reads a problem file, its robot and its saved motion.
     ///
     /// # Errors
-    /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved motion that does not fit the robot.
+    /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved
+    /// motion that does not fit the robot.
     pub fn read(path: &Path, load: LoadOptions) -> Result<Self, Box<dyn Error>> {
         let file = ProblemFile::read(path, load)?;
         let start = file.start_from.as_ref().map(|saved| read_start(saved, &file.problem.robot));
