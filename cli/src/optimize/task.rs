@@ -1,7 +1,8 @@
 //! A problem file and the saved motion that it names.
 
 use costate::robot::{LoadOptions, Robot};
-use costate_control::{Key, Problem, ProblemFile, ProblemFileError, SolverOptions, Trajectory};
+use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory};
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// A problem file with everything that it refers to.
@@ -19,8 +20,9 @@ impl Task {
     /// Reads a problem file, its robot and its saved motion.
     ///
     /// # Errors
-    /// [`ProblemFileError`], with file, line and key; also for a saved motion that does not fit the robot.
-    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, ProblemFileError> {
+    /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved
+    /// motion that does not fit the robot.
+    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, Box<dyn Error>> {
         let file = ProblemFile::read(path, load)?;
         let start = file.start_from.as_ref().map(|saved| read_start(saved, &file.problem.robot));
         let start_from = start.transpose().map_err(|error| file.refuse(Key::START_FROM, error))?;

@@ -99,7 +99,8 @@
     };
   });
 
-  const [play, slider, clock, speed] = ["play", "slider", "clock", "speed"].map((id) => document.getElementById(id));
+  const [play, slider, clock, speed] =
+    ["play", "slider", "clock", "speed"].map((id) => document.getElementById(id));
   const show = () => {
     const points = coordinates();
     stages.forEach((stage) => draw(stage, points));
