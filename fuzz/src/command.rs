@@ -22,11 +22,11 @@ const EVALUATIONS: [&[&str]; 8] = [
     &["robots/two_link.toml"],
     &["robots/two_link.toml", "--coordinates", "lagrangian"],
     &["robots/two_link.toml", "--route", "dual"],
-    &["robots/pendulum.toml", "--route", "hyperdual"],
-    &["robots/ur5.urdf"],
+    &["robots/cart_pole.toml", "--route", "hyperdual"],
+    &["robots/cart_pole.toml"],
     &["robots/cart_pole.toml", "--route", "tensors"],
-    &["robots/pendulum.toml", "--coordinates", "lagrangian", "--route", "dual"],
-    &["robots/panda.urdf", "--coordinates", "lagrangian"],
+    &["robots/cart_pole.toml", "--coordinates", "lagrangian", "--route", "dual"],
+    &["robots/two_link.toml", "--coordinates", "lagrangian", "--route", "hyperdual"],
 ];
 
 /// Commands that read a file of that kind; FILE is the file.

@@ -53,25 +53,26 @@ impl Kind {
             Self::Urdf | Self::Toml => &["robots", "tests/fixtures"],
             Self::Problem => &["examples/problems"],
             Self::Solution => return crate::target::saved_solutions(),
-            Self::Eval => &["tests/fixtures"],
+            Self::Eval => return states(),
         };
         let files = folders.iter().flat_map(|folder| files(&project().join(folder), self.extension()));
-        let mut seeds: Vec<Vec<u8>> = files.filter_map(|file| std::fs::read(file).ok()).collect();
-        if self == Self::Eval {
-            // One line is one input.
-            seeds = seeds
-                .iter()
-                .flat_map(|seed| seed.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).take(4))
-                .map(<[u8]>::to_vec)
-                .collect();
-        }
-        seeds
+        files.filter_map(|file| std::fs::read(file).ok()).collect()
     }
 
     /// Its files in the corpus.
     pub fn corpus(self) -> Vec<PathBuf> {
         files(&folder().join("corpus").join(self.name()), "")
     }
+}
+
+/// States of robots of two joints: only those keys that are read, a line each, and a whole line of results.
+fn states() -> Vec<Vec<u8>> {
+    let read =
+        |name| std::fs::read_to_string(project().join("tests/fixtures").join(name)).unwrap_or_default();
+    let texts = ["two_link.jsonl", "cart_pole.jsonl"].map(read);
+    let lines: Vec<&str> = texts.iter().flat_map(|text| text.lines()).collect();
+    let inputs = lines.iter().filter_map(|line| Some(format!("{}}}", line.split(", \"M\":").next()?)));
+    inputs.chain(lines.first().map(|line| (*line).to_owned())).map(String::into_bytes).collect()
 }
 
 /// The root of the project.

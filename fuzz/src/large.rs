@@ -71,6 +71,23 @@ pub const ALL: &[Large] = &[
         urdf(2000, |k| k, "revolute").replace("\"l", &format!("\"{}", "l".repeat(1000)))
     }),
     large(Kind::Urdf, "16 MiB of <", || "<".repeat(16 << 20)),
+    large(Kind::Urdf, "16 MiB of =", || format!("<robot name=\"{}\"/>", "=".repeat(16_000_000))),
+    large(Kind::Urdf, "900 000 elements and equal signs", || {
+        format!("<robot name=\"r\">{}</robot>", "<a b=\"\"/>".repeat(900_000))
+    }),
+    large(Kind::Urdf, "490 000 links", || {
+        format!(
+            "<robot name=\"r\">{}</robot>",
+            (0..490_000).map(|k| format!("<link name=\"{k:x}\"/>")).collect::<String>()
+        )
+    }),
+    large(Kind::Urdf, "200 000 links with unknown attributes", || {
+        let link = |k: usize| format!("<link name=\"{k:x}\" a{k:x}=\"\" b=\"\"/>");
+        format!("<robot name=\"r\">{}</robot>", (0..200_000).map(link).collect::<String>())
+    }),
+    large(Kind::Urdf, "9 MiB of lines and 300 000 elements", || {
+        format!("<robot name=\"r\">{}{}</robot>", "\n".repeat(9 << 20), "<link name=\"a\"/>".repeat(300_000))
+    }),
     large(Kind::Urdf, "16 MiB of comments", || format!("<robot>{}", "<!---->".repeat(2_300_000))),
     large(Kind::Urdf, "open comments", || "<!--".repeat(4_000_000)),
     large(Kind::Urdf, "open markup", || "<robot>".to_owned() + &"<!".repeat(8_000_000)),
@@ -97,6 +114,16 @@ pub const ALL: &[Large] = &[
     large(Kind::Toml, "star of 10 000 joints", || toml(10_000, "parent = \"world\"\n")),
     large(Kind::Toml, "tables with one key", || "[[joint]]\nname = \"a\"\n".repeat(150_000)),
     large(Kind::Toml, "400 000 empty tables", || "[[joint]]\n".repeat(400_000)),
+    large(Kind::Toml, "29 000 joints", || {
+        (0..29_000).map(|k| format!("[[joint]]\nname = \"{k:x}\"\nmass = 1\n")).collect()
+    }),
+    large(Kind::Toml, "half a million sources", || {
+        format!("sources = [{}]\n{}", "'',".repeat(550_000), toml(3, ""))
+    }),
+    large(Kind::Toml, "110 000 rows", || format!("armature = [{}]\n{}", "[],".repeat(110_000), toml(3, ""))),
+    large(Kind::Toml, "110 000 inline tables", || {
+        format!("name = \"r\"\njoint = [{}]", "{name=''},".repeat(110_000))
+    }),
     large(Kind::Toml, "inline tables", || format!("name = \"r\"\njoint = [{}]", "{},".repeat(1_300_000))),
     large(Kind::Toml, "nested arrays", || format!("name = {}", "[".repeat(1_000_000))),
     large(Kind::Toml, "nested closed arrays", || format!("armature = {}", nested("[", "]", 1_000_000))),
@@ -140,6 +167,11 @@ pub const ALL: &[Large] = &[
     large(Kind::Problem, "a robot whose path has 1 MB", || problem("pendulum.toml", &"x/".repeat(500_000))),
     large(Kind::Problem, "64 MB of lines", || "\n".repeat(64 << 20)),
     large(Kind::Problem, "300 000 unknown keys", || (0..300_000).map(|k| format!("b{k} = 1\n")).collect()),
+    large(Kind::Problem, "a MiB of empty lists", || {
+        problem("q = [0.0]", &format!("q = [{}]", "[],".repeat(345_000)))
+    }),
+    large(Kind::Problem, "a MiB of tables", || (0..120_000).map(|k| format!("[{k:x}]\n")).collect()),
+    large(Kind::Problem, "a MiB of dots", || format!("{}a = 1\n", "a.".repeat(500_000))),
     large(Kind::Problem, "empty lists", || {
         problem("q = [0.0]", &format!("q = [{}]", "[],".repeat(5_000_000)))
     }),
@@ -151,6 +183,12 @@ pub const ALL: &[Large] = &[
     large(Kind::Solution, "two million rows", || {
         let times = (0..1_000_000).map(|k| format!("{k},")).collect::<String>();
         rows(&format!("[{times}1000001]"), &format!("[{}[0]]", "[0],".repeat(1_000_000)))
+    }),
+    large(Kind::Solution, "five rows of 1.6 million numbers", || {
+        rows("[0,1]", &format!("[[{}0]]", "0,".repeat(1_600_000)))
+    }),
+    large(Kind::Solution, "16 MiB of rows", || {
+        rows("[0,1]", &format!("[{}[0]]", "[0,0,0,0,0,0,0,0,0,0,0,0,0,0],".repeat(99_000)))
     }),
     large(Kind::Solution, "a row of two million numbers", || {
         rows("[0,1]", &format!("[[{}0]]", "0,".repeat(2_000_000)))

@@ -133,7 +133,8 @@ fn solution(input: &[u8], messages: &mut Vec<String>) -> bool {
             // What cannot be written is not what is looked for here.
             serde_json::to_string(&solution).ok();
         }
-        Err(error) => messages.push(error.to_string()),
+        // Words of `serde_json`, which quotes what it finds.
+        Err(_) => {}
     }
     accepted
 }

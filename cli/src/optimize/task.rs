@@ -1,9 +1,16 @@
 //! A problem file and the saved motion that it names.
 
 use costate::robot::{LoadOptions, Robot};
+<<<<<<< HEAD
 use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory};
 use std::error::Error;
 use std::path::{Path, PathBuf};
+=======
+use costate_control::{Key, Problem, ProblemFile, ProblemFileError, SolverOptions, Trajectory};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+>>>>>>> refs/heads/fuzz
 
 /// A problem file with everything that it refers to.
 pub struct Task {
@@ -34,7 +41,10 @@ impl Task {
 }
 
 fn read_start(path: &Path, robot: &Robot) -> Result<Trajectory, String> {
-    let text = std::fs::read_to_string(path)
+    // One byte more than is read from: the library refuses it.
+    let mut text = String::new();
+    File::open(path)
+        .and_then(|file| file.take(Trajectory::MOST_BYTES as u64 + 1).read_to_string(&mut text))
         .map_err(|error| format!("{}: cannot be read ({error}); check the path", path.display()))?;
     Trajectory::from_json(&text, robot).map_err(|error| {
         format!("{}: {error}; give a file that `costate optimize --save` wrote", path.display())

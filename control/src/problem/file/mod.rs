@@ -8,10 +8,12 @@ pub use error::{ProblemFileCause, ProblemFileError};
 
 use crate::options::SolverOptions;
 use crate::problem::Problem;
-use crate::problem::file::document::{Document, Fault};
+use crate::problem::file::document::{Document, Fault, MOST_BYTES};
 use crate::problem::key::Key;
 use costate::robot::{LoadOptions, Robot};
 use std::error::Error;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A problem file and the robot that it names.
@@ -45,12 +47,23 @@ impl ProblemFile {
     /// Reads a problem file and the robot that it names. Paths in the file are relative to its folder.
     ///
     /// # Errors
+<<<<<<< HEAD
     /// A file that cannot be read, text that is not TOML, an unknown or missing key, a value of the wrong
     /// type, an invalid robot or problem.
+=======
+    /// A file that cannot be read, text of more than 1 MiB, text that is not TOML, an unknown or missing key, a value of the wrong type, an
+    /// invalid robot or problem.
+>>>>>>> refs/heads/fuzz
     pub fn read(path: impl AsRef<Path>, load: LoadOptions) -> Result<Self, ProblemFileError> {
         let path = path.as_ref();
         let at = |fault: Fault| fault.in_file(Some(path));
-        let bytes = std::fs::read(path).map_err(|error| at(ProblemFileCause::Unreadable(error).into()))?;
+        let mut bytes = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
+            .map_err(|error| at(ProblemFileCause::Unreadable(error).into()))?;
+        if bytes.len() > MOST_BYTES {
+            return Err(at(ProblemFileCause::TooLong { most: MOST_BYTES }.into()));
+        }
         let text = String::from_utf8(bytes).map_err(|error| at(document::not_utf8(&error)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, folder, load, Some(path)).map_err(at)
