@@ -1,16 +1,11 @@
 //! A problem file and the saved motion that it names.
 
 use costate::robot::{LoadOptions, Robot};
-<<<<<<< HEAD
 use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory};
 use std::error::Error;
-use std::path::{Path, PathBuf};
-=======
-use costate_control::{Key, Problem, ProblemFile, ProblemFileError, SolverOptions, Trajectory};
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
->>>>>>> refs/heads/fuzz
+use std::path::{Path, PathBuf};
 
 /// A problem file with everything that it refers to.
 pub struct Task {

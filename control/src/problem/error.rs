@@ -168,27 +168,14 @@ impl ProblemError {
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
             Self::EmptyBounds { joint, u_min, u_max } => {
-<<<<<<< HEAD
-                format!("the lower bound {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}")
+                format!("the lower bound {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}", joint = printable(joint))
             }
             Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}")
+                format!("the lower limit {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}", joint = printable(joint))
             }
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite \
-                 bounds.u_min and bounds.u_max"
-            ),
-=======
-                format!("the lower bound {u_min} of joint '{joint}' must be less than its upper bound {u_max}", joint = printable(joint))
-            }
-            Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {q_min} of joint '{joint}' must be less than its upper limit {q_max}", joint = printable(joint))
-            }
-            Self::UnboundedEffort { joint } => format!(
-                "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds", joint = printable(joint)),
->>>>>>> refs/heads/fuzz
+                 or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
                  the time"
