@@ -3,6 +3,7 @@
 use crate::arguments::positive;
 use crate::report::{Table, title};
 use crate::terminal::{bad, good};
+use crate::work::refuse_excessive;
 use crate::{Outcome, RobotArguments, terminal};
 use costate::EvalError;
 use costate::derivative::{DerivativeError, StateReport, worse};
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Largest relative difference allowed; scaled by cond(M)/1000 where that exceeds 1
     #[arg(long, default_value = "1e-12", value_parser = positive)]
     tolerance: f64,
+    /// Run all methods on long chains even if that takes minutes or gigabytes
+    #[arg(long)]
+    force: bool,
 }
 
 /// Duration of the steps that are checked (s).
@@ -49,6 +53,7 @@ struct Worst {
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
+    refuse_excessive(&robot, arguments.force)?;
     let mut rng = Rng::with_seed(arguments.seed);
     let mut routes = Routes::new(&robot);
     let mut steps = StepRoutes::new(&robot);

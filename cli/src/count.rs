@@ -1,6 +1,7 @@
 //! `costate count`: operations of each quantity by each route.
 
 use crate::report::{Table, title};
+use crate::work::refuse_excessive;
 use crate::{Outcome, RobotArguments};
 use costate::derivative::{OperationRow, OperationTable};
 use costate::robot::Robot;
@@ -20,10 +21,14 @@ pub struct Arguments {
     /// Count every operation that f64 executes, those with constants 0 and 1 too
     #[arg(long)]
     unfolded: bool,
+    /// Run all methods on long chains even if that takes minutes or gigabytes
+    #[arg(long)]
+    force: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
+    refuse_excessive(&robot, arguments.force)?;
     let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
     let table = operation_table(&robot, constants)?;
     let mut out = std::io::stdout().lock();

@@ -83,6 +83,22 @@ impl Work {
     }
 }
 
+/// Refuses to compare or count all methods for robots whose automatic second derivatives are excessive.
+///
+/// # Errors
+/// A message with the estimate, unless `force` is set.
+pub fn refuse_excessive(robot: &Robot, force: bool) -> Result<(), String> {
+    let work = Work::lagrangian(robot, Method::HyperDual);
+    if force || !work.is_excessive() {
+        return Ok(());
+    }
+    Err(format!(
+        "{} joints are too many for hyper-dual numbers, which this command runs among all methods: {work}; use a \
+         smaller robot, or --force",
+        robot.len()
+    ))
+}
+
 /// Multiplications and additions of one evaluation.
 fn operations(function: &impl Function, joints: usize) -> [f64; 2] {
     if joints > MOST_COUNTED {
@@ -114,7 +130,7 @@ impl std::fmt::Display for Work {
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Work};
+    use super::{Method, Work, refuse_excessive};
     use costate::robot::{JointSpec, LinkInertia, Robot};
 
     fn chain(n: usize) -> Robot {
@@ -137,6 +153,8 @@ mod tests {
                 assert_eq!(Work::hamiltonian(&chain(n), method).is_excessive(), excessive, "{n} {method:?}");
                 assert_eq!(Work::lagrangian(&chain(n), method).is_excessive(), excessive, "{n} {method:?}");
             }
+            assert_eq!(refuse_excessive(&chain(n), false).is_err(), excessive, "{n}");
+            assert!(refuse_excessive(&chain(n), true).is_ok(), "{n}");
         }
     }
 }
