@@ -105,7 +105,8 @@ fn check_size(text: &str) -> Result<(), RobotError> {
     }
     for (character, most) in [('<', MOST_OPENINGS), ('=', MOST_EQUAL_SIGNS)] {
         if let Some((byte, _)) = text.match_indices(character).nth(most) {
-            let message = format!("the file has more than {most} characters `{character}`; remove visual models");
+            let message =
+                format!("the file has more than {most} characters `{character}`; remove visual models");
             return refused(byte, message);
         }
     }

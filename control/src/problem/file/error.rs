@@ -96,7 +96,7 @@ impl fmt::Display for ProblemFileCause {
             Self::WrongType { expected, found } => write!(f, "give {expected}, not {found}"),
             Self::UnknownValue { found, known } => {
                 write!(f, "`{}` is unknown; give {}", printable(found), list(known))
-            },
+            }
             Self::Conflict(message) => f.write_str(message),
             Self::Robot(error) => write!(f, "{error}"),
             Self::Problem(error) => f.write_str(&error.reason()),
