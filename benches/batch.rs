@@ -1,5 +1,5 @@
 //! Throughput of batches in nodes per second, by number and threads:
-//! `cargo bench --bench batch --features wide,rayon`. With `COSTATE_WRITE=1` in the environment the tables
+//! `cargo bench -p costate-benches --bench batch`. With `COSTATE_WRITE=1` in the environment the tables
 //! are also written to `docs/batch.md`: those for the instruction set that the bench is compiled for.
 //!
 //! Inside the timed region: one call for all nodes, from node-major arrays to node-major arrays.
@@ -55,7 +55,7 @@ struct Nodes {
 
 impl Nodes {
     fn new(robot: &Robot, nodes: usize) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         let mut hamiltonian = Hamiltonian::<f64>::new(robot);
         let wave = |i: usize, phase: f64| (1.7 * i as f64 + phase).sin();
         let mut x = Vec::new();
@@ -92,7 +92,7 @@ fn models(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
 
 /// Single calls of a model in f64, results copied to node-major arrays.
 fn one_by_one(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
-    let (n, mut model) = (robot.len(), HamiltonianSecondOrder::<f64>::new(robot));
+    let (n, mut model) = (robot.dof(), HamiltonianSecondOrder::<f64>::new(robot));
     let Nodes { x, u, y, mut f, mut f_x, mut y_f_xx } = Nodes::new(robot, NODES);
     let copy = |rows: &mut dyn Iterator<Item = &[f64]>, into: &mut [f64]| {
         into.chunks_exact_mut(2 * n).zip(rows).for_each(|(into, row)| into.copy_from_slice(row));

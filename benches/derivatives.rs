@@ -54,7 +54,7 @@ const ROUTES: [(&str, &str); 17] = [
 ];
 
 fn measure(robot: &Robot, group: &mut BenchmarkGroup<'_, WallTime>) {
-    let n = robot.len();
+    let n = robot.dof();
     let q: Vec<f64> = (0..n).map(|i| 0.3 + 0.37 * i as f64).collect();
     let v: Vec<f64> = (0..n).map(|i| 0.9 - 0.21 * i as f64).collect();
     let u = vec![0.5; n];

@@ -1,7 +1,7 @@
 //! Operations of M, F, F_x and y'F_xx by every route, compared with the figures of the paper.
 //!
-//! `cargo bench --bench operations` prints the table, `cargo bench --bench operations -- --write` also writes
-//! it into `docs/operations.md`; `cargo test --bench operations` fails if the table there is out of date.
+//! `cargo bench -p costate-benches --bench operations` prints the table, with `-- --write` it also writes it into
+//! `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails if the table there is out of date.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -51,7 +51,7 @@ fn inertial_constants(robot: &Robot) -> String {
 
 /// Forward dynamics in (q, v), alone and with its Jacobian.
 fn lagrangian(robot: &Robot) -> [Operations; 2] {
-    let numbers = |from: f64| (0..robot.len()).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
+    let numbers = |from: f64| (0..robot.dof()).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
     let (q, v, u) = (numbers(0.3), numbers(0.5), numbers(0.7));
     let mut lagrangian = Lagrangian::<Count>::new(robot);
     let (_, value) = count(|| lagrangian.forward_dynamics(&q, &v, &u).map(drop));
@@ -72,7 +72,7 @@ fn table() -> String {
     let mut line =
         |title: &str, cells: Vec<String>| writeln!(text, "| {title} | {} |", cells.join(" | ")).unwrap();
     let trees: Vec<Tree> = robots.iter().map(|(_, robot, _)| Tree::from(robot)).collect();
-    line("joints", trees.iter().map(|tree| tree.len().to_string()).collect());
+    line("joints", trees.iter().map(|tree| tree.dof().to_string()).collect());
     line("pairs i <= j of joints on one branch", trees.iter().map(|tree| tree.pairs().to_string()).collect());
     let constants = robots.iter().map(|(_, robot, _)| inertial_constants(robot)).collect();
     line("inertial constants not 0: of the links, regrouped", constants);

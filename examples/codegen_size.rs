@@ -90,7 +90,7 @@ fn row(robot: &Robot, quantity: Quantity, folder: &Path) -> String {
     let mut cc = Command::new("cc");
     cc.args(["-std=c99", "-O3", "-march=native", "-c", "-o"]);
     let [c_time, c_size] = timed(cc.arg(&object).arg(&source), &object);
-    let (name, n, quantity, steps) = (robot.name(), robot.len(), quantity.name(), program.steps());
+    let (name, n, quantity, steps) = (robot.name(), robot.dof(), quantity.name(), program.steps());
     let kilobytes = rust.len() as f64 / 1000.0;
     format!(
         "| {name} | {n} | {quantity} | {steps} | {recording:.1} | {kilobytes:.0} | {rust_time} | {rust_size} | {c_time} | {c_size} |"

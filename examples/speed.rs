@@ -81,13 +81,13 @@ fn line(name: &str, robot: &Robot, quantity: Quantity) -> Option<String> {
     let program = record();
     let compiled = match Compiled::<f64>::with_limit(&program, usize::MAX) {
         Err(error @ JitError::TooWide { .. }) => {
-            println!("{name}, n = {}, {}: {error}", robot.len(), quantity.name());
+            println!("{name}, n = {}, {}: {error}", robot.dof(), quantity.name());
             return None;
         }
         compiled => compiled.expect("machine code for this processor"),
     };
     let mut fallback = Evaluator::with_limit(robot, quantity, Coordinates::Hamiltonian, 0).unwrap();
-    let n = robot.len();
+    let n = robot.dof();
     let q: Vec<f64> = (0..n).map(|i| 0.3 + 0.37 * i as f64).collect();
     let v: Vec<f64> = (0..n).map(|i| 0.9 - 0.21 * i as f64).collect();
     let p = Hamiltonian::<f64>::new(robot).momentum(&q, &v).unwrap().to_vec();

@@ -34,7 +34,7 @@ fn the_counter_counts() {
 fn analytic_derivatives_do_not_allocate() {
     for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
         let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
@@ -64,7 +64,7 @@ fn analytic_derivatives_do_not_allocate() {
 fn christoffel_coefficients_do_not_allocate() {
     for name in ["panda.urdf", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let (tree, n) = (Tree::from(&robot), robot.len());
+        let (tree, n) = (Tree::from(&robot), robot.dof());
         let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
         let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
         let mut second = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
@@ -83,7 +83,7 @@ fn christoffel_coefficients_do_not_allocate() {
 fn lagrangian_derivatives_do_not_allocate() {
     for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let (q, v, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; n]);
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
         let mut second = LagrangianSecondOrder::<f64>::new(&robot);
@@ -141,7 +141,7 @@ fn automatic_derivatives_do_not_allocate() {
 fn steps_do_not_allocate() {
     for name in ["panda.urdf", "biped.toml", "manutec_r3.toml", "cart_pole.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let (x, u, y) = (vec![0.3; 2 * n], vec![0.1; n], vec![0.4; 2 * n]);
         let momenta = || HamiltonianSecondOrder::<f64>::new(&robot);
         let mut rk4 = RungeKutta4::new(momenta());

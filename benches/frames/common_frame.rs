@@ -70,7 +70,7 @@ pub struct CommonFrame<S, const LANES: usize> {
 
 impl<S: Scalar, const LANES: usize> CommonFrame<S, LANES> {
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let (roots, gravity) = roots(tree);
         let groups = (0..n).map(|j| {
             let is_ancestor = |i: usize| i < j && tree.subtree(i).contains(&j);

@@ -52,7 +52,7 @@ fn check<S: Scalar, const LANES: usize>(
     parts: impl Fn(S) -> Vec<f64>,
 ) {
     let (mut body, mut common) = (KernelOne::new(tree), CommonFrame::<S, LANES>::new(tree));
-    for (q, v) in states(tree.len(), lift) {
+    for (q, v) in states(tree.dof(), lift) {
         body_frames(&mut body, tree, &q, &v);
         common.evaluate(tree, &q, &v);
         let pairs = [
@@ -82,7 +82,7 @@ fn check<S: Scalar, const LANES: usize>(
 
 /// Operations of one evaluation: body frames, common frame.
 fn operations(tree: &Tree) -> [Operations; 2] {
-    let state = &states(tree.len(), Count::variable)[0];
+    let state = &states(tree.dof(), Count::variable)[0];
     let (mut body, mut common) = (KernelOne::new(tree), CommonFrame::<_, 1>::new(tree));
     let (_, in_body_frames) = count(|| body_frames(&mut body, tree, &state.0, &state.1));
     let (_, in_common_frame) = count(|| common.evaluate(tree, &state.0, &state.1));
@@ -132,7 +132,7 @@ fn run_common<'a, S: Scalar, const LANES: usize>(tree: &'a Tree, states: &'a Sta
 
 fn run_jacobian<'a>(tree: &'a Tree, states: &'a States<f64>) -> Run<'a> {
     let mut hamiltonian = Hamiltonian::from_tree(tree.clone());
-    let u = vec![0.0; tree.len()];
+    let u = vec![0.0; tree.dof()];
     Box::new(move |k| {
         let (q, p) = black_box(&states[k]);
         black_box(hamiltonian.linearise(q, p, &u).unwrap());
@@ -141,7 +141,7 @@ fn run_jacobian<'a>(tree: &'a Tree, states: &'a States<f64>) -> Run<'a> {
 
 /// Times of one evaluation with dual numbers: body frames, common frame.
 fn dual_times<S: Scalar>(tree: &Tree, lift: impl FnMut(f64) -> S) -> [f64; 2] {
-    let states = states(tree.len(), lift);
+    let states = states(tree.dof(), lift);
     let times = interleaved(&mut [run_body(tree, &states), run_common::<S, 1>(tree, &states)]);
     [times[0], times[1]]
 }
@@ -149,7 +149,7 @@ fn dual_times<S: Scalar>(tree: &Tree, lift: impl FnMut(f64) -> S) -> [f64; 2] {
 /// One line of the table.
 fn line(name: &str, tree: &Tree) -> String {
     let [body, common] = operations(tree);
-    let states = states(tree.len(), |x| x);
+    let states = states(tree.dof(), |x| x);
     let plain = interleaved(&mut [
         run_body(tree, &states),
         run_common::<_, 1>(tree, &states),
@@ -158,7 +158,7 @@ fn line(name: &str, tree: &Tree) -> String {
         run_jacobian(tree, &states),
     ]);
     let best = plain[1..4].iter().copied().fold(f64::MAX, f64::min);
-    let mut line = format!("| {name} | {} | {} ", tree.len(), tree.pairs());
+    let mut line = format!("| {name} | {} | {} ", tree.dof(), tree.pairs());
     for [body, common] in [[body.mul, common.mul], [body.add, common.add]] {
         write!(line, "| {body} / {common} | {:.2} ", common as f64 / body as f64).unwrap();
     }

@@ -134,7 +134,7 @@ fn random_sample(
     rng: &mut Rng,
     zero: bool,
 ) -> Result<Sample, EvalError> {
-    let n = robot.len();
+    let n = robot.dof();
     let mut within = |low: f64, high: f64| low + (high - low) * rng.f64();
     let mut q = Vec::with_capacity(2 * n);
     for joint in robot.joints() {

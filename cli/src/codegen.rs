@@ -125,7 +125,7 @@ fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Pro
     }
     let problem = match &arguments.problem {
         None => {
-            let zeros = vec![0.0; robot.len()];
+            let zeros = vec![0.0; robot.dof()];
             Problem::rest_to_rest(robot, &zeros, &zeros, 1.0)
         }
         Some(file) => {

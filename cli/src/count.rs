@@ -50,7 +50,7 @@ fn as_json(robot: &Robot, constants: Constants, table: &OperationTable) -> Value
     };
     json!({
         "robot": robot.name(),
-        "n": robot.len(),
+        "n": robot.dof(),
         "folded": constants == Constants::Folded,
         "rows": table.rows().map(row).collect::<Vec<_>>(),
     })

@@ -69,7 +69,7 @@ fn as_json(robot: &Robot) -> Value {
     };
     json!({
         "robot": robot.name(),
-        "n": robot.len(),
+        "n": robot.dof(),
         "gravity": robot.gravity().as_slice(),
         "mass": mass(robot),
         "joints": robot.joints().iter().enumerate().map(joint).collect::<Vec<_>>(),

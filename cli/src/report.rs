@@ -10,7 +10,7 @@ pub fn counted(count: usize, noun: &str) -> String {
 
 /// The number of joints, as `6 joints`.
 pub fn joints(robot: &Robot) -> String {
-    counted(robot.len(), "joint")
+    counted(robot.dof(), "joint")
 }
 
 /// The name of the robot and the number of its joints, to start a report.

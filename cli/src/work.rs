@@ -49,12 +49,12 @@ pub enum Method {
 impl Work {
     /// That of all second derivatives of F(q, p).
     pub fn hamiltonian(robot: &Robot, method: Method) -> Self {
-        Self::of(&PhaseVelocity::new(robot), robot.len(), method)
+        Self::of(&PhaseVelocity::new(robot), robot.dof(), method)
     }
 
     /// That of all second derivatives of the acceleration a(q, v, u).
     pub fn lagrangian(robot: &Robot, method: Method) -> Self {
-        Self::of(&ForwardDynamics::new(robot), robot.len(), method)
+        Self::of(&ForwardDynamics::new(robot), robot.dof(), method)
     }
 
     /// Scales the operations of one evaluation of the function.

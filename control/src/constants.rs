@@ -19,12 +19,12 @@ pub(crate) mod newton {
     pub const PART_OF_TOLERANCE: f64 = 0.1;
     /// No component is scaled by less than this part of the largest in its group.
     pub const LEAST_SCALE: f64 = 0.01;
-    /// Costates below this part of the size at which they would move the state are rounding errors around
+    /// Components below this part of the size at which they would move others are rounding errors around
     /// zero.
-    pub const NEGLIGIBLE_COSTATE: f64 = 1e-10;
-    /// Only for costates below this size, in their own units, that size is computed: it takes one more
+    pub const NEGLIGIBLE: f64 = 1e-10;
+    /// That size is computed only for components below this value, in their own units: it takes one more
     /// evaluation.
-    pub const SMALL_COSTATE: f64 = 1e-6;
+    pub const SMALL: f64 = 1e-6;
 }
 
 /// Mesh refinement ([`crate::bvp::collocation::error`]).

@@ -1,17 +1,24 @@
 //! Optimal motions by Pontryagin's maximum principle.
 //!
-//! A [`Problem`] asks for the control that takes a robot from its start to its end and makes the cost
-//! `J = integral of l(x, u) dt` least. Along such a motion there is a costate y with
+//! A [`Problem`] is to move a robot from its start to its end at the least cost $J = \int l(x, u) \\, dt$.
+//! Along an optimal motion there is a costate y with
 //!
-//! ```text
-//! H*(x, y) = max_u [ y'f(x, u) - l(x, u) ]      x' = H*_y      y' = -H*_x
-//! ```
+//! $$ H^\ast(x, y) = \max_u \left[ y^\top f(x, u) - l(x, u) \right], \qquad
+//!    x' = \frac{\partial H^\ast}{\partial y}, \qquad y' = -\frac{\partial H^\ast}{\partial x} $$
 //!
-//! a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian holds the contracted Hessian y'F_xx
-//! ([`RobotExtremal`]). [`Solver`] solves it by collocation at Lobatto's points, or by multiple [shooting](Method::Shooting)
-//! with the variational equations, and Newton's method; anything that is an [`Extremal`], [generated code](GeneratedExtremal) for
-//! one, goes the same way through [`solve_extremal`]. Signs are those of H* above throughout: `dJ/dT = -H*`,
-//! `y(0) = -dJ/dx(0)`, `u = clip(R^-1 B'y_p)`. [`Continuation`] follows solutions while a parameter changes.
+//! This is a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian contains the contracted Hessian
+//! $y^\top F_{xx}$ ([`RobotExtremal`]). [`Solver`] solves it by Lobatto collocation, or by multiple
+//! [shooting](Method::Shooting) with the variational equations, and Newton's method. In all signs
+//! $dJ/dT = -H^\ast$, $y(0) = -dJ/dx(0)$, $u = \mathrm{clip}(R^{-1} B y_p)$.
+//!
+//! | for | use |
+//! |---|---|
+//! | a robot | [`Problem`], [`Solver`] |
+//! | a problem file | [`ProblemFile`] (feature `toml`) |
+//! | any model that is affine in its controls: a drone, a car | [`DynamicsProblem`], [`solve_dynamics`] |
+//! | a boundary-value problem of your own | [`BoundaryValueProblem`], [`solve_extremal`] |
+//! | generated or compiled equations | [`pontryagin_program`], [`GeneratedExtremal`] |
+//! | solutions while a parameter changes | [`Continuation`] |
 
 mod bvp;
 mod constants;
@@ -27,6 +34,7 @@ mod search;
 mod solve;
 mod solve_extremal;
 mod solver;
+mod starts;
 mod status;
 
 pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};

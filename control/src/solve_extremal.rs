@@ -63,18 +63,23 @@ pub fn solve_extremal<E: Extremal>(
     found.into_solution(extremal, recorder.iterations, options.tolerance)
 }
 
-/// Solves the problem of `extremal` from a straight line between its ends with costates of zero. Another first guess can be
-/// given to [`solve_extremal`].
+/// Solves the problem of `extremal` from a straight line between its ends. Another first guess can be given to
+/// [`solve_extremal`].
 pub fn solve_dynamics<D: Dynamics<f64>, C: Cost<f64>>(
     extremal: &mut DynamicsExtremal<D, C>,
     options: &SolverOptions,
 ) -> ExtremalSolution {
-    let problem = extremal.problem().clone();
-    let (start, end) = (&problem.start.x, &problem.end.x);
-    solve_extremal(extremal, problem.time, options, |s, z| {
-        z.fill(0.0);
-        for (z, (from, to)) in z.iter_mut().zip(start.iter().zip(end)) {
-            *z = from + s * (to - from);
+    let time = extremal.problem().time;
+    let nodes = options.nodes.max(2);
+    let mut line = vec![vec![0.0; 2 * extremal.problem().start.x.len()]; nodes];
+    for (i, z) in line.iter_mut().enumerate() {
+        extremal.straight_line(i as f64 / (nodes - 1) as f64, z);
+    }
+    solve_extremal(extremal, time, options, |s, z| {
+        let place = s.clamp(0.0, 1.0) * (nodes - 1) as f64;
+        let i = (place as usize).min(nodes - 2);
+        for ((z, from), to) in z.iter_mut().zip(&line[i]).zip(&line[i + 1]) {
+            *z = from + (place - i as f64) * (to - from);
         }
     })
 }

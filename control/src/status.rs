@@ -40,15 +40,15 @@ pub struct BoundViolation {
 #[serde(into = "String", from = "String")]
 #[non_exhaustive]
 pub enum Status {
-    /// The conditions of the problem hold, the estimated error is below the tolerance, and integrating the motion again
-    /// confirms it: the end defect and the shooting defect are below the
+    /// The conditions of the problem hold, the estimated error is below the tolerance, and integrating the state equation
+    /// again with the control that was found leads to the same end within the
     /// [verification bound](crate::Motion::verification_bound).
     Converged,
     /// As [`Converged`](Self::Converged), but for a smoothed control: the motion has no isolated switching times. Its
     /// cost is that of the problem itself to a relative 2e-5, and it satisfies the conditions of the smoothed problem
-    /// with the weight [`Motion::smoothing`](crate::Motion::smoothing). Only the end defect is verified.
+    /// with the weight [`Motion::smoothing`](crate::Motion::smoothing).
     ConvergedSmoothed,
-    /// The collocation equations are solved to the tolerance, but integrating the motion again misses: a defect is above
+    /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end by more than
     /// the [verification bound](crate::Motion::verification_bound), or the integration stopped. Unstable motions end so.
     NotVerified,
     /// No damped Newton step reduced the correction.

@@ -30,7 +30,7 @@ impl RunningCost for Swing {
 fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
     for file in ["two_link.toml", "puma560.toml"] {
         let robot = robot(file);
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.5; n], 1.0);
         (problem.start.v_free, problem.end.q_free) = (vec![0], vec![1]);
         problem.terms = vec![UserTerm::new(Swing)];

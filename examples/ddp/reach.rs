@@ -60,7 +60,7 @@ impl Function for Reach {
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        2 * self.robot.len()
+        2 * self.robot.dof()
     }
 
     fn outputs(&self) -> usize {
@@ -77,7 +77,7 @@ impl Function for Reach {
         x: &[S],
         cost: &mut [S],
     ) -> Result<(), EvalError> {
-        let (q, second) = x.split_at(self.robot.len());
+        let (q, second) = x.split_at(self.robot.dof());
         let energy = match self.coordinates {
             Coordinates::Momenta => hamiltonian.energy(q, second)?,
             Coordinates::Velocities => lagrangian.energy(q, second)?,

@@ -22,11 +22,11 @@ impl Function for ForwardDynamics {
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        3 * self.0.len()
+        3 * self.0.dof()
     }
 
     fn outputs(&self) -> usize {
-        self.0.len()
+        self.0.dof()
     }
 
     fn workspace<S: Scalar>(&self) -> Lagrangian<S> {
@@ -39,7 +39,7 @@ impl Function for ForwardDynamics {
         z: &[S],
         a: &mut [S],
     ) -> Result<(), EvalError> {
-        let n = self.0.len();
+        let n = self.0.dof();
         check_length("z", z, 3 * n)?;
         check_length("a", a, n)?;
         let (q, rest) = z.split_at(n);

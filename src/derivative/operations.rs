@@ -114,7 +114,7 @@ impl OperationTable {
         constants: Constants,
         number: &dyn Fn(usize) -> f64,
     ) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.len(), number))
+        Self::at(robot, constants, &State::new(robot.dof(), number))
     }
 
     #[inline]
@@ -159,7 +159,7 @@ fn by_dual_pass<R: Route>(
     constants: Constants,
     State { x, u, y }: &State,
 ) -> Result<[Operations; 4], EvalError> {
-    let (q, p) = x.split_at(tree.len());
+    let (q, p) = x.split_at(tree.dof());
     let mut first = Hamiltonian::with_route(tree.clone(), route.clone());
     let mut second = DualPass::with_route(tree.clone(), route);
     Ok([
@@ -177,7 +177,7 @@ fn by_rule(
     constants: Constants,
     State { x, u, y }: &State,
 ) -> Result<[Operations; 4], EvalError> {
-    let (q, p) = x.split_at(tree.len());
+    let (q, p) = x.split_at(tree.dof());
     let mut second = HamiltonianSecondOrder::from_tree(tree.clone());
     let mut full = FullHessian::from_tree(tree.clone());
     Ok([
@@ -195,7 +195,7 @@ fn automatic(
     constants: Constants,
     State { x, y, .. }: &State,
 ) -> Result<[[Operations; 2]; 2], DerivativeError<EvalError>> {
-    let function = || ByCalls(PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]));
+    let function = || ByCalls(PhaseVelocity::new(robot).under(&vec![0.5; robot.dof()]));
     let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
     let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
     let mut hessian = Hessian::<_, Count>::over(function());

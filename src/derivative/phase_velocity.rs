@@ -17,7 +17,7 @@ pub struct PhaseVelocity {
 impl PhaseVelocity {
     /// The state equation of this robot, with u = 0.
     pub fn new(robot: &Robot) -> Self {
-        Self { tree: Tree::from(robot), u: vec![0.0; robot.len()] }
+        Self { tree: Tree::from(robot), u: vec![0.0; robot.dof()] }
     }
 
     /// The same under the actuation u (N m, N), length n.
@@ -33,15 +33,15 @@ impl Function for PhaseVelocity {
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        2 * self.tree.len()
+        2 * self.tree.dof()
     }
 
     fn outputs(&self) -> usize {
-        2 * self.tree.len()
+        2 * self.tree.dof()
     }
 
     fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
-        (Hamiltonian::from_tree(self.tree.clone()), vec![S::zero(); self.tree.len()])
+        (Hamiltonian::from_tree(self.tree.clone()), vec![S::zero(); self.tree.dof()])
     }
 
     fn evaluate<S: Scalar>(
@@ -50,7 +50,7 @@ impl Function for PhaseVelocity {
         x: &[S],
         f: &mut [S],
     ) -> Result<(), EvalError> {
-        let n = self.tree.len();
+        let n = self.tree.dof();
         check_length("u", &self.u, n)?;
         check_length("x", x, 2 * n)?;
         check_length("f", f, 2 * n)?;

@@ -26,7 +26,7 @@ impl Function for TotalEnergy {
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        2 * self.0.len()
+        2 * self.0.dof()
     }
 
     fn outputs(&self) -> usize {
@@ -43,7 +43,7 @@ impl Function for TotalEnergy {
         x: &[S],
         h: &mut [S],
     ) -> Result<(), EvalError> {
-        let (q, p) = x.split_at(self.0.len());
+        let (q, p) = x.split_at(self.0.dof());
         h[0] = energy.hamiltonian(q, p)?;
         Ok(())
     }
@@ -94,7 +94,7 @@ impl Routes {
     #[inline]
     pub fn new(robot: &Robot) -> Self {
         let (conservative, tree) = (robot.without_friction(), Tree::from(robot));
-        let n = robot.len();
+        let n = robot.dof();
         let function = || ByCalls(PhaseVelocity::new(robot));
         Self {
             analytic: HamiltonianSecondOrder::from_tree(tree.clone()),

@@ -184,7 +184,7 @@ fn check_product<S: Scalar>(
     [u, d_x, d_u]: [&[S]; 3],
     [x_product, u_product]: [&[S]; 2],
 ) -> Result<(), EvalError> {
-    let n = tree.len();
+    let n = tree.dof();
     check(tree, "u", u, n)?;
     check(tree, "d_x", d_x, 2 * n)?;
     check(tree, "d_u", d_u, n)?;

@@ -32,7 +32,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         u: &[S],
         y: &[S],
     ) -> Result<AdjointProduct<'_, S>, EvalError> {
-        let n = self.tree.len();
+        let n = self.tree.dof();
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         check(&self.tree, "y", y, 2 * n)?;
         let Self { tree, flow, state, direction, product, .. } = self;

@@ -26,7 +26,7 @@ pub(super) struct Conservative<S: Scalar, K> {
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let square = Panel::zeros(n, n);
         Self {
             kernel: K::new(tree),
@@ -79,7 +79,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         if Panel::<S>::LANES == 1 {
             self.eliminate_by_factors();
         } else {
-            sized!(S, tree.len(), self.eliminate_by_products());
+            sized!(S, tree.dof(), self.eliminate_by_products());
         }
     }
 

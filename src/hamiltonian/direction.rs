@@ -27,10 +27,10 @@ impl<S: Scalar> Direction<S> {
 
     /// Sets the direction of the costate y, 2n.
     pub fn set_costate(&mut self, tree: &Tree, velocity: &[S], y: &[S]) {
-        let (y_q, y_p) = y.split_at(tree.len());
+        let (y_q, y_p) = y.split_at(tree.dof());
         self.q.iter_mut().zip(y_p).for_each(|(q, &y_p)| *q = -y_p);
         self.p.copy_from_slice(y_q);
-        for &i in tree.rubbing() {
+        for &i in tree.with_friction() {
             self.p[i] += friction(&tree.joints()[i].friction, velocity[i]).first * y_p[i];
         }
     }

@@ -48,7 +48,7 @@ impl<S: Scalar> DualPass<S> {
 impl<S: Scalar, R: Route> DualPass<S, R> {
     /// The workspace of another route, as [`Hamiltonian::with_route`].
     pub fn with_route(tree: Tree, route: R) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let zero = Tangent::zero();
         Self {
             tangent: Conservative::new(&tree),

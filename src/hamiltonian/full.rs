@@ -38,7 +38,7 @@ impl<S: Scalar> FullHessian<S> {
     pub fn from_tree(tree: Tree) -> Self {
         Self {
             tensor: HessianTensor::new(&tree),
-            zero: vec![S::zero(); tree.len()],
+            zero: vec![S::zero(); tree.dof()],
             second: HamiltonianSecondOrder::from_tree(tree),
         }
     }

@@ -98,7 +98,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_route(tree: Tree, _: R) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         Self {
             flow: Conservative::new(&tree),
             state: StateEquation::new(&tree),
@@ -111,7 +111,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
 
     /// Number of joints, n.
     pub fn dof(&self) -> usize {
-        self.tree.len()
+        self.tree.dof()
     }
 
     /// The model.
@@ -216,7 +216,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
 
     /// Every argument has n finite entries.
     fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.len()))
+        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
     }
 }
 
@@ -229,7 +229,7 @@ pub(crate) fn check<S: Scalar>(
 ) -> Result<(), EvalError> {
     check_length(what, values, expected)?;
     match values.iter().position(|value| S::CHECKED && !value.is_finite()) {
-        Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.len()).into() }),
+        Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.dof()).into() }),
         None => Ok(()),
     }
 }

@@ -15,7 +15,8 @@ use crate::scalar::Scalar;
 /// value need only the first-order response of the extremiser (Wigner's 2n+1 rule), which is
 /// `V = dv/dx = [-M^-1 P, M^-1]`:
 ///
-/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix} L\_{qq} & P^T \\\\ P & M \end{pmatrix} \right) E, \qquad
+/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix} L\_{qq} & P^T \\\\ P & M \end{pmatrix} \right) E,
+/// \qquad
 /// E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w) $$
 ///
 /// D_w~ is [`KernelTwo`]; the rest are products of n x n matrices with the factors of M. No factorisation is
@@ -53,7 +54,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         Self {
             along: KernelTwo::new(&tree),
             congruence: Congruence::new(n),
@@ -91,7 +92,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.differentiate(y)?;
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
         let Hamiltonian { tree, flow, state, .. } = &self.first;
-        state.add_curvature(tree, &y[tree.len()..], &mut self.y_f_xx);
+        state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
         let linearisation = state.linearisation(flow.kernel.mass_matrix());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }

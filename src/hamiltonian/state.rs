@@ -21,7 +21,7 @@ pub(super) struct StateEquation<S: Scalar> {
 
 impl<S: Scalar> StateEquation<S> {
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
@@ -36,12 +36,12 @@ impl<S: Scalar> StateEquation<S> {
 
     /// Fills f: `(v, L_q + D + u)`.
     pub fn rate_of_change(&mut self, tree: &Tree, v: &[S], l_q: &[S], u: &[S]) {
-        let (f_q, f_p) = self.f.split_at_mut(tree.len());
+        let (f_q, f_p) = self.f.split_at_mut(tree.dof());
         f_q.copy_from_slice(v);
         for (f_p, (&l_q, &u)) in f_p.iter_mut().zip(l_q.iter().zip(u)) {
             *f_p = l_q + u;
         }
-        for &i in tree.rubbing() {
+        for &i in tree.with_friction() {
             self.friction[i] = friction(&tree.joints()[i].friction, v[i]);
             f_p[i] += self.friction[i].value;
         }
@@ -50,9 +50,9 @@ impl<S: Scalar> StateEquation<S> {
     /// Assembles F_x from the blocks of the conservative part and the slopes of friction.
     pub fn assemble<K>(&mut self, tree: &Tree, flow: &Conservative<S, K>) {
         let blocks = [&flow.w, &flow.inverse, &flow.reduced];
-        sized!(S, tree.len(), self.place(blocks));
-        let (n, [w, inverse, _]) = (tree.len(), blocks);
-        for &i in tree.rubbing() {
+        sized!(S, tree.dof(), self.place(blocks));
+        let (n, [w, inverse, _]) = (tree.dof(), blocks);
+        for &i in tree.with_friction() {
             let slope = self.friction[i].first;
             for j in 0..n {
                 self.f_x[(n + i, j)] -= slope * w.get(i, j);
@@ -78,7 +78,7 @@ impl<S: Scalar> StateEquation<S> {
 
     /// Adds `sum_k y_p,k D''_k V_k' V_k`, V_k the k-th row of `V = [-M^-1 P, M^-1]`, to both triangles.
     pub fn add_curvature(&self, tree: &Tree, y_p: &[S], y_f_xx: &mut Matrix<S>) {
-        for &k in tree.rubbing() {
+        for &k in tree.with_friction() {
             if tree.joints()[k].friction.coulomb == 0.0 {
                 continue;
             }

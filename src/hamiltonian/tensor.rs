@@ -34,7 +34,7 @@ struct Friction<S> {
 impl<S: Scalar> HessianTensor<S> {
     /// Storage, filled with zeros.
     pub(super) fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let zeros = vec![S::zero(); n];
         let friction =
             || Friction { slope: zeros.clone(), curvature: zeros.clone(), velocity: Matrix::zeros(n, 2 * n) };

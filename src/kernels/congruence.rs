@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn both_halves_are_a_congruence_with_the_inverse() {
         let tree = tree();
-        let n = tree.len();
+        let n = tree.dof();
         let symmetric = |from: f64| {
             let mut c = Matrix::zeros(n, n);
             for i in 0..n {

@@ -24,7 +24,7 @@ pub struct Factor<S: Scalar> {
 impl<S: Scalar> Factor<S> {
     /// Symbolic factorisation and buffers.
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         Self {
             l: Triangle::new(tree),
             inverse_pivots: vec![S::one(); n],

@@ -40,7 +40,7 @@ impl<S: Scalar> KernelOne<S> {
                 self.blocks.store(i, block, pair, &mut self.l_vq);
             }
         }
-        for &i in tree.sprung() {
+        for &i in tree.with_spring() {
             self.l_qq[(i, i)] = self.l_qq[(i, i)].plus(-tree.joints()[i].spring.stiffness);
         }
     }

@@ -108,7 +108,7 @@ impl<S: Scalar> RootAxis<S> {
 impl<S: Scalar> KernelOne<S> {
     /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
         Self {
             bodies: tree.joints().iter().map(|joint| Body::at_rest(joint.position(S::zero()))).collect(),

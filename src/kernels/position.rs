@@ -69,7 +69,7 @@ impl<S: Scalar> KernelOne<S> {
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
-        check_length("q", q, tree.len())?;
+        check_length("q", q, tree.dof())?;
         self.q.copy_from_slice(q);
         self.place(tree);
         for (i, joint) in tree.joints().iter().enumerate().rev() {
@@ -141,18 +141,18 @@ impl<S: Scalar> KernelOne<S> {
     fn set_positions(&mut self, tree: &Tree) {
         let lanes = <S::Pack as Pack<S>>::LANES;
         let mut angles = S::Pack::zero();
-        for some in tree.turning().chunks(lanes) {
+        for some in tree.revolute().chunks(lanes) {
             for (lane, &i) in some.iter().enumerate() {
                 angles = angles.with_lane(lane, tree.joints()[i].shifted(self.q[i]));
             }
             let (sin, cos) = angles.sin_cos();
             for (lane, &i) in some.iter().enumerate() {
                 let turn = Turn::from_sin_cos(sin.lane(lane), cos.lane(lane));
-                self.bodies[i].position = JointPosition::Turned(turn);
+                self.bodies[i].position = JointPosition::Rotated(turn);
             }
         }
-        for &i in tree.sliding() {
-            self.bodies[i].position = JointPosition::Slid(tree.joints()[i].shifted(self.q[i]));
+        for &i in tree.prismatic() {
+            self.bodies[i].position = JointPosition::Translated(tree.joints()[i].shifted(self.q[i]));
         }
     }
 

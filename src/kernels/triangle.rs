@@ -45,7 +45,7 @@ impl Pattern {
 impl<S: Scalar> Triangle<S> {
     /// The identity, with the pattern of the factors of the mass matrix.
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let mut filled = vec![vec![false; n]; n];
         (0..n).for_each(|i| tree.subtree(i).iter().for_each(|&k| filled[k][i] = k != i));
         tree.armature().iter().for_each(|&(i, j, _)| filled[i][j] |= j < i);

@@ -106,7 +106,7 @@ fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia
 impl<S: Scalar> KernelTwo<S> {
     /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES).len();
         let still = Change {
@@ -137,8 +137,8 @@ impl<S: Scalar> KernelTwo<S> {
         dq: &[S],
         dv: &[S],
     ) -> Result<(), EvalError> {
-        check_length("dq", dq, tree.len())?;
-        check_length("dv", dv, tree.len())?;
+        check_length("dq", dq, tree.dof())?;
+        check_length("dv", dv, tree.dof())?;
         self.outward(tree, kernel, dq, dv);
         self.inward(tree, kernel);
         self.pairs(tree, kernel);

@@ -95,7 +95,7 @@ impl<S: Scalar> KernelOne<S> {
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
-        check_length("v", v, tree.len())?;
+        check_length("v", v, tree.dof())?;
         self.v.copy_from_slice(v);
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
@@ -143,7 +143,7 @@ impl<S: Scalar> KernelOne<S> {
             }
             self.l_q[i] = gradient;
         }
-        for &i in tree.sprung() {
+        for &i in tree.with_spring() {
             let spring = tree.joints()[i].spring;
             self.l_q[i] -= self.q[i].plus(-spring.rest).times(spring.stiffness);
         }

@@ -6,9 +6,10 @@ use crate::matrix::add_scaled;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
-    /// Solves `M(q) w = y` in place (n entries). M stays factored for [`adjoint_factored`](Self::adjoint_factored).
+    /// Solves `M(q) w = y` in place (n entries). M stays factored for
+    /// [`adjoint_factored`](Self::adjoint_factored).
     ///
-    /// For a costate y of the rates, w gives the derivative by the actuation: `y'a_u = w'`.
+    /// For a costate y of the velocities, w gives the derivative by the actuation: `y'a_u = w'`.
     ///
     /// # Errors
     /// A wrong length, an entry that is not finite, or a singular M; see [`Lagrangian`].
@@ -21,7 +22,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Writes `dx/dt = (v, a)` (2n) to `f` and `y'a_x = -w'(tau_q, tau_v)` (2n) to `y_a_x`, for `w = M^-1 y`.
     ///
-    /// Contracts the first derivatives of inverse dynamics before anything is solved. M must have been factored at the
+    /// Contracts the first derivatives of inverse dynamics before the solve. M must have been factored at the
     /// same q by [`solve_mass_matrix`](Self::solve_mass_matrix), which gives w.
     ///
     /// # Errors

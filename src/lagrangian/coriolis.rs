@@ -27,8 +27,8 @@ impl<S: Scalar> Lagrangian<S> {
     pub fn coriolis_matrix(&mut self, q: &[S], v: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.mass_matrix_rate(q, v)?;
         let (rate, p) = (self.along.mass_matrix(), self.kernel.l_vq());
-        for i in 0..self.tree.len() {
-            for j in 0..self.tree.len() {
+        for i in 0..self.tree.dof() {
+            for j in 0..self.tree.dof() {
                 self.coriolis[(i, j)] = (rate[(i, j)] + p[(i, j)] - p[(j, i)]).times(0.5);
             }
         }
@@ -51,7 +51,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// As [`differentiate`](Self::differentiate), at the position set last along (v, a) computed last.
     pub(super) fn differentiate_flow(&mut self) -> Result<(), EvalError> {
-        let (v, a) = self.rate.split_at(self.tree.len());
+        let (v, a) = self.rate.split_at(self.tree.dof());
         self.kernel.set_velocity(&self.tree, v)?;
         self.kernel.second_order(&self.tree);
         self.along.differentiate(&self.tree, &self.kernel, v, a)

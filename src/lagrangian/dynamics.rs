@@ -74,7 +74,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// The acceleration computed last, n.
     pub(super) fn acceleration(&self) -> &[S] {
-        &self.rate[self.tree.len()..]
+        &self.rate[self.tree.dof()..]
     }
 
     /// tau from the last sweep, with friction subtracted.
@@ -106,7 +106,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn accelerate_factored(&mut self, q: &[S], v: &[S], u: &[S]) {
         self.newton_euler.solve(&self.tree, q, v, &self.zero);
         self.subtract_friction(v);
-        let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.len());
+        let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.dof());
         rate_q.copy_from_slice(v);
         for ((a, &u), &tau) in rate_v.iter_mut().zip(u).zip(&self.tau) {
             *a = u - tau;

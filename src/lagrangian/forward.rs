@@ -92,7 +92,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// f_x and f_u from a_z.
     pub(super) fn assemble(&mut self) {
-        let n = self.tree.len();
+        let n = self.tree.dof();
         for i in 0..n {
             self.f_x.row_mut(n + i).copy_from_slice(&self.a_z.row(i)[..2 * n]);
             self.f_u.row_mut(n + i).copy_from_slice(&self.a_z.row(i)[2 * n..]);
@@ -115,7 +115,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`; M is factored.
     pub(super) fn solve_jacobian(&mut self) {
-        let n = self.tree.len();
+        let n = self.tree.dof();
         for i in 0..n {
             let (left, right) = self.torque.row_mut(i).split_at_mut(n);
             left.copy_from_slice(self.tau_q.row(i));

@@ -33,7 +33,7 @@ pub(super) fn torque_jacobian<S: Scalar, T: Scalar>(
 ) {
     let (p, l_qq, m_rate, p_rate) = (kernel.l_vq(), kernel.l_qq(), along.mass_matrix(), along.l_vq());
     for (i, joint) in tree.joints().iter().enumerate() {
-        for j in 0..tree.len() {
+        for j in 0..tree.dof() {
             tau_q[(i, j)] = value(p_rate[(i, j)] - l_qq[(i, j)]);
             tau_v[(i, j)] = value(m_rate[(i, j)] + p[(i, j)] - p[(j, i)]);
         }

@@ -14,7 +14,8 @@ use crate::scalar::Scalar;
 /// \dot T = \begin{pmatrix} 0 & 0 \\\\ \dot P & \dot M \end{pmatrix}, \qquad
 /// T^{-1} = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix} $$
 ///
-/// $$ F = T G, \qquad F\_x = (T G\_z + \dot T) T^{-1}, \qquad G\_z = T^{-1} (F\_x T - \dot T), \qquad y\_z = T^T y\_x $$
+/// $$ F = T G, \qquad F\_x = (T G\_z + \dot T) T^{-1}, \qquad
+/// G\_z = T^{-1} (F\_x T - \dot T), \qquad y\_z = T^T y\_x $$
 ///
 /// for dz/dt = G(z), z = (q, v), and dx/dt = F(x), x = (q, p). Friction and actuation are part of F and G.
 ///
@@ -55,7 +56,7 @@ impl<S: Scalar> LegendreTransform<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
         Self {

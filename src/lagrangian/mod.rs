@@ -92,7 +92,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let square = Matrix::zeros(n, n);
         let mut f_x = Matrix::zeros(2 * n, 2 * n);
         (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
@@ -119,7 +119,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Number of joints, n.
     pub fn dof(&self) -> usize {
-        self.tree.len()
+        self.tree.dof()
     }
 
     /// The model.
@@ -129,6 +129,6 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Every argument has n finite entries.
     fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.len()))
+        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
     }
 }

@@ -11,8 +11,8 @@ use crate::spatial::{Force, JointPosition, Motion, Vec3};
 /// With `psi_i = v_i x S_i` and the base accelerated against gravity in place of weights:
 ///
 /// ```text
-/// v_i = v_parent + S_i v_i     a_i = a_parent + S_i a_i + psi_i v_i     f_i = I_i a_i + v_i x* I_i v_i + sum of f_child
-/// tau_i = S_i . f_i
+/// v_i = v_parent + S_i v_i     a_i = a_parent + S_i a_i + psi_i v_i
+/// f_i = I_i a_i + v_i x* I_i v_i + sum of f_child     tau_i = S_i . f_i
 /// ```
 ///
 /// It shares only the transforms and the link parameters with kernel one, so that the two check each other.
@@ -28,7 +28,7 @@ pub(super) struct NewtonEuler<S> {
 
 impl<S: Scalar> NewtonEuler<S> {
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         Self {
             positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             velocities: vec![Motion::zero(); n],

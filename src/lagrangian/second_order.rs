@@ -104,7 +104,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.len();
+        let n = tree.dof();
         let zero = Tangent::zero();
         Self {
             kernel: KernelOne::new(&tree),

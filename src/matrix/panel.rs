@@ -3,10 +3,10 @@
 use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
-/// A dense matrix whose rows are filled up to a whole number of packs, and their number to a multiple of the
-/// lanes of one: what products of matrices are computed with.
+/// A dense matrix whose rows are padded to a whole number of packs, and whose number of rows is padded to a
+/// multiple of the lanes: the operand of matrix products.
 ///
-/// What stands in the places beyond the last column and the last row is never read as a result.
+/// The padding is never read as a result.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel<S: Scalar> {
     rows: usize,

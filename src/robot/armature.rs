@@ -1,8 +1,10 @@
 //! The armature matrix: constant rotor inertia that is added to the mass matrix.
 
-use super::checks;
 use super::error::RobotError;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Relative rounding that published figures are allowed.
+const ROUNDING: f64 = 1e-9;
 
 /// A symmetric matrix by its entries `(i, j, A_ij)`, i >= j, that are not zero, row by row.
 ///
@@ -24,7 +26,7 @@ impl Armature {
     /// # Errors
     /// [`RobotError::BadArmature`] unless the matrix is symmetric and positive semidefinite.
     pub(super) fn from_matrix(matrix: &DMatrix<f64>) -> Result<Self, RobotError> {
-        checks::armature(matrix)?;
+        check(matrix)?;
         let lower = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
         let entries = lower.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0);
         Ok(Self { n: matrix.nrows(), entries: entries.collect() })
@@ -48,4 +50,25 @@ impl Armature {
         }
         matrix
     }
+}
+
+/// Symmetric and positive semidefinite.
+fn check(matrix: &DMatrix<f64>) -> Result<(), RobotError> {
+    let n = matrix.nrows();
+    let bad = |problem: String| Err(RobotError::BadArmature { problem, n });
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return bad("has an entry that is not finite".into());
+    }
+    let size = matrix.amax();
+    if (matrix - matrix.transpose()).amax() > ROUNDING * size {
+        return bad("is not symmetric".into());
+    }
+    let diagonal = matrix.diagonal();
+    let is_diagonal = (matrix - DMatrix::from_diagonal(&diagonal)).iter().all(|x| *x == 0.0);
+    let smallest =
+        if is_diagonal { diagonal.min() } else { SymmetricEigen::new(matrix.clone()).eigenvalues.min() };
+    if smallest < -ROUNDING * size {
+        return bad(format!("has the negative eigenvalue {smallest:.3e}"));
+    }
+    Ok(())
 }

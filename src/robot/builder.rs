@@ -4,8 +4,9 @@ use super::armature::Armature;
 use super::checks;
 use super::error::RobotError;
 use super::joint::{Joint, JointSpec};
+use super::model::Robot;
+use super::options::LoadOptions;
 use super::warning::Warning;
-use super::{LoadOptions, Robot};
 use nalgebra::{DMatrix, Vector3};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -20,6 +21,13 @@ pub struct RobotBuilder {
     armature: Option<DMatrix<f64>>,
     options: LoadOptions,
     warnings: Vec<Warning>,
+}
+
+impl Robot {
+    /// Starts a robot of that name, without joints and with gravity (0, 0, -9.81) m/s^2.
+    pub fn builder(name: impl Into<String>) -> RobotBuilder {
+        RobotBuilder::new(name)
+    }
 }
 
 impl RobotBuilder {

@@ -5,7 +5,6 @@ use super::error::RobotError;
 use super::joint::{Joint, JointKind, JointSpec};
 use super::link::LinkInertia;
 use super::warning::Warning;
-use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Relative rounding that published figures are allowed.
 const ROUNDING: f64 = 1e-9;
@@ -73,27 +72,6 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
         Some((what, value, _, rule)) => Err(RobotError::BadValue { joint: name(), what, value, rule }),
         None => Ok(()),
     }
-}
-
-/// Symmetric and positive semidefinite.
-pub(super) fn armature(matrix: &DMatrix<f64>) -> Result<(), RobotError> {
-    let n = matrix.nrows();
-    let bad = |problem: String| Err(RobotError::BadArmature { problem, n });
-    if matrix.iter().any(|x| !x.is_finite()) {
-        return bad("has an entry that is not finite".into());
-    }
-    let size = matrix.amax();
-    if (matrix - matrix.transpose()).amax() > ROUNDING * size {
-        return bad("is not symmetric".into());
-    }
-    let diagonal = matrix.diagonal();
-    let is_diagonal = (matrix - DMatrix::from_diagonal(&diagonal)).iter().all(|x| *x == 0.0);
-    let smallest =
-        if is_diagonal { diagonal.min() } else { SymmetricEigen::new(matrix.clone()).eigenvalues.min() };
-    if smallest < -ROUNDING * size {
-        return bad(format!("has the negative eigenvalue {smallest:.3e}"));
-    }
-    Ok(())
 }
 
 /// What needs the whole tree: joints that move nothing, massless links, impossible inertias.

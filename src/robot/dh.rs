@@ -9,9 +9,10 @@
 //!
 //! The joint variable adds to theta (revolute) or to d (prismatic). Masses are given in frame i.
 
+use super::builder::RobotBuilder;
 use super::joint::JointSpec;
 use super::link::{Placement, rotation_x, rotation_z};
-use super::{Robot, RobotBuilder};
+use super::model::Robot;
 use nalgebra::Vector3;
 
 /// Which Denavit-Hartenberg convention a table follows.

@@ -1,8 +1,11 @@
 //! Rotates the frames of a robot so that every placement becomes a fixed screw.
 
+use super::joint::JointKind;
+use super::joint_frame::JointFrame;
+use super::link::LinkInertia;
 use super::link::snap;
+use super::model::Robot;
 use super::origins::{LEAST_SINE, origins};
-use super::{JointFrame, JointKind, LinkInertia, Robot};
 use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
 use nalgebra::{Matrix3, Vector3};
 
@@ -24,7 +27,7 @@ pub(super) struct AlignedFrames<'a> {
 
 impl<'a> AlignedFrames<'a> {
     pub(super) fn new(robot: &'a Robot) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         let is_fixed = robot.joints().iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
         Self {
             robot,
@@ -42,7 +45,7 @@ impl<'a> AlignedFrames<'a> {
 
     /// Frames that are only rotated, independently of all lengths: each origin remains where it is.
     pub(super) fn rotated_only(robot: &'a Robot) -> Self {
-        Self { moves_origins: false, origins: vec![Vector3::zeros(); robot.len()], ..Self::new(robot) }
+        Self { moves_origins: false, origins: vec![Vector3::zeros(); robot.dof()], ..Self::new(robot) }
     }
 
     /// The rotations of the frame of joint `i` and of the translation to it.

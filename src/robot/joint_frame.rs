@@ -1,6 +1,6 @@
 //! Constants of one joint and its link, in the frames of a [`Tree`](super::Tree).
 
-use super::{Friction, JointKind, Spring};
+use super::joint::{Friction, JointKind, Spring};
 use crate::scalar::Scalar;
 use crate::spatial::{ConstantInertia, FixedScrew, JointPosition, Transform, Turn};
 use nalgebra::Vector3;
@@ -53,8 +53,8 @@ impl JointFrame {
     pub fn position<S: Scalar>(&self, q: S) -> JointPosition<S> {
         let q = self.shifted(q);
         match self.kind {
-            JointKind::Revolute => JointPosition::Turned(Turn::by(q)),
-            JointKind::Prismatic => JointPosition::Slid(q),
+            JointKind::Revolute => JointPosition::Rotated(Turn::by(q)),
+            JointKind::Prismatic => JointPosition::Translated(q),
         }
     }
 

@@ -5,7 +5,8 @@
 //! translation along x and one along the next axis, nothing else (modified Denavit-Hartenberg convention),
 //! and none along x if the axes intersect.
 
-use super::{Joint, JointKind, Robot};
+use super::joint::{Joint, JointKind};
+use super::model::Robot;
 use nalgebra::Vector3;
 
 /// Axes at an angle with a smaller sine count as parallel: the foot would be too far away.

@@ -1,6 +1,8 @@
 //! `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world.
 
-use super::{Joint, JointKind, Placement, Robot};
+use super::joint::{Joint, JointKind};
+use super::link::Placement;
+use super::model::Robot;
 use crate::EvalError;
 use crate::error::check_length;
 use nalgebra::{Matrix3, Rotation3, Unit};
@@ -40,8 +42,8 @@ impl Robot {
     /// # Errors
     /// [`EvalError::WrongLength`].
     pub fn poses(&self, q: &[f64]) -> Result<Vec<Placement>, EvalError> {
-        check_length("q", q, self.len())?;
-        let mut poses: Vec<Placement> = Vec::with_capacity(self.len());
+        check_length("q", q, self.dof())?;
+        let mut poses: Vec<Placement> = Vec::with_capacity(self.dof());
         for (joint, &q) in self.joints().iter().zip(q) {
             let standing = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
             poses.push(standing.then(&joint.motion(q)));

@@ -1,46 +1,11 @@
 //! Robots from files, text and streams.
 
-use super::{LoadOptions, Robot, RobotError};
+use super::error::RobotError;
+use super::format::RobotFormat;
+use super::model::Robot;
+use super::options::LoadOptions;
 use std::io::Read;
 use std::path::Path;
-
-/// The formats of robot files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum RobotFormat {
-    /// URDF; needs the feature `urdf`.
-    Urdf,
-    /// TOML as described in `robot::file`; needs the feature `toml`.
-    Toml,
-}
-
-impl RobotFormat {
-    /// Longest text that is read (bytes): 16 MiB of URDF, 4 MiB of TOML. Reading either takes less than 256 MB.
-    pub const fn most_bytes(self) -> usize {
-        match self {
-            Self::Urdf => 16 << 20,
-            Self::Toml => 4 << 20,
-        }
-    }
-
-    /// The format that the extension of a path names, in capital or small letters.
-    ///
-    /// # Errors
-    /// [`RobotError::UnknownFormat`] for anything but `.urdf` and `.toml`.
-    pub fn of_path(path: impl AsRef<Path>) -> Result<Self, RobotError> {
-        match path.as_ref().extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("urdf") => Ok(Self::Urdf),
-            Some("toml") => Ok(Self::Toml),
-            _ => Err(RobotError::UnknownFormat),
-        }
-    }
-
-    /// The format of a text, by its first character that is not blank: `<` begins a URDF.
-    pub fn of_text(text: &str) -> Self {
-        let text = text.trim_start_matches(|c: char| c == '\u{feff}' || c.is_whitespace());
-        if text.starts_with('<') { Self::Urdf } else { Self::Toml }
-    }
-}
 
 impl Robot {
     /// Reads a `.urdf` or `.toml` file.

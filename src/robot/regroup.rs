@@ -6,7 +6,8 @@
 //! parameters (W. Khalil, J.-F. Bennis, International Journal of Robotics Research 14 (1995) 382-393). What
 //! reaches the world does not move and contributes to V only.
 
-use super::{JointFrame, JointKind};
+use super::joint::JointKind;
+use super::joint_frame::JointFrame;
 use crate::spatial::{ConstantInertia, Inertia, Symmetric3, Vec3};
 
 /// Fills `lumped` and `lumped_mass` of every joint; returns V (J) of what was moved to the world.

@@ -8,9 +8,10 @@
 //! original frames.
 
 use super::frames::AlignedFrames;
+use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
+use super::model::Robot;
 use super::regroup::regroup;
-use super::{Friction, JointKind, Robot};
 use std::ops::Range;
 
 /// The model that the kernels run on; built from a [`Robot`] once.
@@ -27,16 +28,15 @@ pub struct Tree {
     /// The joints depth first: a subtree is a part of it.
     depth_first: Vec<usize>,
     depth_first_position: Vec<usize>,
-    turning: Vec<usize>,
-    sliding: Vec<usize>,
-    sprung: Vec<usize>,
-    rubbing: Vec<usize>,
+    revolute: Vec<usize>,
+    prismatic: Vec<usize>,
+    with_spring: Vec<usize>,
+    with_friction: Vec<usize>,
 }
 
 impl Tree {
-    /// Number of joints, n.
-    #[expect(clippy::len_without_is_empty, reason = "a robot has at least one joint")]
-    pub fn len(&self) -> usize {
+    /// Number of joints and degrees of freedom, n.
+    pub fn dof(&self) -> usize {
         self.joints.len()
     }
 
@@ -82,23 +82,23 @@ impl Tree {
     }
 
     /// The revolute joints.
-    pub(crate) fn turning(&self) -> &[usize] {
-        &self.turning
+    pub(crate) fn revolute(&self) -> &[usize] {
+        &self.revolute
     }
 
     /// The prismatic joints.
-    pub(crate) fn sliding(&self) -> &[usize] {
-        &self.sliding
+    pub(crate) fn prismatic(&self) -> &[usize] {
+        &self.prismatic
     }
 
     /// The joints with a spring.
-    pub(crate) fn sprung(&self) -> &[usize] {
-        &self.sprung
+    pub(crate) fn with_spring(&self) -> &[usize] {
+        &self.with_spring
     }
 
     /// The joints with friction.
-    pub(crate) fn rubbing(&self) -> &[usize] {
-        &self.rubbing
+    pub(crate) fn with_friction(&self) -> &[usize] {
+        &self.with_friction
     }
 
     /// Number of pairs `i <= j` in tree order.
@@ -121,7 +121,7 @@ impl Tree {
 
 impl From<&Robot> for Tree {
     fn from(robot: &Robot) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         let mut aligned = AlignedFrames::new(robot);
         for i in 0..n {
             aligned.place(i);
@@ -147,7 +147,7 @@ impl Tree {
         gravity: [f64; 3],
         armature: Vec<(usize, usize, f64)>,
     ) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         let mut children = vec![Vec::new(); n];
         let mut size = vec![1; n];
         for (j, joint) in robot.joints().iter().enumerate() {
@@ -169,14 +169,14 @@ impl Tree {
             next.extend(children[i].iter().rev());
         }
         let those = |has: fn(&JointFrame) -> bool| (0..joints.len()).filter(|&i| has(&joints[i])).collect();
-        let (sprung, rubbing) =
+        let (with_spring, with_friction) =
             (those(|joint| joint.spring.stiffness != 0.0), those(|joint| !joint.friction.is_none()));
-        let (turning, sliding) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
+        let (revolute, prismatic) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
-            turning,
-            sliding,
-            sprung,
-            rubbing,
+            revolute,
+            prismatic,
+            with_spring,
+            with_friction,
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             joints,
             gravity,

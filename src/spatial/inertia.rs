@@ -42,15 +42,15 @@ impl<S: Scalar> Symmetric3<S> {
 
     /// `Rz J Rz'` for a rotation about z.
     #[inline(always)]
-    pub fn turned_about_z(&self, turn: &Turn<S>) -> Self {
+    pub fn rotated_about_z(&self, turn: &Turn<S>) -> Self {
         let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
         let [xz, yz] = turn.apply([self.xz, self.yz]);
         Self { xx, yy, zz: self.zz, xy, xz, yz }
     }
 
-    /// As [`turned_about_z`](Self::turned_about_z), by a constant angle.
+    /// As [`rotated_about_z`](Self::rotated_about_z), by a constant angle.
     #[inline(always)]
-    pub fn turned_about_z_constant(&self, turn: &FixedTurn) -> Self {
+    pub fn rotated_about_z_constant(&self, turn: &FixedTurn) -> Self {
         let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
         let [xz, yz] = turn.apply([self.xz, self.yz]);
         Self { xx, yy, zz: self.zz, xy, xz, yz }
@@ -58,7 +58,7 @@ impl<S: Scalar> Symmetric3<S> {
 
     /// `Rx J Rx'` for a rotation about x by a constant angle.
     #[inline(always)]
-    pub fn turned_about_x_constant(&self, turn: &FixedTurn) -> Self {
+    pub fn rotated_about_x_constant(&self, turn: &FixedTurn) -> Self {
         let [yy, zz, yz] = turn.congruence([self.yy, self.zz, self.yz]);
         let [xy, xz] = turn.apply([self.xy, self.xz]);
         Self { xx: self.xx, yy, zz, xy, xz, yz }
@@ -168,10 +168,10 @@ mod tests {
         let rz = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
         let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
         let z = rz * dense(&j) * rz.transpose();
-        assert!((dense(&j.turned_about_z(&Turn::by(0.7))) - z).amax() < 1e-15);
-        assert!((dense(&j.turned_about_z_constant(&FixedTurn::new([s, c]))) - z).amax() < 1e-15);
+        assert!((dense(&j.rotated_about_z(&Turn::by(0.7))) - z).amax() < 1e-15);
+        assert!((dense(&j.rotated_about_z_constant(&FixedTurn::new([s, c]))) - z).amax() < 1e-15);
         let x = rx * dense(&j) * rx.transpose();
-        assert!((dense(&j.turned_about_x_constant(&FixedTurn::new([s, c]))) - x).amax() < 1e-15);
+        assert!((dense(&j.rotated_about_x_constant(&FixedTurn::new([s, c]))) - x).amax() < 1e-15);
     }
 
     #[test]

@@ -15,9 +15,9 @@ use crate::scalar::{Pack, Scalar};
 #[derive(Clone, Copy, Debug)]
 pub enum JointPosition<S> {
     /// Rotated about z by the joint angle.
-    Turned(Turn<S>),
+    Rotated(Turn<S>),
     /// Translated along z by this distance (m).
-    Slid(S),
+    Translated(S),
 }
 
 impl<S: Scalar> JointPosition<S> {
@@ -25,8 +25,8 @@ impl<S: Scalar> JointPosition<S> {
     #[inline(always)]
     pub fn splat<P: Pack<S>>(&self) -> JointPosition<P> {
         match self {
-            Self::Turned(turn) => JointPosition::Turned(turn.splat()),
-            Self::Slid(distance) => JointPosition::Slid(P::splat(*distance)),
+            Self::Rotated(turn) => JointPosition::Rotated(turn.splat()),
+            Self::Translated(distance) => JointPosition::Translated(P::splat(*distance)),
         }
     }
 }
@@ -48,7 +48,7 @@ impl<S: Scalar> Transform<'_, S> {
             [a.x, a.y] = gamma.undo([a.x, a.y]);
         }
         [a.y, a.z] = self.fixed.alpha.undo([a.y, a.z]);
-        if let JointPosition::Turned(turn) = &self.joint {
+        if let JointPosition::Rotated(turn) = &self.joint {
             [a.x, a.y] = turn.undo([a.x, a.y]);
         }
         a
@@ -67,7 +67,7 @@ impl<S: Scalar> Transform<'_, S> {
         [w.y, w.z] = fixed.alpha.undo([w.y, w.z]);
         [v.y, v.z] = fixed.alpha.undo([v.y, v.z]);
         match &self.joint {
-            JointPosition::Turned(turn) => {
+            JointPosition::Rotated(turn) => {
                 if fixed.rise != 0.0 {
                     v.x = v.x.plus_times(w.y, fixed.rise);
                     v.y = v.y.plus_times(w.x, -fixed.rise);
@@ -75,7 +75,7 @@ impl<S: Scalar> Transform<'_, S> {
                 [w.x, w.y] = turn.undo([w.x, w.y]);
                 [v.x, v.y] = turn.undo([v.x, v.y]);
             }
-            &JointPosition::Slid(distance) => {
+            &JointPosition::Translated(distance) => {
                 v.x = w.y.mul_add(distance, v.x);
                 v.y = w.x.mul_add(-distance, v.y);
             }
@@ -89,7 +89,7 @@ impl<S: Scalar> Transform<'_, S> {
         let (mut n, mut f) = (here.moment, here.force);
         let fixed = self.fixed;
         match &self.joint {
-            JointPosition::Turned(turn) => {
+            JointPosition::Rotated(turn) => {
                 [n.x, n.y] = turn.apply([n.x, n.y]);
                 [f.x, f.y] = turn.apply([f.x, f.y]);
                 if fixed.rise != 0.0 {
@@ -97,7 +97,7 @@ impl<S: Scalar> Transform<'_, S> {
                     n.y = n.y.plus_times(f.x, fixed.rise);
                 }
             }
-            &JointPosition::Slid(distance) => {
+            &JointPosition::Translated(distance) => {
                 n.x = f.y.mul_add(-distance, n.x);
                 n.y = f.x.mul_add(distance, n.y);
             }
@@ -121,9 +121,9 @@ impl<S: Scalar> Transform<'_, S> {
         let fixed = self.fixed;
         let (mut h, mut j) = (body.first_moment, body.matrix);
         match &self.joint {
-            JointPosition::Turned(turn) => {
+            JointPosition::Rotated(turn) => {
                 [h.x, h.y] = turn.apply([h.x, h.y]);
-                j = j.turned_about_z(turn);
+                j = j.rotated_about_z(turn);
                 if fixed.rise != 0.0 {
                     let spread = (h.z + h.z).plus(mass * fixed.rise).times(fixed.rise);
                     j.xx += spread;
@@ -133,7 +133,7 @@ impl<S: Scalar> Transform<'_, S> {
                     h.z = h.z.plus(mass * fixed.rise);
                 }
             }
-            &JointPosition::Slid(distance) => {
+            &JointPosition::Translated(distance) => {
                 let moved = distance.times(mass);
                 let spread = distance * (h.z + h.z + moved);
                 j.xx += spread;
@@ -144,7 +144,7 @@ impl<S: Scalar> Transform<'_, S> {
             }
         }
         [h.y, h.z] = fixed.alpha.apply([h.y, h.z]);
-        j = j.turned_about_x_constant(&fixed.alpha);
+        j = j.rotated_about_x_constant(&fixed.alpha);
         let r @ [rx, ry, rz] = fixed.translation;
         if fixed.is_along_x() {
             let spread = h.x.plus(0.5 * mass * rx).times(2.0 * rx);
@@ -167,7 +167,7 @@ impl<S: Scalar> Transform<'_, S> {
         }
         if let Some(gamma) = &fixed.gamma {
             [h.x, h.y] = gamma.apply([h.x, h.y]);
-            j = j.turned_about_z_constant(gamma);
+            j = j.rotated_about_z_constant(gamma);
         }
         Inertia { mass, first_moment: h, matrix: j }
     }
@@ -182,7 +182,7 @@ mod tests {
 
     fn cases() -> Vec<(FixedScrew, JointPosition<f64>)> {
         let unit = |angle: f64| FixedTurn::new([angle.sin(), angle.cos()]);
-        let (turned, slid) = (JointPosition::Turned(Turn::by(0.4)), JointPosition::Slid(-0.8));
+        let (turned, slid) = (JointPosition::Rotated(Turn::by(0.4)), JointPosition::Translated(-0.8));
         let translation = [0.3, -0.5, 0.7];
         let mut cases = Vec::new();
         for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0)] {
@@ -202,8 +202,8 @@ mod tests {
         let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
         let outer = rz(t.fixed.gamma.map_or([0.0, 1.0], |gamma| gamma.sin_cos()));
         let (turn, slide) = match t.joint {
-            JointPosition::Turned(turn) => (rz([turn.sin, turn.cos]), t.fixed.rise),
-            JointPosition::Slid(distance) => (Matrix3::identity(), distance),
+            JointPosition::Rotated(turn) => (rz([turn.sin, turn.cos]), t.fixed.rise),
+            JointPosition::Translated(distance) => (Matrix3::identity(), distance),
         };
         let origin = outer * (Vector3::from(t.fixed.translation) + rx * Vector3::new(0.0, 0.0, slide));
         (outer * rx * turn, origin)

@@ -39,7 +39,7 @@ impl AugmentedBody {
             }
             body
         };
-        (0..tree.len()).map(link).collect()
+        (0..tree.dof()).map(link).collect()
     }
 
     /// The same as scalars.
@@ -70,15 +70,15 @@ impl<S: Scalar> Body<S> {
     pub fn moved_up(mut self, transform: &Transform<'_, S>, mass: f64) -> Self {
         let (p, l) = (&mut self.first_moment, &mut self.tensor);
         match &transform.joint {
-            JointPosition::Turned(turn) => {
+            JointPosition::Rotated(turn) => {
                 [p.x, p.y] = turn.apply([p.x, p.y]);
-                *l = l.turned_about_z(turn);
+                *l = l.rotated_about_z(turn);
                 let rise = transform.fixed.rise;
                 l.zz += p.z.times(2.0 * rise);
                 l.xz += p.x.times(rise);
                 l.yz += p.y.times(rise);
             }
-            &JointPosition::Slid(distance) => {
+            &JointPosition::Translated(distance) => {
                 let moved = distance.times(mass);
                 l.zz += distance * (p.z + p.z + moved);
                 l.xz += distance * p.x;
@@ -87,7 +87,7 @@ impl<S: Scalar> Body<S> {
             }
         }
         [p.y, p.z] = transform.fixed.alpha.apply([p.y, p.z]);
-        *l = l.turned_about_x_constant(&transform.fixed.alpha);
+        *l = l.rotated_about_x_constant(&transform.fixed.alpha);
         let [x, y, z] = transform.fixed.translation;
         l.xx += p.x.times(2.0 * x);
         l.yy += p.y.times(2.0 * y);
@@ -97,7 +97,7 @@ impl<S: Scalar> Body<S> {
         l.yz += p.y.times(z) + p.z.times(y);
         if let Some(gamma) = &transform.fixed.gamma {
             [p.x, p.y] = gamma.apply([p.x, p.y]);
-            *l = l.turned_about_z_constant(gamma);
+            *l = l.rotated_about_z_constant(gamma);
         }
         self
     }

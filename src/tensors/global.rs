@@ -40,7 +40,7 @@ impl<S: Scalar> GlobalTensors<S> {
         let augmented = AugmentedBody::of_links(tree, &origins);
         let pairs = paths.all_pairs();
         let mut axes = vec![Vec3::zero(); pairs];
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             axes[paths.pairs(d).end - 1] = Vec3::constant([0.0, 0.0, 1.0]);
         }
         Self {
@@ -62,7 +62,7 @@ impl<S: Scalar> GlobalTensors<S> {
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
-        check_length("q", q, tree.len())?;
+        check_length("q", q, tree.dof())?;
         for (d, joint) in tree.joints().iter().enumerate() {
             self.positions[d] = joint.position(q[d]);
             self.bodies[d] = self.augmented[d].lift();
@@ -93,7 +93,7 @@ impl<S: Scalar> GlobalTensors<S> {
             self.axes[to] = transform.vector_down(self.axes[from]);
             if *kind == JointKind::Revolute {
                 self.arms[to] = transform.vector_down(self.arms[from].plus(self.origins[d]));
-                if let JointPosition::Slid(distance) = transform.joint {
+                if let JointPosition::Translated(distance) = transform.joint {
                     self.arms[to].z += distance;
                 }
             }
@@ -159,8 +159,8 @@ impl<S: Scalar> GlobalTensors<S> {
         let base: f64 = self.origins[d].iter().zip(world_gravity).map(|(r, g)| r * g).sum();
         let here = gravity.dot(self.bodies[d].first_moment).plus(self.masses[d] * base);
         match self.positions[d] {
-            JointPosition::Turned(_) => here,
-            JointPosition::Slid(distance) => here + (distance * gravity.z).times(self.masses[d]),
+            JointPosition::Rotated(_) => here,
+            JointPosition::Translated(distance) => here + (distance * gravity.z).times(self.masses[d]),
         }
     }
 

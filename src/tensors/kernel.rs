@@ -47,7 +47,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
             }
         };
         let paths = &self.derivatives.tensors.paths;
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             paths.of(d).iter().for_each(|&i| add(d, i, self.mass_matrix[(d, i)]));
         }
         for &(i, j, value) in tree.armature() {
@@ -61,7 +61,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
     fn set_gradient(&mut self, tree: &Tree) {
         let tensors = &self.derivatives.tensors;
         self.upper.fill([S::zero(); 2]);
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             let (path, start) = (tensors.paths.of(d), tensors.paths.pairs(d).start);
             let h = path.len() - 1;
             let mut rates = self.derivatives.first.mass[tensors.paths.first_block(d)].iter();
@@ -101,12 +101,12 @@ impl<S: Scalar> ChristoffelKernel<S> {
     fn set_mixed(&mut self, tree: &Tree) {
         let paths = &self.derivatives.tensors.paths;
         self.l_vq.fill_zero();
-        for k in 0..tree.len() {
+        for k in 0..tree.dof() {
             for (&i, upper) in paths.of(k).iter().zip(&self.upper[paths.pairs(k)]) {
                 self.l_vq[(i, k)] = upper[0] + upper[1];
             }
         }
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             let path = paths.of(d);
             let h = path.len() - 1;
             let mut rates = self.derivatives.first.mass[paths.first_block(d)].iter();
@@ -128,7 +128,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
     fn set_curvature(&mut self, tree: &Tree) {
         self.set_weight(tree);
         let paths = &self.derivatives.tensors.paths;
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             let (path, pairs) = (paths.of(d), paths.pairs(d));
             let h = path.len() - 1;
             let mut rates = self.derivatives.second.mass[paths.second_block(d)].iter();
@@ -147,7 +147,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
                 }
             }
         }
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             for &i in paths.of(d) {
                 self.l_qq[(d, i)] = self.l_qq[(i, d)];
             }
@@ -179,7 +179,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
 
 impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     fn new(tree: &Tree) -> Self {
-        let (n, pairs) = (tree.len(), tree.pairs());
+        let (n, pairs) = (tree.dof(), tree.pairs());
         let (vector, square) = (vec![S::zero(); n], Matrix::zeros(n, n));
         Self {
             derivatives: MassMatrixDerivatives::new(tree),
@@ -219,7 +219,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     }
 
     fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
-        check_length("v", v, tree.len())?;
+        check_length("v", v, tree.dof())?;
         self.v.copy_from_slice(v);
         self.half_v.iter_mut().zip(v).for_each(|(half, v)| *half = v.times(0.5));
         self.derivatives.first_derivatives();
@@ -231,7 +231,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     fn second_order(&mut self, tree: &Tree) {
         self.derivatives.second_derivatives(tree);
         let paths = &self.derivatives.tensors.paths;
-        for d in 0..tree.len() {
+        for d in 0..tree.dof() {
             for (&i, square) in paths.of(d).iter().zip(&mut self.squares[paths.pairs(d)]) {
                 *square = if i == d { self.half_v[d] * self.v[d] } else { self.v[i] * self.v[d] };
             }

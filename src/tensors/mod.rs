@@ -3,9 +3,11 @@
 //!
 //! $$ \Gamma^k\_{ij} = \int OP\_{,i} \cdot OP\_{,kj} \enspace dm \qquad (38) $$
 //!
-//! $$ M\_{,k} = \Gamma^k + (\Gamma^k)^T, \qquad M\_{,kl} = \Gamma^k\_{,l} + (\Gamma^k\_{,l})^T \qquad (36), (37) $$
+//! $$ M\_{,k} = \Gamma^k + (\Gamma^k)^T, \qquad
+//! M\_{,kl} = \Gamma^k\_{,l} + (\Gamma^k\_{,l})^T \qquad (36), (37) $$
 //!
-//! $$ P\_{ik} = \sum\_j M\_{ij,k} v\_j, \qquad L\_{qq,kl} = \tfrac12 v^T M\_{,kl} v - V\_{,kl} \qquad (21), (22) $$
+//! $$ P\_{ik} = \sum\_j M\_{ij,k} v\_j, \qquad
+//! L\_{qq,kl} = \tfrac12 v^T M\_{,kl} v - V\_{,kl} \qquad (21), (22) $$
 //!
 //! $\Gamma^k\_{ij}$ is the Christoffel symbol of the first kind with the index order (kj, i).
 //!

@@ -164,7 +164,7 @@ fn for_every_mixture(check: impl Fn(&MassMatrixDerivatives<f64>, &Points)) {
     for parents in [&CHAIN[..], &BRANCHED[..]] {
         for prismatic in 0..1 << parents.len() {
             let tree = tree(parents, prismatic);
-            let q = &Q[..tree.len()];
+            let q = &Q[..tree.dof()];
             let mut ours = MassMatrixDerivatives::new(&tree);
             ours.update(&tree, q).unwrap();
             check(&ours, &Points::new(&tree, q));
@@ -179,7 +179,7 @@ fn close(found: f64, expected: f64) {
 #[test]
 fn tensors_are_sums_over_point_masses() {
     for_every_mixture(|ours, points| {
-        let n = points.tree.len();
+        let n = points.tree.dof();
         let mut found = 0;
         for i in 0..n {
             let (ours, local) = (ours.tensors().tensor(i), points.rotations[i]);
@@ -225,7 +225,7 @@ fn tensors_are_sums_over_point_masses() {
 #[test]
 fn coefficients_are_sums_over_point_masses() {
     for_every_mixture(|ours, points| {
-        let n = points.tree.len();
+        let n = points.tree.dof();
         for i in 0..n {
             for j in 0..n {
                 for k in 0..n {

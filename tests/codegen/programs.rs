@@ -63,7 +63,7 @@ fn all_robots() -> Vec<Robot> {
 #[test]
 fn programs_of_every_robot_file_agree_with_the_generic_code() {
     for robot in all_robots() {
-        let n = robot.len();
+        let n = robot.dof();
         for seed in 0..3 {
             let mut random = fastrand::Rng::with_seed(seed);
             let mut numbers = |count: usize, size: f64| -> Vec<f64> {

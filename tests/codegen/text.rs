@@ -134,7 +134,7 @@ fn compiled_c_agrees_with_the_generic_code() {
     ];
     for (file, quantity, coordinates) in cases {
         let (robot, program) = (robot(file), program(file, quantity, coordinates));
-        let n = robot.len();
+        let n = robot.dof();
         let numbers =
             |from: f64, count: usize| (0..count).map(|i| 2.0 * (from + 1.7 * i as f64).sin()).collect();
         let (q, v): (Vec<f64>, Vec<f64>) = (numbers(0.3, n), numbers(-0.8, n));

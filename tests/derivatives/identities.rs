@@ -62,7 +62,7 @@ fn flow(robot: &Robot, x: &[f64], h: f64) -> (DVector<f64>, DMatrix<f64>) {
 
 /// Derivative along d of where x goes, by dual numbers through F and the same steps.
 fn flow_derivative(robot: &Robot, x: &[f64], d: &[f64], h: f64) -> Vec<f64> {
-    let n = robot.len();
+    let n = robot.dof();
     let mut hamiltonian = Hamiltonian::<Dual64>::new(robot);
     let rest = vec![Dual64::zero(); n];
     let mut rate = |x: &Vec<Dual64>| hamiltonian.evaluate(&x[..n], &x[n..], &rest).unwrap().to_vec();

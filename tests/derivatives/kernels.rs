@@ -53,7 +53,7 @@ fn kernel_two_costs_less_than_a_dual_number() {
         let robot = costate::robot::Robot::from_file(format!("robots/{file}")).unwrap();
         let tree = Tree::from(&robot);
         let numbers =
-            |size: f64| (0..tree.len()).map(|i| Count::variable((size * i as f64).cos())).collect::<Vec<_>>();
+            |size: f64| (0..tree.dof()).map(|i| Count::variable((size * i as f64).cos())).collect::<Vec<_>>();
         let [q, v, dq, dv] = [0.7, 1.9, 2.3, 3.1].map(numbers);
         let (kernel, one) = count(|| kernel_one(&tree, &q, &v));
         let mut kernel_two = KernelTwo::new(&tree);

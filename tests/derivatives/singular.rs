@@ -29,7 +29,7 @@ fn chain(links: impl IntoIterator<Item = LinkInertia>, rng: &mut Rng) -> Robot {
 
 /// How many of 500 random states are refused, and the largest error of `M^-1 M v` among the others (|v| <= 1).
 fn refused_and_worst<S: Scalar>(robot: &Robot, rng: &mut Rng, value: impl Fn(S) -> f64) -> (usize, f64) {
-    let (mut hamiltonian, n) = (Hamiltonian::<S>::new(robot), robot.len());
+    let (mut hamiltonian, n) = (Hamiltonian::<S>::new(robot), robot.dof());
     let (mut refused, mut worst) = (0, 0.0_f64);
     for _ in 0..500 {
         let mut uniform =
@@ -86,7 +86,7 @@ fn badly_scaled_but_regular_robots_are_accepted() {
         chain(vec![body(1.0); 40], &mut rng),
     ] {
         let (refused, worst) = refused_and_worst::<f64>(&robot, &mut rng, |x| x);
-        assert!(refused <= 5, "{refused} of 500 refused, n = {}", robot.len());
-        assert!(worst < 1e-2, "error {worst:.1e}, n = {}", robot.len());
+        assert!(refused <= 5, "{refused} of 500 refused, n = {}", robot.dof());
+        assert!(worst < 1e-2, "error {worst:.1e}, n = {}", robot.dof());
     }
 }

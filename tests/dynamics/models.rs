@@ -33,16 +33,16 @@ impl Function for Momenta {
     type Workspace<S: Scalar> = Hamiltonian<S>;
     type Error = EvalError;
     fn inputs(&self) -> usize {
-        3 * self.0.len()
+        3 * self.0.dof()
     }
     fn outputs(&self) -> usize {
-        2 * self.0.len()
+        2 * self.0.dof()
     }
     fn workspace<S: Scalar>(&self) -> Hamiltonian<S> {
         Hamiltonian::from_tree(self.0.clone())
     }
     fn evaluate<S: Scalar>(&self, model: &mut Hamiltonian<S>, z: &[S], f: &mut [S]) -> Result<(), EvalError> {
-        let n = self.0.len();
+        let n = self.0.dof();
         f.copy_from_slice(model.evaluate(&z[..n], &z[n..2 * n], &z[2 * n..])?);
         Ok(())
     }
@@ -56,16 +56,16 @@ impl Function for Velocities {
     type Workspace<S: Scalar> = Lagrangian<S>;
     type Error = EvalError;
     fn inputs(&self) -> usize {
-        3 * self.0.len()
+        3 * self.0.dof()
     }
     fn outputs(&self) -> usize {
-        2 * self.0.len()
+        2 * self.0.dof()
     }
     fn workspace<S: Scalar>(&self) -> Lagrangian<S> {
         Lagrangian::from_tree(self.0.clone())
     }
     fn evaluate<S: Scalar>(&self, model: &mut Lagrangian<S>, z: &[S], f: &mut [S]) -> Result<(), EvalError> {
-        let n = self.0.len();
+        let n = self.0.dof();
         f.copy_from_slice(model.evaluate(&z[..n], &z[n..2 * n], &z[2 * n..])?);
         Ok(())
     }

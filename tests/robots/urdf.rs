@@ -1,4 +1,4 @@
-//! URDF files: what becomes of what is loaded.
+//! URDF files: what is loaded.
 
 use crate::texts::*;
 use costate::robot::RobotError as E;
@@ -51,11 +51,11 @@ fn fixed_links_are_merged() {
 }
 
 #[test]
-fn the_frame_of_an_inertial_turns_its_inertia() {
-    let turned = INERTIAL.replace("0.2\"/>", "0.2\" rpy=\"0.3 0.7 -0.2\"/>");
+fn the_frame_of_an_inertial_rotates_its_inertia() {
+    let rotated = INERTIAL.replace("0.2\"/>", "0.2\" rpy=\"0.3 0.7 -0.2\"/>");
     let rotation = Placement::from_xyz_rpy([0.0; 3], [0.3, 0.7, -0.2]).rotation;
     let expected = LinkInertia { inertia: rotation * body().inertia * rotation.transpose(), ..body() };
-    assert_close(&load(&arm(&turned)).joints()[0].inertia, &expected, 1e-16);
+    assert_close(&load(&arm(&rotated)).joints()[0].inertia, &expected, 1e-16);
 }
 
 #[test]
@@ -205,7 +205,11 @@ fn quaternions_since_version_1_1() {
     let text = elbow("continuous", "<origin quat_xyzw=\"0 0 0.6 0.8\"/>");
     let old = load(&text);
     assert_eq!(old.joints()[0].placement, Placement::identity());
-    assert!(notes(&old).contains("quat_xyzw of <origin> of joint 'elbow' is ignored"), "{}", notes(&old));
+    assert!(
+        notes(&old).contains("quat_xyzw of <origin> of joint 'elbow' (line 8) was ignored"),
+        "{}",
+        notes(&old)
+    );
     let new = load(&text.replace("bench\"", "bench\" version=\"1.1\""));
     let expected = Matrix3::new(0.28, -0.96, 0.0, 0.96, 0.28, 0.0, 0.0, 0.0, 1.0);
     assert!((new.joints()[0].placement.rotation - expected).amax() < 1e-15 && new.warnings().is_empty());
@@ -248,7 +252,7 @@ fn what_is_not_dynamics_is_not_read() {
     assert!(notes(&left).contains("'finger' in line 10"), "{}", notes(&left));
 }
 
-/// What XML forbids and the usual readers of URDF do not mind.
+/// What XML forbids and the usual readers of URDF accept.
 #[test]
 fn published_oddities_do_no_harm() {
     let text = more("");
@@ -258,7 +262,7 @@ fn published_oddities_do_no_harm() {
         format!("<!-- ---- links ---- -->\n<!-- <robot> --->{text}<!-- the end -->"),
         text.replace("<link name=\"base\"/>", "<link name=\"base\"/><s:x/><!-- <robot> -->"),
     ] {
-        assert_eq!(load(&odd).len(), 1, "{odd}");
+        assert_eq!(load(&odd).dof(), 1, "{odd}");
     }
     let swapped = load(&elbow("revolute", "<limit lower=\"1\" upper=\"-1\" effort=\"2\" velocity=\"3\"/>"));
     assert!(notes(&swapped).contains("no limit of position"), "{}", notes(&swapped));

@@ -108,7 +108,7 @@ impl RobotName {
 /// that of the fastest; their weight is 1e2 to 1e6 times the smallest weight of the effort.
 pub fn problem(name: RobotName, variant: Variant, pair: usize) -> Result<Problem, RobotError> {
     let robot = name.load()?;
-    let n = robot.len();
+    let n = robot.dof();
     let mut random = fastrand::Rng::with_seed(1000 * name as u64 + pair as u64);
     let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
     let reach = between(0.2, 1.5);

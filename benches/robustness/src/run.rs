@@ -52,7 +52,7 @@ fn solve<E: Extremal>(
     mut into: impl FnMut(&[f64], &[f64]) -> Result<Vec<f64>, costate::EvalError>,
     mut back: impl FnMut(&[f64], &[f64]) -> Result<Vec<f64>, costate::EvalError>,
 ) -> Result<Record, Box<dyn Error>> {
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     let mut failed = None;
     // From rest to rest by a cubic, costates zero.
     let mut guess = |s: f64, z: &mut [f64]| {

@@ -44,7 +44,7 @@ pub fn check(case: &Case, list: &mut [Candidate<'_>]) -> Result<Vec<Error>, Fail
             other.quantity == candidate.quantity && other.route == judge(other.quantity)
         };
         let expected = list.iter().position(of_judge).ok_or("a quantity without its judge")?;
-        let error = worst(found, &figures[expected], case.robot.len());
+        let error = worst(found, &figures[expected], case.robot.dof());
         let most = if candidate.route.contains("differences") { DIFFERENCES } else { EXACT };
         if error.relative.is_nan() || error.relative > most {
             let Candidate { quantity, route, .. } = candidate;

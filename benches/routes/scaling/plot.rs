@@ -38,7 +38,7 @@ fn lines(quantity: &str, cases: &[Case], rows: &[Row]) -> Vec<Line> {
             rows.iter().find(|r| (r.quantity, r.route, &r.case) == (quantity, route, &case.title))
         };
         let chains = cases.iter().filter(|case| case.chain);
-        chains.filter_map(|case| Some((case.robot.len() as f64, of(case)?.time?.median))).collect()
+        chains.filter_map(|case| Some((case.robot.dof() as f64, of(case)?.time?.median))).collect()
     };
     let all = routes(rows, quantity).into_iter().map(|route| (route, points(route)));
     all.filter(|(_, points)| !points.is_empty()).collect()
@@ -82,7 +82,7 @@ fn draw_quantity(
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
         .draw()?;
-    for n in cases.iter().filter(|case| case.chain).map(|case| case.robot.len()) {
+    for n in cases.iter().filter(|case| case.chain).map(|case| case.robot.dof()) {
         let [at, above] = [bottom, top].map(|ns| chart.backend_coord(&(n as f64, ns)));
         let style = TextStyle::from(("sans-serif", 17).into_font());
         area.draw(&PathElement::new([at, above], BLACK.mix(0.12)))?;

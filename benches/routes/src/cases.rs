@@ -20,7 +20,7 @@ pub struct Case {
 impl Case {
     fn new(title: &str, robot: Robot, chain: bool) -> Result<Self, Failure> {
         let state = State::random(&robot, 1)?;
-        Ok(Self { title: format!("{title}, n = {}", robot.len()), robot, state, chain })
+        Ok(Self { title: format!("{title}, n = {}", robot.dof()), robot, state, chain })
     }
 
     /// The robots of files.

@@ -51,7 +51,7 @@ fn machine_code<'a>(
     let above = |route: &str| {
         println!("{}: {label}: {} steps are above the limit of {route}", case.title, program.steps());
     };
-    let results = program.outputs() - entries(label, case.robot.len())..program.outputs();
+    let results = program.outputs() - entries(label, case.robot.dof())..program.outputs();
     let state = &case.state;
     let inputs: Vec<f64> =
         state.x.iter().chain(&state.u).chain(&state.y).copied().take(program.inputs()).collect();
@@ -99,7 +99,7 @@ fn lanes<'a, S: Packed<Lane = f64> + 'a>(
 ) where
     Model<HamiltonianSecondOrder<S>>: Send,
 {
-    let n = case.robot.len();
+    let n = case.robot.dof();
     let spread = |entries: &[f64]| -> Vec<f64> {
         (0..NODES).flat_map(|k| entries.iter().map(move |x| x * (1.0 - 0.05 * k as f64))).collect()
     };

@@ -18,7 +18,7 @@ pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
     chunk::<2>("dual numbers, 2 at once", case, list);
     chunk::<4>("dual numbers, 4 at once", case, list);
     chunk::<8>("dual numbers, 8 at once", case, list);
-    match case.robot.len() {
+    match case.robot.dof() {
         2 => whole::<4>(case, list),
         6 => whole::<12>(case, list),
         7 => whole::<14>(case, list),
@@ -27,7 +27,7 @@ pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
 }
 
 fn gradient<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
-    let n = case.robot.len();
+    let n = case.robot.dof();
     let mut hamiltonian = Hamiltonian::<Dual64>::new(&case.robot);
     let mut x: Vec<Dual64> = case.state.x.iter().map(|&x| x.into()).collect();
     let mut f = vec![0.0; 2 * n];

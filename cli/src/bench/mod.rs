@@ -142,7 +142,7 @@ fn as_json(robot: &Robot, arguments: &Arguments, rows: &[Row], notes: &[String])
     };
     json!({
         "robot": robot.name(),
-        "n": robot.len(),
+        "n": robot.dof(),
         "batches": arguments.batches,
         "instructions": instructions(),
         "rows": rows.iter().map(row).collect::<Vec<_>>(),

@@ -42,7 +42,7 @@ pub struct State {
 impl State {
     /// Uniformly random: q within +-pi, v, u, y and d within +-1.
     pub fn random(robot: &Robot, seed: u64) -> Result<Self, Failure> {
-        let n = robot.len();
+        let n = robot.dof();
         let mut random = fastrand::Rng::with_seed(seed);
         let mut numbers = |count: usize, most: f64| -> Vec<f64> {
             (0..count).map(|_| most * (2.0 * random.f64() - 1.0)).collect()
@@ -88,7 +88,7 @@ fn add<'a>(
 }
 
 fn first_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>>) {
-    let n = robot.len();
+    let n = robot.dof();
     let State { x, u, y, .. } = state;
     let (q, p) = x.split_at(n);
     let mut hamiltonian = Hamiltonian::<f64>::new(robot);
@@ -130,7 +130,7 @@ fn first_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>
 }
 
 fn second_order<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>>) {
-    let n = robot.len();
+    let n = robot.dof();
     let State { x, u, y, d, .. } = state;
     let (q, p) = x.split_at(n);
     let quantity = SECOND;
@@ -209,7 +209,7 @@ fn automatic_second_order<'a>(
 
 fn in_velocities<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'a>>) {
     let State { q, v, u, y, .. } = state;
-    let costate = &y[robot.len()..];
+    let costate = &y[robot.dof()..];
     let mut lagrangian = Lagrangian::<f64>::new(robot);
     add(list, ["tau(q, v, a)", "analytic"], move |to| {
         give_slice(to, lagrangian.inverse_dynamics(black_box(q), v, u)?);

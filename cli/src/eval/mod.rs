@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         if line.iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        let answer = State::parse(&line, robot.len(), arguments.coordinates).and_then(|state| {
+        let answer = State::parse(&line, robot.dof(), arguments.coordinates).and_then(|state| {
             units.check(number, &state.q);
             match &excessive {
                 Some(reason) if state.y.is_some() => Err(reason.clone()),
@@ -147,7 +147,7 @@ fn excessive_work(robot: &Robot, arguments: &Arguments) -> Option<String> {
         Coordinates::Lagrangian => Work::lagrangian(robot, method),
     };
     (work.is_excessive() && !arguments.force).then(|| {
-        let n = robot.len();
+        let n = robot.dof();
         format!(
             "second derivatives of {n} joints by --route {name} take {work}; use --route analytic, or --force to \
              compute them all the same"

@@ -1,28 +1,37 @@
 //! A problem file and the saved motion that it names.
 
 use costate::robot::{LoadOptions, Robot};
-use costate_control::{Key, Problem, ProblemFile, ProblemFileError, SolverOptions, Trajectory};
+use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory};
+use std::error::Error;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The contents of a problem file.
+/// A problem file with everything that it refers to.
 pub struct Task {
     pub problem: Problem,
     pub options: SolverOptions,
     pub start_from: Option<Trajectory>,
     /// The text of the file.
     pub text: String,
+    /// The problem file and the files that it names.
+    pub inputs: Vec<PathBuf>,
 }
 
 impl Task {
     /// Reads a problem file, its robot and its saved motion.
-    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, ProblemFileError> {
+    ///
+    /// # Errors
+    /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved
+    /// motion that does not fit the robot.
+    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, Box<dyn Error>> {
         let file = ProblemFile::read(path, load)?;
         let start = file.start_from.as_ref().map(|saved| read_start(saved, &file.problem.robot));
         let start_from = start.transpose().map_err(|error| file.refuse(Key::START_FROM, error))?;
+        let inputs = [Some(path), Some(&file.robot_path), file.start_from.as_deref()];
+        let inputs = inputs.into_iter().flatten().map(Path::to_path_buf).collect();
         let ProblemFile { problem, options, text, .. } = file;
-        Ok(Self { problem, options, start_from, text })
+        Ok(Self { problem, options, start_from, text, inputs })
     }
 }
 

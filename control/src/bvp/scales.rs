@@ -1,19 +1,19 @@
 //! The sizes of components, in which corrections and errors are measured.
 //!
 //! The scale of a component is the largest absolute value that it takes along the motion, but no less than a
-//! hundredth of the largest in its group. Where an optimal motion needs no control, all costates vanish and
-//! hold nothing but rounding errors; these must not become the scale. The costate `y_c` matters when it moves
-//! the state by its own size,
+//! hundredth of the largest in its group. Where all values of a group vanish, for example the costates of a
+//! motion that needs no control, they hold nothing but rounding errors. These must not become the scale. Such
+//! a component c matters when it moves another one by its size,
 //!
-//! $$ \hat y_c = \min_i \frac{\hat z_i}{| \partial (dz_i/ds) / \partial y_c |} $$
+//! $$ \hat z_c = \min_i \frac{\hat z_i}{| \partial (dz_i/ds) / \partial z_c |} $$
 //!
-//! over the states i, and over the costates i whose size is known in this way. A group of costates far below
-//! these sizes has them as scales. (Columns of the Jacobian as scales: J. E. Dennis, R. B. Schnabel,
-//! *Numerical Methods for Unconstrained Optimization and Nonlinear Equations*, SIAM 1996, section 7.1.)
+//! over the components i whose sizes are known. A group far below these sizes has them as scales. (Columns of
+//! the Jacobian as scales: J. E. Dennis, R. B. Schnabel, *Numerical Methods for Unconstrained Optimization
+//! and Nonlinear Equations*, SIAM 1996, section 7.1.)
 
 use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
-use crate::constants::newton::{LEAST_SCALE, NEGLIGIBLE_COSTATE, SMALL_COSTATE};
+use crate::constants::newton::{LEAST_SCALE, NEGLIGIBLE, SMALL};
 use crate::extremal::Extremal;
 
 /// What is known about the scales.
@@ -22,8 +22,8 @@ pub(crate) enum Scales {
     Known,
     /// All values of a group are zero; its scale is 1.
     Unknown,
-    /// Costates are so small that they may be rounding errors: the coupling is needed to decide. Nothing was
-    /// set.
+    /// Values of a group are so small that they may be rounding errors: the coupling is needed to decide.
+    /// Nothing was set.
     Small,
 }
 
@@ -44,42 +44,41 @@ pub(crate) fn set_scales<E: Extremal>(
     }
     let z = timed.z_len();
     let group = |c: usize| if c < z { timed.extremal.group(c) } else { usize::MAX - c };
-    let (mut known, mut found, mut natural) = (Scales::Known, vec![0.0; m], Vec::new());
+    let same = |c: usize| (0..m).filter(move |&d| group(d) == group(c));
+    let largest: Vec<f64> = (0..m).map(|c| same(c).map(|d| sizes[d]).fold(0.0, f64::max)).collect();
+    let small = |c: usize| c < z && largest[c] > 0.0 && largest[c] < SMALL;
+    if coupling.is_empty() && (0..z).any(small) {
+        return Scales::Small;
+    }
     for c in 0..m {
-        if c == z / 2 && !coupling.is_empty() {
-            natural = natural_sizes(coupling, &found, z);
-        }
-        let same = |d: &usize| group(*d) == group(c);
-        let largest = (0..m).filter(same).map(|d| sizes[d]).fold(0.0_f64, f64::max);
-        let costates = (z / 2..z).contains(&c);
-        let negligible = |d: usize| {
-            natural.get(d).is_some_and(|&size| size.is_finite() && sizes[d] <= NEGLIGIBLE_COSTATE * size)
+        scale[c] = if largest[c] > 0.0 { sizes[c].max(LEAST_SCALE * largest[c]) } else { 1.0 };
+    }
+    if (0..z).any(small) {
+        // A motion at rest at zero: its positions are measured in rad and m.
+        let rests = (0..z / 2).all(|c| small(c) || largest[c] == 0.0);
+        let known = |c: usize| match small(c) {
+            true if rests && group(c) == group(0) => 1.0,
+            true => f64::INFINITY,
+            false => scale[c],
         };
-        if largest == 0.0 {
-            found[c] = 1.0;
-            known = Scales::Unknown;
-        } else if costates && (0..m).filter(same).all(negligible) {
-            found[c] = natural[c];
-        } else {
-            found[c] = sizes[c].max(LEAST_SCALE * largest);
-            if costates && coupling.is_empty() && largest < SMALL_COSTATE {
-                return Scales::Small;
-            }
+        let known: Vec<f64> = (0..z).map(known).collect();
+        let natural = natural_sizes(coupling, m, known);
+        let negligible = |c: usize| natural[c].is_finite() && sizes[c] <= NEGLIGIBLE * natural[c];
+        for c in (0..z).filter(|&c| small(c) && same(c).all(negligible)) {
+            scale[c] = natural[c];
         }
     }
-    scale.copy_from_slice(&found);
-    known
+    if largest.contains(&0.0) { Scales::Unknown } else { Scales::Known }
 }
 
-/// For each component the value that moves the states by their scales, infinite where there is none, from the
-/// Jacobian of `dw/ds`. Those of the states are their scales.
-pub(crate) fn natural_sizes(jacobian: &[f64], scale: &[f64], z: usize) -> Vec<f64> {
-    let (m, states) = (scale.len(), z / 2);
-    let mut sizes = vec![f64::INFINITY; m];
-    sizes[..states].copy_from_slice(&scale[..states]);
-    // A costate may act through others: by one more of them in each round.
-    for _ in 0..states {
-        for c in states..z {
+/// For each component whose size is infinite the value that moves others by their sizes, infinite where there
+/// is none, from the Jacobian of `dw/ds` with rows of m.
+fn natural_sizes(jacobian: &[f64], m: usize, mut sizes: Vec<f64>) -> Vec<f64> {
+    let z = sizes.len();
+    let unknown: Vec<usize> = (0..z).filter(|&c| sizes[c].is_infinite()).collect();
+    // A component may act through others: by one more of them in each round.
+    for _ in 0..z {
+        for &c in &unknown {
             let acts = |i: usize| sizes[i] / jacobian[i * m + c].abs();
             sizes[c] = (0..z).filter(|&i| i != c).map(acts).fold(sizes[c], f64::min);
         }
@@ -95,7 +94,9 @@ mod tests {
     fn costates_are_measured_by_what_they_move() {
         // q' = p/2, p' = u = 4 y_p, y_q' = 0, y_p' = -y_q/2.
         let rows = [[0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.0, 4.0], [0.0; 4], [0.0, 0.0, -0.5, 0.0]];
-        let sizes = natural_sizes(rows.as_flattened(), &[3.0, 8.0, 1.0, 1.0], 4);
+        let sizes = natural_sizes(rows.as_flattened(), 4, vec![3.0, 8.0, f64::INFINITY, f64::INFINITY]);
         assert_eq!(sizes, [3.0, 8.0, 4.0, 2.0]);
+        let at_rest = natural_sizes(rows.as_flattened(), 4, vec![3.0, f64::INFINITY, 1.0, 1.0]);
+        assert_eq!(at_rest, [3.0, 6.0, 1.0, 1.0]);
     }
 }

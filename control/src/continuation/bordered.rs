@@ -13,9 +13,12 @@ use crate::extremal::Extremal;
 ///
 /// $$ c^T (x - x_0) + c_s (s - s_0) = 0 $$
 ///
-/// With `a = -A^-1 r` and `b = dx/ds = -A^-1 r_s` a correction is `a + b ds`, `ds = -(c'a + residual) / (c_s
-/// + c'b)`. With c along the branch this is regular at a turning point, where A is not. r_s is a central
-/// difference.
+/// With `a = -A^-1 r` and `b = dx/ds = -A^-1 r_s` a correction is `a + b ds`, where
+///
+/// $$ ds = - \frac{c^T a + \rho}{c_s + c^T b} $$
+///
+/// with the residual rho of the condition. With c along the branch this is regular at a turning point, where
+/// A is not. r_s is a central difference.
 pub(crate) struct Bordered<F> {
     pub inner: Collocation,
     /// Makes the problem that of a position.

@@ -16,7 +16,7 @@ use crate::solve::arcs::solve_arcs;
 use crate::solve::free_time::free_time;
 use crate::solve::homotopy::follow;
 use crate::solve::{Discretisation, Layout, Solved};
-use crate::solver::saved;
+use crate::starts::saved;
 use crate::status::Status;
 
 impl Walker<'_, '_> {

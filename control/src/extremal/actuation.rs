@@ -1,29 +1,42 @@
-//! The control that makes the Hamiltonian greatest.
+//! The control that maximises the Hamiltonian.
 
 use crate::extremal::relaxation::smoothing_price;
 use crate::extremal::{BoundSide, ControlLaw, Relaxation};
 use crate::problem::{Bounds, Problem};
 use costate::scalar::Scalar;
 
-/// `u_i = clip(r_i^-1 b_i y_p,i)`: as `b_i y_p,i u_i - 1/2 r_i u_i^2` is concave in u_i, the greatest value within bounds is
-/// at the nearest point to the free maximum.
+/// $u_i = \mathrm{clip}(r_i^{-1} b_i y_{p,i})$. As $b_i y_{p,i} u_i - \frac12 r_i u_i^2$ is concave in $u_i$,
+/// its maximum within the bounds is the point nearest to its free maximum.
 ///
-/// Controls that cost nothing jump from bound to bound. To lead there smoothly, an [eased](Relaxation) problem gives them the cost
-/// `r w^2 ( s artanh s + 1/2 log(1 - s^2) )`, s = (u - middle)/w with w half the distance between the bounds: near the middle
-/// that is `1/2 r (u - middle)^2`, and the maximum is at `u = middle + w tanh(b y_p / (r w))`.
+/// Controls that cost nothing jump from bound to bound. A [relaxed](Relaxation) problem makes them smooth by
+/// the cost
+///
+/// $$ r w^2 \left( s \\, \mathrm{artanh} \\, s + \tfrac12 \log(1 - s^2) \right), \qquad s = (u - m) / w $$
+///
+/// with m the middle and w half the distance of the bounds. Near m it is $\frac12 r (u - m)^2$, and the
+/// maximum is at $u = m + w \tanh(b y_p / (r w))$.
 #[derive(Clone, Debug)]
 pub(crate) struct Actuation {
     /// b_i.
     pub gain: Vec<f64>,
     /// r_i.
     pub effort: Vec<f64>,
-    /// Bounds, infinite where there are none.
+    /// Lower and upper bounds; infinite for none.
     pub bounds: Vec<(f64, f64)>,
-    /// Controls that cost nothing and have the smooth cost now: their middle and w.
-    smooth: Vec<Option<(f64, f64)>>,
+    /// Ranges of the controls that have the smooth cost now.
+    smooth: Vec<Option<SmoothRange>>,
 }
 
-/// Half the distance between two bounds; where there is only one its size stands for it, or 1 where that is zero.
+/// The range of a control with the smooth cost.
+#[derive(Clone, Copy, Debug)]
+struct SmoothRange {
+    /// m.
+    middle: f64,
+    /// w; infinite without bounds.
+    width: f64,
+}
+
+/// Half the distance between two bounds. With one bound only, its absolute value, or 1 where that is zero.
 pub(crate) fn half_width((low, high): (f64, f64)) -> f64 {
     match (low.is_finite(), high.is_finite()) {
         (true, true) => 0.5 * (high - low),
@@ -33,20 +46,20 @@ pub(crate) fn half_width((low, high): (f64, f64)) -> f64 {
     }
 }
 
-/// A control as it acts.
+/// A control and its cost.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control<S> {
     pub u: S,
     /// du / d(b y_p).
     pub slope: S,
-    /// Its part of the running cost.
+    /// Its running cost.
     pub cost: S,
-    /// What it costs only because the problem is eased.
+    /// Its running cost that only the relaxed problem has.
     pub smoothing: S,
 }
 
 impl Actuation {
-    /// That of a problem.
+    /// The actuation of a problem.
     pub fn new(problem: &Problem) -> Self {
         Self::of_parts(problem.gain.clone(), problem.cost.effort.clone(), problem.bounds.as_ref())
     }
@@ -61,8 +74,8 @@ impl Actuation {
         Self { smooth: vec![None; effort.len()], gain, effort, bounds }
     }
 
-    /// Wider bounds than original for, and a cost for controls that have none: at `relaxation.effort = 1` that of staying at a bound
-    /// is about the price of time.
+    /// Widens the bounds of `original`, and gives a cost to controls that have none. At
+    /// `relaxation.effort = 1` staying at a bound costs about as much as time.
     pub fn relax(&mut self, original: &Self, time_cost: f64, relaxation: Relaxation) {
         let price = smoothing_price(time_cost);
         for (i, &(low, high)) in original.bounds.iter().enumerate() {
@@ -73,16 +86,19 @@ impl Actuation {
             (self.effort[i], self.smooth[i]) = match original.effort[i] {
                 0.0 if relaxation.effort > 0.0 => (
                     relaxation.effort * 2.0 * price / (half * half),
-                    Some((middle, relaxation.bounds * half)),
+                    Some(SmoothRange { middle, width: relaxation.bounds * half }),
                 ),
-                effort => {
-                    (effort, original.smooth[i].map(|(middle, width)| (middle, relaxation.bounds * width)))
-                }
+                effort => (
+                    effort,
+                    original.smooth[i]
+                        .map(|range| SmoothRange { width: relaxation.bounds * range.width, ..range }),
+                ),
             };
         }
     }
 
-    /// The bounds that a control reaches: none where the actuation original for has the smooth cost, which nears them only.
+    /// The bounds that a control reaches: none where the original actuation is smooth, whose controls only
+    /// come near them.
     pub fn reached_bounds(&self, original: &Self, i: usize) -> (f64, f64) {
         if original.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
     }
@@ -90,16 +106,16 @@ impl Actuation {
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
     pub fn unbounded(&self, i: usize, y_p: f64) -> f64 {
         let pull = self.gain[i] * y_p;
-        let middle = self.smooth[i].map_or(0.0, |(middle, _)| middle);
+        let middle = self.smooth[i].map_or(0.0, |range| range.middle);
         if pull == 0.0 { middle } else { middle + pull / self.effort[i] }
     }
 
-    /// u_i and what goes with it.
+    /// u_i and its cost.
     pub fn control(&self, i: usize, y_p: f64, law: ControlLaw<'_>) -> Control<f64> {
         let sides = match (law, self.smooth[i]) {
             (ControlLaw::Maximal, None) => return self.maximal(i, y_p),
-            (ControlLaw::Maximal, Some((middle, width))) => {
-                return self.smoothed(i, self.unbounded(i, y_p) - middle, (middle, width));
+            (ControlLaw::Maximal, Some(range)) => {
+                return self.smoothed(i, self.unbounded(i, y_p) - range.middle, range);
             }
             (ControlLaw::Given(sides), _) => sides,
         };
@@ -112,7 +128,7 @@ impl Actuation {
         Control { u, slope, cost: 0.5 * self.effort[i] * u * u, smoothing: 0.0 }
     }
 
-    /// `u_i = clip(r_i^-1 b_i y_p,i)`; for r_i = 0 the bound that the sign of b_i y_p,i asks for.
+    /// `u_i = clip(r_i^-1 b_i y_p,i)`; for r_i = 0 the bound that has the sign of b_i y_p,i.
     pub fn maximal<S: Scalar>(&self, i: usize, y_p: S) -> Control<S> {
         let ((low, high), r) = (self.bounds[i], self.effort[i]);
         let (pull, zero) = (y_p.times(self.gain[i]), S::zero());
@@ -130,8 +146,8 @@ impl Actuation {
         Control { u, slope, cost: (u * u).times(0.5 * r), smoothing: zero }
     }
 
-    /// With `free = b y_p / r`.
-    fn smoothed(&self, i: usize, free: f64, (middle, width): (f64, f64)) -> Control<f64> {
+    /// The smooth control for `free = b y_p / r`.
+    fn smoothed(&self, i: usize, free: f64, SmoothRange { middle, width }: SmoothRange) -> Control<f64> {
         let r = self.effort[i];
         if width.is_infinite() {
             let smoothing = 0.5 * r * free * free;
@@ -147,7 +163,8 @@ impl Actuation {
         Control { u: middle + width * s, slope: (r * cosh * cosh).recip(), cost: 0.0, smoothing }
     }
 
-    /// `b_i y_p,i - r_i u_i` at the bound that is reached or left, and its slope in y_p,i; between two bounds `b_i y_p,i`.
+    /// `b_i y_p,i - r_i u_i` at the bound that is reached or left, and its slope in y_p,i; between two bounds
+    /// `b_i y_p,i`.
     pub fn switching(&self, i: usize, sides: (BoundSide, BoundSide), y_p: f64) -> (f64, f64) {
         let (low, high) = self.bounds[i];
         let bound = match sides {

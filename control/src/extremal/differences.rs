@@ -1,9 +1,9 @@
-//! Jacobians by central differences, for comparison.
+//! Jacobians by central differences, for comparison with exact ones.
 
 use crate::extremal::{BoundaryValueProblem, ControlLaw};
 use costate::EvalError;
 
-/// An extremal with buffers for differences of its right-hand side.
+/// An extremal that owns buffers for differences of its right-hand side.
 pub(crate) trait Differenced: BoundaryValueProblem {
     fn differences(&mut self) -> &mut Differences;
 
@@ -21,7 +21,7 @@ pub(crate) trait Differenced: BoundaryValueProblem {
     }
 }
 
-/// Buffers for a function of m numbers with m values.
+/// Buffers for a function from m to m numbers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Differences {
     point: Vec<f64>,
@@ -36,7 +36,7 @@ impl Differences {
     /// `dg_i/dz_j = (g_i(z + h e_j) - g_i(z - h e_j)) / 2h` with `h = epsilon^(1/3) max(|z_j|, 1)`, m x m.
     ///
     /// # Errors
-    /// The first of `rate`.
+    /// The first error of `rate`.
     pub fn jacobian(
         &mut self,
         z: &[f64],

@@ -1,4 +1,4 @@
-//! Extremals whose equations are computed by generated code.
+//! Extremals whose equations are generated code.
 
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{RobotExtremal, with_hamiltonian};
@@ -9,12 +9,12 @@ use crate::problem::Problem;
 use crate::problem::error::SourceError;
 use costate::EvalError;
 
-/// The extremals of a [`Problem`] with z' and its Jacobian from functions, such as the source that
-/// [`pontryagin_program`](crate::pontryagin_program) gives, compiled.
+/// The extremals of a [`Problem`] with z' and its Jacobian from functions: from the compiled source of
+/// [`pontryagin_program`](crate::pontryagin_program), for example.
 ///
-/// The functions stand in place of the library's own equations wherever these are asked for the maximum of the Hamiltonian
-/// of the problem itself. On arcs along bounds, for easier problems on the way (weaker penalties, wider bounds), and where a result is
-/// not finite, the library computes. Ends, controls and bounds are those of [`RobotExtremal`].
+/// The functions replace the equations of the original problem. The equations of the library serve on arcs
+/// along bounds, for relaxed problems (weaker penalties, wider bounds), and where a result of the functions
+/// is not finite. Ends, controls and bounds are those of [`RobotExtremal`].
 ///
 /// ```
 /// use costate_control::{GeneratedExtremal, SolverOptions, Problem, ProgramOf, FinalTime, pontryagin_program, solve_extremal};
@@ -24,7 +24,7 @@ use costate::EvalError;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0);
 /// let [rate, linear] = [ProgramOf::Rate, ProgramOf::Jacobian].map(|of| pontryagin_program(&problem, of));
 /// let ((rate, linear), mut work) = ((rate?, linear?), Vec::new());
-/// // Here the programs are interpreted; compiled source takes their place.
+/// // Here the programs are interpreted. Use their compiled source instead.
 /// let run = |program: &costate::codegen::Program, z: &[f64], results: &mut [&mut [f64]], work: &mut Vec<f64>| {
 ///     let mut all = vec![0.0; program.outputs()];
 ///     program.evaluate(z, &mut all, work).unwrap_or_default();
@@ -41,7 +41,7 @@ use costate::EvalError;
 ///     |z, z_t, l| run(&rate, z, &mut [z_t, l], &mut work),
 ///     |z, z_t, l, z_t_z| run(&linear, z, &mut [z_t, l, z_t_z], &mut other),
 /// )?;
-/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s);
+/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s).motion;
 /// assert!(motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -59,17 +59,18 @@ where
     R: FnMut(&[f64], &mut [f64], &mut [f64]),
     L: FnMut(&[f64], &mut [f64], &mut [f64], &mut [f64]),
 {
-    /// `rate` writes z_t (4n) and l (2) for a z (4n), `linear` z_t, l and z_t_z (4n x 4n, row by row).
+    /// `rate` writes z_t (4n) and l (2) for a z (4n), `linear` z_t, l and z_t_z (4n x 4n, row-major).
     ///
     /// # Errors
-    /// A problem that [cannot be posed](Problem::check), or a mass matrix that is singular at the start or the end.
+    /// An [invalid](Problem::check) problem, or a mass matrix that is singular at the start or the end.
     pub fn new(problem: &Problem, rate: R, linear: L) -> Result<Self, SourceError> {
         let inner = RobotExtremal::new(problem.check()?, JacobianRoute::Exact)?;
         Ok(Self { inner, hooks: GeneratedEquations { rate, linear } })
     }
 }
 
-/// Whether generated code computes these equations: those of the original problem, or of one with a nearer end.
+/// Whether generated code computes these equations: those of the original problem, or of one with a nearer
+/// end.
 fn is_generated(library: &RobotExtremal, law: ControlLaw<'_>) -> bool {
     let equations = Relaxation { goal: 1.0, ..library.relaxation() };
     equations == Relaxation::NONE && law == ControlLaw::Maximal

@@ -1,4 +1,4 @@
-//! Between the coordinates of a search and those of a saved motion.
+//! Maps between the coordinates of a search and those of a motion.
 
 use crate::extremal::Extremal;
 use crate::extremal::hamiltonian::RobotExtremal;
@@ -7,15 +7,15 @@ use costate::EvalError;
 use costate::lagrangian::LegendreTransform;
 use costate::robot::Robot;
 
-/// An extremal of a robot in coordinates of its own; guesses and saved motions are in z = (q, p, y_q, y_p).
+/// An extremal of a robot with its own coordinates. Guesses and motions are in z = (q, p, y_q, y_p).
 pub(crate) trait OfRobot: Extremal {
-    /// From (q, p, y_q, y_p) into its own coordinates, in place.
+    /// Maps (q, p, y_q, y_p) to the coordinates of the extremal, in place.
     ///
     /// # Errors
     /// A singular mass matrix.
     fn take(map: &mut Legendre, z: &mut [f64]) -> Result<(), EvalError>;
 
-    /// From its own coordinates into (q, p, y_q, y_p), in place; of x alone where there is no more.
+    /// Maps the coordinates of the extremal to (q, p, y_q, y_p), in place. Takes x alone, too.
     ///
     /// # Errors
     /// A singular mass matrix.
@@ -30,7 +30,7 @@ pub(crate) struct Legendre {
 
 impl Legendre {
     pub fn new(robot: &Robot) -> Self {
-        Self { map: LegendreTransform::new(robot), none: vec![0.0; robot.len()] }
+        Self { map: LegendreTransform::new(robot), none: vec![0.0; robot.dof()] }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Extremals of Pontryagin's principle: a differential equation for state and costate with conditions at both ends.
+//! Extremals of Pontryagin's principle: a differential equation for state and costate with conditions at both
+//! ends.
 
 pub(crate) mod actuation;
 pub(crate) mod component_ends;
@@ -11,6 +12,7 @@ pub(crate) mod lagrangian;
 pub(crate) mod legendre;
 pub(crate) mod penalty;
 pub(crate) mod program;
+pub(crate) mod relaxable;
 pub(crate) mod relaxation;
 pub(crate) mod roles;
 pub(crate) mod user_terms;

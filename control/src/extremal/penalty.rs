@@ -1,6 +1,6 @@
 //! Penalties on positions and rates: `weight/2 (violation)^2`, once continuously differentiable.
 //!
-//! An easier problem rounds the corner of the violation: `(x + sqrt(x^2 + d^2))/2` in place of `max(x, 0)`.
+//! A relaxed problem smooths the corner of the violation: `(x + sqrt(x^2 + d^2))/2` in place of `max(x, 0)`.
 
 use crate::problem::Penalty;
 use costate::scalar::Scalar;
@@ -13,7 +13,7 @@ pub(crate) struct Term<S = f64> {
     pub second: S,
 }
 
-/// All penalties of a problem; infinite where there is no limit.
+/// All penalties of a problem. An infinite limit is none.
 #[derive(Clone, Debug)]
 pub(crate) struct Penalties {
     weight: f64,
@@ -24,7 +24,7 @@ pub(crate) struct Penalties {
 }
 
 impl Penalties {
-    /// Those of n joints.
+    /// The penalties of n joints.
     pub fn new(n: usize, penalty: Option<&Penalty>) -> Self {
         let none = Penalty::default();
         let penalty = penalty.unwrap_or(&none);
@@ -49,27 +49,28 @@ impl Penalties {
         self.limit_rates() && self.v_max.as_ref().is_some_and(|v_max| v_max[i].is_finite())
     }
 
-    /// Whether anything is limited.
+    /// Whether there are penalties.
     pub fn any(&self) -> bool {
         self.weight > 0.0
     }
 
-    /// The weight, to be changed by a continuation.
+    /// Changes the weight.
     pub fn set_weight(&mut self, weight: f64) {
         self.weight = weight;
     }
 
-    /// Rounds corners so that at a limit the penalty is `cost`; 0 for not at all. Belongs to the weight.
+    /// Smooths corners such that the penalty at a limit is `cost`; 0 for sharp corners. Call it after a
+    /// change of the weight.
     pub fn set_rounding(&mut self, cost: f64) {
         self.rounding = if self.weight > 0.0 { 8.0 * cost / self.weight } else { 0.0 };
     }
 
-    /// That of the position of joint i.
+    /// The penalty on the position of joint i.
     pub fn position<S: Scalar>(&self, i: usize, q: S) -> Term<S> {
         self.beyond(self.q[i], q)
     }
 
-    /// That of the rate of joint i.
+    /// The penalty on the rate of joint i.
     pub fn rate<S: Scalar>(&self, i: usize, v: S) -> Term<S> {
         let limit = self.v_max.as_ref().map_or(f64::INFINITY, |v_max| v_max[i]);
         self.beyond((-limit, limit), v)
@@ -118,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rounded_penalties_are_near_to_sharp_ones_and_their_derivatives_are_right() {
+    fn smoothed_penalties_approximate_sharp_ones_and_have_exact_derivatives() {
         let limits = Penalty { weight: 50.0, q_min: Some(vec![-1.0]), q_max: Some(vec![2.0]), v_max: None };
         let sharp = Penalties::new(1, Some(&limits));
         let mut round = sharp.clone();

@@ -1,7 +1,7 @@
 //! The equations of an extremal as a program.
 
 use crate::extremal::actuation::Actuation;
-use crate::extremal::hamiltonian::equations::Equations;
+use crate::extremal::hamiltonian::equations::{Equations, Outputs};
 use crate::problem::error::SourceError;
 use crate::problem::{Bounds, Penalty, Problem};
 use costate::codegen::{CodegenError, Expr, Program, name_from};
@@ -19,7 +19,7 @@ pub enum ProgramOf {
 }
 
 impl ProgramOf {
-    /// Both.
+    /// All programs.
     pub const ALL: [Self; 2] = [Self::Rate, Self::Jacobian];
 
     /// The name of the quantity.
@@ -40,10 +40,11 @@ impl ProgramOf {
 ///         [ l_xx - y'F_xx   -F_x'                         ]
 /// ```
 ///
-/// from the arguments q (n), p (n) and y = (y_q, y_p) (2n): the equations that [`RobotExtremal`](crate::RobotExtremal) solves,
-/// recorded, with weights, gains, bounds, penalties and [user terms](crate::UserTerm) as numbers. Start, end and time of the problem
-/// do not matter. Nothing is checked when the program runs. A control that costs nothing is at the bound that the sign of
-/// b y_p asks for, and has no slope.
+/// from the arguments q (n), p (n) and y = (y_q, y_p) (2n). These are the equations of
+/// [`RobotExtremal`](crate::RobotExtremal) with weights, gains, bounds, penalties and [user
+/// terms](crate::UserTerm) as constants. Start, end and time of the problem have no effect. The program
+/// checks nothing when it runs. A control that costs nothing is at the bound that has the sign of b y_p, with
+/// slope zero.
 ///
 /// ```
 /// use costate_control::{Problem, ProgramOf, pontryagin_program};
@@ -57,11 +58,11 @@ impl ProgramOf {
 /// ```
 ///
 /// # Errors
-/// A problem that [cannot be posed](Problem::check).
+/// An [invalid](Problem::check) problem, or equations that cannot be recorded.
 pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, SourceError> {
     let problem = problem.check()?.problem();
     let robot = &problem.robot;
-    let n = robot.len();
+    let n = robot.dof();
     let name = name_from(&format!("{} {}", robot.name(), of.name()));
     let actuation = Actuation::new(problem);
     let program = Program::try_record(&name, &[("q", n), ("p", n), ("y", 2 * n)], |arguments| {
@@ -75,7 +76,8 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
             ProgramOf::Rate => equations.evaluate(&z, control, &mut rate),
             ProgramOf::Jacobian => {
                 matrix.resize(16 * n * n, Expr::zero());
-                equations.linearise(&z, control, true, (&mut rate, &mut matrix))
+                let outputs = Outputs { g: &mut rate, jacobian: &mut matrix };
+                equations.linearise(&z, control, true, outputs)
             }
         };
         let l = l.map_err(CodegenError::Eval)?;
@@ -88,7 +90,7 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
     Ok(program.with_notes(notes(problem, of)).with_meanings(&MEANINGS))
 }
 
-/// What the names stand for, in SI units.
+/// Meanings of the names, in SI units.
 const MEANINGS: [(&str, &str); 6] = [
     ("q", "positions (rad, m)"),
     ("p", "conjugate momenta M v (kg m^2/s, kg m/s)"),
@@ -98,7 +100,7 @@ const MEANINGS: [(&str, &str); 6] = [
     ("z_t_z", "Jacobian of z_t, rows and columns in the order (q, p, y_q, y_p)"),
 ];
 
-/// The head of the text: the criterion.
+/// The comment at the top of generated text: the cost.
 fn notes(problem: &Problem, of: ProgramOf) -> Vec<String> {
     let Problem { robot, cost, gain, bounds, penalty, terms, .. } = problem;
     let mut notes = vec![

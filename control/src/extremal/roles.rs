@@ -6,7 +6,7 @@ use costate::EvalError;
 /// Hamiltonian and running cost at one point of an extremal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HamiltonianTerms {
-    /// $H^* = y^\top f - l$.
+    /// $H^\ast = y^\top f - l$.
     pub hamiltonian: f64,
     /// Running cost l without penalties.
     pub cost: f64,
@@ -17,17 +17,18 @@ pub struct HamiltonianTerms {
 }
 
 impl HamiltonianTerms {
-    /// $|y^\top f| + |l|$: the scale for errors of $H^*$.
+    /// $|y^\top f| + |l|$: the scale for errors of $H^\ast$.
     pub fn magnitude(&self) -> f64 {
         let l = self.cost + self.penalty + self.smoothing;
         (self.hamiltonian + l).abs() + l.abs()
     }
 }
 
-/// A differential equation with conditions at both ends, $z' = g(z)$, $z = (x, y)$, of a maximised Hamiltonian:
+/// A differential equation with conditions at both ends, $z' = g(z)$, $z = (x, y)$, of a maximised
+/// Hamiltonian:
 ///
-/// $$ H^*(x, y) = \max_u \left[ y^\top f(x, u) - l(x, u) \right], \qquad
-///    x' = \frac{\partial H^*}{\partial y}, \qquad y' = -\frac{\partial H^*}{\partial x} $$
+/// $$ H^\ast(x, y) = \max_u \left[ y^\top f(x, u) - l(x, u) \right], \qquad
+///    x' = \frac{\partial H^\ast}{\partial y}, \qquad y' = -\frac{\partial H^\ast}{\partial x} $$
 ///
 /// There are N conditions at each end, N being the length of x and of the costate y. Matrices are row-major.
 pub trait BoundaryValueProblem {
@@ -79,8 +80,8 @@ pub trait BoundaryValueProblem {
         true
     }
 
-    /// The group of a component of z. Components of one group have one unit; each is scaled by at least a fraction of
-    /// the largest of its group.
+    /// The group of a component of z. Components of one group have one unit; each is scaled by at least a
+    /// fraction of the largest of its group.
     fn group(&self, component: usize) -> usize {
         component / self.states().max(1)
     }
@@ -93,8 +94,8 @@ pub trait BoundedControls {
         0
     }
 
-    /// The controls at z before clipping to their bounds: infinite where only the sign of a costate decides, NaN where
-    /// they cannot be computed.
+    /// The controls at z before clipping to their bounds: infinite where only the sign of a costate decides,
+    /// NaN where they cannot be computed.
     fn unbounded_controls(&mut self, _z: &[f64], _u: &mut [f64]) {}
 
     /// Lower and upper bound of a control.
@@ -102,8 +103,8 @@ pub trait BoundedControls {
         (f64::NEG_INFINITY, f64::INFINITY)
     }
 
-    /// The function whose zero is the time at which `control` leaves or reaches a bound, given the sides before and
-    /// after, and its gradient in z, 2N.
+    /// The function whose zero is the time at which `control` leaves or reaches a bound, given the sides
+    /// before and after, and its gradient in z, 2N.
     fn switching(
         &mut self,
         _control: usize,
@@ -131,8 +132,8 @@ pub trait BoundedControls {
         }
     }
 
-    /// $x' = f(x, u)$ for any control, N entries. A solution is verified by integrating it once more with its controls.
-    /// The default writes NaN: [`Motion::end_state`](crate::Motion::end_state) is then `None`.
+    /// $x' = f(x, u)$ for any control, N entries. A solution is verified by integrating it once more with its
+    /// controls. The default writes NaN: [`Motion::end_state`](crate::Motion::end_state) is then `None`.
     ///
     /// # Errors
     /// The dynamics cannot be evaluated at x.
@@ -149,7 +150,8 @@ pub trait Homotopy {
         Relaxation::NONE
     }
 
-    /// Relaxes the problem, or restores it by [`Relaxation::NONE`]. Parts that the problem does not have are ignored.
+    /// Relaxes the problem, or restores it by [`Relaxation::NONE`]. Parts that the problem does not have are
+    /// ignored.
     fn set_relaxation(&mut self, _: Relaxation) {}
 
     /// The most relaxed problem. Fields that equal those of [`Relaxation::NONE`] cannot be relaxed.
@@ -161,7 +163,8 @@ pub trait Homotopy {
     fn stretch(&self, _z: &mut [f64], _factor: f64) {}
 }
 
-/// A boundary-value problem with its controls and relaxations. Implemented for every type that has the three roles.
+/// A boundary-value problem with its controls and relaxations. Implemented for every type that has the three
+/// roles.
 pub trait Extremal: BoundaryValueProblem + BoundedControls + Homotopy {}
 
 impl<E: BoundaryValueProblem + BoundedControls + Homotopy> Extremal for E {}

@@ -1,15 +1,15 @@
-//! The sum of the running costs of a user, with gradient and Hessian.
+//! The sum of the user terms of the running cost, with gradient and Hessian.
 
 use crate::problem::running_cost::{ExtremalScalar, Once, Twice, UserTerm};
 use costate::matrix::Matrix;
 use costate::scalar::{Scalar, Tangent};
 
-/// `l(q, v)`, its gradient and Hessian in (q, v): by dual numbers, one evaluation for each component, and by dual numbers of
-/// dual numbers, one for each pair of components.
+/// l(q, v), its gradient and its Hessian in (q, v). The gradient takes one evaluation with dual numbers per
+/// component, the Hessian one with nested dual numbers per pair of components.
 #[derive(Clone, Debug)]
 pub(crate) struct UserTerms<S: Scalar> {
     terms: Vec<UserTerm>,
-    /// Factor of all, 1 but for an easier problem.
+    /// Factor of all terms; 1 unless the problem is relaxed.
     pub factor: f64,
     once: Vec<Once<S>>,
     twice: Vec<Twice<S>>,
@@ -22,7 +22,7 @@ pub(crate) struct UserTerms<S: Scalar> {
 }
 
 impl<S: ExtremalScalar> UserTerms<S> {
-    /// Those of a robot with n joints.
+    /// The terms of a robot with n joints.
     pub fn new(n: usize, terms: &[UserTerm]) -> Self {
         let (once, size) = (Tangent::new(S::zero(), S::zero()), if terms.is_empty() { 0 } else { 2 * n });
         Self {
@@ -36,7 +36,7 @@ impl<S: ExtremalScalar> UserTerms<S> {
         }
     }
 
-    /// Whether there are any.
+    /// Whether there are user terms.
     pub fn any(&self) -> bool {
         !self.terms.is_empty()
     }

@@ -12,8 +12,9 @@ use crate::numerics::lu;
 /// [                          right      ]   (m - first) x m
 /// ```
 ///
-/// The rows that a node leaves over are carried to the next one, so that rows are exchanged among `first + m` at a time: the
-/// same pivots as those of Gaussian elimination with exchange of rows on the whole matrix, without fill outside the blocks.
+/// Elimination carries the remaining rows of a node to the next node and exchanges rows among `first + m` at
+/// a time. The pivots are those of Gaussian elimination with row exchange on the whole matrix, and there is
+/// no fill outside the blocks.
 #[derive(Clone, Debug)]
 pub struct AlmostBlockDiagonal {
     m: usize,
@@ -21,25 +22,26 @@ pub struct AlmostBlockDiagonal {
     blocks: usize,
     /// `first x m`.
     left: Vec<f64>,
-    /// For each block `first + m` rows of 2m: what is carried, then the block; factors after elimination.
+    /// For each block `first + m` rows of length 2m: carried rows, then the block. Factors after elimination.
     panels: Vec<f64>,
-    /// `m x m`: what is carried to the last node, then the conditions there.
+    /// `m x m`: rows carried to the last node, then the conditions there.
     last: Vec<f64>,
     exchanges: Vec<usize>,
-    /// What a panel does to a right-hand side.
+    /// Work of back-substitution.
     work: Vec<f64>,
 }
 
-/// The elimination met a column without pivot: the matrix is singular in working precision, or not finite.
+/// A column has no pivot: the matrix is singular in working precision, or not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the matrix of the boundary-value problem is singular at node {node}")]
 pub struct SingularMatrix {
-    /// The node at which it was met, from 0.
+    /// The node of this column, from 0.
     pub node: usize,
 }
 
 impl AlmostBlockDiagonal {
-    /// A matrix of zeros for `blocks + 1` nodes of m unknowns and `first <= m` conditions on the first of them.
+    /// A matrix of zeros for `blocks + 1` nodes of m unknowns and `first <= m` conditions on the first of
+    /// them.
     pub fn zeros(m: usize, first: usize, blocks: usize) -> Self {
         Self {
             m,
@@ -53,12 +55,12 @@ impl AlmostBlockDiagonal {
         }
     }
 
-    /// Number of unknowns, `m (blocks + 1)`; as long is a right-hand side: left, blocks, right.
+    /// Number of unknowns, `m (blocks + 1)`, and length of a right-hand side: left, blocks, right.
     pub fn size(&self) -> usize {
         self.m * (self.blocks + 1)
     }
 
-    /// The conditions on the first node, row by row, to be written before [`factor`](Self::factor).
+    /// The conditions on the first node, row-major, to be written before [`factor`](Self::factor).
     pub fn left_mut(&mut self) -> &mut [f64] {
         &mut self.left
     }
@@ -70,12 +72,12 @@ impl AlmostBlockDiagonal {
         &mut self.panels[start..start + width]
     }
 
-    /// The conditions on the last node, row by row, to be written before [`factor`](Self::factor).
+    /// The conditions on the last node, row-major, to be written before [`factor`](Self::factor).
     pub fn right_mut(&mut self) -> &mut [f64] {
         &mut self.last[self.first * self.m..]
     }
 
-    /// Eliminates; blocks and conditions must all have been written since the last time.
+    /// Factors the matrix in place. Write all blocks and conditions anew before each call.
     ///
     /// # Errors
     /// [`SingularMatrix`].
@@ -119,7 +121,7 @@ impl AlmostBlockDiagonal {
         let (m, first, width) = (self.m, self.first, 2 * self.m);
         let size = (first + m) * width;
         for k in 0..self.blocks {
-            // Rows k m .. k m + first + m of b: what is carried, then those of the block.
+            // Rows k m .. k m + first + m of b: carried ones, then those of the block.
             let rows = &mut b[k * m..k * m + first + m];
             let panel = &self.panels[k * size..(k + 1) * size];
             lu::follow(panel, width, m, &self.exchanges[k * m..(k + 1) * m], rows, 1);

@@ -1,4 +1,4 @@
-//! An adaptive Runge-Kutta integrator: that of multiple shooting, and the judge of what collocation found.
+//! An adaptive Runge-Kutta integrator, for multiple shooting and for the verification of solutions.
 
 use costate::EvalError;
 
@@ -23,9 +23,9 @@ const ERROR: [f64; STAGES] =
 pub(crate) struct DormandPrince {
     slopes: Vec<Vec<f64>>,
     point: Vec<f64>,
-    /// Tolerance of a step, in parts of the size of each component.
+    /// Tolerance of a step, relative to the size of each component.
     tolerance: f64,
-    /// Smallest size of each component: what its error is measured by where it is less.
+    /// Lower limit of the size of each component.
     sizes: Vec<f64>,
 }
 
@@ -45,7 +45,8 @@ impl DormandPrince {
         Self { slopes: vec![vec![0.0; size]; STAGES], point: vec![0.0; size], tolerance, sizes }
     }
 
-    /// Smallest size of each component, 1 at first; infinite for one that does not decide about steps.
+    /// Lower limit of the size of each component, 1 by default. Infinite for a component that must not limit
+    /// steps.
     pub fn sizes_mut(&mut self) -> &mut [f64] {
         &mut self.sizes
     }
@@ -55,7 +56,7 @@ impl DormandPrince {
         self.tolerance = tolerance;
     }
 
-    /// Takes x from `from` to `to` along `x' = rate(t, x)`; undefined and endless values stop it.
+    /// Integrates `x' = rate(t, x)` in place. NaN and diverging values stop it.
     pub fn integrate(
         &mut self,
         x: &mut [f64],
@@ -79,7 +80,7 @@ impl DormandPrince {
                 }
                 rate(t + C[stage] * h, &self.point, &mut self.slopes[stage]).map_err(Stopped::Evaluation)?;
             }
-            // The last stage stands at the new point.
+            // The last stage is at the new point.
             let mut square = 0.0;
             for (i, (&old, &new)) in x.iter().zip(&self.point).enumerate() {
                 let error: f64 = (0..STAGES).map(|stage| ERROR[stage] * self.slopes[stage][i]).sum();
@@ -90,7 +91,7 @@ impl DormandPrince {
             if error <= 1.0 {
                 t += h;
                 x.copy_from_slice(&self.point);
-                // So its slope is the first of the next step.
+                // Its slope is the first of the next step.
                 self.slopes.swap(0, STAGES - 1);
             }
             first = 1;
@@ -109,7 +110,7 @@ mod tests {
     use super::{DormandPrince, Stopped};
 
     #[test]
-    fn what_leaves_all_bounds_is_an_error() {
+    fn a_finite_escape_time_is_an_error() {
         let mut x = [1.0];
         let mut integrator = DormandPrince::new(1, 1e-9);
         // x = 1 / (1 - t).

@@ -2,10 +2,11 @@
 
 use costate::matrix::add_scaled;
 
-/// The first `columns` steps of Gaussian elimination, with exchange of rows, on a matrix of rows of length `width`.
+/// The first `columns` steps of Gaussian elimination, with exchange of rows, on a matrix of rows of length
+/// `width`.
 ///
-/// Quotients are left below the diagonal. `exchanges[c]` is the row that was brought to place c. False where a column has
-/// no pivot: a number that is neither zero nor undefined.
+/// Leaves the multipliers below the diagonal, and in `exchanges[c]` the row that was exchanged with row c.
+/// False if a column has no pivot that is finite and not zero.
 pub(crate) fn eliminate(a: &mut [f64], width: usize, columns: usize, exchanges: &mut [usize]) -> bool {
     let rows = a.len() / width;
     for c in 0..columns.min(rows) {
@@ -37,7 +38,7 @@ pub(crate) fn eliminate(a: &mut [f64], width: usize, columns: usize, exchanges: 
     true
 }
 
-/// What [`eliminate`] did to the rows of A, done to those of `b`, which are `width` long.
+/// Applies the row operations of [`eliminate`] to `b`, whose rows have length `width`.
 pub(crate) fn follow(
     a: &[f64],
     a_width: usize,
@@ -64,7 +65,8 @@ pub(crate) fn follow(
     }
 }
 
-/// `B <- U^-1 B` for the upper triangle U that [`eliminate`] left in the first n columns of A; rows of B are `width` long.
+/// `B <- U^-1 B` with the upper triangle U of [`eliminate`] in the first n columns of A; rows of B have
+/// length `width`.
 pub(crate) fn substitute(a: &[f64], a_width: usize, n: usize, b: &mut [f64], width: usize) {
     for i in (0..n).rev() {
         let (above, below) = b.split_at_mut((i + 1) * width);
@@ -77,7 +79,7 @@ pub(crate) fn substitute(a: &[f64], a_width: usize, n: usize, b: &mut [f64], wid
     }
 }
 
-/// `B <- A^-1 B` for a square A of size n that [`eliminate`] went through.
+/// `B <- A^-1 B` with the factors of [`eliminate`] of a square A of size n.
 pub(crate) fn solve(a: &[f64], n: usize, exchanges: &[usize], b: &mut [f64], width: usize) {
     follow(a, n, n, exchanges, b, width);
     substitute(a, n, n, b, width);

@@ -1,4 +1,4 @@
-//! TODO.
+//! Linear algebra and integration that know nothing of optimal control.
 
 pub(crate) mod almost_block_diagonal;
 pub(crate) mod dormand_prince;

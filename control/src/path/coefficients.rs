@@ -30,7 +30,7 @@ pub(crate) struct Coefficients {
 impl Coefficients {
     /// Positions and rates that the ends fix are not unknowns.
     pub fn new(problem: &Problem, basis: &Basis) -> Self {
-        let (n, last) = (problem.robot.len(), basis.len() - 1);
+        let (n, last) = (problem.robot.dof(), basis.len() - 1);
         let mut places = vec![Place { unknown: None, constant: 0.0, slope: 0.0 }; basis.len() * n];
         let mut count = 0;
         let mut next = || {

@@ -3,7 +3,7 @@
 //! A robot with an actuator at every joint can follow any smooth path; inverse dynamics gives the controls.
 //! Cubic splines in the joint coordinates that meet the ends minimise
 //!
-//! $$ J(\theta, T) = c_t T + T \int_0^1 l(q, v, u)\, ds, \qquad u = B^{-1} \tau(q, v, a) $$
+//! $$ J(\theta, T) = c_t T + T \int_0^1 l(q, v, u) \thinspace ds, \qquad u = B^{-1} \tau(q, v, a) $$
 //!
 //! with exact second derivatives. An extremal near such a path is a local minimum of low cost.
 
@@ -38,7 +38,7 @@ pub(crate) fn lowest_path(
     attempt: PathAttempt,
     recorder: &mut Recorder<'_>,
 ) -> Option<Path> {
-    let n = problem.robot.len();
+    let n = problem.robot.dof();
     let mut objective = Objective::new(problem, INTERVALS);
     let weight = attempt.penalty * problem.penalty.as_ref().map_or(0.0, |penalty| penalty.weight);
     let limited = problem.bounds.is_some() || weight > 0.0;

@@ -54,7 +54,7 @@ pub(crate) struct Point {
 
 impl Objective {
     pub fn new(problem: &Problem, intervals: usize) -> Self {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let basis = Basis::new(intervals);
         let actuation = Actuation::new(problem);
         let controls = actuation.effort.iter().zip(&actuation.bounds);

@@ -80,7 +80,8 @@ impl Problem {
         }
     }
 
-    /// Bounds are numbers with something between them, and finite on both sides where the control costs nothing.
+    /// Bounds are numbers with something between them, and finite on both sides where the control costs
+    /// nothing.
     fn check_bounds(&self) -> Result<(), ProblemError> {
         if let Some(Bounds { u_min, u_max }) = &self.bounds {
             self.numbers(Key::U_MIN, u_min)?;
@@ -95,7 +96,7 @@ impl Problem {
                 .as_ref()
                 .is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
         };
-        match (0..self.robot.len()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
+        match (0..self.robot.dof()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
             Some(joint) => Err(ProblemError::UnboundedEffort { joint: self.name(joint) }),
             None => Ok(()),
         }
@@ -115,7 +116,7 @@ impl Problem {
         }
         let entry = |list: &Option<Vec<f64>>, j: usize, none: f64| list.as_ref().map_or(none, |list| list[j]);
         let range = |j: usize| (entry(q_min, j, f64::NEG_INFINITY), entry(q_max, j, f64::INFINITY));
-        match (0..self.robot.len()).map(range).enumerate().find(|(_, (q_min, q_max))| q_min >= q_max) {
+        match (0..self.robot.dof()).map(range).enumerate().find(|(_, (q_min, q_max))| q_min >= q_max) {
             Some((joint, (q_min, q_max))) => {
                 Err(ProblemError::EmptyRange { joint: self.name(joint), q_min, q_max })
             }
@@ -125,7 +126,7 @@ impl Problem {
 
     /// One entry per joint.
     fn length(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
-        let (expected, found) = (self.robot.len(), values.len());
+        let (expected, found) = (self.robot.dof(), values.len());
         if found == expected { Ok(()) } else { Err(ProblemError::WrongLength { key, expected, found }) }
     }
 
@@ -149,7 +150,7 @@ impl Problem {
 
     /// Indices of joints of the robot.
     fn exist(&self, key: Key, indices: &[usize]) -> Result<(), ProblemError> {
-        match indices.iter().find(|&&joint| joint >= self.robot.len()) {
+        match indices.iter().find(|&&joint| joint >= self.robot.dof()) {
             Some(joint) => Err(self.unknown_joint(key, joint.to_string())),
             None => Ok(()),
         }

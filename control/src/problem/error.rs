@@ -6,7 +6,8 @@ use costate::codegen::CodegenError;
 use costate::robot::printable;
 use std::fmt;
 
-/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason) give each.
+/// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
+/// give each.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ProblemError {
@@ -167,14 +168,14 @@ impl ProblemError {
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
             Self::EmptyBounds { joint, u_min, u_max } => {
-                format!("the lower bound {u_min} of joint '{joint}' must be less than its upper bound {u_max}", joint = printable(joint))
+                format!("the lower bound {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}", joint = printable(joint))
             }
             Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {q_min} of joint '{joint}' must be less than its upper limit {q_max}", joint = printable(joint))
+                format!("the lower limit {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}", joint = printable(joint))
             }
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds", joint = printable(joint)),
+                 or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
                  the time"

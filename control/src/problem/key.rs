@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A field of a problem or of the solver's options, with its place in a problem file. Prints as `bounds.u_min`.
+/// A field of a problem or of the solver's options, with its place in a problem file. Prints as
+/// `bounds.u_min`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Key {
     table: &'static str,
@@ -53,7 +54,8 @@ impl Key {
         self.name
     }
 
-    /// The field of [`Problem`](crate::Problem) or [`SolverOptions`](crate::SolverOptions): `gain` for `actuation.gain`.
+    /// The field of [`Problem`](crate::Problem) or [`SolverOptions`](crate::SolverOptions): `gain` for
+    /// `actuation.gain`.
     pub fn field(self) -> &'static str {
         self.field
     }

@@ -19,9 +19,9 @@ use costate::robot::Robot;
 /// $$ J = c_t T + \int_0^T \left( \tfrac12 \sum_i r_i u_i^2 + \text{terms} + \text{penalties} \right) dt,
 ///    \qquad x' = F(x) + \begin{pmatrix} 0 \\\\ B u \end{pmatrix}, \quad x = (q, p) $$
 ///
-/// With the running cost l and the maximised Hamiltonian $H^*(x, y) = \max_u [ y^\top f - l ]$ the costate obeys
-/// $y' = -\partial H^* / \partial x$, the optimal control is $u_i = r_i^{-1} b_i y_{p,i}$, clipped to its bounds, and
-/// $dJ/dT = -H^*$, $y(0) = -dJ/dx(0)$.
+/// With the running cost l and the maximised Hamiltonian $H^\ast(x, y) = \max_u [ y^\top f - l ]$ the costate
+/// obeys $y' = -\partial H^\ast / \partial x$, the optimal control is $u_i = r_i^{-1} b_i y_{p,i}$, clipped
+/// to its bounds, and $dJ/dT = -H^\ast$, $y(0) = -dJ/dx(0)$.
 ///
 /// ```
 /// use costate_control::{Bounds, FinalTime, Objective, Problem};
@@ -59,10 +59,10 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// From rest to rest in the time T (s), with cost $\frac12 |u|^2$ per second and no bounds. `from` and `to` are
-    /// positions (rad, m), one per joint.
+    /// From rest to rest in the time T (s), with cost $\frac12 |u|^2$ per second and no bounds. `from` and
+    /// `to` are positions (rad, m), one per joint.
     pub fn rest_to_rest(robot: Robot, from: &[f64], to: &[f64], time: f64) -> Self {
-        let n = robot.len();
+        let n = robot.dof();
         Self {
             robot,
             start: BoundaryState::fixed(from, &vec![0.0; n]),

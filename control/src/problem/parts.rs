@@ -37,7 +37,7 @@ impl BoundaryState {
 pub enum FinalTime {
     /// T (s).
     Fixed(f64),
-    /// Determined by $H^*(T) = 0$.
+    /// Determined by $H^\ast(T) = 0$.
     Free {
         /// First guess of T (s).
         guess: f64,
@@ -53,7 +53,7 @@ impl FinalTime {
     }
 }
 
-/// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \, dt$.
+/// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \\, dt$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Objective {
     /// $c_t$, the cost of a second.
@@ -62,7 +62,8 @@ pub struct Objective {
     pub effort: Vec<f64>,
 }
 
-/// `u_min <= u <= u_max` (N m or N, before the gain), n entries each. An infinite entry is no bound on that side.
+/// `u_min <= u <= u_max` (N m or N, before the gain), n entries each. An infinite entry is no bound on that
+/// side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
     /// Lower bounds.
@@ -71,7 +72,8 @@ pub struct Bounds {
     pub u_max: Vec<f64>,
 }
 
-/// Adds weight/2 times the squared violation of each limit to the running cost. An infinite entry is no limit.
+/// Adds weight/2 times the squared violation of each limit to the running cost. An infinite entry is no
+/// limit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Penalty {
     /// Weight of all violations.

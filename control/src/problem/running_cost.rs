@@ -1,22 +1,24 @@
-//! Running costs of a user.
+//! User terms of the running cost.
 
 use costate::codegen::Expr;
 use costate::scalar::{Scalar, Tangent};
 use std::fmt;
 use std::sync::Arc;
 
-/// A term `l(q, v)` of the running cost, written once for any [`Scalar`]: its derivatives are found by dual numbers.
+/// A term l(q, v) of the running cost, generic over the [`Scalar`]: its derivatives come from dual numbers.
 ///
-/// q (rad, m) and v (rad/s, m/s) have n entries. The term is twice differentiable where a motion goes (build it from
-/// [`Scalar`]'s functions, choices by [`select`](Scalar::select)); its integral counts as cost, not as penalty. In x = (q, p)
-/// its gradient is `E'(l_q; l_v)` and its curvature enters the Jacobian of the extremals as `E' l_zz E`, z = (q, v), `E = [ 1 0 ; V ]`, `V = dv/dx`.
+/// q (rad, m) and v (rad/s, m/s) have n entries. Build the term from the functions of [`Scalar`], with
+/// choices by [`select`](Scalar::select). It must be twice differentiable along the motion. Its integral
+/// counts as cost, not as penalty. In x = (q, p) its gradient is $E^\top (l_q, l_v)$ and its Hessian
+/// $E^\top l_{zz} E$ up to second derivatives of v, with z = (q, v), $E = \partial z / \partial x$;
+/// [`RobotExtremal`](crate::RobotExtremal) has all terms.
 ///
 /// ```
 /// use costate_control::{SolverOptions, Problem, RunningCost, Solver, UserTerm};
 /// use costate::robot::Robot;
 /// use costate::scalar::Scalar;
 ///
-/// /// A price of fast turning.
+/// /// A cost of high rates.
 /// struct Rates {
 ///     weight: f64,
 /// }
@@ -32,7 +34,7 @@ use std::sync::Arc;
 /// let cheap = Solver::new(&problem, SolverOptions::default())?.solve();
 /// problem.terms.push(UserTerm::new(Rates { weight: 10.0 }));
 /// let slow = Solver::new(&problem, SolverOptions::default())?.solve();
-/// assert!(slow.status.is_converged() && slow.cost > cheap.cost);
+/// assert!(slow.motion.status.is_converged() && slow.motion.cost > cheap.motion.cost);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait RunningCost: Send + Sync {
@@ -40,7 +42,7 @@ pub trait RunningCost: Send + Sync {
     fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S;
 }
 
-/// A [`RunningCost`] as a [`Problem`](crate::Problem) holds it. Equal to its clones alone.
+/// A [`RunningCost`] of a [`Problem`](crate::Problem). Equal only to its clones.
 #[derive(Clone)]
 pub struct UserTerm {
     cost: Arc<dyn Evaluated>,
@@ -71,7 +73,7 @@ impl PartialEq for UserTerm {
     }
 }
 
-/// A running cost at the numbers that the equations of extremals are evaluated with.
+/// A running cost at every scalar that the equations of extremals use.
 trait Evaluated: Send + Sync {
     fn value(&self, q: &[f64], v: &[f64]) -> f64;
     fn first(&self, q: &[Once<f64>], v: &[Once<f64>]) -> Once<f64>;
@@ -103,7 +105,7 @@ impl<C: RunningCost> Evaluated for C {
     }
 }
 
-/// A scalar that the equations of extremals are evaluated with: numbers, and what records them.
+/// A scalar of the equations of extremals: numbers, and expressions that record them.
 pub(crate) trait ExtremalScalar: Scalar {
     /// l with a derivative in one direction.
     fn first(term: &UserTerm, q: &[Once<Self>], v: &[Once<Self>]) -> Once<Self>;

@@ -15,12 +15,20 @@ impl Solved {
         let durations = self.found.durations(2 * states);
         let mut x = self.found.equations.current.nodes[..states].to_vec();
         let (mut w, mut u) = (vec![0.0; m], vec![0.0; extremal.controls()]);
+        let mut rate = vec![0.0; 2 * states];
         let mut integrator = DormandPrince::new(states, TOLERANCE);
         for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, length } = *span {
                 let (law, h) = (self.found.arcs.law(arc), length * durations[arc]);
                 integrator.integrate(&mut x, (0.0, h), |t, x, f| {
                     self.found.equations.polynomial(k, t / h, &mut w);
+                    if u.is_empty() {
+                        // Without controls the first half of z' = g(z), with these costates, is the state equation.
+                        w[..states].copy_from_slice(x);
+                        extremal.evaluate(&w[..2 * states], law, &mut rate)?;
+                        f.copy_from_slice(&rate[..states]);
+                        return Ok(());
+                    }
                     extremal.controls_at(&w[..2 * states], law, &mut u);
                     extremal.state_rate(x, &u, f)
                 })?;

@@ -2,15 +2,15 @@
 //!
 //! [`Strategy::Direct`] makes the first attempt only. [`Strategy::Full`] goes through this list:
 //!
-//! 1. *From the guess* ([`Search::from_guess`]): Newton's method from the saved motion or the cubics. If
+//! 1. *From the guess* ([`Search::try_guess`]): Newton's method from the saved motion or the cubics. If
 //!    there are controls without effort, only a saved motion is tried, on the arcs that it shows
-//!    ([`Search::from_saved_arcs`]). Accepted at once if it converged from a saved motion. Otherwise a
+//!    ([`Search::try_saved_arcs`]). Accepted at once if it converged from a saved motion. Otherwise a
 //!    converged result is kept, and its cost must be undercut from here on.
-//! 2. *From paths of low cost* ([`Search::from_path`]), one for each entry of [`PATHS`]. The loop ends when
+//! 2. *From paths of low cost* ([`Search::try_path`]), one for each entry of [`PATHS`]. The loop ends when
 //!    no path is found, or when the path is not noticeably cheaper than the solution that is kept. A result
 //!    is accepted if it converged and costs less than what is kept; if nothing is kept, an almost converged
 //!    one will do ([`Solved::is_nearly_solved`]).
-//! 3. *From relaxed problems* ([`Search::from_relaxed_problems`]), if nothing converged so far and the
+//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if nothing converged so far and the
 //!    problem can be relaxed. The result is returned as it is.
 //!
 //! If the search is stopped, the best result so far is returned. All numbers are in [`crate::constants`].
@@ -36,7 +36,7 @@ impl<E: Extremal> Search<'_, '_, E> {
     pub fn run(mut self, options: &SolverOptions) -> Solved {
         let attempt = Attempt::new(options, Phase::FixedTime);
         match options.strategy {
-            Strategy::Direct => self.from_guess(self.time, attempt.max_steps, &attempt),
+            Strategy::Direct => self.try_guess(self.time, attempt.max_steps, &attempt),
             Strategy::Full => self.full(&attempt),
         }
     }
@@ -52,9 +52,9 @@ impl<E: Extremal> Search<'_, '_, E> {
 
         // 1. From the guess.
         let first = if easiest.effort == 0.0 {
-            Some(self.from_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
+            Some(self.try_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
         } else if saved.is_some() {
-            self.from_saved_arcs(begin, attempt)
+            self.try_saved_arcs(begin, attempt)
         } else {
             None
         };
@@ -74,7 +74,7 @@ impl<E: Extremal> Search<'_, '_, E> {
             if cost.is_some_and(|cost| lower.cost >= cost - NOTICEABLE * cost.abs()) {
                 break;
             }
-            let found = self.from_path(path, lower, attempt);
+            let found = self.try_path(path, lower, attempt);
             let accepted = match cost {
                 Some(cost) => found.is_converged() && found.found.total(self.extremal) < cost,
                 None => found.is_nearly_solved(),
@@ -91,21 +91,21 @@ impl<E: Extremal> Search<'_, '_, E> {
             (Some(best), Some(stopped)) => best.with_status(stopped.into()),
             _ => {
                 self.extremal.set_relaxation(Relaxation::NONE);
-                self.from_relaxed_problems(attempt)
+                self.try_relaxed_problems(attempt)
             }
         }
     }
 
     /// Newton's method from the simple guess: at first roughly and at a fixed time, with at most `max_steps`
     /// on a mesh.
-    fn from_guess(&mut self, time: FinalTime, max_steps: usize, attempt: &Attempt) -> Solved {
+    fn try_guess(&mut self, time: FinalTime, max_steps: usize, attempt: &Attempt) -> Solved {
         let guess = self.at_fixed_time(time, 1.0, attempt);
         let first = self.solve(guess, &Attempt { max_steps, ..attempt.loose() });
         self.finish(first, time, attempt)
     }
 
     /// From a saved motion with controls at their bounds to a solution with the arcs that it shows.
-    fn from_saved_arcs(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
+    fn try_saved_arcs(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
         let guess = self.at_fixed_time(time, 1.0, attempt);
         let mut rough = guess.evaluated(self.extremal).ok()?;
         if let FinalTime::Free { .. } = time {
@@ -115,7 +115,7 @@ impl<E: Extremal> Search<'_, '_, E> {
     }
 
     /// From a path of low cost to a solution: with the smoothing and the penalties of the path first.
-    fn from_path(&mut self, path: PathAttempt, found: FoundPath, attempt: &Attempt) -> Solved {
+    fn try_path(&mut self, path: PathAttempt, found: FoundPath, attempt: &Attempt) -> Solved {
         let easiest = self.extremal.easiest();
         let mut ease = Relaxation {
             effort: if easiest.effort > 0.0 { path.smoothing } else { 0.0 },

@@ -89,7 +89,7 @@ impl RobotGuess<'_> {
     /// Cubics in the joint coordinates, p = M v, costates zero. Where the mass matrix cannot be evaluated, p
     /// = 0.
     fn cubics(&mut self, goal: f64, s: f64, z: &mut [f64]) {
-        let n = self.problem.robot.len();
+        let n = self.problem.robot.dof();
         let cubics = Cubics { problem: self.problem, disturbance: &self.disturbance, goal };
         let mut v = vec![0.0; n];
         for i in 0..n {

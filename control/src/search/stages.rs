@@ -16,7 +16,7 @@ use crate::status::Status;
 impl<E: Extremal> Search<'_, '_, E> {
     /// Without limits, and to a nearer end if that fails; then by continuation to the end, the final time,
     /// the penalties, the bounds and the smoothing of the problem itself.
-    pub fn from_relaxed_problems(&mut self, attempt: &Attempt) -> Solved {
+    pub fn try_relaxed_problems(&mut self, attempt: &Attempt) -> Solved {
         let easiest = self.extremal.easiest();
         let mut ease = Relaxation { goal: 1.0, ..easiest };
         let mut phase = Phase::WithoutLimits;

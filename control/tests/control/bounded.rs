@@ -2,7 +2,7 @@
 
 use crate::sledge;
 use costate::robot::Robot;
-use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, SolverOptions};
+use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status};
 
 fn solve(problem: &Problem) -> Solution {
     let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
@@ -13,7 +13,7 @@ fn solve(problem: &Problem) -> Solution {
 }
 
 fn least_time(robot: Robot, to: &[f64], bound: f64, guess: f64) -> Problem {
-    let n = robot.len();
+    let n = robot.dof();
     Problem::rest_to_rest(robot, &vec![0.0; n], to, guess)
         .with_time(FinalTime::Free { guess })
         .with_cost(Objective { time: 1.0, effort: vec![0.0; n] })
@@ -115,7 +115,9 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
     assert!(!solution.motion.status.is_converged());
-    assert!(!solution.trajectory.t.is_empty() && solution.end_defect == f64::INFINITY);
+    assert!(matches!(solution.motion.status, Status::BoundsNotReached(_)), "{}", solution.motion.status);
+    // A motion that breaks the bounds is no result.
+    assert!(solution.trajectory.t.is_empty() && solution.end_defect == f64::INFINITY);
 }
 
 #[test]

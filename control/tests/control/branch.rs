@@ -250,7 +250,8 @@ fn parameters_that_a_problem_does_not_have_are_refused() {
     assert!(refused(&problem, Parameter::Smoothing, 1.0, 0.1).contains("effort"));
     assert!(refused(&problem, Parameter::Gravity, 1.0, 1.0).contains("elsewhere"));
     assert!(refused(&problem, Parameter::Gravity, f64::NAN, 1.0).contains("finite"));
-    assert!(refused(&problem, Parameter::FinalTime, 1.0, -2.0).contains("time.final"));
+    let message = refused(&problem, Parameter::FinalTime, 1.0, -2.0);
+    assert!(message.contains("time") && message.contains("-2"), "{message}");
     let free = {
         let mut problem = problem.clone();
         problem.time = FinalTime::Free { guess: 1.0 };

@@ -269,7 +269,7 @@ fn a_quadrotor_flies_sideways() {
         DynamicsExtremal::new(Quadrotor::automatic(), &problem.clone().with_bounds(bounds)).unwrap();
     let bounded = solve_dynamics(&mut bounded, &SolverOptions::default());
     assert!(bounded.motion.status.is_converged(), "{}", bounded.motion.status);
-    assert!(bounded.motion.cost > motion.motion.cost && bounded.motion.switches.len() >= 2);
+    assert!(bounded.motion.cost > motion.motion.cost && !bounded.motion.switches.is_empty());
     assert!(bounded.nodes.u.iter().all(|u| u[0] <= 0.8 * most + 1e-9));
 }
 

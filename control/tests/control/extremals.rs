@@ -18,7 +18,7 @@ fn arm_with_friction() -> Robot {
         .unwrap()
 }
 
-/// Problems, and how far they are eased.
+/// Problems and their relaxations.
 pub fn problems() -> Vec<(Problem, Relaxation)> {
     let mut problems = Vec::new();
     let files = [
@@ -29,11 +29,11 @@ pub fn problems() -> Vec<(Problem, Relaxation)> {
     ];
     let robots = files.iter().map(|file| Robot::from_file(file).unwrap());
     for robot in robots.chain([arm_with_friction()]) {
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
         problem.cost.time = 0.3;
         problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
-        problem.gain = (0..n).map(|i| 1.5 - 0.3 * i as f64).collect();
+        problem.gain = (0..n).map(|i| 1.6 - 0.3 * i as f64).collect();
         problems.push((problem.clone(), Relaxation::NONE));
         problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
         problem.penalty = Some(Penalty {
@@ -61,10 +61,10 @@ pub fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
 #[test]
 fn the_equations_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(5);
-    for (problem, ease) in problems() {
-        let n = problem.robot.len();
+    for (problem, relaxation) in problems() {
+        let n = problem.robot.dof();
         let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
-        extremal.set_relaxation(ease);
+        extremal.set_relaxation(relaxation);
         let z = point(n, &mut random);
         let mut g = vec![0.0; 4 * n];
         let rate = extremal.evaluate(&z, ControlLaw::Maximal, &mut g).unwrap();
@@ -90,13 +90,13 @@ fn the_equations_are_those_of_the_maximised_hamiltonian() {
 #[test]
 fn the_exact_jacobian_agrees_with_differences() {
     let mut random = fastrand::Rng::with_seed(6);
-    for (problem, ease) in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+    for (problem, relaxation) in problems() {
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let mut found = Vec::new();
         for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
             let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
-            extremal.set_relaxation(ease);
+            extremal.set_relaxation(relaxation);
             let (mut g, mut h, mut jacobian) = (vec![0.0; m], vec![0.0; m], vec![0.0; m * m]);
             let linear = extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             let plain = extremal.evaluate(&z, ControlLaw::Maximal, &mut h).unwrap();
@@ -115,4 +115,15 @@ fn the_exact_jacobian_agrees_with_differences() {
             );
         }
     }
+}
+
+#[test]
+fn extremals_and_errors_can_change_threads() {
+    fn is_send<T: Send>() {}
+    is_send::<RobotExtremal>();
+    is_send::<costate_control::LagrangianExtremal>();
+    is_send::<costate_control::DynamicsExtremal<costate::hamiltonian::HamiltonianSecondOrder<f64>>>();
+    is_send::<costate_control::ProblemFile>();
+    is_send::<costate_control::ProblemFileError>();
+    is_send::<costate_control::DynamicsProblemError>();
 }

@@ -1,4 +1,4 @@
-//! Components of the start that are free.
+//! Free components of the start.
 
 use costate::robot::Robot;
 use costate_control::{BoundaryState, Problem, Solution, Solver, SolverOptions};
@@ -15,7 +15,7 @@ fn solve(problem: &Problem) -> Solution {
     solution
 }
 
-/// From A to B; free at B, or, the way back, at A.
+/// From A to B with a free end, and back from B to A with a free start.
 fn there_and_back(q_free: &[usize], v_free: &[usize]) -> (Problem, Problem) {
     let (from, to) = ([0.1, 0.2], [0.6, 1.1]);
     let mut there = Problem::rest_to_rest(two_link(), &from, &to, 1.0);
@@ -26,7 +26,7 @@ fn there_and_back(q_free: &[usize], v_free: &[usize]) -> (Problem, Problem) {
 }
 
 #[test]
-fn without_gravity_and_friction_the_way_back_costs_the_same() {
+fn without_gravity_and_friction_the_motion_back_costs_the_same() {
     for (q_free, v_free) in [(vec![], vec![0, 1]), (vec![1], vec![]), (vec![0], vec![0]), (vec![], vec![1])] {
         let (there, back) = there_and_back(&q_free, &v_free);
         let (there, back) = (solve(&there), solve(&back));

@@ -197,13 +197,19 @@ fn the_motion_between_nodes_satisfies_the_state_equation() {
     assert_eq!((&at_node.q, &at_node.p), (&trajectory.q[i], &trajectory.p[i]));
 }
 
+/// Both ends are free, or the end alone, so the robot moves without control and all costates vanish.
 #[test]
 fn a_motion_that_needs_no_control_costs_nothing() {
-    // The end is free, so the robot falls: all costates vanish.
-    for (name, q, v) in [("pendulum", vec![0.4], vec![0.3]), ("two_link", vec![0.3, -0.2], vec![0.5, 1.0])] {
+    for (name, q, v) in [
+        ("pendulum", vec![0.4], vec![0.3]),
+        ("two_link", vec![0.3, -0.2], vec![0.5, 1.0]),
+        ("two_link", vec![0.3, -0.2], vec![0.0; 2]),
+        ("two_link", vec![0.0; 2], vec![0.0; 2]),
+    ] {
         let robot = Robot::from_file(format!("../robots/{name}.toml")).unwrap();
         let all: Vec<usize> = (0..q.len()).collect();
-        let mut problem = Problem::rest_to_rest(robot, &q, &q, 1.0);
+        let to: Vec<f64> = q.iter().map(|q| q + 0.2).collect();
+        let mut problem = Problem::rest_to_rest(robot, &q, &to, 1.0);
         problem.start.v = v;
         (problem.end.q_free, problem.end.v_free) = (all.clone(), all);
         for method in [Method::Collocation, Method::Shooting] {

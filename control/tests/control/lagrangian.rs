@@ -21,12 +21,12 @@ impl RunningCost for Coupled {
     }
 }
 
-/// Those in (q, p), and again with a user's term.
+/// The problems of `extremals`, without and with a user term.
 fn problems() -> Vec<(Problem, Relaxation)> {
     let (mut problems, again) = (without_terms(), without_terms());
-    problems.extend(again.into_iter().map(|(mut problem, ease)| {
+    problems.extend(again.into_iter().map(|(mut problem, relaxation)| {
         problem.terms = vec![UserTerm::new(Coupled)];
-        (problem, ease)
+        (problem, relaxation)
     }));
     problems
 }
@@ -41,10 +41,10 @@ fn at(extremal: &mut LagrangianExtremal, z: &[f64]) -> (f64, Vec<f64>) {
 #[test]
 fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(15);
-    for (problem, ease) in problems() {
-        let n = problem.robot.len();
+    for (problem, relaxation) in problems() {
+        let n = problem.robot.dof();
         let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
-        extremal.set_relaxation(ease);
+        extremal.set_relaxation(relaxation);
         let z = point(n, &mut random);
         let (hamiltonian, g) = at(&mut extremal, &z);
         let size = g.iter().fold(hamiltonian.abs(), |size, g| size.max(g.abs()));
@@ -68,13 +68,13 @@ fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
 #[test]
 fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
     let mut random = fastrand::Rng::with_seed(16);
-    for (problem, ease) in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+    for (problem, relaxation) in problems() {
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let mut found = Vec::new();
         for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
             let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
-            extremal.set_relaxation(ease);
+            extremal.set_relaxation(relaxation);
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
             extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             let plain = at(&mut extremal, &z).1;
@@ -97,12 +97,12 @@ fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
 #[test]
 fn without_second_derivatives_only_their_blocks_change() {
     let mut random = fastrand::Rng::with_seed(17);
-    for (problem, ease) in problems() {
-        let n = problem.robot.len();
+    for (problem, relaxation) in problems() {
+        let n = problem.robot.dof();
         let (m, z) = (4 * n, point(n, &mut random));
         let matrix = |kind| {
             let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
-            extremal.set_relaxation(ease);
+            extremal.set_relaxation(relaxation);
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
             extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
             (g, jacobian)
@@ -113,7 +113,7 @@ fn without_second_derivatives_only_their_blocks_change() {
         assert!(g.iter().zip(&h).all(|(&g, &h)| close(g, h)));
         for row in 0..m {
             for column in 0..m {
-                // y_v'a_xx and W_q stand in y_q', y_v' by x and, through u, in v' by q and in y_q' by y_v.
+                // y_v'a_xx and W_q enter dy'/dx and, through u, dv'/dq and dy_q'/dy_v.
                 let (of_y, in_x) = (row >= 2 * n, column < 2 * n);
                 let through_u = (n..2 * n).contains(&row) && column < n
                     || (2 * n..3 * n).contains(&row) && column >= 3 * n;
@@ -123,7 +123,7 @@ fn without_second_derivatives_only_their_blocks_change() {
                 }
             }
         }
-        // Nothing but penalties and user terms is left of the derivatives of y' by x.
+        // Of dy'/dx only penalties and user terms are left.
         if !problem.terms.is_empty() {
             continue;
         }
@@ -136,9 +136,9 @@ fn without_second_derivatives_only_their_blocks_change() {
 }
 
 #[test]
-fn what_vanishes_at_a_switch_has_its_gradient() {
+fn the_switching_function_has_an_exact_gradient() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
-    let n = robot.len();
+    let n = robot.dof();
     let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
     problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
     let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
@@ -183,7 +183,7 @@ fn agree(problem: &Problem) -> [Solution; 2] {
 }
 
 #[test]
-fn both_coordinates_lead_an_arm_and_a_pendulum_along_the_same_way() {
+fn both_coordinates_give_an_arm_and_a_pendulum_the_same_motion() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let [_, found] = agree(&Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0));
     assert!((found.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", found.motion.cost);
@@ -213,7 +213,7 @@ fn both_coordinates_find_the_same_free_end() {
 }
 
 #[test]
-fn both_coordinates_agree_about_the_puma() {
+fn both_coordinates_agree_for_the_puma() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let (from, to) = ([0.0, 0.7, 2.8, 0.0, 0.4, 0.0], [0.6, 0.2, 2.9, 0.3, 0.2, 0.4]);
     let mut problem = Problem::rest_to_rest(robot, &from, &to, 0.9);
@@ -245,7 +245,7 @@ fn both_coordinates_find_the_same_switches() {
 }
 
 #[test]
-fn a_motion_saved_in_one_kind_of_coordinates_starts_a_search_in_the_other() {
+fn a_saved_motion_starts_a_search_in_other_coordinates() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0);
     let [a, b] = both(&problem);

@@ -90,7 +90,7 @@ fn errors_have_line_key_and_cause() {
         assert!(error.starts_with(message), "{error}\n{message}");
     }
     let error = ProblemFile::from_text("robot = 1", ".", LoadOptions::default()).unwrap_err();
-    assert!(matches!(error.cause, ProblemFileCause::WrongType { .. }));
+    assert!(matches!(error.cause(), ProblemFileCause::WrongType { .. }));
     assert_eq!((error.line, error.key.as_deref(), error.path), (Some(1), Some("robot"), None));
     let file = read(&format!("{LEAST}[start_from]\nfile = \"x\"\n")).unwrap();
     assert_eq!(file.refuse(Key::START_FROM, "empty").to_string(), "problem:11: start_from.file: empty");

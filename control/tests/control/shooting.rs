@@ -141,7 +141,7 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
     let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_ne!(solution.motion.status, Status::Converged);
-    assert!(!solution.trajectory.t.is_empty() && solution.motion.shooting_defect == f64::INFINITY);
+    assert!(solution.trajectory.t.is_empty() && solution.motion.shooting_defect == f64::INFINITY);
 }
 
 #[test]

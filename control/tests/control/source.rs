@@ -28,9 +28,9 @@ fn robots() -> Vec<Robot> {
     files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
 }
 
-/// The same task with more and more in the criterion.
+/// The same task with a growing number of terms in the cost.
 fn problems(robot: &Robot) -> Vec<Problem> {
-    let n = robot.len();
+    let n = robot.dof();
     let plain = Problem::rest_to_rest(robot.clone(), &vec![0.1; n], &vec![0.7; n], 1.0);
     let mut bounded = plain.clone();
     bounded.cost.time = 0.3;
@@ -68,7 +68,7 @@ fn programs_of_extremals_agree_with_the_library() {
     let mut random = fastrand::Rng::with_seed(3);
     let (mut inside, mut outside, mut work) = (0, 0, Vec::new());
     for problem in robots().iter().flat_map(problems) {
-        let m = 4 * problem.robot.len();
+        let m = 4 * problem.robot.dof();
         let programs = ProgramOf::ALL.map(|of| pontryagin_program(&problem, of).unwrap());
         let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         for _ in 0..3 {
@@ -94,7 +94,7 @@ fn programs_of_extremals_agree_with_the_library() {
 }
 
 #[test]
-fn the_head_of_the_source_says_what_the_criterion_is() {
+fn the_source_begins_with_its_cost() {
     let problem = &problems(&robots()[0])[3];
     let program = pontryagin_program(problem, ProgramOf::Jacobian).unwrap();
     assert_eq!(program.name(), "two_link_pontryagin");

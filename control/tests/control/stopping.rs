@@ -76,7 +76,8 @@ fn a_token_and_a_time_limit_stop_a_search() {
         Status::Cancelled,
     );
     let zero = SolverOptions { time_limit: Some(Duration::ZERO), ..SolverOptions::default() };
-    assert!(Solver::new(&problem, zero).unwrap_err().to_string().contains("solver.time_limit"));
+    let error = Solver::new(&problem, zero).unwrap_err();
+    assert!(error.to_string().contains("time_limit"), "{error}");
 }
 
 #[test]

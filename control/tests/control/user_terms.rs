@@ -1,4 +1,4 @@
-//! Running costs of a user, generic over the scalar.
+//! User terms of the running cost, generic over the scalar.
 
 use crate::sledge;
 use costate::derivative::Function;
@@ -20,7 +20,7 @@ impl RunningCost for Quadratic {
     }
 }
 
-/// What couples all positions and rates: a hill that is passed at a price that grows with the speed.
+/// Couples all positions and rates: a hill with a cost that grows with the speed.
 #[derive(Clone)]
 struct Hill;
 
@@ -65,7 +65,7 @@ fn linear_quadratic_cost(a: f64, time: f64) -> f64 {
 }
 
 #[test]
-fn a_linear_quadratic_problem_costs_what_its_closed_form_says() {
+fn a_linear_quadratic_problem_has_its_closed_form_cost() {
     for (to, time) in [(1.0, 1.0), (0.7, 3.0)] {
         let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[to], time);
         problem.terms = vec![UserTerm::new(Quadratic)];
@@ -104,7 +104,7 @@ fn problems() -> Vec<Problem> {
     ];
     let problem = |file: &&str| {
         let robot = Robot::from_file(file).unwrap();
-        let n = robot.len();
+        let n = robot.dof();
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
         problem.terms = vec![UserTerm::new(Hill), UserTerm::new(Quadratic)];
         problem
@@ -116,12 +116,12 @@ fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
     (0..4 * n).map(|_| 2.0 * random.f64() - 1.0).collect()
 }
 
-/// The running cost along (q, p, ...) against that of the judge, which differentiates by hyper-dual numbers of num-dual.
+/// The gradient in (q, p) against hyper-dual numbers of num-dual.
 #[test]
 fn costates_change_by_the_gradient_of_the_running_cost() {
     let mut random = fastrand::Rng::with_seed(11);
     for problem in problems() {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut plain = problem.clone();
         plain.terms.clear();
         let one = plain.clone().with_term(UserTerm::new(Hill));
@@ -156,8 +156,8 @@ fn costates_change_by_the_gradient_of_the_running_cost() {
 fn the_jacobian_with_user_terms_agrees_with_differences() {
     let mut random = fastrand::Rng::with_seed(12);
     for problem in problems() {
-        let m = 4 * problem.robot.len();
-        let z = point(problem.robot.len(), &mut random);
+        let m = 4 * problem.robot.dof();
+        let z = point(problem.robot.dof(), &mut random);
         let found = [JacobianRoute::Exact, JacobianRoute::Differences].map(|kind| {
             let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
             let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
@@ -177,7 +177,7 @@ fn the_jacobian_with_user_terms_agrees_with_differences() {
     }
 }
 
-/// A wall of cost around a point of the plane that the tip of the arm would pass.
+/// A cost around a point of the plane near which the tip of the arm would pass.
 struct Obstacle;
 
 impl RunningCost for Obstacle {
@@ -189,7 +189,7 @@ impl RunningCost for Obstacle {
 }
 
 #[test]
-fn an_obstacle_is_passed_farther_off() {
+fn an_obstacle_is_avoided() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.5], &[1.2, 0.9], 1.0);
     let price = |solution: &Solution| {
@@ -215,7 +215,7 @@ fn an_obstacle_is_passed_farther_off() {
     assert!((slope + around.costate_start().0[1]).abs() < 1e-4 * slope.abs().max(1.0));
 }
 
-/// A price of time.
+/// A cost of time.
 struct Constant(f64);
 
 impl RunningCost for Constant {
@@ -225,8 +225,8 @@ impl RunningCost for Constant {
 }
 
 #[test]
-fn a_term_can_be_the_price_of_time() {
-    // 6 / T^3 + 2 T is least at T^4 = 9.
+fn a_term_can_be_the_cost_of_time() {
+    // 6 / T^3 + 2 T has its minimum at T^4 = 9.
     let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
     problem.time = FinalTime::Free { guess: 1.5 };
     assert!(problem.check().is_err());
@@ -239,7 +239,7 @@ fn a_term_can_be_the_price_of_time() {
 }
 
 #[test]
-fn terms_are_equal_to_their_clones_alone() {
+fn terms_equal_only_their_clones() {
     let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
     problem.terms = vec![UserTerm::new(Quadratic)];
     assert_eq!(problem, problem.clone());

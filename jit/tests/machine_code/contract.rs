@@ -82,7 +82,7 @@ fn wrong_lengths_are_refused_and_leave_the_outputs_alone() {
 fn nan_passes_through_machine_code_and_is_an_error_of_the_evaluator() {
     let robot = robot("tests/fixtures/friction_tree.toml");
     let program = program(&robot, Quantity::F);
-    let n = robot.len();
+    let n = robot.dof();
     let Some(compiled) = compiled(&program) else { return };
     let mut evaluator = Evaluator::new(&robot, Quantity::F, Coordinates::Hamiltonian).unwrap();
     let mut work = Vec::new();

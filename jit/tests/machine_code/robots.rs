@@ -91,7 +91,7 @@ fn every_quantity_of_every_robot_file_agrees_with_the_generic_code() {
         return;
     }
     for robot in all_robots() {
-        let n = robot.len();
+        let n = robot.dof();
         let mut random = fastrand::Rng::with_seed(5);
         let mut numbers = |count: usize, size: f64| -> Vec<f64> {
             (0..count).map(|_| size * (2.0 * random.f64() - 1.0)).collect()

@@ -130,7 +130,7 @@ fn joints_that_move_no_mass_are_refused_in_every_pose() {
         chain("two points on axes", &[body(), on_its_axis, body(), on_its_axis]),
     ];
     for robot in robots {
-        let (refused, count) = refused(&robot, &random_positions(robot.len()));
+        let (refused, count) = refused(&robot, &random_positions(robot.dof()));
         assert_eq!(refused, count, "{}", robot.name());
     }
 }

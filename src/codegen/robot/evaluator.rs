@@ -58,7 +58,7 @@ impl<S: Scalar> RobotQuantity<S> {
     /// # Errors
     /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
     pub fn from_tree(tree: Tree, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
-        let n = tree.len();
+        let n = tree.dof();
         let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
         let arguments: Vec<Shape> = variables.iter().map(|variable| variable.shape(coordinates, n)).collect();
         let (results, _) = quantity.results(coordinates, n);

@@ -44,7 +44,7 @@ pub fn guarded_program(
 
 /// `sum_k (s_k (M^-1)_kk)^2` at q.
 fn guard(tree: &Tree, q: &[Expr]) -> Result<Expr, CodegenError> {
-    let n = tree.len();
+    let n = tree.dof();
     let (mut kernel, mut factor) = (KernelOne::<Expr>::new(tree), Factor::new(tree));
     kernel.set_position(tree, q)?;
     let size_of = |k| kernel.size_of_entry(tree, k);

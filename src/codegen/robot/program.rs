@@ -40,7 +40,7 @@ pub(super) fn program_with(
     options: &ProgramOptions,
     further: impl FnOnce(&Tree, &[Expr]) -> Result<Vec<RecordedResult>, CodegenError>,
 ) -> Result<Program, CodegenError> {
-    let n = robot.len();
+    let n = robot.dof();
     let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
     let name = name_from(&format!("{} {} {}", robot.name(), coordinates.name(), quantity.name()));
     check_size(robot, quantity, coordinates, &name, options.limit)?;

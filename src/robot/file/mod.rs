@@ -38,10 +38,12 @@ mod size;
 use self::rows::{JointRow, RobotFile, RowKind, TableConvention};
 use super::dh::{self, Convention};
 use super::error::RobotError;
+use super::format::RobotFormat;
 use super::joint::{Friction, JointKind, JointSpec, Limits, Spring};
 use super::link::Placement;
+use super::model::Robot;
+use super::options::LoadOptions;
 use super::printable::printable;
-use super::{LoadOptions, Robot, RobotFormat};
 use nalgebra::DMatrix;
 use std::collections::HashMap;
 

@@ -1,7 +1,6 @@
 //! `<limit>` of the joints of a URDF, and what is unusual about them.
 
 use super::element::Element;
-use super::source::{JointType, SourceJoint};
 use crate::robot::error::RobotError;
 use crate::robot::joint::Limits;
 use crate::robot::printable::joints;
@@ -45,10 +44,13 @@ impl LimitReader {
     }
 
     /// All limits of a joint: an omitted one is infinite, but an omitted position is 0 before version 1.2.
-    pub(super) fn read(&mut self, joint: &Element<'_>, read: &SourceJoint) -> Result<Limits, RobotError> {
-        let name = &read.name;
+    pub(super) fn read(
+        &mut self,
+        joint: &Element<'_>,
+        name: &str,
+        is_continuous: bool,
+    ) -> Result<Limits, RobotError> {
         let mut limits = Limits::default();
-        let is_continuous = read.kind == JointType::Continuous;
         let Some(limit) = joint.child("limit")? else {
             if !is_continuous {
                 self.missing.add(name, joint.line());

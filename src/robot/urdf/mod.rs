@@ -20,12 +20,14 @@ mod xml;
 
 use self::source::{JointType, Source, SourceJoint};
 use self::tree::{Attachment, Attachments};
+use super::checks;
 use super::error::RobotError;
 use super::joint::{Friction, JointKind, JointSpec};
 use super::link::LinkInertia;
+use super::model::Robot;
+use super::options::LoadOptions;
 use super::printable::printable;
 use super::warning::Warning;
-use super::{LoadOptions, Robot, checks};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 

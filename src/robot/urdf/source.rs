@@ -236,7 +236,7 @@ impl<'a> Reader<'a> {
             read.dynamics = Some([damping.unwrap_or(0.0), friction.unwrap_or(0.0)]);
         }
         if !matches!(read.kind, JointType::Floating | JointType::Planar) {
-            read.limits = self.limits.read(joint, read)?;
+            read.limits = self.limits.read(joint, &read.name, read.kind == JointType::Continuous)?;
         }
         Ok(())
     }

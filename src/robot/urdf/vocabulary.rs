@@ -171,7 +171,7 @@ impl Unknown {
     /// The warnings, in the order of the file.
     pub(super) fn warnings(self) -> impl Iterator<Item = Warning> {
         let more = (self.others > 0)
-            .then(|| Warning::MoreUnknownNames { count: self.others, line: self.first_other });
+            .then_some(Warning::MoreUnknownNames { count: self.others, line: self.first_other });
         self.found.into_iter().map(|(_, warning)| warning).chain(more)
     }
 }

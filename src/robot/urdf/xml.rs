@@ -5,8 +5,8 @@
 //! a small text expensive is refused first: document types, long texts, thousands of attributes or
 //! namespaces.
 
-use crate::robot::RobotFormat;
 use crate::robot::error::RobotError;
+use crate::robot::format::RobotFormat;
 use roxmltree::{Document, Error, Node, ParsingOptions};
 
 /// Most elements and texts of a document, about 70 bytes of memory each; 10 000 joints need 300 000.

@@ -58,7 +58,7 @@ impl Bench {
     }
 
     pub fn n(&self) -> usize {
-        self.tree.len()
+        self.tree.dof()
     }
 
     /// i is j or an ancestor of j.

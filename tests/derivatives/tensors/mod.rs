@@ -77,11 +77,11 @@ impl Function for TensorPhaseVelocity {
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        2 * self.tree.len()
+        2 * self.tree.dof()
     }
 
     fn outputs(&self) -> usize {
-        2 * self.tree.len()
+        2 * self.tree.dof()
     }
 
     fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
@@ -94,7 +94,7 @@ impl Function for TensorPhaseVelocity {
         x: &[S],
         f: &mut [S],
     ) -> Result<(), EvalError> {
-        let (q, p) = x.split_at(self.tree.len());
+        let (q, p) = x.split_at(self.tree.dof());
         let u: Vec<S> = self.u.iter().map(|&u| S::from_f64(u)).collect();
         f.copy_from_slice(tensors.evaluate(q, p, &u)?);
         Ok(())

@@ -94,7 +94,7 @@ proptest! {
 /// Numbers of M,k and M,kl that are computed.
 fn numbers(tree: &Tree) -> [usize; 2] {
     let mut ours = MassMatrixDerivatives::<f64>::new(tree);
-    let q: Vec<f64> = (0..tree.len()).map(|i| 0.3 + i as f64).collect();
+    let q: Vec<f64> = (0..tree.dof()).map(|i| 0.3 + i as f64).collect();
     ours.update(tree, &q).unwrap();
     [computed(ours.stored_mass_first()), computed(ours.stored_mass_second())]
 }

@@ -136,7 +136,7 @@ fn explicit_schemes_are_not_symplectic() {
 fn a_held_robot_stays() {
     for name in ["panda.urdf", "puma560.toml", "manutec_r3.toml"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         for q in [vec![0.0; n], vec![0.4; n]] {
             let hold = Lagrangian::<f64>::new(&robot).gravity(&q).unwrap().to_vec();
             let x = [q, vec![0.0; n]].concat();

@@ -27,7 +27,7 @@ impl Estimate {
 
 /// The error from the defect of the solution in the method with one more point:
 ///
-/// $$ e = -A^{-1} \, \delta $$
+/// $$ e = -A^{-1} \thinspace \delta $$
 ///
 /// Values at the points of that method come from the collocation polynomial, improved by two Picard
 /// iterations. Its order is higher by two, so e is the error at the nodes to leading order. Between the nodes

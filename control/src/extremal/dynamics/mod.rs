@@ -1,32 +1,34 @@
 //! Extremals of any model that is affine in its controls.
 
+mod controls;
+mod guess;
 pub(crate) mod problem;
+mod response;
 
 use crate::extremal::actuation::Actuation;
 use crate::extremal::component_ends::{ComponentEnds, GivenComponents};
 use crate::extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
+use crate::extremal::dynamics::response::{Response, eval_error, is_affine};
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::with_hamiltonian;
-use crate::extremal::relaxation::Relaxable;
-use crate::extremal::{
-    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
-};
+use crate::extremal::relaxable::Relaxable;
+use crate::extremal::{BoundaryValueProblem, ControlLaw, HamiltonianTerms};
 use costate::EvalError;
-use costate::dynamics::{Contraction, Cost, Dynamics, QuadraticCost};
+use costate::dynamics::{Cost, Dynamics, QuadraticCost};
 use costate::matrix::add_scaled;
-use std::error::Error;
 
 /// The extremals of a [`DynamicsProblem`]: of a drone, a car, any [`Dynamics`] that is affine in u.
 ///
-/// With $w = f_u^\top y$ the optimal control is $u_i = w_i / r_i$, clipped to its bounds. Inside the bounds it changes by
-/// $du = R^{-1} (f_u^\top dy + W\, dx)$, $W = \partial^2 (y^\top f) / \partial u\, \partial x$, and with S = $R^{-1}$
-/// restricted to these controls
+/// With $w = f_u^\top y$ the optimal control is $u_i = w_i / r_i$, clipped to its bounds. Inside the bounds
+/// it changes by $du = R^{-1} (f_u^\top dy + W\\, dx)$,
+/// $W = \partial^2 (y^\top f) / \partial u\\, \partial x$, and with S = $R^{-1}$ restricted to these controls
 ///
 /// $$ x' = f, \quad y' = -f_x^\top y + l_x, \qquad
 ///    g_z = \begin{pmatrix} f_x + f_u S W & f_u S f_u^\top \\\\
 ///    l_{xx} - y^\top f_{xx} - W^\top S W & -f_x^\top - W^\top S f_u^\top \end{pmatrix} $$
 ///
-/// The running cost l(x) is any [`Cost`] without controls. An error of the model becomes [`EvalError::Model`].
+/// The running cost l(x) is any [`Cost`] without controls. An error of the model becomes
+/// [`EvalError::Model`].
 ///
 /// ```
 /// use costate::derivative::Function;
@@ -53,7 +55,7 @@ use std::error::Error;
 /// let (start, end) = (EndState::fixed(&[0.0, 0.0]), EndState::fixed(&[1.0, 0.0]));
 /// let problem = DynamicsProblem::new(start, end, FinalTime::Fixed(1.0), 1);
 /// let mut extremal = DynamicsExtremal::new(Automatic::<Cart>::new(Cart), &problem)?;
-/// let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
+/// let motion = solve_dynamics(&mut extremal, &SolverOptions::default()).motion;
 /// assert!(motion.status.is_converged() && (motion.cost - 6.0).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -75,13 +77,6 @@ pub struct DynamicsExtremal<D, C = QuadraticCost> {
     response: Response,
 }
 
-/// How one w_i depends on x and y.
-#[derive(Clone, Debug)]
-struct Response {
-    in_x: Vec<f64>,
-    in_y: Vec<f64>,
-}
-
 impl<D: Dynamics<f64>> DynamicsExtremal<D> {
     /// The extremals without further running cost.
     ///
@@ -96,7 +91,8 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DynamicsExtremal<D, C> {
     /// The extremals with a running cost l(x): a [`Cost`] without controls.
     ///
     /// # Errors
-    /// A problem that does not fit the model, a cost of controls, or a model that is not affine in u at the start.
+    /// A problem that does not fit the model, a cost of controls, or a model that is not affine in u at the
+    /// start.
     pub fn with_running_cost(
         model: D,
         cost: C,
@@ -139,7 +135,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DynamicsExtremal<D, C> {
             u: vec![0.0; controls],
             slopes: vec![0.0; controls],
             l_x: vec![0.0; states],
-            response: Response { in_x: vec![0.0; states], in_y: vec![0.0; states] },
+            response: Response::new(states),
         })
     }
 
@@ -263,112 +259,6 @@ impl<D: Dynamics<f64>, C: Cost<f64>> BoundaryValueProblem for DynamicsExtremal<D
     }
 }
 
-impl<D: Dynamics<f64>, C: Cost<f64>> BoundedControls for DynamicsExtremal<D, C> {
-    fn controls(&self) -> usize {
-        self.u.len()
-    }
-
-    fn unbounded_controls(&mut self, z: &[f64], u: &mut [f64]) {
-        if self.set_pull(z).is_err() {
-            self.pull.fill(f64::NAN);
-        }
-        u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.unbounded(i, self.pull[i]));
-    }
-
-    fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
-        match self.set_controls(z, law) {
-            Ok(_) => u.copy_from_slice(&self.u),
-            Err(_) => u.fill(f64::NAN),
-        }
-    }
-
-    fn bounds(&self, control: usize) -> (f64, f64) {
-        self.actuation.reached_bounds(self.relaxable.original(), control)
-    }
-
-    /// $w_i - r_i u_i$ at the bound.
-    fn switching(
-        &mut self,
-        control: usize,
-        sides: (BoundSide, BoundSide),
-        z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
-        gradient.fill(0.0);
-        if self.set_pull(z).is_err() {
-            return f64::NAN;
-        }
-        let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
-        let (x, y) = z.split_at(self.l_x.len());
-        let Ok(all) = self.model.contract(x, &self.u, y) else { return f64::NAN };
-        self.response.set(&all, control);
-        let (in_x, in_y) = gradient.split_at_mut(x.len());
-        add_scaled(in_x, slope, &self.response.in_x);
-        add_scaled(in_y, slope, &self.response.in_y);
-        value
-    }
-
-    fn state_rate(&mut self, x: &[f64], u: &[f64], f: &mut [f64]) -> Result<(), EvalError> {
-        f.copy_from_slice(self.model.linearise(x, u).map_err(eval_error)?.f);
-        Ok(())
-    }
-}
-
-impl<D: Dynamics<f64>, C: Cost<f64>> Homotopy for DynamicsExtremal<D, C> {
-    fn relaxation(&self) -> Relaxation {
-        self.relaxable.current()
-    }
-
-    fn set_relaxation(&mut self, relaxation: Relaxation) {
-        self.ends.set_goal(relaxation.goal);
-        self.relaxable.relax_actuation(relaxation, &mut self.actuation);
-    }
-
-    fn easiest(&self) -> Relaxation {
-        self.relaxable.easiest()
-    }
-}
-
-impl Response {
-    fn set(&mut self, all: &Contraction<'_, f64>, control: usize) {
-        self.in_x.fill(0.0);
-        if let Some(ux) = all.ux {
-            self.in_x.iter_mut().zip(ux.row(control)).for_each(|(to, &from)| *to = from);
-        }
-        for (to, row) in self.in_y.iter_mut().zip(all.first.f_u.iter_rows()) {
-            *to = row[control];
-        }
-    }
-
-    /// Adds `slope (in_y, -in_x)' (in_x, in_y)`, row-major.
-    fn add(&self, slope: f64, jacobian: &mut [f64]) {
-        let states = self.in_x.len();
-        let factors = self.in_y.iter().copied().chain(self.in_x.iter().map(|&in_x| -in_x));
-        for (row, factor) in jacobian.chunks_exact_mut(2 * states).zip(factors) {
-            let (in_x, in_y) = row.split_at_mut(states);
-            add_scaled(in_x, slope * factor, &self.in_x);
-            add_scaled(in_y, slope * factor, &self.in_y);
-        }
-    }
-}
-
-/// Second derivatives in u, relative to those in x and u, that are rounding errors.
-const ROUNDING: f64 = 1e-12;
-
-fn is_affine(all: &Contraction<'_, f64>) -> bool {
-    let Some(uu) = all.uu else { return true };
-    let largest =
-        |rows: &mut dyn Iterator<Item = &f64>| rows.fold(0.0_f64, |most, entry| most.max(entry.abs()));
-    let scale = largest(&mut all.first.f_u.iter_rows().flatten()).max(1.0);
-    largest(&mut uu.iter_rows().flatten()) <= ROUNDING * scale
-}
-
 fn given(EndState { x, free }: &EndState) -> GivenComponents {
     GivenComponents { x: x.clone(), free: (0..x.len()).map(|i| free.contains(&i)).collect() }
-}
-
-/// The error of a model, as it is where it is one of a robot.
-fn eval_error<E: Error + 'static>(error: E) -> EvalError {
-    let any: &(dyn Error + 'static) = &error;
-    any.downcast_ref::<EvalError>().cloned().unwrap_or_else(|| EvalError::Model { reason: error.to_string() })
 }

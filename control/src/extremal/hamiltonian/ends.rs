@@ -6,11 +6,12 @@ use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
 use costate::scalar::Tangent;
 
-/// At each end, for each joint j: its position as given, or `(y_q + P'y_p)_j = 0`; its rate as given, or `(M y_p)_j = 0`.
+/// At each end, for each joint j: its position is given or $(y_q + P^\top y_p)_j = 0$, and its rate is given
+/// or $(M y_p)_j = 0$.
 ///
-/// As p = M v, moving q_j at fixed rates moves p by `P e_j`, P = d(M v)/dq, and moving v_j moves it by `M e_j`: these are
-/// the directions in which a free end may not gain; `y = -dJ/dx` at the start, `y = dJ/dx` at the end, and the sign does not
-/// matter. Their derivatives come from one dual pass for each component of x.
+/// As p = M v, a change of $q_j$ at fixed rates changes p by $P e_j$, $P = \partial(M v)/\partial q$, and a
+/// change of $v_j$ changes it by $M e_j$. Along these directions the cost must be stationary, and y is its
+/// gradient up to the sign. The derivatives take one dual pass per component of x.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends {
     start: Given,
@@ -30,7 +31,13 @@ struct Given {
     v_free: Vec<bool>,
 }
 
-/// The dual pass.
+/// Residuals (2n) and their Jacobian (2n x 4n).
+struct Conditions<'a> {
+    residual: &'a mut [f64],
+    jacobian: &'a mut [f64],
+}
+
+/// Workspace of the dual pass.
 #[derive(Clone, Debug)]
 struct Work {
     dual: Hamiltonian<Tangent<f64>>,
@@ -42,7 +49,7 @@ struct Work {
 impl Ends {
     pub fn new(problem: &Problem) -> Result<Self, EvalError> {
         let Problem { robot, start, end, .. } = problem;
-        let n = robot.len();
+        let n = robot.dof();
         let zero = Tangent::new(0.0, 0.0);
         let dual = Hamiltonian::new(robot);
         Ok(Self {
@@ -53,7 +60,8 @@ impl Ends {
         })
     }
 
-    /// Moves the end to a fraction of the distance from the start to the original end, in positions and rates.
+    /// Moves the end to a fraction of the distance from the start to the original end, in positions and
+    /// rates.
     pub fn set_goal(&mut self, goal: f64) {
         let Self { start, end, original, work } = self;
         let n = end.v.len();
@@ -69,7 +77,7 @@ impl Ends {
         }
     }
 
-    /// Whether nothing is free at the start and the end.
+    /// Whether nothing is free.
     pub fn are_fixed(&self) -> bool {
         self.start.is_fixed() && self.end.is_fixed()
     }
@@ -88,7 +96,7 @@ impl Given {
         let mut hamiltonian = Hamiltonian::<f64>::new(robot);
         hamiltonian.inverse_mass_matrix(q)?;
         let x = q.iter().chain(hamiltonian.momentum(q, v)?).copied().collect();
-        let marked = |joints: &[usize]| (0..robot.len()).map(|j| joints.contains(&j)).collect();
+        let marked = |joints: &[usize]| (0..robot.dof()).map(|j| joints.contains(&j)).collect();
         Ok(Self { x, v: v.clone(), q_free: marked(q_free), v_free: marked(v_free) })
     }
 
@@ -111,16 +119,18 @@ impl Given {
             }
             return Ok(());
         }
-        (0..self.x.len()).try_for_each(|direction| self.along(work, z, direction, (residual, jacobian)))
+        (0..self.x.len())
+            .try_for_each(|direction| self.along(work, z, direction, Conditions { residual, jacobian }))
     }
 
-    /// Residuals, and the column of the Jacobian that belongs to one component of x; with the first the columns of y.
+    /// Residuals and the column of the Jacobian of one component of x; the first component also writes the
+    /// columns of y.
     fn along(
         &self,
         Work { dual, q, p, rates }: &mut Work,
         z: &[f64],
         direction: usize,
-        (residual, jacobian): (&mut [f64], &mut [f64]),
+        Conditions { residual, jacobian }: Conditions<'_>,
     ) -> Result<(), EvalError> {
         let n = self.v.len();
         let (y_q, y_p) = (&z[2 * n..3 * n], &z[3 * n..]);

@@ -9,8 +9,8 @@ use costate::EvalError;
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::scalar::Scalar;
 
-/// `z' = (F + (0, B u), -F_x'y + l_x)` and its Jacobian for controls that are given with their slopes: what
-/// [`RobotExtremal`](crate::RobotExtremal) solves with and what generated code is recorded from.
+/// $z' = (F + (0, B u), -F_x^\top y + l_x)$ and its Jacobian for given controls and slopes.
+/// [`RobotExtremal`](crate::RobotExtremal) evaluates them; generated code is recorded from them.
 #[derive(Clone, Debug)]
 pub(crate) struct Equations<S: Scalar> {
     pub second: HamiltonianSecondOrder<S>,
@@ -33,6 +33,12 @@ pub(crate) struct Equations<S: Scalar> {
     pub pull: Vec<S>,
 }
 
+/// What a linearisation writes: z' (4n) and its Jacobian (4n x 4n).
+pub(crate) struct Outputs<'a, S> {
+    pub g: &'a mut [S],
+    pub jacobian: &'a mut [S],
+}
+
 /// The running cost l.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Running<S> {
@@ -40,14 +46,14 @@ pub(crate) struct Running<S> {
     pub cost: S,
     /// Penalties.
     pub penalty: S,
-    /// What only an easier problem costs.
+    /// Cost that only a relaxed problem has.
     pub smoothing: S,
 }
 
 impl<S: ExtremalScalar> Equations<S> {
     /// The equations of a problem, with derivatives from an existing workspace.
     pub fn new(problem: &Problem, second: HamiltonianSecondOrder<S>) -> Self {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let zeros = vec![S::zero(); n];
         Self {
             second,
@@ -134,13 +140,13 @@ impl<S: ExtremalScalar> Equations<S> {
         Ok(l)
     }
 
-    /// z' and its Jacobian, 4n x 4n; without the blocks y'F_xx where `hessian` says so.
+    /// z' and its Jacobian, 4n x 4n, with the blocks y'F_xx if `hessian` is true.
     pub fn linearise(
         &mut self,
         z: &[S],
         control: impl Fn(usize, S) -> Control<S>,
         hessian: bool,
-        (g, jacobian): (&mut [S], &mut [S]),
+        Outputs { g, jacobian }: Outputs<'_, S>,
     ) -> Result<Running<S>, EvalError> {
         let l = self.prepare(z, control, true)?;
         let n = self.force.len();
@@ -188,7 +194,8 @@ struct Curvature<'a, S: Scalar> {
 }
 
 impl<S: ExtremalScalar> Curvature<'_, S> {
-    /// Adds `E' l_zz E`, `E = [ 1 0 ; V ]`, to the rows of y_q and y_p and the columns of q and p; V row by row.
+    /// Adds `E' l_zz E`, `E = [ 1 0 ; V ]`, to the rows of y_q and y_p and the columns of q and p; V row by
+    /// row.
     fn add<'v>(&self, velocities: impl Iterator<Item = &'v [S]> + Clone, pull: &mut [S], jacobian: &mut [S]) {
         let n = pull.len() / 2;
         let row = |i: usize| (2 * n + i) * 4 * n..(2 * n + i) * 4 * n + 2 * n;

@@ -6,8 +6,8 @@ pub(crate) mod equations;
 use crate::extremal::actuation::Actuation;
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::ends::Ends;
-use crate::extremal::hamiltonian::equations::{Equations, Running};
-use crate::extremal::relaxation::{Relaxable, RelaxedParts};
+use crate::extremal::hamiltonian::equations::{Equations, Outputs, Running};
+use crate::extremal::relaxable::{Relaxable, RelaxedParts};
 use crate::extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
 };
@@ -16,17 +16,18 @@ use crate::problem::check::CheckedProblem;
 use costate::EvalError;
 use costate::hamiltonian::HamiltonianSecondOrder;
 
-/// The extremals of a [`Problem`](crate::Problem):
+/// The extremals of a [`Problem`](crate::Problem), z = (x, y), x = (q, p):
 ///
-/// ```text
-/// x' = F + (0, B u)      y' = -F_x'y + l_x      u = clip(R^-1 B y_p)
-/// Jacobian  [ F_x             B R^-1 B where not at a bound ]
-///           [ l_xx - y'F_xx   -F_x'                         ]
-/// ```
+/// $$ x' = F + \begin{pmatrix} 0 \\\\ B u \end{pmatrix}, \quad y' = -F_x^\top y + l_x, \quad
+///    u = \mathrm{clip}(R^{-1} B y_p), \qquad
+///    g_z = \begin{pmatrix} F_x & \begin{matrix} 0 & 0 \\\\ 0 & B R^{-1} B \end{matrix} \\\\
+///    l_{xx} - y^\top F_{xx} & -F_x^\top \end{pmatrix} $$
 ///
-/// Penalties and [user terms](crate::UserTerm) depend on q and v = F^q(x): with `E = [ 1 0 ; V ]`, `V = F^q_x`,
-/// `l_x = E'(l_q, l_v)`. So `y'F_x - l_x = (y_q - l_v, y_p)'F_x - (l_q, 0)`, and likewise
-/// `y'F_xx - l_xx = (y_q - l_v, y_p)'F_xx - E' l_zz E`: no new tensor. Built once; evaluations do not allocate.
+/// with zeros in $B R^{-1} B$ for controls at a bound. Penalties and [user terms](crate::UserTerm) depend on
+/// q and $v = F^q(x)$. With $E = \begin{pmatrix} 1 & 0 \\\\ V_q & V_p \end{pmatrix}$, $V = F^q_x$, we have
+/// $l_x = E^\top (l_q, l_v)$, so that $y^\top F_x - l_x = (y_q - l_v, y_p)^\top F_x - (l_q, 0)$ and $y^\top
+/// F_{xx} - l_{xx} = (y_q - l_v, y_p)^\top F_{xx} - E^\top l_{zz} E$ with z = (q, v): no new tensor.
+/// Evaluations do not allocate.
 #[derive(Clone, Debug)]
 pub struct RobotExtremal {
     pub(crate) equations: Equations<f64>,
@@ -43,7 +44,7 @@ impl RobotExtremal {
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         Ok(Self {
             equations: Equations::new(&problem, HamiltonianSecondOrder::new(&problem.robot)),
             actuation: Actuation::new(&problem),
@@ -108,7 +109,7 @@ impl BoundaryValueProblem for RobotExtremal {
         let hessian = self.jacobian == JacobianRoute::Exact;
         let actuation = &self.actuation;
         let control = |i, y_p| actuation.control(i, y_p, law);
-        let l = self.equations.linearise(z, control, hessian, (g, jacobian))?;
+        let l = self.equations.linearise(z, control, hessian, Outputs { g, jacobian })?;
         Ok(with_hamiltonian(z, g, l))
     }
 
@@ -128,7 +129,7 @@ impl BoundaryValueProblem for RobotExtremal {
         self.ends.are_fixed()
     }
 
-    /// Positions, momenta, and the costates of each.
+    /// Positions, momenta, and their costates.
     fn group(&self, component: usize) -> usize {
         component / self.equations.force.len()
     }
@@ -204,7 +205,7 @@ pub(crate) fn with_hamiltonian(z: &[f64], g: &[f64], l: Running<f64>) -> Hamilto
     HamiltonianTerms { hamiltonian, cost: l.cost, penalty: l.penalty, smoothing: l.smoothing }
 }
 
-/// Positions, rates or momenta, and the costates of each, of a motion that takes `factor` times as long.
+/// Scales positions, rates or momenta, and their costates to a motion that takes `factor` times as long.
 pub(crate) fn stretch(z: &mut [f64], factor: f64) {
     let parts = z.chunks_exact_mut(z.len() / 4).zip([0, -1, -3, -2]);
     parts.for_each(|(part, power)| part.iter_mut().for_each(|z| *z *= factor.powi(power)));

@@ -6,7 +6,7 @@ use costate::EvalError;
 use costate::matrix::Block;
 
 impl LagrangianExtremal {
-    /// g and its Jacobian from f_x and, where they are known, second derivatives.
+    /// g and its Jacobian from f_x, and from the second derivatives unless the route omits them.
     pub(crate) fn exact(&mut self, z: &[f64], g: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
         let n = self.force.len();
         let m = 4 * n;
@@ -63,7 +63,8 @@ impl LagrangianExtremal {
     }
 }
 
-/// Adds what one control does, `weight (W_y, -W_x)' (W_x, W_y)`: W_x = (in_q, 0), W_y = (0, in_y).
+/// Adds the response of one control, `weight (W_y, -W_x)' (W_x, W_y)` with W_x = (in_q, 0) and W_y = (0,
+/// in_y).
 fn add_response(jacobian: &mut [f64], weight: f64, in_y: &[f64], in_q: Option<&[f64]>) {
     let n = in_y.len();
     let m = 4 * n;

@@ -8,7 +8,7 @@ use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::equations::Running;
 use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
 use crate::extremal::penalty::Penalties;
-use crate::extremal::relaxation::{Relaxable, RelaxedParts};
+use crate::extremal::relaxable::{Relaxable, RelaxedParts};
 use crate::extremal::user_terms::UserTerms;
 use crate::extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
@@ -18,19 +18,22 @@ use crate::problem::check::CheckedProblem;
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 
-/// The extremals of a [`Problem`](crate::Problem) with x = (q, v), for comparison with [`RobotExtremal`](crate::RobotExtremal):
+/// The extremals of a [`Problem`](crate::Problem) with x = (q, v), for comparison with
+/// [`RobotExtremal`](crate::RobotExtremal):
 ///
-/// ```text
-/// x' = (v, a(q, v, B u))      y' = -f_x'y + l_x      u = clip(R^-1 B w),  w = M^-1 y_v
-/// H*_zz = H_zz + W' B R^-1 B W where not at a bound,      W = w_z = ( y_v'a_uq, 0, 0, M^-1 )
-/// Jacobian  [ H*_yx  H*_yy ; -H*_xx  -H*_xy ],      H_xx = y_v'a_xx - l_xx,  H_yx = f_x,  H_yy = 0
-/// ```
+/// $$ x' = (v, a(q, v, B u)), \quad y' = -f_x^\top y + l_x, \quad
+///    u = \mathrm{clip}(R^{-1} B w), \quad w = M^{-1} y_v $$
 ///
-/// H is `y'f - l` at a given u. The actuation acts through M^-1, so u depends on q, which adds to all blocks; in Hamiltonian
-/// coordinates it depends on y_p alone. Penalties and [user terms](crate::UserTerm) depend on x itself. Free ends: `y_q,j = 0`, `y_v,j = 0`.
+/// The actuation acts through $M^{-1}$, so that u depends on q, which adds to all blocks of the Jacobian.
+/// With $H = y^\top f - l$ at a given u and $W = w_z = ( y_v^\top a_{uq}, 0, 0, M^{-1} )$
 ///
-/// [`JacobianRoute::WithoutHessian`] leaves out the second derivatives of the dynamics, `y_v'a_xx` and `y_v'a_uq`; with them goes
-/// all that u changes with q. Built once; evaluations do not allocate.
+/// $$ g_z = \begin{pmatrix} H^\ast_{yx} & H^\ast_{yy} \\\\ -H^\ast_{xx} & -H^\ast_{xy} \end{pmatrix}, \qquad
+///    H^\ast_{zz} = H_{zz} + W^\top B R^{-1} B W, \qquad
+///    H_{xx} = y_v^\top a_{xx} - l_{xx}, \quad H_{yx} = f_x, \quad H_{yy} = 0 $$
+///
+/// with zeros in $B R^{-1} B$ for controls at a bound. Penalties and [user terms](crate::UserTerm) depend on
+/// x itself. Free components of an end have costate zero. [`JacobianRoute::WithoutHessian`] omits
+/// $y_v^\top a_{xx}$ and $y_v^\top a_{uq}$, and so the change of u with q. Evaluations do not allocate.
 #[derive(Clone, Debug)]
 pub struct LagrangianExtremal {
     pub(crate) second: LagrangianSecondOrder<f64>,
@@ -60,7 +63,7 @@ impl LagrangianExtremal {
     /// # Errors
     /// A mass matrix that is singular at the start or the end.
     pub fn new(problem: CheckedProblem<'_>, jacobian: JacobianRoute) -> Result<Self, EvalError> {
-        let n = problem.robot.len();
+        let n = problem.robot.dof();
         let mut second = LagrangianSecondOrder::new(&problem.robot);
         for q in [&problem.start.q, &problem.end.q] {
             second.first().solve_mass_matrix(q, &mut vec![0.0; n])?;
@@ -86,7 +89,7 @@ impl LagrangianExtremal {
         })
     }
 
-    /// w, controls and penalties at z; M(q) is factored after it.
+    /// Computes w, controls and penalties at z, and factors M(q).
     fn prepare(
         &mut self,
         z: &[f64],
@@ -128,7 +131,7 @@ impl LagrangianExtremal {
         Ok(l)
     }
 
-    /// w alone; not a number where the mass matrix is singular.
+    /// Computes w alone; NaN where the mass matrix is singular.
     fn pull_at(&mut self, z: &[f64]) {
         let n = self.force.len();
         self.pull.copy_from_slice(&z[3 * n..]);
@@ -199,7 +202,7 @@ impl BoundaryValueProblem for LagrangianExtremal {
         self.ends.are_fixed()
     }
 
-    /// Positions, rates, and the costates of each.
+    /// Positions, rates, and their costates.
     fn group(&self, component: usize) -> usize {
         component / self.force.len()
     }
@@ -224,7 +227,7 @@ impl BoundedControls for LagrangianExtremal {
         self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
-    /// `b_i w_i - r_i u_i` at the bound, with the gradient of w whatever the matrix of Newton's method is.
+    /// $b_i w_i - r_i u_i$ at the bound, with the exact gradient for every [`JacobianRoute`].
     fn switching(
         &mut self,
         control: usize,

@@ -15,7 +15,7 @@ use toml::de::{DeTable, DeValue};
 pub(crate) struct Fault {
     pub line: Option<usize>,
     pub key: Option<String>,
-    pub cause: ProblemFileCause,
+    pub cause: Box<ProblemFileCause>,
 }
 
 impl Fault {
@@ -27,14 +27,14 @@ impl Fault {
 
 impl From<ProblemFileCause> for Fault {
     fn from(cause: ProblemFileCause) -> Self {
-        Self { line: None, key: None, cause }
+        Self { line: None, key: None, cause: Box::new(cause) }
     }
 }
 
 /// The line at which a file stops being UTF-8.
 pub(crate) fn not_utf8(error: &FromUtf8Error) -> Fault {
     let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-    Fault { line: Some(line_at(valid, valid.len())), key: None, cause: ProblemFileCause::NotUtf8 }
+    Fault { line: Some(line_at(valid, valid.len())), ..ProblemFileCause::NotUtf8.into() }
 }
 
 /// Line of a byte, from 1.
@@ -67,9 +67,11 @@ impl<'t> Document<'t> {
         let root = DeTable::parse(text).map_err(|error| {
             let line = error.span().map(|span| line_at(text.as_bytes(), span.start));
             match error.span() {
-                Some(span) if error.message() == "duplicate key" => {
-                    Fault { line, key: Some(full_key(text, span)), cause: ProblemFileCause::DuplicateKey }
-                }
+                Some(span) if error.message() == "duplicate key" => Fault {
+                    line,
+                    key: Some(full_key(text, span)),
+                    cause: Box::new(ProblemFileCause::DuplicateKey),
+                },
                 _ => Fault { line, ..ProblemFileCause::Syntax(error.message().trim_end().into()).into() },
             }
         })?;
@@ -92,7 +94,7 @@ impl<'t> Document<'t> {
         Fault {
             line: key.and_then(|key| self.line_of(key)),
             key: key.map(|key| key.to_string()),
-            cause: ProblemFileCause::Problem(error),
+            cause: Box::new(ProblemFileCause::Problem(error)),
         }
     }
 }
@@ -123,7 +125,7 @@ impl<'d> Table<'d> {
     /// An error of one key.
     pub fn fault(&self, name: &str, cause: ProblemFileCause) -> Fault {
         let key = self.path.map_or_else(|| name.into(), |path| format!("{path}.{name}"));
-        Fault { line: self.line_of(name).or(self.line), key: Some(key), cause }
+        Fault { line: self.line_of(name).or(self.line), key: Some(key), cause: Box::new(cause) }
     }
 
     /// The value of a key that must be given.

@@ -15,8 +15,14 @@ pub struct ProblemFileError {
     pub line: Option<usize>,
     /// The key with its table, as `bounds.u_min`.
     pub key: Option<String>,
+    pub(crate) cause: Box<ProblemFileCause>,
+}
+
+impl ProblemFileError {
     /// The cause.
-    pub cause: ProblemFileCause,
+    pub fn cause(&self) -> &ProblemFileCause {
+        &self.cause
+    }
 }
 
 /// What is wrong in a problem file.
@@ -107,7 +113,7 @@ impl fmt::Display for ProblemFileCause {
 
 impl std::error::Error for ProblemFileError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &self.cause {
+        match self.cause() {
             ProblemFileCause::Unreadable(error) => Some(error),
             ProblemFileCause::Robot(error) => Some(error),
             ProblemFileCause::Problem(error) => Some(error),

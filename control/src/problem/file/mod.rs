@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let file = ProblemFile::read("examples/problems/pendulum_swing_up.toml", LoadOptions::default())?;
 /// let solution = Solver::new(&file.problem, file.options.clone())?.solve();
-/// assert!(solution.status.is_converged());
+/// assert!(solution.motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -34,6 +34,8 @@ pub struct ProblemFile {
     pub problem: Problem,
     /// The options of the table `[solver]`, in range.
     pub options: SolverOptions,
+    /// The robot file, relative paths resolved.
+    pub robot_path: PathBuf,
     /// The saved motion of `[start_from]`, relative paths resolved.
     pub start_from: Option<PathBuf>,
     /// The text of the file.
@@ -45,8 +47,8 @@ impl ProblemFile {
     /// Reads a problem file and the robot that it names. Paths in the file are relative to its folder.
     ///
     /// # Errors
-    /// A file that cannot be read, text of more than 1 MiB, text that is not TOML, an unknown or missing key, a value of the wrong type, an
-    /// invalid robot or problem.
+    /// A file that cannot be read, text of more than 1 MiB, text that is not TOML, an unknown or missing key, a value of the
+    /// wrong type, an invalid robot or problem.
     pub fn read(path: impl AsRef<Path>, load: LoadOptions) -> Result<Self, ProblemFileError> {
         let path = path.as_ref();
         let at = |fault: Fault| fault.in_file(Some(path));
@@ -78,7 +80,8 @@ impl ProblemFile {
         let document = Document::parse(text)?;
         let root = document.root();
         let tables = tables::read(&root)?;
-        let robot = Robot::from_file_with(folder.join(&tables.robot), load)
+        let robot_path = folder.join(&tables.robot);
+        let robot = Robot::from_file_with(&robot_path, load)
             .map_err(|error| root.fault("robot", ProblemFileCause::Robot(error)))?;
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
@@ -87,6 +90,7 @@ impl ProblemFile {
         Ok(Self {
             problem,
             options: tables.options,
+            robot_path,
             start_from: tables.start_from.map(|file| folder.join(file)),
             text: text.into(),
             path: path.map(Path::to_path_buf),
@@ -98,6 +102,6 @@ impl ProblemFile {
     pub fn refuse(&self, key: Key, cause: impl Into<Box<dyn Error + Send + Sync>>) -> ProblemFileError {
         let line = Document::parse(&self.text).ok().and_then(|document| document.line_of(key));
         let cause = ProblemFileCause::Other(cause.into());
-        Fault { line, key: Some(key.to_string()), cause }.in_file(self.path.as_deref())
+        Fault { line, key: Some(key.to_string()), cause: Box::new(cause) }.in_file(self.path.as_deref())
     }
 }

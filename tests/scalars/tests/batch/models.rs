@@ -16,7 +16,7 @@ use proptest::prelude::*;
 fn every_number_of_nodes<S: Packed<Lane = f64>>(allowed: f64) {
     for name in ["two_link.toml", "cart_pole.toml", "panda.urdf"] {
         let robot = robot(name);
-        let n = robot.len();
+        let n = robot.dof();
         let mut of_phase = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
         let mut of_velocity = Batch::<S, _>::new(Model(LagrangianSecondOrder::new(&robot)));
         for nodes in 0..=17 {

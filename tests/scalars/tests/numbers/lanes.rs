@@ -21,7 +21,7 @@ struct State([Vec<f64>; 5]);
 
 /// All that is computed at one state.
 fn quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantities<S> {
-    let n = robot.len();
+    let n = robot.dof();
     let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
     let mut second = HamiltonianSecondOrder::<S>::new(robot);
     let mut lagrangian = LagrangianSecondOrder::<S>::new(robot);

@@ -35,7 +35,7 @@ fn flat<S: Scalar>(block: Block<'_, S>) -> Vec<S> {
 }
 
 fn by_hand<S: Scalar, R: Route>(robot: &Robot, route: R, x: &[S], u: &[S], y: &[S]) -> Results<S> {
-    let (q, p) = x.split_at(robot.len());
+    let (q, p) = x.split_at(robot.dof());
     let tree = Tree::from(robot);
     let mut first = Hamiltonian::<S, R>::with_route(tree.clone(), route.clone());
     let mut second = DualPass::<S, R>::with_route(tree, route);
@@ -47,7 +47,7 @@ fn by_hand<S: Scalar, R: Route>(robot: &Robot, route: R, x: &[S], u: &[S], y: &[
 }
 
 fn by_rule<S: Scalar>(robot: &Robot, x: &[S], u: &[S], y: &[S]) -> Results<S> {
-    let (q, p) = x.split_at(robot.len());
+    let (q, p) = x.split_at(robot.dof());
     let mut second = HamiltonianSecondOrder::<S>::new(robot);
     let mut full = FullHessian::<S>::new(robot);
     let mut results = vec![("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix()))];
@@ -58,7 +58,7 @@ fn by_rule<S: Scalar>(robot: &Robot, x: &[S], u: &[S], y: &[S]) -> Results<S> {
 }
 
 fn by_dual_numbers<T: InnerNumber>(robot: &Robot, x: &[T], y: &[T]) -> Results<T> {
-    let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]);
+    let function = || PhaseVelocity::new(robot).under(&vec![0.5; robot.dof()]);
     let mut jacobian = Jacobian::<_, CHUNK, T>::over(function());
     let first = jacobian.linearise(x).unwrap();
     let mut results = vec![("F", first.value.to_vec()), ("F_x", first.jacobian.as_slice().to_vec())];
@@ -68,7 +68,7 @@ fn by_dual_numbers<T: InnerNumber>(robot: &Robot, x: &[T], y: &[T]) -> Results<T
 }
 
 fn by_hyper_dual_numbers<T: InnerNumber>(robot: &Robot, x: &[T], y: &[T]) -> Results<T> {
-    let mut hessian = Hessian::<_, T>::over(PhaseVelocity::new(robot).under(&vec![0.5; robot.len()]));
+    let mut hessian = Hessian::<_, T>::over(PhaseVelocity::new(robot).under(&vec![0.5; robot.dof()]));
     let contracted = hessian.contract(x, y).unwrap().as_slice().to_vec();
     let last = hessian.last();
     vec![("F", last.value().to_vec()), ("F_x", last.jacobian().as_slice().to_vec()), ("y'F_xx", contracted)]
@@ -82,7 +82,7 @@ fn routes<T: InnerNumber>(
     mut run: impl FnMut(&'static str, &mut dyn FnMut() -> Results<T>),
 ) {
     let lifted = |values: &[f64]| values.iter().map(|&value| lift(value)).collect::<Vec<T>>();
-    let (x, u, y) = (lifted(x), lifted(&vec![0.5; robot.len()]), lifted(y));
+    let (x, u, y) = (lifted(x), lifted(&vec![0.5; robot.dof()]), lifted(y));
     run("tensors", &mut || by_hand(robot, Christoffel, &x, &u, &y));
     run("dual pass", &mut || by_hand(robot, Contracted, &x, &u, &y));
     run("analytic", &mut || by_rule(robot, &x, &u, &y));
@@ -93,7 +93,7 @@ fn routes<T: InnerNumber>(
 #[test]
 fn values_of_numbers_that_count_are_those_of_f64() {
     for robot in robots() {
-        for state in states(robot.len()) {
+        for state in states(robot.dof()) {
             let mut expected = Vec::new();
             routes(&robot, &state, |value| value, |_, evaluate| expected.push(evaluate()));
             let mut expected = expected.into_iter();
@@ -118,7 +118,7 @@ fn values_of_numbers_that_count_are_those_of_f64() {
 fn counts_do_not_depend_on_the_state() {
     for robot in robots() {
         for constants in [Constants::Folded, Constants::Kept] {
-            let counts = states(robot.len()).map(|state| {
+            let counts = states(robot.dof()).map(|state| {
                 let mut counts: Vec<Operations> = Vec::new();
                 routes(&robot, &state, Count::variable, |_, evaluate| {
                     counts.push(count_with(constants, || drop(evaluate())).1);
@@ -137,7 +137,7 @@ fn the_jacobian_takes_few_multiplications() {
     let puma = robots::file("puma560.toml");
     let general = |n| robots::random("general", n, 1);
     for (robot, most) in [(puma, 1000), (general(6), 1500), (general(12), 7500)] {
-        let n = robot.len();
+        let n = robot.dof();
         let numbers = |from: f64| (0..n).map(|i| Count::variable(from + 0.3 * i as f64)).collect::<Vec<_>>();
         let mut hamiltonian = Hamiltonian::<Count>::new(&robot);
         let (_, o) = count(|| hamiltonian.linearise(&numbers(0.1), &numbers(0.4), &numbers(0.2)).map(drop));
@@ -159,7 +159,7 @@ fn second_derivatives_take_few_multiplications() {
             assert!(analytic("y_f_x") < 2.5 * analytic("f"), "{name}: adjoint product beside F");
             assert!(analytic("y_f_x") < analytic("f_x"), "{name}: adjoint product beside F_x");
             assert!(analytic("y_f_xx_d") < 0.8 * analytic("y_f_xx"), "{name}: product");
-            assert!(analytic("f_xx") < robot.len() as f64 * analytic("y_f_xx"), "{name}: whole tensor");
+            assert!(analytic("f_xx") < robot.dof() as f64 * analytic("y_f_xx"), "{name}: whole tensor");
             assert!(of("y_f_xx", "hyperdual") > 25.0 * analytic("y_f_xx"), "{name}: hyper-dual numbers");
         }
     }

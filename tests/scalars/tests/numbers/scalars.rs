@@ -42,7 +42,7 @@ fn states(n: usize) -> [Vec<f64>; 2] {
 
 /// Every quantity of a state, by name.
 fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S>)> {
-    let n = robot.len();
+    let n = robot.dof();
     let lift = |x: &[f64]| x.iter().map(|&x| S::from_f64(x)).collect::<Vec<_>>();
     let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
     let (q, p, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
@@ -70,7 +70,7 @@ fn pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S
 
 /// What other routes and coordinates give.
 fn other_pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S>)> {
-    let n = robot.len();
+    let n = robot.dof();
     let lift = |x: &[f64]| x.iter().map(|&x| S::from_f64(x)).collect::<Vec<_>>();
     let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
     let (q, v, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
@@ -118,7 +118,7 @@ fn real_parts_agree<P: Scalar, S: Scalar>(
     lifted: Pipeline<S>,
 ) {
     for robot in robots() {
-        for state in states(robot.len()) {
+        for state in states(robot.dof()) {
             let (expected, found) = (plain(&robot, &state), lifted(&robot, &state));
             for ((quantity, expected), (_, found)) in expected.iter().zip(&found) {
                 let size = expected.iter().fold(0.0_f64, |m, x| m.max(value(x).abs()));
@@ -197,7 +197,7 @@ fn lanes_are_the_result_in_f64() {
 #[test]
 fn second_derivatives_can_be_differentiated() {
     fn trace<S: Scalar>(robot: &Robot, state: &[f64], direction: S) -> S {
-        let n = robot.len();
+        let n = robot.dof();
         let lift = |x: &f64| S::from_f64(*x);
         let q: Vec<S> = state[..n].iter().map(lift).collect();
         let mut p: Vec<S> = state[n..].iter().map(lift).collect();
@@ -209,7 +209,7 @@ fn second_derivatives_can_be_differentiated() {
         (0..2 * n).fold(u[0], |sum, i| sum + hessian.matrix()[(i, i)])
     }
     for robot in robots() {
-        let [_, state] = states(robot.len());
+        let [_, state] = states(robot.dof());
         let dual = trace(&robot, &state, Dual64::new(0.0, 1.0));
         let plain = trace(&robot, &state, 0.0);
         assert!((dual.re - plain).abs() <= 1e-10 * plain.abs().max(1.0), "{} {plain}", dual.re);

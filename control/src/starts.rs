@@ -1,0 +1,181 @@
+//! The guesses of a problem, and the solution that each leads to.
+
+use crate::extremal::hamiltonian::RobotExtremal;
+use crate::extremal::lagrangian::LagrangianExtremal;
+use crate::extremal::legendre::OfRobot;
+use crate::options::{Coordinates, SolverOptions};
+use crate::path::cubics::Disturbance;
+use crate::problem::check::CheckedProblem;
+use crate::problem::{BoundaryState, Problem};
+use crate::progress::Phase;
+use crate::result::motion::{Certificate, ExtremalSolution, Motion};
+use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::trajectory::Trajectory;
+use crate::search::Search;
+use crate::search::guess::{RobotGuess, SavedMotion};
+use crate::search::mapped::Mapped;
+use crate::solve::Recorder;
+use crate::status::Status;
+use costate::EvalError;
+
+/// A motion as the start of a search.
+pub(crate) fn saved(trajectory: &Trajectory) -> SavedMotion<'_> {
+    let Trajectory { t, q, p, y_q, y_p, .. } = trajectory;
+    SavedMotion { t, parts: [q, p, y_q, y_p] }
+}
+
+/// A problem that is solved from one or several guesses.
+pub(crate) struct Starts<'a> {
+    pub problem: CheckedProblem<'a>,
+    pub options: &'a SolverOptions,
+    /// Where the first start begins.
+    pub saved: Option<SavedMotion<'a>>,
+}
+
+impl Starts<'_> {
+    /// The best solution of all starts: the cheapest converged one if there is any.
+    pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
+        let mut best: Option<Solution> = None;
+        let (mut starts, mut steps) = (Vec::new(), 0);
+        for number in 0..self.options.starts {
+            let solution = self
+                .start(number, recorder)
+                .unwrap_or_else(|error| self.missing(Status::EvaluationFailed(error.into())));
+            steps += solution.newton_iterations;
+            let (total, status) = (solution.motion.total(), solution.motion.status.clone());
+            starts.push(StartResult { total, status });
+            let better = best.as_ref().is_none_or(|best| {
+                let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
+                rank(&solution.motion) < rank(&best.motion)
+            });
+            if better {
+                best = Some(solution);
+            }
+            if recorder.interruption().is_some() {
+                break;
+            }
+        }
+        let mut best = best.unwrap_or_else(|| self.missing(Status::NewtonFailed));
+        best.newton_iterations = steps;
+        best.starts = starts;
+        best.options = self.options.clone();
+        best
+    }
+
+    fn missing(&self, status: Status) -> Solution {
+        Solution::missing(&self.problem.robot, status, self.problem.time.value())
+    }
+
+    fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+        let solution = self.search_from(number, recorder)?;
+        let start = &self.problem.start;
+        let fixed_start = start.q_free.is_empty() && start.v_free.is_empty();
+        if fixed_start || solution.motion.status != Status::Singular {
+            return Ok(solution);
+        }
+        Ok(self.with_fixed_start(number, &solution, recorder)?.unwrap_or(solution))
+    }
+
+    /// The solution for the start that the guess has, if it costs nothing and its costates vanish.
+    ///
+    /// If both ends are free, every motion without control may be optimal. Then the start is not determined and the
+    /// equations are singular. A motion with a fixed start whose costates vanish there meets the conditions of the free
+    /// start too.
+    fn with_fixed_start(
+        &self,
+        number: usize,
+        singular: &Solution,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<Option<Solution>, EvalError> {
+        let start = BoundaryState::fixed(&self.problem.start.q, &self.problem.start.v);
+        let problem = self.problem.problem().clone().with_start(start);
+        let Ok(problem) = problem.check() else { return Ok(None) };
+        let mut found = Starts { problem, ..*self }.search_from(number, recorder)?;
+        let (y_q, y_p) = found.costate_start();
+        let vanishes = |value: f64| value.abs() <= self.options.tolerance;
+        let all_vanish = y_q.iter().chain(y_p).all(|&y| vanishes(y)) && vanishes(found.motion.total());
+        if !(found.motion.status.is_converged() && all_vanish) {
+            return Ok(None);
+        }
+        // Nothing is known about motions from other starts.
+        found.motion.certificate = Certificate::NotChecked;
+        (found.motion.conjugate_time, found.motion.conjugate_multiplicity) = (None, 0);
+        found.newton_iterations += singular.newton_iterations;
+        found.motion.iterations.splice(0..0, singular.motion.iterations.iter().cloned());
+        Ok(Some(found))
+    }
+
+    fn search_from(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+        let mut momenta = RobotExtremal::new(self.problem, self.options.jacobian)?;
+        let found = match self.options.coordinates {
+            Coordinates::Hamiltonian => self.search(number, &mut momenta.clone(), &momenta, recorder),
+            Coordinates::Lagrangian => {
+                let mut extremal = LagrangianExtremal::new(self.problem, self.options.jacobian)?;
+                self.search(number, &mut extremal, &momenta, recorder)
+            }
+        };
+        Ok(solution(self.problem.problem(), self.options, found, &mut momenta))
+    }
+
+    /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p).
+    fn search<E: OfRobot>(
+        &self,
+        number: usize,
+        extremal: &mut E,
+        momenta: &RobotExtremal,
+        recorder: &mut Recorder<'_>,
+    ) -> ExtremalSolution {
+        let guess = RobotGuess {
+            problem: self.problem.problem(),
+            disturbance: Disturbance::draw(&self.problem, self.options.seed, number),
+            saved: self.saved.filter(|_| number == 0),
+            momenta: momenta.clone(),
+            path: None,
+        };
+        let mut guess = Mapped::<E>::new(guess, &self.problem.robot);
+        let search = Search { extremal, time: self.problem.time, guess: &mut guess, recorder };
+        let found = search.run(self.options);
+        let iterations = std::mem::take(&mut recorder.iterations);
+        let mut solution = found.into_solution(extremal, iterations, self.options.tolerance);
+        solution.map(|z| E::give(&mut guess.map, z));
+        solution
+    }
+}
+
+/// The solution of a problem from that of its extremal: adds the velocities at the nodes and the largest error at the
+/// end.
+pub(crate) fn solution(
+    problem: &Problem,
+    options: &SolverOptions,
+    found: ExtremalSolution,
+    extremal: &mut RobotExtremal,
+) -> Solution {
+    let ExtremalSolution { motion, nodes, .. } = found;
+    let n = problem.robot.dof();
+    let mut velocities = |x: &[f64]| extremal.velocity(x).map_or_else(|_| vec![f64::NAN; n], <[f64]>::to_vec);
+    let v = nodes.z.iter().map(|z| velocities(&z[..2 * n])).collect();
+    let end = &problem.end;
+    let end_defect = motion.end_state.as_ref().map_or(f64::INFINITY, |x| {
+        let v = velocities(x);
+        let miss = |j: usize| {
+            let q = if end.q_free.contains(&j) { 0.0 } else { (x[j] - end.q[j]).abs() };
+            let v = if end.v_free.contains(&j) { 0.0 } else { (v[j] - end.v[j]).abs() };
+            q.max(v)
+        };
+        (0..n).map(miss).fold(0.0, f64::max)
+    });
+    // A motion that breaks the bounds is no result.
+    let trajectory = match motion.status {
+        Status::BoundsNotReached(_) => Trajectory::default(),
+        _ => Trajectory::from_nodes(nodes, v),
+    };
+    Solution {
+        newton_iterations: motion.iterations.iter().filter(|step| step.phase != Phase::Path).count(),
+        end_defect,
+        trajectory,
+        starts: Vec::new(),
+        options: options.clone(),
+        robot: RobotNames::of(&problem.robot),
+        motion,
+    }
+}

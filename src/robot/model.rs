@@ -1,0 +1,106 @@
+//! The robot itself.
+
+use super::armature::Armature;
+use super::checks;
+use super::error::RobotError;
+use super::joint::{Friction, Joint};
+use super::warning::Warning;
+use nalgebra::{DMatrix, Vector3};
+
+/// A robot: a tree of one-degree-of-freedom joints with rigid links, on a base that does not move.
+///
+/// ```
+/// use costate::robot::{JointSpec, LinkInertia, Robot};
+///
+/// let pendulum = Robot::builder("pendulum")
+///     .joint(JointSpec::revolute("hinge").axis([0.0, 1.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0, 0.0, -1.0])))
+///     .build()?;
+/// assert_eq!(pendulum.dof(), 1);
+/// # Ok::<(), costate::robot::RobotError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    pub(super) name: String,
+    pub(super) gravity: Vector3<f64>,
+    pub(super) joints: Vec<Joint>,
+    pub(super) armature: Armature,
+    pub(super) warnings: Vec<Warning>,
+}
+
+impl Robot {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of joints and degrees of freedom, n.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The joints, parents before children; this is the order of q, v, p and u.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Gravity acceleration in the world frame (m/s^2).
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.gravity
+    }
+
+    /// Entries `(i, j, A_ij)`, i >= j, of the armature matrix that are not zero, row by row: constant rotor
+    /// inertia that is added to the mass matrix (kg m^2, kg, kg m).
+    pub fn armature(&self) -> &[(usize, usize, f64)] {
+        self.armature.entries()
+    }
+
+    /// Entry `A_ij` of the armature matrix (kg m^2, kg, kg m), `i` and `j` from 0; `A_ii` is the armature of
+    /// joint `i`.
+    pub fn armature_entry(&self, i: usize, j: usize) -> f64 {
+        self.armature.entry(i, j)
+    }
+
+    /// The armature matrix, n x n; it is made by this call, and takes 8 n^2 bytes.
+    pub fn armature_matrix(&self) -> DMatrix<f64> {
+        self.armature.matrix()
+    }
+
+    /// What is unusual about it.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// The same robot with D = 0.
+    pub fn without_friction(&self) -> Self {
+        let mut robot = self.clone();
+        robot.joints.iter_mut().for_each(|joint| joint.friction = Friction::none());
+        robot
+    }
+
+    /// The same robot under another gravity (m/s^2).
+    ///
+    /// # Errors
+    /// [`RobotError::BadGravity`] if it is not finite.
+    pub fn with_gravity(&self, gravity: [f64; 3]) -> Result<Self, RobotError> {
+        if gravity.iter().any(|g| !g.is_finite()) {
+            return Err(RobotError::BadGravity);
+        }
+        Ok(Self { gravity: Vector3::from(gravity), ..self.clone() })
+    }
+
+    /// The same robot with another armature matrix, n x n.
+    ///
+    /// # Errors
+    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has
+    /// none.
+    pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
+        let n = self.dof();
+        if armature.shape() != (n, n) {
+            let problem = format!("is {} x {}", armature.nrows(), armature.ncols());
+            return Err(RobotError::BadArmature { problem, n });
+        }
+        let armature = Armature::from_matrix(&armature)?;
+        checks::robot(&self.joints, &armature, &vec![true; n], &mut Vec::new())?;
+        Ok(Self { armature, ..self.clone() })
+    }
+}

@@ -1,0 +1,30 @@
+//! How a robot is read.
+
+/// How a robot is read.
+///
+/// ```
+/// use costate::robot::LoadOptions;
+/// assert!(LoadOptions::default().strict(true).strict);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LoadOptions {
+    /// Warnings that suggest a mistake become errors: [`Warning::is_refused_when_strict`](super::Warning::is_refused_when_strict).
+    pub strict: bool,
+    /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction.
+    pub friction: bool,
+}
+
+impl LoadOptions {
+    /// Sets [`strict`](Self::strict).
+    #[must_use]
+    pub fn strict(self, strict: bool) -> Self {
+        Self { strict, ..self }
+    }
+
+    /// Sets [`friction`](Self::friction).
+    #[must_use]
+    pub fn friction(self, friction: bool) -> Self {
+        Self { friction, ..self }
+    }
+}
