@@ -95,7 +95,7 @@ pub fn refuse_excessive(robot: &Robot, force: bool) -> Result<(), String> {
     Err(format!(
         "{} joints are too many for hyper-dual numbers, which this command runs among all methods: {work}; use a \
          smaller robot, or --force",
-        robot.len()
+        robot.dof()
     ))
 }
 
