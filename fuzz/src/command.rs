@@ -11,9 +11,6 @@ use std::time::{Duration, Instant};
 /// How long a command may take before it is stopped.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long an optimisation may search: only what it reads is of interest.
-const SEARCH: Duration = Duration::from_secs(1);
-
 /// Lines for one process of `costate eval`.
 const LINES: usize = 40;
 
@@ -37,11 +34,11 @@ const COMMANDS: [(Kind, &[&str]); 10] = [
     (Kind::Toml, &["check", "FILE", "--samples", "1"]),
     (Kind::Toml, &["count", "FILE"]),
     (Kind::Urdf, &["codegen", "FILE", "--quantity", "f"]),
-    (Kind::Problem, &["optimize", "FILE"]),
-    (Kind::Problem, &["optimize", "FILE", "--json"]),
-    (Kind::Problem, &["optimize", "FILE", "--strict"]),
+    (Kind::Problem, &["optimize", "FILE", "--time-limit", "1"]),
+    (Kind::Problem, &["optimize", "FILE", "--json", "--time-limit", "1"]),
+    (Kind::Problem, &["optimize", "FILE", "--strict", "--time-limit", "1"]),
     // A problem whose `[start_from]` is the file.
-    (Kind::Solution, &["optimize", "START"]),
+    (Kind::Solution, &["optimize", "START", "--time-limit", "1"]),
 ];
 
 /// The command line, built if need be.
@@ -166,15 +163,13 @@ impl Process {
             stdin.map(|mut stdin| stdin.write_all(&input).ok());
         });
         let (out, errors) = (reader(child.stdout.take()), reader(child.stderr.take()));
-        let is_search = arguments.first() == Some(&"optimize");
-        let patience = if is_search { SEARCH } else { PATIENCE };
         let mut bytes = 0;
         let status = loop {
             bytes = bytes.max(resident(&child));
             if let Some(status) = child.try_wait()? {
                 break Some(status);
             }
-            if clock.elapsed() > patience {
+            if clock.elapsed() > PATIENCE {
                 child.kill()?;
                 child.wait()?;
                 break None;
@@ -184,19 +179,12 @@ impl Process {
         let time = clock.elapsed();
         let (out, errors) = (out.join().unwrap_or_default(), errors.join().unwrap_or_default());
         let code = status.and_then(|status| status.code());
-        let ended = matches!(code, Some(0..=3)) || is_search && status.is_none();
-        let panicked = errors.contains("panicked at") || !ended;
+        let panicked = errors.contains("panicked at") || !matches!(code, Some(0..=3));
         let last = errors.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default();
         let message: String = last.chars().take(300).collect();
         let fault =
             panicked.then(|| format!("exit status {code:?} of costate {}: {message}", arguments.join(" ")));
-        let outcome = Outcome {
-            accepted: code == Some(0) || is_search && status.is_none(),
-            panicked,
-            bytes,
-            time,
-            fault,
-        };
+        let outcome = Outcome { accepted: code == Some(0), panicked, bytes, time, fault };
         Ok(Self { outcome, out })
     }
 }
