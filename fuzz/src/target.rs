@@ -31,9 +31,8 @@ pub fn run(kind: Kind, input: &[u8]) -> Result<bool, String> {
         // These are given to the command line.
         Kind::Eval => false,
     };
-    match messages.iter().find(|message| message.len() > LONGEST_MESSAGE) {
-        Some(message) => return Err(format!("a message of {} bytes", message.len())),
-        None => {}
+    if let Some(message) = messages.iter().find(|message| message.len() > LONGEST_MESSAGE) {
+        return Err(format!("a message of {} bytes", message.len()));
     }
     let changes_terminals = |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}');
     match messages.iter().find(|message| message.contains(changes_terminals)) {
@@ -125,16 +124,13 @@ fn solution(input: &[u8], messages: &mut Vec<String>) -> bool {
             Err(error) => messages.push(error.to_string()),
         }
     }
-    match serde_json::from_str::<Solution>(text) {
-        Ok(solution) => {
-            solution.costate_start();
-            solution.trajectory.at(0.5);
-            messages.push(solution.motion.status.to_string());
-            // What cannot be written is not what is looked for here.
-            serde_json::to_string(&solution).ok();
-        }
-        // Words of `serde_json`, which quotes what it finds.
-        Err(_) => {}
+    // An error has the words of `serde_json`, which quotes what it finds.
+    if let Ok(solution) = serde_json::from_str::<Solution>(text) {
+        solution.costate_start();
+        solution.trajectory.at(0.5);
+        messages.push(solution.motion.status.to_string());
+        // What cannot be written is not what is looked for here.
+        serde_json::to_string(&solution).ok();
     }
     accepted
 }
