@@ -1,5 +1,7 @@
 //! The corpus, large inputs and a few hundred mutated ones are read without panic, within bounds of memory and time.
 
+#![expect(clippy::unwrap_used, reason = "tests fail by panicking")]
+
 use std::process::Command;
 
 fn fuzz(arguments: &[&str]) {
