@@ -47,10 +47,9 @@ const COMMANDS: [(Kind, &[&str]); 10] = [
 /// If it cannot be built.
 pub fn binary() -> Result<PathBuf, String> {
     let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    // Together, so that the features of the library are the same for both.
-    build
-        .args(["build", "--locked", "--quiet", "-p", "costate-cli", "-p", "costate-fuzz"])
-        .current_dir(project());
+    // With `rayon`, as this package: the library is built once. Not this package: it is running.
+    build.args(["build", "--locked", "--quiet", "-p", "costate-cli", "--features", "rayon"]);
+    build.current_dir(project());
     if !cfg!(debug_assertions) {
         build.arg("--release");
     }

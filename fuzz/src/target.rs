@@ -124,7 +124,7 @@ fn solution(input: &[u8], messages: &mut Vec<String>) -> bool {
             Err(error) => messages.push(error.to_string()),
         }
     }
-    // An error is in the words of `serde_json`, which quotes what it finds.
+    // An error has the words of `serde_json`, which quotes what it finds.
     if let Ok(solution) = serde_json::from_str::<Solution>(text) {
         solution.costate_start();
         solution.trajectory.at(0.5);

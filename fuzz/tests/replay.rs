@@ -1,6 +1,6 @@
 //! The corpus, large inputs and a few hundred mutated ones are read without panic, within bounds of memory and time.
 
-#![allow(clippy::unwrap_used, reason = "a test may stop on what a library may not")]
+#![expect(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use std::process::Command;
 
