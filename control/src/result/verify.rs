@@ -1,5 +1,6 @@
 //! The motion integrated again by an adaptive integrator.
 
+use crate::bvp::collocation::error::defined;
 use crate::bvp::mesh::Span;
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
@@ -44,8 +45,8 @@ impl Solved {
         let last = (self.found.equations.mesh.nodes() - 1) * m;
         let found = &self.found.equations.current.nodes[last..last + states];
         end.map_or(f64::INFINITY, |end| {
-            let defects = found.iter().zip(end).zip(scale).map(|((a, b), scale)| (a - b).abs() / scale);
-            defects.fold(0.0, |largest, defect| if defect <= largest { largest } else { defect })
+            let defects = found.iter().zip(end).zip(scale).map(|((a, b), scale)| defined((a - b) / scale));
+            defects.fold(0.0, f64::max)
         })
     }
 }

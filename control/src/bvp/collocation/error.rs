@@ -92,7 +92,7 @@ pub(crate) fn estimate<E: Extremal>(
 }
 
 /// The absolute value of an error; infinite where it is undefined.
-fn defined(error: f64) -> f64 {
+pub(crate) fn defined(error: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error.abs() }
 }
 
