@@ -109,13 +109,6 @@ pub enum ProblemError {
         /// The cause and its remedy.
         reason: String,
     },
-    /// A saved solution of another robot.
-    OtherRobot {
-        /// Number of joints.
-        expected: usize,
-        /// Number of joints of the saved solution.
-        found: usize,
-    },
 }
 
 impl ProblemError {
@@ -134,7 +127,6 @@ impl ProblemError {
             Self::EmptyRange { .. } => Key::Q_MIN,
             Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
             Self::BadOption { key, .. } => Key::solver(key),
-            Self::OtherRobot { .. } => Key::START_FROM,
             Self::Continuation { .. } => return None,
         })
     }
@@ -185,10 +177,6 @@ impl ProblemError {
             Self::Continuation { parameter, value, reason } => {
                 format!("continuation to {parameter} = {value}: {reason}")
             }
-            Self::OtherRobot { expected, found } => format!(
-                "the saved motion has {}, the robot has {expected}",
-                count(*found, "joint", "joints")
-            ),
         }
     }
 }
