@@ -21,8 +21,9 @@
 //! Every map has the same methods: `evaluate` (its value), `linearise` (value and Jacobian), `contract` (value, Jacobian
 //! and costate-contracted Hessian), `adjoint` and `hessian_product` (products without the matrix).
 //!
-//! A module uses only modules before it in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`], [`kernels`], then
-//! [`hamiltonian`], [`lagrangian`] and [`tensors`], then [`derivative`], [`codegen`], [`dynamics`], [`step`], [`batch`].
+//! A module uses only modules before it in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`],
+//! [`kernels`], [`tensors`], [`hamiltonian`], [`lagrangian`], [`derivative`], [`dynamics`], [`step`], and then
+//! [`batch`] and [`codegen`].
 //! Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal dynamics of actuated kinematic chains.
 //! Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
 

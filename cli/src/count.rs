@@ -1,9 +1,9 @@
-//! `costate count`: operations of each quantity by each method.
+//! `costate count`: operations of each quantity by each route.
 
 use crate::report::{Table, title};
-use crate::work::{Method, Work};
-use crate::{Outcome, RobotArguments, terminal};
-use costate::derivative::{Extent, OperationRow, OperationTable};
+use crate::work::refuse_excessive;
+use crate::{Outcome, RobotArguments};
+use costate::derivative::{OperationRow, OperationTable};
 use costate::robot::Robot;
 use costate::scalar::Constants;
 use costate_comparison::operation_table;
@@ -18,60 +18,19 @@ pub struct Arguments {
     /// Print one JSON object and nothing else
     #[arg(long)]
     json: bool,
-    /// Also count operations on constants, and those with 0 and 1
+    /// Count every operation that f64 executes, those with constants 0 and 1 too
     #[arg(long)]
     unfolded: bool,
-    /// Count all methods, however long that takes
+    /// Run all methods on long chains even if that takes minutes or gigabytes
     #[arg(long)]
     force: bool,
 }
 
-/// Most operations of automatic second derivatives that are counted without `--force`: some seconds.
-const MOST_AUTOMATIC: f64 = 1e10;
-
-/// Most joints for which tensors are counted without `--force`: they have n^4 / 4 entries.
-const MOST_WITH_TENSORS: usize = 64;
-
-/// Most joints for which anything is counted without `--force`: counting takes about 100 n^3 operations.
-const MOST_JOINTS: usize = 300;
-
-/// What is counted, with a note on what is left out.
-fn extent(robot: &Robot) -> Result<(Extent, Option<String>), String> {
-    let n = robot.dof();
-    if n > MOST_JOINTS {
-        return Err(format!(
-            "counting runs the derivatives of all {n} joints on counting numbers, about {:.0e} operations; the limit is \
-             {MOST_JOINTS} joints, use --force to exceed it",
-            100.0 * (n as f64).powi(3)
-        ));
-    }
-    if n > MOST_WITH_TENSORS {
-        let note = format!(
-            "automatic methods, tensors and the whole F_xx are left out: they have up to {:.0e} entries for {n} joints, \
-             the limit is {MOST_WITH_TENSORS} joints; use --force to count them",
-            (n as f64).powi(4) / 4.0
-        );
-        return Ok((Extent::Matrices, Some(note)));
-    }
-    let work = Work::hamiltonian(robot, Method::HyperDual).operations();
-    if work > MOST_AUTOMATIC {
-        let note = format!(
-            "dual and hyperdual are left out: they take about {work:.0e} operations, the limit is {MOST_AUTOMATIC:.0e}; \
-             use --force to count them"
-        );
-        return Ok((Extent::ByHand, Some(note)));
-    }
-    Ok((Extent::All, None))
-}
-
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
+    refuse_excessive(&robot, arguments.force)?;
     let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
-    let (extent, left_out) = if arguments.force { (Extent::All, None) } else { extent(&robot)? };
-    if let Some(note) = left_out {
-        terminal::note(note);
-    }
-    let table = operation_table(&robot, constants, extent)?;
+    let table = operation_table(&robot, constants)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", as_json(&robot, constants, &table))?;
@@ -104,12 +63,12 @@ fn print(
     out: &mut impl Write,
 ) -> std::io::Result<()> {
     let how = match constants {
-        Constants::Folded => "products with 0 and 1, sums with 0 and operations on constants are not counted",
-        Constants::Kept => "as executed in f64, operations on constants included",
+        Constants::Folded => "products with 0 and 1, sums with 0 and operations between constants are free",
+        Constants::Kept => "as f64 executes them, those between constants too",
     };
     writeln!(out, "{}: operations of one evaluation,\n{how}\n", title(robot))?;
     let mut printed = Table::new(
-        &["quantity", "method", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
+        &["quantity", "route", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
         2,
     );
     let f = table.get("f", "analytic").unwrap_or_default().mul.max(1) as f64;
@@ -138,14 +97,14 @@ fn print(
     writeln!(out, "{printed}")?;
     writeln!(
         out,
-        "  tensors    global inertia tensors and Christoffel coefficients; y'F_xx by one dual number"
+        "  tensors    global inertia tensors and Christoffel coefficients; y'F_xx by one dual pass"
     )?;
     writeln!(
         out,
-        "  analytic   F_x by hand (21)-(24), y'F_xx by the 2n+1 rule; y'F_x, y'F_xx d without a matrix"
+        "  analytic   F_x by hand (21)-(24), second derivatives by the 2n+1 rule; y'F_x, y'F_xx d without matrix"
     )?;
-    writeln!(out, "  dual pass  one dual number through the analytic F_x")?;
+    writeln!(out, "  dual pass  one dual number carried through the analytic F_x")?;
     writeln!(out, "  dual       dual numbers through F, and dual numbers in dual numbers")?;
     writeln!(out, "  hyperdual  hyper-dual numbers through F: all second derivatives at once")?;
-    writeln!(out, "  M and F need no derivatives: the counts of analytic hold for dual and hyperdual too.")
+    writeln!(out, "  M and F have no derivatives: by dual and hyperdual they are those of analytic.")
 }

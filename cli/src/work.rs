@@ -77,15 +77,26 @@ impl Work {
         }
     }
 
-    /// Floating-point operations.
-    pub fn operations(&self) -> f64 {
-        self.operations
-    }
-
     /// Whether it is so much that the user has to ask for it twice.
     pub fn is_excessive(&self) -> bool {
         self.operations > MOST_OPERATIONS || self.bytes > MOST_BYTES
     }
+}
+
+/// Refuses to compare or count all methods for robots whose automatic second derivatives are excessive.
+///
+/// # Errors
+/// A message with the estimate, unless `force` is set.
+pub fn refuse_excessive(robot: &Robot, force: bool) -> Result<(), String> {
+    let work = Work::lagrangian(robot, Method::HyperDual);
+    if force || !work.is_excessive() {
+        return Ok(());
+    }
+    Err(format!(
+        "{} joints are too many for hyper-dual numbers, which this command runs among all methods: {work}; use a \
+         smaller robot, or --force",
+        robot.dof()
+    ))
 }
 
 /// Multiplications and additions of one evaluation.
@@ -119,7 +130,7 @@ impl std::fmt::Display for Work {
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Work};
+    use super::{Method, Work, refuse_excessive};
     use costate::robot::{JointSpec, LinkInertia, Robot};
 
     fn chain(n: usize) -> Robot {
@@ -142,6 +153,8 @@ mod tests {
                 assert_eq!(Work::hamiltonian(&chain(n), method).is_excessive(), excessive, "{n} {method:?}");
                 assert_eq!(Work::lagrangian(&chain(n), method).is_excessive(), excessive, "{n} {method:?}");
             }
+            assert_eq!(refuse_excessive(&chain(n), false).is_err(), excessive, "{n}");
+            assert!(refuse_excessive(&chain(n), true).is_ok(), "{n}");
         }
     }
 }

@@ -71,8 +71,24 @@ pub struct SolverOptions {
     pub seed: u64,
     /// Longest time that solving may take, all starts together; it is checked before each Newton step and
     /// before each point of a continuation. The best iterate is kept, with
-    /// [`Status::TimeLimit`](crate::Status::TimeLimit).
+    /// [`Status::TimeLimit`](crate::Status::TimeLimit). In files in seconds.
+    #[serde(with = "seconds")]
     pub time_limit: Option<Duration>,
+}
+
+/// An optional duration as a number of seconds.
+mod seconds {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::time::Duration;
+
+    pub fn serialize<S: Serializer>(limit: &Option<Duration>, serializer: S) -> Result<S::Ok, S::Error> {
+        limit.map(|limit| limit.as_secs_f64()).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Duration>, D::Error> {
+        let limit = Option::<f64>::deserialize(deserializer)?;
+        limit.map(Duration::try_from_secs_f64).transpose().map_err(serde::de::Error::custom)
+    }
 }
 
 impl Default for SolverOptions {
@@ -205,7 +221,7 @@ impl SolverOptions {
             return bad("starts", 0.0, "must be 1 or more");
         }
         if self.time_limit == Some(Duration::ZERO) {
-            return bad("time_limit", 0.0, "must be more than 0 s; leave it out for no limit");
+            return bad("time_limit", 0.0, "must be a positive number of seconds");
         }
         Ok(())
     }

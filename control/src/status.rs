@@ -185,10 +185,19 @@ impl From<String> for Status {
         if let Some(violation) = name.strip_prefix("bounds_not_reached: ").and_then(violation) {
             return Self::BoundsNotReached(violation);
         }
-        let reason = name.strip_prefix("evaluation_failed: ").unwrap_or(&name).into();
+        let reason = name.strip_prefix("evaluation_failed: ").unwrap_or(&name);
+        let reason = reason.chars().filter(|&c| is_shown(c)).take(LONGEST_REASON).collect();
         let known = all.into_iter().find(|status| status.name() == name);
         known.unwrap_or(Self::EvaluationFailed(EvaluationFailure::Saved(reason)))
     }
+}
+
+/// Longest reason that is read from a file (characters).
+const LONGEST_REASON: usize = 1000;
+
+/// Whether a character of a file may be printed: no control characters, no marks of direction.
+fn is_shown(c: char) -> bool {
+    !c.is_control() && !matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Control, time and factor, separated by spaces.

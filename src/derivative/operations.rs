@@ -1,4 +1,4 @@
-//! Counts the operations of each quantity by each method.
+//! How many operations each quantity takes by each route.
 
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
@@ -41,10 +41,10 @@ use crate::tensors::Christoffel;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OperationTable {
-    /// By quantity, then by route; `None` where not counted.
-    counts: [[Option<Operations>; 4]; 4],
+    /// By quantity, then by route.
+    counts: [[Operations; 4]; 4],
     /// In the order of [`Self::MORE`].
-    more: [Option<Operations>; 5],
+    more: [Operations; 5],
 }
 
 /// One quantity by one route, see [`OperationTable`].
@@ -66,18 +66,6 @@ struct State {
     u: Vec<Count>,
     /// Costate, 2n.
     y: Vec<Count>,
-}
-
-/// Which methods an [`OperationTable`] counts. Counting takes longer than evaluating.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Extent {
-    /// All methods. Hyper-dual numbers evaluate F n (2n + 1) times.
-    All,
-    /// Not the automatic ones. The whole tensor has about `4/3 n^3` entries, Christoffel coefficients `n^4 / 4` derivatives.
-    ByHand,
-    /// Neither automatic ones nor what stores tensors: work grows with n^3, memory with n^2.
-    Matrices,
 }
 
 impl State {
@@ -111,27 +99,14 @@ impl OperationTable {
     /// None that a valid robot gives rise to: numbers that count are not checked.
     #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
-        Self::counted(robot, constants, Extent::All)
+        Self::counted_at(robot, constants, &|i| (1.0 + i as f64).sqrt())
     }
 
-    /// Counts the given methods only; the rows of the others are missing.
+    /// The same at another state: `number(i)` for entry i of (q, p, u, y). For tests, which want the counts of all
+    /// states to be the same.
     ///
     /// # Errors
-    /// As for [`new`](Self::new).
-    #[inline]
-    pub fn counted(
-        robot: &Robot,
-        constants: Constants,
-        extent: Extent,
-    ) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.dof(), &|i| (1.0 + i as f64).sqrt()), extent)
-    }
-
-    /// The same as [`new`](Self::new) at another state: `number(i)` for entry i of (q, p, u, y). For tests: the counts of
-    /// all states must be the same.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new).
+    /// As for [`Self::new`].
     #[doc(hidden)]
     #[inline]
     pub fn counted_at(
@@ -139,51 +114,36 @@ impl OperationTable {
         constants: Constants,
         number: &dyn Fn(usize) -> f64,
     ) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.dof(), number), Extent::All)
+        Self::at(robot, constants, &State::new(robot.dof(), number))
     }
 
     #[inline]
-    fn at(
-        robot: &Robot,
-        constants: Constants,
-        state: &State,
-        extent: Extent,
-    ) -> Result<Self, DerivativeError<EvalError>> {
+    fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
         let tree = Tree::from(robot);
-        let with_tensors = extent != Extent::Matrices;
-        let tensors = match with_tensors {
-            true => by_dual_pass(&tree, Christoffel, constants, state)?.map(Some),
-            false => [None; 4],
-        };
+        let tensors = by_dual_pass(&tree, Christoffel, constants, state)?;
         let [mass_matrix, f, f_x, dual_pass] = by_dual_pass(&tree, Contracted, constants, state)?;
-        let [y_f_xx, y_f_x, y_f_xx_d] = by_rule(&tree, constants, state)?;
-        let f_xx = if with_tensors { Some(whole_tensor(&tree, constants, state)?) } else { None };
-        let automatic = match extent {
-            Extent::All => automatic(robot, constants, state)?.map(|counts| counts.map(Some)),
-            _ => [[None; 2]; 2],
-        };
-        // M and F need no derivatives: the automatic methods take those of the analytic one.
-        let [dual, hyperdual] = automatic.map(|[first, second]| {
-            let value = |count| first.and(Some(count));
-            [value(mass_matrix), value(f), first, second]
-        });
-        let by_route = [tensors, [mass_matrix, f, f_x, y_f_xx].map(Some), dual, hyperdual];
+        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?;
+        let [dual, hyperdual] = automatic(robot, constants, state)?;
+        let by_route = [
+            tensors,
+            [mass_matrix, f, f_x, y_f_xx],
+            [mass_matrix, f, dual[0], dual[1]],
+            [mass_matrix, f, hyperdual[0], hyperdual[1]],
+        ];
         Ok(Self {
             counts: [0, 1, 2, 3].map(|quantity| by_route.map(|counts| counts[quantity])),
-            more: [Some(dual_pass), Some(y_f_x), Some(y_f_xx_d), f_xx, hyperdual[2]],
+            more: [dual_pass, y_f_x, y_f_xx_d, f_xx, hyperdual[0]],
         })
     }
 
     /// Every quantity by every route, then [`MORE`](Self::MORE).
     pub fn rows(&self) -> impl Iterator<Item = OperationRow> {
         let every = Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
-            Self::ROUTES.into_iter().zip(counts).map(move |(route, operations)| (quantity, route, operations))
+            let row = move |(route, operations)| OperationRow { quantity, route, operations };
+            Self::ROUTES.into_iter().zip(counts).map(row)
         });
         let more = Self::MORE.into_iter().zip(self.more);
-        let all = every.chain(more.map(|((quantity, route), operations)| (quantity, route, operations)));
-        all.filter_map(|(quantity, route, operations)| {
-            Some(OperationRow { quantity, route, operations: operations? })
-        })
+        every.chain(more.map(|((quantity, route), operations)| OperationRow { quantity, route, operations }))
     }
 
     /// One quantity by one route, `None` if there is no such name.
@@ -210,28 +170,22 @@ fn by_dual_pass<R: Route>(
     ])
 }
 
-/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d.
+/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor.
 #[inline]
 fn by_rule(
     tree: &Tree,
     constants: Constants,
     State { x, u, y }: &State,
-) -> Result<[Operations; 3], EvalError> {
+) -> Result<[Operations; 4], EvalError> {
     let (q, p) = x.split_at(tree.dof());
     let mut second = HamiltonianSecondOrder::from_tree(tree.clone());
+    let mut full = FullHessian::from_tree(tree.clone());
     Ok([
         counted(constants, || second.contract(q, p, u, y).map(drop))?,
         counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?,
         counted(constants, || second.hessian_product(q, p, y, x).map(drop))?,
+        counted(constants, || full.hessian_tensor(q, p).map(drop))?,
     ])
-}
-
-/// F_x and the whole tensor.
-#[inline]
-fn whole_tensor(tree: &Tree, constants: Constants, state: &State) -> Result<Operations, EvalError> {
-    let (q, p) = state.x.split_at(tree.dof());
-    let mut full = FullHessian::from_tree(tree.clone());
-    counted(constants, || full.hessian_tensor(q, p).map(drop))
 }
 
 /// F_x and y'F_xx by dual numbers, then by hyper-dual numbers.

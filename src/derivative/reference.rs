@@ -1,18 +1,17 @@
-//! The reference: automatic derivatives, in `f64` by num-dual's numbers, with rounding errors by tangents.
+//! The reference: automatic derivatives, and how they round.
 
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
 // everyone who builds the library.
 
-use super::called::{ByCalls, Called};
+use super::called::ByCalls;
 use super::function::{DerivativeError, Function};
 use super::methods::State;
-use super::rounded::Rounded;
-use super::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::Robot;
-use crate::scalar::{Scalar, Tangent};
+use crate::scalar::{Count, Scalar};
 
 /// Derivatives of F, of the acceleration a and of H by automatic differentiation.
 #[derive(Clone, Debug)]
@@ -61,8 +60,8 @@ impl Function for TotalEnergy {
     }
 }
 
-/// By num-dual's numbers.
-pub(super) struct NumDual {
+/// By num-dual's numbers over `f64`.
+pub(super) struct Automatic {
     dual: Jacobian<ByCalls<PhaseVelocity>>,
     nested: NestedHessian<ByCalls<PhaseVelocity>>,
     hyperdual: Hessian<ByCalls<PhaseVelocity>>,
@@ -72,7 +71,7 @@ pub(super) struct NumDual {
     energy: Jacobian<ByCalls<TotalEnergy>>,
 }
 
-impl NumDual {
+impl Automatic {
     #[inline]
     pub fn new(robot: &Robot) -> Self {
         let (f, a) = (|| ByCalls(PhaseVelocity::new(robot)), || ByCalls(ForwardDynamics::new(robot)));
@@ -109,41 +108,35 @@ impl NumDual {
     }
 }
 
-/// A hyper-dual number of numbers that carry their rounding error.
-pub(crate) type RoundedPair = Tangent<Tangent<Rounded>>;
-
-/// By tangents of tangents.
-pub(super) struct Tangents {
-    f: Pairs<ByCalls<PhaseVelocity>>,
-    a: Pairs<ByCalls<ForwardDynamics>>,
-    energy: Hamiltonian<Called<Tangent<Rounded>>>,
+/// The same over numbers that carry their rounding error.
+pub(super) struct Rounding {
+    f: Hessian<ByCalls<PhaseVelocity>, Count>,
+    a: Hessian<ByCalls<ForwardDynamics>, Count>,
+    energy: Jacobian<ByCalls<TotalEnergy>, CHUNK, Count>,
 }
 
-impl Tangents {
+impl Rounding {
     #[inline]
     pub fn new(robot: &Robot) -> Self {
         Self {
-            f: Pairs::new(ByCalls(PhaseVelocity::new(robot))),
-            a: Pairs::new(ByCalls(ForwardDynamics::new(robot))),
-            energy: Hamiltonian::new(&robot.without_friction()),
+            f: Hessian::over(ByCalls(PhaseVelocity::new(robot))),
+            a: Hessian::over(ByCalls(ForwardDynamics::new(robot))),
+            energy: Jacobian::over(ByCalls(TotalEnergy(robot.without_friction()))),
         }
     }
 
     /// Dual numbers round as hyper-dual numbers do: their entries are those of the reference.
     #[inline]
-    pub fn evaluate(&mut self, state: &State<f64>) -> Result<Reference<Rounded>, EvalError> {
-        let State { x, u, y, .. } = state;
-        let n = u.len();
-        self.f.function.0.u.copy_from_slice(u);
-        let (f_x, y_f_xx) = self.f.evaluate(x, y)?;
-        let (a_z, y_a_zz) = self.a.evaluate(&state.z(), &y[n..])?;
-        let mut z: Vec<_> = x.iter().map(|&x| Called::<Tangent<Rounded>>::from_f64(x)).collect();
-        let mut energy_gradient = Vec::with_capacity(2 * n);
-        for j in 0..2 * n {
-            z[j].0.eps = Rounded::one();
-            energy_gradient.push(self.energy.hamiltonian(&z[..n], &z[n..])?.0.eps);
-            z[j].0.eps = Rounded::zero();
-        }
+    pub fn evaluate(
+        &mut self,
+        state: &State<Count>,
+        u: &[f64],
+    ) -> Result<Reference<Count>, DerivativeError<EvalError>> {
+        let State { x, y, .. } = state;
+        self.f.function_mut().0.u.copy_from_slice(u);
+        let (y_f_xx, y_a_zz) = (self.f.contract(x, y)?, self.a.contract(&state.z(), &y[u.len()..])?);
+        let (y_f_xx, y_a_zz) = (y_f_xx.clone(), y_a_zz.clone());
+        let (f_x, a_z) = (self.f.last().jacobian().clone(), self.a.last().jacobian().clone());
         Ok(Reference {
             dual_f_x: f_x.clone(),
             nested_y_f_xx: y_f_xx.clone(),
@@ -153,46 +146,7 @@ impl Tangents {
             y_f_xx,
             a_z,
             y_a_zz,
-            energy_gradient,
+            energy_gradient: self.energy.linearise(x)?.gradient().to_vec(),
         })
-    }
-}
-
-/// One function, evaluated for each pair of inputs.
-struct Pairs<F: Function> {
-    function: F,
-    workspace: F::Workspace<RoundedPair>,
-}
-
-impl<F: Function> Pairs<F> {
-    #[inline]
-    fn new(function: F) -> Self {
-        Self { workspace: function.workspace(), function }
-    }
-
-    /// The Jacobian, and the second derivatives weighted with y.
-    #[inline]
-    fn evaluate(&mut self, x: &[f64], y: &[f64]) -> Result<(Matrix<Rounded>, Matrix<Rounded>), F::Error> {
-        let (n, m) = (x.len(), y.len());
-        let (mut first, mut second) = (Matrix::zeros(m, n), Matrix::zeros(n, n));
-        let mut z: Vec<_> = x.iter().map(|&x| RoundedPair::from_f64(x)).collect();
-        let mut f = vec![RoundedPair::zero(); m];
-        for j in 0..n {
-            z[j].eps.re = Rounded::one();
-            for i in 0..=j {
-                z[i].re.eps = Rounded::one();
-                self.function.evaluate(&mut self.workspace, &z, &mut f)?;
-                z[i].re.eps = Rounded::zero();
-                let sum = f
-                    .iter()
-                    .zip(y)
-                    .fold(Rounded::zero(), |sum, (f, &y)| sum + f.eps.eps * Rounded::from_f64(y));
-                second[(i, j)] = sum;
-                second[(j, i)] = sum;
-            }
-            f.iter().enumerate().for_each(|(k, f)| first[(k, j)] = f.eps.re);
-            z[j].eps.re = Rounded::zero();
-        }
-        Ok((first, second))
     }
 }

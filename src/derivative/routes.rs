@@ -5,13 +5,12 @@
 
 use super::function::{DerivativeError, check_length};
 use super::methods::{Methods, State};
-use super::reference::{NumDual, Tangents};
+use super::reference::{Automatic, Rounding};
 use super::report::StateReport;
-use super::rounded::Rounded;
 use super::row::Judged;
 use crate::error::EvalError;
 use crate::robot::Robot;
-use crate::scalar::Scalar;
+use crate::scalar::Count;
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::fmt;
 
@@ -47,9 +46,9 @@ use std::fmt;
 /// of entries and states.
 pub struct Routes {
     methods: Methods<f64>,
-    reference: NumDual,
-    rounded_methods: Methods<Rounded>,
-    rounded_reference: Tangents,
+    reference: Automatic,
+    rounded_methods: Methods<Count>,
+    rounded_reference: Rounding,
 }
 
 impl fmt::Debug for Routes {
@@ -64,9 +63,9 @@ impl Routes {
     pub fn new(robot: &Robot) -> Self {
         Self {
             methods: Methods::new(robot),
-            reference: NumDual::new(robot),
+            reference: Automatic::new(robot),
             rounded_methods: Methods::new(robot),
-            rounded_reference: Tangents::new(robot),
+            rounded_reference: Rounding::new(robot),
         }
     }
 
@@ -123,8 +122,8 @@ impl Routes {
         let mass_matrix = self.methods.conservative.mass_matrix(q)?.view().to_nalgebra();
         let state = State { x: x.to_vec(), v, u: u.to_vec(), y: y.to_vec() };
         let rows = self.methods.rows(&state, &self.reference.evaluate(&state)?)?;
-        let reference = self.rounded_reference.evaluate(&state)?;
-        let rounded = self.rounded_methods.rows(&state.map(Rounded::from_f64), &reference)?;
+        let counted = state.map(Count::variable);
+        let rounded = self.rounded_methods.rows(&counted, &self.rounded_reference.evaluate(&counted, u)?)?;
         let judged = rows.into_iter().zip(rounded).map(|(row, rounded)| Judged { row, rounded });
         Ok((judged.collect(), mass_matrix))
     }

@@ -1,9 +1,11 @@
 //! One comparison: the difference of two matrices, and how it is judged.
 
 use super::report::{Figure, Verdict, worse};
-use super::rounded::{Rounded, UNIT};
 use crate::matrix::{Block, Matrix};
-use crate::scalar::Scalar;
+use crate::scalar::{Count, Scalar};
+
+/// Half the distance from 1 to the next `f64`: the largest relative error of one operation, u = 2^-53.
+const UNIT: f64 = 0.5 * f64::EPSILON;
 
 /// How many standard deviations of its rounding error a difference may have, see [`Routes`](super::Routes).
 pub const SAFETY: f64 = 32.0;
@@ -50,7 +52,7 @@ impl<S: Scalar> Row<S> {
 #[derive(Clone, Debug)]
 pub(crate) struct Judged {
     pub row: Row<f64>,
-    pub rounded: Row<Rounded>,
+    pub rounded: Row<Count>,
 }
 
 impl Judged {
@@ -97,7 +99,7 @@ impl Judged {
                 let (at, scale) = ((row + i, column + j), a * b);
                 let difference = self.row.difference[at].abs() * scale;
                 largest.difference = worse(largest.difference, difference);
-                largest.error = worse(largest.error, self.rounded.difference[at].error() * scale);
+                largest.error = worse(largest.error, self.rounded.difference[at].rounding() * scale);
                 largest.size = worse(largest.size, self.row.size[at].abs() * scale + difference);
             }
         }

@@ -8,13 +8,13 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Called, Figure, Judged, Rounded, RoundedPair, Row, Verdict, scales};
+use crate::derivative::{Called, Figure, InnerNumber, Judged, Row, Verdict, scales};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::Robot;
-use crate::scalar::{Scalar, Tangent};
-use num_dual::HyperDual64;
+use crate::scalar::{Count, Scalar};
+use num_dual::HyperDual;
 use std::fmt;
 
 /// Compares the derivatives of one step of a robot, by every scheme, with hyper-dual numbers through the step itself
@@ -121,9 +121,9 @@ struct Compared<F: ModelFamily, M: Scheme<F>> {
     /// Of the state, of what is dual to (x, u), and to (x, u, h).
     scales: [&'static [i8]; 3],
     step: M::Step<f64>,
-    reference: M::Step<Called<HyperDual64>>,
-    rounded_step: M::Step<Rounded>,
-    rounded_reference: M::Step<Called<RoundedPair>>,
+    reference: M::Step<Called<HyperDual<f64>>>,
+    rounded_step: M::Step<Count>,
+    rounded_reference: M::Step<Called<HyperDual<Count>>>,
 }
 
 impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
@@ -148,9 +148,9 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     ) -> Result<Vec<Judged>, StepError<F::Error>> {
         let names = (self.name, self.scales);
         let rows = compare(names, (&mut self.step, &mut self.reference), [x, u, y], h)?;
-        let exact = |values: &[f64]| values.iter().map(|&value| Rounded::from_f64(value)).collect::<Vec<_>>();
+        let exact = |values: &[f64]| values.iter().map(|&value| Count::variable(value)).collect::<Vec<_>>();
         let steps = (&mut self.rounded_step, &mut self.rounded_reference);
-        let rounded = compare(names, steps, [&exact(x), &exact(u), &exact(y)], Rounded::from_f64(h))?;
+        let rounded = compare(names, steps, [&exact(x), &exact(u), &exact(y)], Count::variable(h))?;
         let mut rows: Vec<_> =
             rows.into_iter().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect();
         // Hyper-dual numbers take two more iterations: their value is solved to rounding.
@@ -162,57 +162,30 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     }
 }
 
-/// A hyper-dual number over S.
-trait HyperDual<S>: Scalar {
-    fn new(value: S, along: S, unit: S) -> Self;
-
-    /// The value, the derivative along the unit vector, and the second one along both directions.
-    fn parts(self) -> [S; 3];
-}
-
-impl HyperDual<f64> for Called<HyperDual64> {
-    fn new(value: f64, along: f64, unit: f64) -> Self {
-        Self(HyperDual64::new(value, along, unit, 0.0))
-    }
-
-    fn parts(self) -> [f64; 3] {
-        [self.0.re, self.0.eps2, self.0.eps1eps2]
-    }
-}
-
-impl HyperDual<Rounded> for Called<RoundedPair> {
-    fn new(value: Rounded, along: Rounded, unit: Rounded) -> Self {
-        Self(Tangent::new(Tangent::new(value, along), Tangent::new(unit, Rounded::zero())))
-    }
-
-    fn parts(self) -> [Rounded; 3] {
-        [self.0.re.re, self.0.eps.re, self.0.eps.eps]
-    }
-}
-
 /// Phi, Phi_z and `y'Phi_zz d` by a step and through the reference, over one number type.
 #[inline]
-fn compare<S: Scalar, T: HyperDual<S>, E: std::error::Error>(
+fn compare<S: InnerNumber, E: std::error::Error>(
     (name, [state, dual, dual_with_h]): (&'static str, [&'static [i8]; 3]),
-    (step, reference): (&mut impl Step<S, Error = E>, &mut impl Step<T, Error = E>),
+    (step, reference): (&mut impl Step<S, Error = E>, &mut impl Step<Called<HyperDual<S>>, Error = E>),
     [x, u, y]: [&[S]; 3],
     h: S,
 ) -> Result<[Row<S>; 3], E> {
     let (states, inputs) = (x.len(), x.len() + u.len() + 1);
-    let direction = [y, u, &[S::zero()]].concat();
+    let (zero, one): (S, S) = (Scalar::zero(), Scalar::one());
+    let direction = [y, u, &[zero]].concat();
     let values = [x, u, &[h]].concat();
     let (mut phi_z, mut product) = (Matrix::zeros(states, inputs), Matrix::zeros(1, inputs - 1));
     let mut phi = Matrix::zeros(states, 1);
     for j in 0..inputs {
-        let unit = |l| if l == j { S::one() } else { S::zero() };
-        let z: Vec<T> = (0..inputs).map(|l| T::new(values[l], direction[l], unit(l))).collect();
+        let unit = |l| if l == j { one } else { zero };
+        let number = |l| Called(HyperDual::new(values[l], direction[l], unit(l), zero));
+        let z: Vec<_> = (0..inputs).map(number).collect();
         let next = reference.evaluate(&z[..states], &z[states..inputs - 1], z[inputs - 1])?;
-        let mut sum = S::zero();
+        let mut sum = zero;
         for (k, next) in next.iter().enumerate() {
-            let [value, first, second] = next.parts();
-            phi[(k, 0)] = value;
-            phi_z[(k, j)] = first;
-            sum += second * y[k];
+            phi[(k, 0)] = next.0.re;
+            phi_z[(k, j)] = next.0.eps2;
+            sum += next.0.eps1eps2 * y[k];
         }
         if j + 1 < inputs {
             product[(0, j)] = sum;

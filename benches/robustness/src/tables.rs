@@ -66,7 +66,7 @@ fn success_table(text: &mut String, records: &[Record]) -> fmt::Result {
 
 /// Who succeeds alone, with McNemar's test.
 fn paired_table(text: &mut String, records: &[Record]) -> fmt::Result {
-    writeln!(text, "### The exact matrix beside another: success\n")?;
+    writeln!(text, "### The exact matrix against another: success\n")?;
     writeln!(
         text,
         "| coordinates | problems | other matrix | both | exact alone | other alone | neither | p (McNemar, exact) | two extremals | of these exact cheaper |"
@@ -92,7 +92,7 @@ fn paired_table(text: &mut String, records: &[Record]) -> fmt::Result {
 
 /// Medians of ratios, with the sign test.
 fn work_table(text: &mut String, records: &[Record]) -> fmt::Result {
-    writeln!(text, "### The exact matrix beside another: work where both succeed\n")?;
+    writeln!(text, "### The exact matrix against another: work where both succeed\n")?;
     writeln!(
         text,
         "Medians of the other in multiples of the exact one, and how often the exact one took less.\n"
@@ -207,7 +207,7 @@ fn paired(
 
 /// (q, p) beside (q, v), with the exact matrix.
 fn coordinates_table(text: &mut String, records: &[Record]) -> fmt::Result {
-    writeln!(text, "### (q, p) beside (q, v), both with the exact matrix\n")?;
+    writeln!(text, "### (q, p) against (q, v), both with the exact matrix\n")?;
     writeln!(
         text,
         "| problems | both | (q, p) alone | (q, v) alone | neither | p (McNemar, exact) | two extremals | time of (q, v) in times of (q, p) | Newton steps |"

@@ -3,7 +3,7 @@
 //! Both need the pipeline for a dozen number types. Here it is compiled once, for the command line and for the tests,
 //! and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): nobody times it.
 
-use costate::derivative::{DerivativeError, Extent, OperationTable, StateReport};
+use costate::derivative::{DerivativeError, OperationTable, StateReport};
 use costate::robot::Robot;
 use costate::scalar::Constants;
 use costate::step::StepError;
@@ -94,15 +94,14 @@ impl StepRoutes {
     }
 }
 
-/// [`OperationTable::counted`].
+/// [`OperationTable::new`].
 ///
 /// # Errors
-/// Those of [`OperationTable::counted`].
+/// Those of [`OperationTable::new`].
 #[inline(never)]
 pub fn operation_table(
     robot: &Robot,
     constants: Constants,
-    extent: Extent,
 ) -> Result<OperationTable, DerivativeError<EvalError>> {
-    OperationTable::counted(robot, constants, extent)
+    OperationTable::new(robot, constants)
 }

@@ -5,8 +5,7 @@ mod report;
 mod sample;
 
 use crate::arguments::positive;
-use crate::report::counted;
-use crate::work::{Method, Work};
+use crate::work::refuse_excessive;
 use crate::{Outcome, RobotArguments, terminal};
 use costate::EvalError;
 use costate::derivative::{DerivativeError, StateReport};
@@ -37,22 +36,17 @@ pub struct Arguments {
     /// Print one JSON object and nothing else
     #[arg(long)]
     json: bool,
-    /// Start even if the work exceeds the limits
+    /// Run all methods on long chains even if that takes minutes or gigabytes
     #[arg(long)]
     force: bool,
 }
-
-/// Most operations for all states together that are started without `--force`: some minutes.
-const MOST_OPERATIONS: f64 = 3e11;
 
 /// Duration of the steps that are checked (s).
 const STEP: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
-    if !arguments.force {
-        refuse_excessive(&robot, arguments.samples)?;
-    }
+    refuse_excessive(&robot, arguments.force)?;
     let findings = compare_all(&robot, arguments)?;
     if let Some(first) = findings.singular.first() {
         let (count, samples) = (findings.singular.len(), arguments.samples + 1);
@@ -69,35 +63,6 @@ pub fn run(arguments: &Arguments) -> Outcome {
         print(&robot, arguments, &findings, &failures, &mut out)?;
     }
     Ok(if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-/// The reference, hyper-dual numbers, takes work that grows with the fourth to fifth power of the number of joints.
-fn refuse_excessive(robot: &Robot, samples: usize) -> Result<(), String> {
-    let second = Work::lagrangian(robot, Method::HyperDual);
-    let all = [
-        second,
-        Work::lagrangian(robot, Method::Nested),
-        Work::hamiltonian(robot, Method::HyperDual),
-        Work::hamiltonian(robot, Method::Nested),
-    ];
-    let n = counted(robot.dof(), "joint");
-    if all.iter().any(Work::is_excessive) {
-        return Err(format!(
-            "automatic second derivatives of {n} take {second}; check a part of the robot, or use --force"
-        ));
-    }
-    let states = samples.saturating_add(1);
-    let operations = all.iter().map(Work::operations).sum::<f64>() * states as f64;
-    if operations > MOST_OPERATIONS {
-        let affordable = (MOST_OPERATIONS / operations * states as f64) as usize;
-        return Err(format!(
-            "{} of {n} take about {operations:.0e} operations (the limit is {MOST_OPERATIONS:.0e}); use --samples {} or \
-             fewer, or --force",
-            counted(states, "state"),
-            affordable.saturating_sub(1),
-        ));
-    }
-    Ok(())
 }
 
 /// Compares at q = 0 and at random states.

@@ -8,12 +8,20 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 /// Lines that are read ahead.
-const AHEAD: usize = 16;
+const AHEAD: usize = 4;
+
+/// Longest line (bytes): an output line of 200 joints with all derivatives has 7 MB.
+const MOST_BYTES: usize = 8 << 20;
 
 /// How often the flag of the signals is polled while no line arrives.
 const POLL: Duration = Duration::from_millis(50);
 
 pub struct Lines(Receiver<io::Result<Vec<u8>>>);
+
+fn too_long() -> io::Error {
+    let message = format!("a line of states has more than {MOST_BYTES} bytes; give one state in each line");
+    io::Error::new(io::ErrorKind::InvalidData, message)
+}
 
 /// What comes next.
 pub enum Input {
@@ -46,8 +54,9 @@ impl Lines {
             let mut input = BufReader::new(input);
             loop {
                 let mut line = Vec::new();
-                let read = match input.read_until(b'\n', &mut line) {
+                let read = match input.by_ref().take(MOST_BYTES as u64).read_until(b'\n', &mut line) {
                     Ok(0) => break,
+                    Ok(_) if line.len() == MOST_BYTES && line.last() != Some(&b'\n') => Err(too_long()),
                     read => read,
                 };
                 let failed = read.is_err();

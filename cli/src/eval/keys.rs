@@ -1,7 +1,7 @@
 //! The keys of an input line: unknown and duplicate keys are errors.
 
 use crate::terminal::printable;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 use serde_json::error::Category;
 
@@ -10,6 +10,11 @@ const KEYS: [&str; 5] = ["q", "v", "p", "u", "y"];
 
 /// The keys of output lines, ignored so that an output line can serve as an input line.
 const RESULTS: [&str; 8] = ["M", "energy", "f", "f_x", "y_f_xx", "qdd", "qdd_z", "yv_qdd_zz"];
+
+/// Most keys of a line: all of them, some twice.
+const MOST_FIELDS: usize = 32;
+
+const TOO_MANY: &str = "too many keys";
 
 /// Common names of other programs.
 const SYNONYMS: [(&str, &[&str]); 5] = [
@@ -62,6 +67,7 @@ fn malformed(line: &[u8], error: &serde_json::Error) -> String {
     let reason = whole.split(" at line ").next().unwrap_or(&whole);
     match error.classify() {
         Category::Eof => format!("not JSON: the line ends too early; {example}"),
+        Category::Data if reason == TOO_MANY => format!("more than {MOST_FIELDS} keys; remove some"),
         Category::Data => format!("not a JSON object; {example}"),
         _ if column > 0 && line.get(column - 1..).is_some_and(is_not_finite) => {
             format!("column {column}: not JSON, which has no NaN and no infinity; give finite numbers")
@@ -118,8 +124,18 @@ impl<'de> Deserialize<'de> for Fields {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fields, A::Error> {
                 let mut fields = Vec::new();
-                while let Some(field) = map.next_entry()? {
-                    fields.push(field);
+                while let Some(key) = map.next_key::<String>()? {
+                    if fields.len() == MOST_FIELDS {
+                        return Err(A::Error::custom(TOO_MANY));
+                    }
+                    // The others are not kept, large as they may be.
+                    let value = if KEYS.contains(&key.as_str()) {
+                        map.next_value()?
+                    } else {
+                        map.next_value::<IgnoredAny>()?;
+                        Value::Null
+                    };
+                    fields.push((key, value));
                 }
                 Ok(Fields(fields))
             }
@@ -153,6 +169,7 @@ mod tests {
             (b"[1, 2]", "not a JSON object"),
             (b"{\"q\xff\":1}", "column 4: not JSON, which must be UTF-8"),
             (br#"{"q":[1],"q":[2]}"#, "`q` is given twice"),
+            (format!("{{{}\"q\":[1]}}", "\"f\":1,".repeat(50)).as_bytes(), "more than 32 keys"),
             (br#"{"q":[1],"tau":[2]}"#, "unknown key `tau`, did you mean `u`?"),
         ] {
             let message = parse(line).err().unwrap();

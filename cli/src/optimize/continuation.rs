@@ -1,47 +1,72 @@
-//! `--continue PARAMETER=FROM:TO`: solutions as a parameter of the problem changes.
+//! `--continue PARAMETER=FROM:TO`: the solution while a parameter of the problem changes.
 
+use super::progress::Line;
 use super::report::numbers::short;
 use super::summary::spaced;
 use super::task::Task;
-use crate::report::Table;
-use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
+use super::unless_requested;
+use crate::interrupt::Interrupt;
+use crate::report::{Table, counted};
+use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, Status, TurningPoint};
 use serde::Serialize;
+use std::error::Error;
 use std::io::Write;
 use std::str::FromStr;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A parameter and the values between which it goes.
+/// A parameter, its first value and its last.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct ParameterRange {
     parameter: Parameter,
     from: f64,
     to: f64,
 }
 
-impl FromStr for Way {
+impl FromStr for ParameterRange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let form = || "give PARAMETER=FROM:TO, for example gravity=0:1".to_owned();
         let (name, values) = text.split_once('=').ok_or_else(form)?;
         let (from, to) = values.split_once(':').ok_or_else(form)?;
-        let number =
-            |text: &str| text.trim().parse::<f64>().map_err(|_| format!("'{text}' is no number; {}", form()));
+        let number = |text: &str| {
+            text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number; {}", form()))
+        };
         Ok(Self { parameter: name.trim().parse()?, from: number(from)?, to: number(to)? })
     }
 }
 
-/// Follows the branch; the task becomes the problem of its last point.
-pub fn follow(task: &mut Task, way: Way) -> Result<Branch, String> {
-    let Way { parameter, from, to } = way;
+/// Follows the branch; the task becomes the problem of its last point. A signal stops at the last point.
+pub fn follow(
+    task: &mut Task,
+    range: ParameterRange,
+    interrupt: &Interrupt,
+) -> Result<Branch, Box<dyn Error>> {
+    let ParameterRange { parameter, from, to } = range;
     let continuation = Continuation::new(&task.problem, parameter, from, to, task.options.clone());
     let mut continuation = continuation.map_err(|error| format!("--continue: {error}"))?;
     if let Some(start) = &task.start_from {
-        let refused = |error| format!("start_from.file: {error}");
-        continuation = continuation.with_start(start).map_err(refused)?;
+        continuation = continuation.with_start(start)?;
     }
+    let line = Line::new(&task.problem.robot)?;
+    let count = AtomicUsize::new(0);
+    let continuation = continuation
+        .on_iteration(|iteration| {
+            // Until the first point, the steps show how far the solve is.
+            if count.load(Ordering::Relaxed) == 0 {
+                line.show_iteration(iteration);
+            }
+            unless_requested(interrupt)
+        })
+        .on_point(|point| {
+            let number = 1 + count.fetch_add(1, Ordering::Relaxed);
+            line.show_point(number, parameter, point);
+            unless_requested(interrupt)
+        });
     let branch = continuation.follow();
+    line.clear();
     let last = branch.points.last().map_or(from, |point| point.parameter);
-    task.problem = parameter.apply(&task.problem, last).map_err(|error| error.to_string())?;
+    task.problem = parameter.apply(&task.problem, last)?;
     Ok(branch)
 }
 
@@ -61,10 +86,10 @@ impl<'a> Points<'a> {
     }
 }
 
-/// The table of the points, turning points at their places.
+/// The table of the points, with the turning points between them.
 pub fn print(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
     let name = spaced(branch.parameter.name());
-    let header = [name.as_str(), "cost", "penalties", "final time s", "H*", "Newton steps"];
+    let header = [name.as_str(), "cost", "penalties", "final time (s)", "H* (cost/s)", "Newton steps"];
     let mut table = Table::new(&header, 0);
     for (i, point) in branch.points.iter().enumerate() {
         for turn in branch.turning_points.iter().filter(|turn| turn.after == i) {
@@ -82,34 +107,41 @@ pub fn print(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
             point.newton_steps.to_string(),
         ]);
     }
-    let end = match branch.end {
-        BranchEnd::Reached => "the value asked for was reached",
-        BranchEnd::TurnedBack => "the branch turned back to where it began, on another solution",
-        BranchEnd::TooManyPoints => "more points than allowed",
-        BranchEnd::Interrupted => "stopped early, by the time limit or by request",
-        BranchEnd::NotStarted => "the problem was not solved where the way begins",
-        _ => "no step was small enough",
+    let points = counted(branch.points.len(), "point");
+    let end = match (branch.end.clone(), &branch.solution.motion.status) {
+        (BranchEnd::Reached, _) => "the last value was reached",
+        (BranchEnd::TurnedBack, _) => "the branch turned back to the first value, with another solution",
+        (BranchEnd::TooManyPoints, _) => "stopped at the largest number of points",
+        (BranchEnd::NotStarted, Status::TimeLimit) => "stopped by the time limit before the first point",
+        (BranchEnd::NotStarted, Status::Cancelled) => "interrupted before the first point",
+        (BranchEnd::NotStarted, _) => "the problem was not solved at the first value",
+        (BranchEnd::Interrupted, Status::TimeLimit) => "stopped by the time limit",
+        (BranchEnd::Interrupted, _) => "interrupted",
+        _ => "stopped: no step was small enough",
     };
-    writeln!(out, "{table}\n  {end}\n")
+    if branch.points.is_empty() {
+        return writeln!(out, "  {points}: {end}\n");
+    }
+    writeln!(out, "{table}\n  {points}: {end}\n")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Way;
+    use super::ParameterRange;
     use costate_control::Parameter;
 
     #[test]
-    fn a_way_is_a_name_and_two_numbers() {
-        let way = "final_time=1.5:3".parse::<Way>().unwrap();
-        assert_eq!(way, Way { parameter: Parameter::FinalTime, from: 1.5, to: 3.0 });
-        for (text, told) in [
+    fn a_range_is_a_parameter_and_two_numbers() {
+        let range = "final_time=1.5:3".parse::<ParameterRange>().unwrap();
+        assert_eq!(range, ParameterRange { parameter: Parameter::FinalTime, from: 1.5, to: 3.0 });
+        for (text, part) in [
             ("gravity", "FROM:TO"),
             ("gravity=1", "FROM:TO"),
             ("gravity=a:1", "'a'"),
             ("mass=0:1", "armature"),
         ] {
-            let message = text.parse::<Way>().unwrap_err();
-            assert!(message.contains(told), "{message}");
+            let message = text.parse::<ParameterRange>().unwrap_err();
+            assert!(message.contains(part), "{message}");
         }
     }
 }

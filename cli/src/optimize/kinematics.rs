@@ -1,4 +1,4 @@
-//! The robot as a stick figure: points in the world and the lines between them.
+//! The robot as a stick figure: points in the world frame and lines between them.
 
 use costate::robot::{JointKind, Robot};
 use costate_control::Trajectory;
@@ -6,14 +6,14 @@ use costate_control::Trajectory;
 /// x, y, z in the world frame (m).
 pub type Point = [f64; 3];
 
-/// What a line of the figure stands for.
+/// The meaning of a line of the figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Part {
-    /// From the world to a joint that stands on it.
+    /// From the origin of the world frame to a joint on the base.
     Base,
     /// Between two joints, or from the last joint to the centre of mass of its link.
     Link,
-    /// The way that a prismatic joint has gone.
+    /// The displacement of a prismatic joint.
     Slide,
 }
 
@@ -27,25 +27,27 @@ impl Part {
     }
 }
 
-/// Point 0 is the origin of the world; joint i stands at point 1 + 2 i and has moved to point 2 + 2 i, the same for
-/// a revolute one. The centres of mass of the links that carry no other follow.
+/// Point 0 is the origin of the world frame. Point 1 + 2 i is the origin of the frame of joint i at q = 0 of
+/// this joint, point 2 + 2 i its origin at the actual position; for a revolute joint both are the same. The
+/// centres of mass of the links without a child follow.
 pub struct Skeleton<'a> {
     robot: &'a Robot,
     leaves: Vec<usize>,
-    /// Two points and what lies between them.
+    /// Two points and the meaning of the line between them.
     pub lines: Vec<(usize, usize, Part)>,
-    /// The points whose way is drawn: one for each link that carries no other.
+    /// The points whose path is drawn: one for each link without a child.
     pub tips: Vec<usize>,
 }
 
-/// Shorter lines are left out (m).
+/// Shorter lines are omitted (m).
 const SHORTEST: f64 = 1e-9;
 
-fn stands(i: usize) -> usize {
+/// The point of joint i before its displacement.
+fn placed(i: usize) -> usize {
     1 + 2 * i
 }
 
-/// The point of joint i, moved.
+/// The point of joint i after its displacement.
 pub fn moved(i: usize) -> usize {
     2 + 2 * i
 }
@@ -60,10 +62,10 @@ impl<'a> Skeleton<'a> {
             let length = joint.placement.translation.norm();
             let (from, part) = joint.parent.map_or((0, Part::Base), |parent| (moved(parent), Part::Link));
             if length > SHORTEST {
-                lines.push((from, stands(i), part));
+                lines.push((from, placed(i), part));
             }
             if joint.kind == JointKind::Prismatic {
-                lines.push((stands(i), moved(i), Part::Slide));
+                lines.push((placed(i), moved(i), Part::Slide));
             }
         }
         let mut tips = Vec::new();
@@ -78,14 +80,14 @@ impl<'a> Skeleton<'a> {
         Self { robot, leaves, lines, tips }
     }
 
-    /// All points at q (rad, m); all at the origin where q has the wrong length.
+    /// All points at q (rad, m); all zero if q has the wrong length.
     pub fn points(&self, q: &[f64]) -> Vec<Point> {
         let joints = self.robot.joints();
         let mut points = vec![[0.0; 3]; 1 + 2 * joints.len() + self.leaves.len()];
         let Ok(poses) = self.robot.poses(q) else { return points };
         for (i, (joint, pose)) in joints.iter().zip(&poses).enumerate() {
-            let standing = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
-            points[stands(i)] = standing.translation.into();
+            let frame = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
+            points[placed(i)] = frame.translation.into();
             points[moved(i)] = pose.translation.into();
         }
         for (k, &leaf) in self.leaves.iter().enumerate() {
@@ -97,7 +99,7 @@ impl<'a> Skeleton<'a> {
     }
 }
 
-/// q at a time of the motion, cubic between the nodes, with the rates there.
+/// q at a time of the motion: cubic between the nodes, with the rates at the nodes.
 pub fn position(motion: &Trajectory, time: f64) -> Vec<f64> {
     let next = motion.t.partition_point(|&t| t < time).clamp(1, motion.t.len().max(2) - 1);
     let (before, h) = (next - 1, motion.t[next] - motion.t[next - 1]);
@@ -114,7 +116,7 @@ pub fn position(motion: &Trajectory, time: f64) -> Vec<f64> {
     (0..motion.q[before].len()).map(joint).collect()
 }
 
-/// The points of the figure at `count` times from start to end, without those that are not finite.
+/// The points of the figure at `count` times from start to end; poses that are not finite are omitted.
 pub fn film(skeleton: &Skeleton<'_>, motion: &Trajectory, count: usize) -> Vec<Vec<Point>> {
     let [first, .., last] = motion.t[..] else {
         return motion.q.iter().map(|q| skeleton.points(q)).collect();

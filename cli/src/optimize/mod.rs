@@ -2,90 +2,109 @@
 
 mod continuation;
 mod kinematics;
+mod outputs;
 mod progress;
 mod report;
 mod summary;
 mod task;
 
+use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
+use clap::ValueHint;
+use continuation::ParameterRange;
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, Problem, Solution, Solver};
+use outputs::Outputs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use task::Task;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Problem file (.toml): robot, start, end, time, cost
+    /// Problem file (.toml)
+    #[arg(value_hint = ValueHint::FilePath)]
     problem: PathBuf,
-    /// Print one JSON object and nothing else
+    /// Print the solution as one JSON object instead of a table
     #[arg(long)]
     json: bool,
-    /// Write the report, one HTML file
-    #[arg(short, long, value_name = "FILE")]
+    /// Write the report, a single HTML file
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     output: Option<PathBuf>,
-    /// Write the plots of the report as SVG files
-    #[arg(long, value_name = "FOLDER")]
+    /// Write the figures of the report as SVG files; figures of an earlier run are removed
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     svg: Option<PathBuf>,
-    /// Write the solution, or the best iterate, as JSON that `[start_from] file` reads
-    #[arg(long, value_name = "FILE")]
+    /// Save the solution, or the best iterate, as JSON; a problem file reads it with [start_from]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     save: Option<PathBuf>,
-    /// Follow the solutions while a parameter changes: final_time, gravity, armature, bounds, penalty_weight, smoothing
+    /// Follow the solution while a parameter changes: final_time, gravity, armature, bounds, penalty_weight
+    /// or smoothing
     #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
-    way: Option<continuation::Way>,
-    /// Print the table of Newton steps too
+    range: Option<ParameterRange>,
+    /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    time_limit: Option<Duration>,
+    /// Also print the table of Newton steps
     #[arg(long)]
     iterations: bool,
-    /// Refuse robots that are not physical (massless links, violated triangle inequality)
+    /// Refuse robots that are not physical (massless links, principal moments that no rigid body has)
     #[arg(long)]
     strict: bool,
-    /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction
+    /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
     #[arg(long)]
     friction: bool,
 }
 
 /// Exit status of a problem that was not solved.
-const NOT_CONVERGED: u8 = 3;
+const NOT_SOLVED: u8 = 3;
+
+/// Parser of a time limit.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let limit = crate::arguments::positive(text)?;
+    Duration::try_from_secs_f64(limit).ok().filter(|limit| !limit.is_zero()).ok_or_else(|| {
+        "must be at least a nanosecond and less than 1e19 s; leave it out for no limit".to_owned()
+    })
+}
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
     let mut task = Task::read(&arguments.problem, load)?;
-    task.problem.robot.warnings().iter().for_each(|warning| terminal::warning(warning));
-    task.problem.warnings().iter().for_each(|warning| terminal::warning(warning));
+    if let Some(limit) = arguments.time_limit {
+        task.options = task.options.with_time_limit(limit);
+    }
+    let outputs = Outputs::prepare(arguments, &task.inputs)?;
+    task.problem.robot.warnings().iter().for_each(terminal::warning);
+    task.problem.warnings().iter().for_each(terminal::warning);
+
+    let interrupt = Interrupt::listen()?;
     let started = Instant::now();
-    let branch = arguments.way.map(|way| continuation::follow(&mut task, way)).transpose()?;
+    let branch =
+        arguments.range.map(|range| continuation::follow(&mut task, range, &interrupt)).transpose()?;
     let solution = match &branch {
         Some(branch) => branch.solution.clone(),
-        None => solve(&task)?,
+        None => solve(&task, &interrupt)?,
     };
     let seconds = started.elapsed().as_secs_f64();
+    let interrupted = interrupt.is_requested();
+
     let problem = &task.problem;
     let warnings = problem.limit_warnings(&solution.trajectory);
-    warnings.iter().for_each(|warning| terminal::warning(warning));
-    if let Some(file) = &arguments.save {
-        write(file, &serde_json::to_string(&solution)?)?;
-    }
+    warnings.iter().for_each(terminal::warning);
     let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
-    if let Some(file) = &arguments.output {
-        write(file, &report::page(&motion))?;
+    outputs.write(&motion)?;
+    if interrupted {
+        terminal::note("interrupted; the best motion so far was kept");
     }
-    if let Some(folder) = &arguments.svg {
-        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-        for (name, text) in report::files(&motion) {
-            write(&folder.join(name), &text)?;
-        }
-    }
-    if arguments.json && !solution.motion.status.is_solved() {
-        terminal::warning(format!("not a solution but the best iterate: {}", solution.motion.status));
-    }
-    let mut out = std::io::stdout().lock();
     if arguments.json {
+        let remarks = [summary::explanation(&solution), summary::skipped_starts(&solution)];
+        remarks.iter().flatten().for_each(terminal::warning);
         let continuation = branch.as_ref().map(continuation::Points::new);
         let printed = Printed { solution: &solution, continuation };
-        writeln!(out, "{}", serde_json::to_string(&printed)?)?;
-    } else {
+        writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
+    } else if !outputs.use_standard_output() {
+        let mut out = std::io::stdout().lock();
         if let Some(branch) = &branch {
             continuation::print(branch, &mut out)?;
         }
@@ -95,10 +114,10 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
     }
     let reached = branch.as_ref().is_none_or(|branch| branch.end == BranchEnd::Reached);
-    Ok(if solution.motion.status.is_solved() && reached {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(NOT_CONVERGED)
+    Ok(match (interrupted, solution.motion.status.is_solved() && reached) {
+        (true, _) => ExitCode::from(interrupt::EXIT_CODE),
+        (false, true) => ExitCode::SUCCESS,
+        (false, false) => ExitCode::from(NOT_SOLVED),
     })
 }
 
@@ -111,31 +130,42 @@ struct Printed<'a> {
     continuation: Option<continuation::Points<'a>>,
 }
 
-/// Solves the task, with a line on a terminal that says how far it is.
-fn solve(task: &Task) -> Result<Solution, Box<dyn std::error::Error>> {
+/// Solves the problem, with a progress line. A signal stops the search, which keeps the best iterate.
+fn solve(task: &Task, interrupt: &Interrupt) -> Result<Solution, Box<dyn std::error::Error>> {
     let line = progress::Line::new(&task.problem.robot)?;
     let mut solver = Solver::new(&task.problem, task.options.clone())?;
     if let Some(start) = &task.start_from {
         solver = solver.with_start(start)?;
     }
-    let shown = solver.on_iteration(|iteration| {
-        line.show(iteration);
-        std::ops::ControlFlow::Continue(())
+    let solver = solver.on_iteration(|iteration| {
+        line.show_iteration(iteration);
+        unless_requested(interrupt)
     });
-    let solution = shown.solve();
+    let solution = solver.solve();
     line.clear();
     Ok(solution)
 }
 
-fn write(file: &Path, text: &str) -> Result<(), String> {
-    std::fs::write(file, text).map_err(|error| unwritable(file, &error))
+/// Goes on until a signal has arrived.
+fn unless_requested(interrupt: &Interrupt) -> ControlFlow<()> {
+    if interrupt.is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
-fn unwritable(path: &Path, error: &std::io::Error) -> String {
-    format!("{}: cannot be written ({error}); check the path and the permissions", path.display())
-}
-
-/// Whether the motion may take any time.
+/// Whether the final time is free.
 fn time_is_free(problem: &Problem) -> bool {
     matches!(problem.time, costate_control::FinalTime::Free { .. })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seconds;
+    use std::time::Duration;
+
+    #[test]
+    fn time_limits_are_positive_and_finite() {
+        assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
+        for text in ["0", "-1", "inf", "nan", "1e300", "1e-12", "soon"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
 }

@@ -1,25 +1,33 @@
-//! How far a solve is, on a terminal.
+//! The progress line of a solve.
 
+use crate::terminal::printable;
 use costate::robot::Robot;
-use costate_control::Iteration;
+use costate_control::{BranchPoint, Iteration, Parameter};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
-/// One line on standard error, where that is a terminal; nothing elsewhere.
+/// One line on standard error if that is a terminal; nothing otherwise.
 pub struct Line(ProgressBar);
 
 impl Line {
     pub fn new(robot: &Robot) -> Result<Self, indicatif::style::TemplateError> {
         let bar = ProgressBar::new_spinner();
         bar.set_style(ProgressStyle::with_template("{spinner} {prefix}: {wide_msg} {elapsed}")?);
-        bar.set_prefix(robot.name().to_owned());
+        bar.set_prefix(printable(robot.name()).into_owned());
         bar.enable_steady_tick(Duration::from_millis(100));
         Ok(Self(bar))
     }
 
-    pub fn show(&self, iteration: &Iteration) {
+    /// The last step of Newton's method.
+    pub fn show_iteration(&self, iteration: &Iteration) {
         let Iteration { phase, nodes, number, residual, .. } = iteration;
         self.0.set_message(format!("{phase}, {nodes} nodes, iteration {number}, residual {residual:.1e}"));
+    }
+
+    /// The last point of a continuation.
+    pub fn show_point(&self, number: usize, parameter: Parameter, point: &BranchPoint) {
+        let BranchPoint { parameter: value, cost, .. } = point;
+        self.0.set_message(format!("point {number}, {} {value:.6}, cost {cost:.6}", parameter.name()));
     }
 
     pub fn clear(&self) {

@@ -1,12 +1,15 @@
-//! A solution for people, on standard output.
+//! A solution as text: heading, figures, tables.
 
 use super::report::numbers::short;
-use crate::report::{Table, joints};
-use costate_control::{Certificate, Iteration, Motion, Problem, Solution};
+use super::report::units;
+use crate::report::{Table, title};
+use crate::terminal::printable;
+use costate_control::{Certificate, Iteration, Motion, Problem, Solution, StartResult, Status};
 use std::io::Write;
 
-/// `minimum of T + 1/2 u'Ru, final time free`, by what the problem has.
-pub fn criterion(problem: &Problem) -> String {
+/// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded`. Bounds that the motion
+/// does not satisfy are left out.
+pub fn criterion(problem: &Problem, status: &Status) -> String {
     let effort = problem.cost.effort.iter().any(|&r| r != 0.0);
     let time = match problem.cost.time {
         0.0 => None,
@@ -15,41 +18,108 @@ pub fn criterion(problem: &Problem) -> String {
     };
     let terms = [time, effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned())];
     let terms: Vec<_> = terms.into_iter().flatten().collect();
-    let minimum = if terms.is_empty() { "0".into() } else { terms.join(" + ") };
+    let minimum = match terms.is_empty() {
+        true => "motion without a cost".into(),
+        false => format!("minimum of {}", terms.join(" + ")),
+    };
     let time = if super::time_is_free(problem) { "final time free" } else { "final time fixed" };
-    let bounds = if problem.bounds.is_some() { ", actuation bounded" } else { "" };
+    let within_bounds = problem.bounds.is_some() && !matches!(status, Status::BoundsNotReached(_));
+    let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
-    format!("minimum of {minimum}, {time}{bounds}{penalty}")
+    format!("{minimum}, {time}{bounds}{penalty}")
+}
+
+/// A status in words.
+pub fn status(status: &Status) -> String {
+    match status {
+        Status::ConvergedSmoothed => "converged, smoothed control".into(),
+        status => spaced(status.name()),
+    }
+}
+
+/// Why a motion is not a solution, and what to do; `None` for a solution.
+pub fn explanation(solution: &Solution) -> Option<String> {
+    let status = &solution.motion.status;
+    let best = "the motion is the best iterate so far, not a solution";
+    Some(match status {
+        status if status.is_solved() => return None,
+        Status::BoundsNotReached(violation) => {
+            let joint = solution.robot.joints.get(violation.control);
+            let (joint, factor) = (joint.map_or("?", String::as_str), short(violation.factor, 4));
+            let time = short(violation.time, 4);
+            format!(
+                "no motion within the bounds was found: the bounds of joint '{joint}' would have to be {factor} \
+                 times as wide (at t = {time} s); widen the bounds or allow more time"
+            )
+        }
+        status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
+        Status::Cancelled => format!("interrupted: {best}"),
+        Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
+        status => format!("the motion is the best iterate, not a solution: {status}"),
+    })
+}
+
+/// A search that ended before all of its starts were tried.
+pub fn skipped_starts(solution: &Solution) -> Option<String> {
+    let (tried, all) = (solution.starts.len(), solution.options.starts);
+    (1..all).contains(&tried).then(|| format!("the search ended during start {tried} of {all}"))
 }
 
 /// Name and value of each figure of a solution.
 pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
-    let mut figures = vec![("cost", short(solution.motion.cost, 12))];
+    let motion = &solution.motion;
+    let iterations = ("Newton iterations", solution.newton_iterations.to_string());
+    if let Status::BoundsNotReached(violation) = &motion.status {
+        let joint = solution.robot.joints.get(violation.control).cloned().unwrap_or_default();
+        return vec![
+            ("bounds needed", format!("{} times as wide", short(violation.factor, 4))),
+            ("at joint", joint),
+            ("at time", format!("{} s", short(violation.time, 4))),
+            iterations,
+        ];
+    }
+    if solution.trajectory.t.is_empty() {
+        return vec![iterations];
+    }
+    let mut figures = vec![("cost", short(motion.cost, 12))];
     if problem.penalty.is_some() {
-        figures.push(("cost of penalties", short(solution.motion.penalty_cost, 6)));
+        figures.push(("cost of penalties", short(motion.penalty_cost, 6)));
     }
-    if solution.motion.smoothing > 0.0 {
-        figures.push(("smoothing left", small(solution.motion.smoothing)));
+    if motion.smoothing > 0.0 {
+        figures.push(("smoothing left", small(motion.smoothing)));
     }
+    let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.extend([
-        ("final time", format!("{} s", short(solution.motion.final_time, 10))),
-        ("H*", short(solution.motion.hamiltonian, 10)),
-        ("drift of H*", small(solution.motion.hamiltonian_drift)),
-        ("end defect", small(solution.end_defect)),
-        ("shooting defect", small(solution.motion.shooting_defect)),
-        ("Newton iterations", solution.newton_iterations.to_string()),
+        ("final time", format!("{} s", short(motion.final_time, 10))),
+        ("H*", format!("{} cost/s", short(motion.hamiltonian, 10))),
+        ("drift of H*", format!("{} relative", small(motion.hamiltonian_drift))),
+        ("end defect", defect(solution.end_defect, &motion.status, &format!("{position}, {rate}"))),
+        ("shooting defect", defect(motion.shooting_defect, &motion.status, "relative")),
+        iterations,
         ("mesh nodes", solution.nodes().to_string()),
-        ("conjugate time", conjugate(problem, &solution.motion)),
+        ("conjugate time", conjugate(problem, motion)),
     ]);
-    if !solution.motion.switches.is_empty() {
-        figures.push(("switches", solution.motion.switches.len().to_string()));
+    if !motion.switches.is_empty() {
+        figures.push(("switches", motion.switches.len().to_string()));
     }
     figures
+}
+
+/// A defect with its unit; it is not finite if there was no integration or if the integration stopped.
+fn defect(value: f64, status: &Status, unit: &str) -> String {
+    match status {
+        _ if value.is_finite() => format!("{} {unit}", small(value)),
+        Status::NotVerified | Status::SwitchesNotRefined => "the integration stopped".into(),
+        _ => "not checked".into(),
+    }
 }
 
 /// Jacobi fields compare motions that take the same time.
 fn conjugate(problem: &Problem, motion: &Motion) -> String {
     match (motion.conjugate_time, motion.certificate) {
+        (Some(time), _) if motion.conjugate_multiplicity > 1 => {
+            format!("{} s, {} fields: not a minimum", short(time, 8), motion.conjugate_multiplicity)
+        }
         (Some(time), _) => format!("{} s: not a minimum", short(time, 8)),
         (None, Certificate::LocalMinimum) if super::time_is_free(problem) => {
             "none: a local minimum in this time".into()
@@ -64,14 +134,14 @@ pub fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// Two digits of what should be nothing.
+/// Two digits of a number that should be zero.
 fn small(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
 /// Header of the table of iterations.
 pub const ITERATION_HEADER: [&str; 7] =
-    ["phase", "nodes", "iteration", "residual", "step", "final time s", "cost"];
+    ["phase", "nodes", "iteration", "residual", "step", "final time (s)", "cost"];
 
 /// A row of the table of iterations.
 pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
@@ -86,34 +156,44 @@ pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
     ]
 }
 
-/// The solution, its figures and the other starts.
+/// Header of the table of starts.
+pub const START_HEADER: [&str; 3] = ["start", "status", "cost and penalties"];
+
+/// A row of the table of starts; `index` counts from 0.
+pub fn start_row(index: usize, start: &StartResult) -> Vec<String> {
+    vec![(index + 1).to_string(), status(&start.status), short(start.total, 12)]
+}
+
+/// Heading, figures, why it is not a solution, and all starts.
 pub fn print(
     problem: &Problem,
     solution: &Solution,
     seconds: f64,
     out: &mut impl Write,
 ) -> std::io::Result<()> {
-    let robot = &problem.robot;
-    writeln!(out, "{}, {}: {}\n", robot.name(), joints(robot), criterion(problem))?;
-    let mut table = Table::new(&["status", &spaced(solution.motion.status.name())], 2);
+    let ended = &solution.motion.status;
+    writeln!(out, "{}: {}\n", title(&problem.robot), criterion(problem, ended))?;
+    let mut table = Table::new(&["status", &status(ended)], 2);
     for (name, value) in figures(problem, solution) {
         table.row(vec![name.into(), value]);
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
     write!(out, "{table}")?;
-    if !solution.motion.status.is_solved() {
-        writeln!(out, "\n  Not a solution but the best iterate: {}.", solution.motion.status)?;
+    for remark in [explanation(solution), skipped_starts(solution)].into_iter().flatten() {
+        writeln!(out, "\n  {}.", printable(&sentence(&remark)))?;
     }
     if solution.starts.len() > 1 {
-        writeln!(out)?;
-        let mut table = Table::new(&["start", "status", "cost and penalties"], 2);
-        for (number, start) in solution.starts.iter().enumerate() {
-            let status = start.status.name();
-            table.row(vec![(number + 1).to_string(), status.into(), short(start.total, 12)]);
-        }
-        write!(out, "{table}")?;
+        let mut table = Table::new(&START_HEADER, 2);
+        solution.starts.iter().enumerate().for_each(|(i, start)| table.row(start_row(i, start)));
+        write!(out, "\n{table}")?;
     }
     Ok(())
+}
+
+/// With a capital letter.
+pub fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The Newton steps.

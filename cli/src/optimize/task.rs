@@ -1,31 +1,45 @@
 //! A problem file and the saved motion that it names.
 
 use costate::robot::{LoadOptions, Robot};
-use costate_control::{Key, Problem, ProblemFile, ProblemFileError, SolverOptions, Trajectory};
-use std::path::Path;
+use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory};
+use std::error::Error;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
-/// The contents of a problem file.
+/// A problem file with everything that it refers to.
 pub struct Task {
     pub problem: Problem,
     pub options: SolverOptions,
     pub start_from: Option<Trajectory>,
     /// The text of the file.
     pub text: String,
+    /// The problem file and the files that it names.
+    pub inputs: Vec<PathBuf>,
 }
 
 impl Task {
     /// Reads a problem file, its robot and its saved motion.
-    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, ProblemFileError> {
+    ///
+    /// # Errors
+    /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved
+    /// motion that does not fit the robot.
+    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, Box<dyn Error>> {
         let file = ProblemFile::read(path, load)?;
         let start = file.start_from.as_ref().map(|saved| read_start(saved, &file.problem.robot));
         let start_from = start.transpose().map_err(|error| file.refuse(Key::START_FROM, error))?;
+        let inputs = [Some(path), Some(&file.robot_path), file.start_from.as_deref()];
+        let inputs = inputs.into_iter().flatten().map(Path::to_path_buf).collect();
         let ProblemFile { problem, options, text, .. } = file;
-        Ok(Self { problem, options, start_from, text })
+        Ok(Self { problem, options, start_from, text, inputs })
     }
 }
 
 fn read_start(path: &Path, robot: &Robot) -> Result<Trajectory, String> {
-    let text = std::fs::read_to_string(path)
+    // One byte more than is read from: the library refuses it.
+    let mut text = String::new();
+    File::open(path)
+        .and_then(|file| file.take(Trajectory::MOST_BYTES as u64 + 1).read_to_string(&mut text))
         .map_err(|error| format!("{}: cannot be read ({error}); check the path", path.display()))?;
     Trajectory::from_json(&text, robot).map_err(|error| {
         format!("{}: {error}; give a file that `costate optimize --save` wrote", path.display())

@@ -83,36 +83,6 @@ fn check_passes_on_planar_and_floating_joints() {
     }
 }
 
-/// A chain of pendulums.
-fn chain(n: usize) -> String {
-    let joint = |k: usize| {
-        let parent = if k == 0 { String::new() } else { format!("parent = \"j{}\"\n", k - 1) };
-        format!(
-            "[[joint]]\nname = \"j{k}\"\ntype = \"revolute\"\n{parent}axis = [0.0, 1.0, 0.0]\nxyz = [0.1, 0.0, 0.0]\n\
-             mass = 1.0\ncom = [0.05, 0.0, 0.0]\ninertia = {{ xx = 0.01, yy = 0.01, zz = 0.01 }}\n\n"
-        )
-    };
-    format!("name = \"chain\"\n\n{}", (0..n).map(joint).collect::<String>())
-}
-
-#[test]
-fn long_chains_are_refused_or_counted_in_part() {
-    let output = costate(&["check", "-", "--format", "toml"], chain(200).as_bytes());
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        stderr(&output).contains("operations") && stderr(&output).contains("--force"),
-        "{}",
-        stderr(&output)
-    );
-    let output = costate(&["count", "-", "--format", "toml", "--json"], chain(100).as_bytes());
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stderr(&output).contains("left out") && stdout(&output).contains("dual pass"));
-    assert!(!stdout(&output).contains("hyperdual"));
-    let output = costate(&["count", "-", "--format", "toml"], chain(1000).as_bytes());
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("1000 joints"), "{}", stderr(&output));
-}
-
 #[test]
 fn count_as_json_and_as_a_table() {
     let output = costate(&["count", "robots/cart_pole.toml", "--json"], b"");

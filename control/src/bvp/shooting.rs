@@ -1,7 +1,7 @@
 //! Multiple shooting: the equations, and their linearisation by the variational equations.
 //!
 //! $$ w_R - \phi(w_L) = 0, \qquad \phi(w_L) = w(s_R), \quad w' = g(w), \quad w(s_L) = w_L $$
-//! $$ \frac{\partial \phi}{\partial w_L} = W(s_R), \qquad W' = G(w)\, W, \quad W(s_L) = 1 $$
+//! $$ \frac{\partial \phi}{\partial w_L} = W(s_R), \qquad W' = G(w) \thinspace W, \quad W(s_L) = 1 $$
 //!
 //! w and W are integrated together, with error control of both; costs are integrated beside them. Source: J.
 //! Stoer, R. Bulirsch, *Introduction to Numerical Analysis*, Springer 2002, section 7.3.5.

@@ -1,6 +1,6 @@
 //! Extremals over a scaled time, with the durations of arcs as unknowns.
 //!
-//! $$ \frac{dw}{ds} = (\theta\, g(z),\; 0,\; \theta), \qquad w = (z, \theta, t), \qquad 0 \le s \le 1 $$
+//! $$ \frac{dw}{ds} = (\theta g(z), 0, \theta), \qquad w = (z, \theta, t), \qquad 0 \le s \le 1 $$
 //!
 //! on each arc; which of `theta` and `t` are among the unknowns depends on the [`Clock`]. Source: U. M.
 //! Ascher, R. M. M. Mattheij, R. D. Russell, *Numerical Solution of Boundary Value Problems for ODEs*, SIAM

@@ -3,7 +3,7 @@
 //! The parameter `lambda` in [0, 1] is one more unknown, and the correction stays in the plane across the
 //! tangent:
 //!
-//! $$ r(x, \lambda) = 0, \qquad c^T (x - x_0) + c_\lambda\, (\lambda - \lambda_0) = 0 $$
+//! $$ r(x, \lambda) = 0, \qquad c^T (x - x_0) + c_\lambda \thinspace (\lambda - \lambda_0) = 0 $$
 //!
 //! with `(c, c_lambda)` along the branch and `(x_0, lambda_0)` the prediction. These equations stay regular
 //! at a turning point, where the Jacobian of r in x is singular. Source: H. B. Keller, *Numerical solution of
@@ -57,7 +57,7 @@ type PointListener<'a> = Box<dyn FnMut(&BranchPoint) -> ControlFlow<()> + Send +
 /// assert_eq!(branch.end, BranchEnd::Reached);
 /// let (first, last) = (&branch.points[0], &branch.solution);
 /// assert!((first.cost - 6.0 * std::f64::consts::PI.powi(2)).abs() < 1e-7);
-/// assert!((last.cost - 74.0616592202).abs() < 1e-7);
+/// assert!((last.motion.cost - 74.0616592202).abs() < 1e-7);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use = "a continuation does nothing until `follow` is called"]

@@ -41,7 +41,7 @@ use costate::EvalError;
 ///     |z, z_t, l| run(&rate, z, &mut [z_t, l], &mut work),
 ///     |z, z_t, l, z_t_z| run(&linear, z, &mut [z_t, l, z_t_z], &mut other),
 /// )?;
-/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s);
+/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s).motion;
 /// assert!(motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -32,7 +32,7 @@ impl Cubics<'_> {
 }
 
 /// The cubic in t that takes a joint from one state to another, at s = t/T.
-fn cubic(from: JointState, to: JointState, time: f64, s: f64) -> JointState {
+pub(crate) fn cubic(from: JointState, to: JointState, time: f64, s: f64) -> JointState {
     let (a, b) = (from.v * time, to.v * time);
     let difference = to.q - from.q;
     let q = from.q + s * (a + s * (3.0 * difference - 2.0 * a - b + s * (a + b - 2.0 * difference)));

@@ -2,7 +2,7 @@
 //!
 //! A step d solves, with the Hessian H and the diagonal D of its positive semidefinite part,
 //!
-//! $$ (H + \lambda D)\, d = -\nabla J $$
+//! $$ (H + \lambda D) \thinspace d = -\nabla J $$
 //!
 //! (Levenberg, Marquardt). H is exact where it is positive definite, else its positive semidefinite part is
 //! used. Source: J. Nocedal, S. J. Wright, *Numerical Optimization*, Springer 2006, sections 3.4 and 10.3.

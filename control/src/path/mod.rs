@@ -3,7 +3,7 @@
 //! A robot with an actuator at every joint can follow any smooth path; inverse dynamics gives the controls.
 //! Cubic splines in the joint coordinates that meet the ends minimise
 //!
-//! $$ J(\theta, T) = c_t T + T \int_0^1 l(q, v, u)\, ds, \qquad u = B^{-1} \tau(q, v, a) $$
+//! $$ J(\theta, T) = c_t T + T \int_0^1 l(q, v, u) \thinspace ds, \qquad u = B^{-1} \tau(q, v, a) $$
 //!
 //! with exact second derivatives. An extremal near such a path is a local minimum of low cost.
 

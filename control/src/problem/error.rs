@@ -3,6 +3,7 @@
 use crate::problem::key::Key;
 use costate::EvalError;
 use costate::codegen::CodegenError;
+use costate::robot::printable;
 use std::fmt;
 
 /// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
@@ -108,13 +109,6 @@ pub enum ProblemError {
         /// The cause and its remedy.
         reason: String,
     },
-    /// A saved solution of another robot.
-    OtherRobot {
-        /// Number of joints.
-        expected: usize,
-        /// Number of joints of the saved solution.
-        found: usize,
-    },
 }
 
 impl ProblemError {
@@ -133,7 +127,6 @@ impl ProblemError {
             Self::EmptyRange { .. } => Key::Q_MIN,
             Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
             Self::BadOption { key, .. } => Key::solver(key),
-            Self::OtherRobot { .. } => Key::START_FROM,
             Self::Continuation { .. } => return None,
         })
     }
@@ -145,19 +138,19 @@ impl ProblemError {
                 let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
                 format!("has {found}, the robot has {joints}: give one entry for each joint")
             }
-            Self::NotFinite { joint, .. } => format!("the entry of joint '{joint}' is not finite"),
+            Self::NotFinite { joint, .. } => format!("the entry of joint '{joint}' is not finite", joint = printable(joint)),
             Self::NotANumber { joint, .. } => {
-                format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit")
+                format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit", joint = printable(joint))
             }
             Self::UnknownJoint { joint, joints, .. } => {
                 let last = joints.len().saturating_sub(1);
-                let names = joints.join(", ");
-                format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}")
+                let names = listed(joints);
+                format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}", joint = printable(joint))
             }
             Self::NotPositive { value, .. } => format!("must be positive and finite, but is {value}"),
             Self::Negative { joint, value, .. } => {
                 let entry =
-                    joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' "));
+                    joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' ", joint = printable(joint)));
                 format!("{entry}must be neither negative nor infinite, but is {value}")
             }
             Self::FreeTimeWithoutCost => {
@@ -165,17 +158,16 @@ impl ProblemError {
                  is the cheapest"
                     .into()
             }
-            Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect"),
+            Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
             Self::EmptyBounds { joint, u_min, u_max } => {
-                format!("the lower bound {u_min} of joint '{joint}' must be less than its upper bound {u_max}")
+                format!("the lower bound {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}", joint = printable(joint))
             }
             Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {q_min} of joint '{joint}' must be less than its upper limit {q_max}")
+                format!("the lower limit {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}", joint = printable(joint))
             }
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds"
-            ),
+                 or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
                  the time"
@@ -185,10 +177,6 @@ impl ProblemError {
             Self::Continuation { parameter, value, reason } => {
                 format!("continuation to {parameter} = {value}: {reason}")
             }
-            Self::OtherRobot { expected, found } => format!(
-                "the saved motion has {}, the robot has {expected}",
-                count(*found, "joint", "joints")
-            ),
         }
     }
 }
@@ -203,6 +191,14 @@ impl fmt::Display for ProblemError {
 }
 
 impl std::error::Error for ProblemError {}
+
+/// The first names of joints, and how many more there are.
+pub(crate) fn listed(joints: &[String]) -> String {
+    const MOST: usize = 12;
+    let shown: Vec<_> = joints.iter().take(MOST).map(|joint| printable(joint).to_string()).collect();
+    let more = joints.len().saturating_sub(MOST);
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
 
 /// "1 joint", "2 joints".
 fn count(number: usize, one: &str, more: &str) -> String {

@@ -34,7 +34,7 @@ use std::sync::Arc;
 /// let cheap = Solver::new(&problem, SolverOptions::default())?.solve();
 /// problem.terms.push(UserTerm::new(Rates { weight: 10.0 }));
 /// let slow = Solver::new(&problem, SolverOptions::default())?.solve();
-/// assert!(slow.status.is_converged() && slow.cost > cheap.cost);
+/// assert!(slow.motion.status.is_converged() && slow.motion.cost > cheap.motion.cost);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait RunningCost: Send + Sync {

@@ -2,6 +2,13 @@
 
 use crate::problem::Problem;
 use crate::result::trajectory::Trajectory;
+use costate::robot::JointKind;
+
+/// Four decimals; zero has no sign.
+fn fixed(x: f64) -> String {
+    let text = format!("{x:.4}");
+    if text == "-0.0000" { "0.0000".into() } else { text }
+}
 
 impl Problem {
     /// Where the motion exceeds the limits of the robot's joints, which the solver does not enforce; one sentence each.
@@ -13,17 +20,21 @@ impl Problem {
         let mut warnings = Vec::new();
         for (i, joint) in self.robot.joints().iter().enumerate() {
             let limits = &joint.limits;
+            let units = match joint.kind {
+                JointKind::Revolute => ["rad", "rad/s", "N m"],
+                JointKind::Prismatic => ["m", "m/s", "N"],
+            };
             let ranges = [
                 ("position", range(&trajectory.q, i, 1.0), (limits.lower, limits.upper)),
                 ("velocity", range(&trajectory.v, i, 1.0), (-limits.velocity, limits.velocity)),
                 ("effort", range(&trajectory.u, i, self.gain[i]), (-limits.effort, limits.effort)),
             ];
-            for (what, (low, high), (least, most)) in ranges {
+            for ((what, (low, high), (least, most)), unit) in ranges.into_iter().zip(units) {
                 let slack = 1e-9 * (high - low).abs().max(high.abs());
                 if low < least - slack || high > most + slack {
-                    let name = &joint.name;
+                    let (name, low, high) = (&joint.name, fixed(low), fixed(high));
                     warnings.push(format!(
-                        "{what} of joint '{name}' runs from {low:.4} to {high:.4}; its limits are {least} and {most}"
+                        "{what} of joint '{name}' runs from {low} to {high} {unit}; its limits are {least} and {most}"
                     ));
                 }
             }

@@ -7,7 +7,10 @@ use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::{TrajectoryError, VERSION};
 use crate::status::Status;
 use costate::robot::Robot;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+use std::marker::PhantomData;
 
 /// Units of the numbers in the file.
 #[derive(Serialize)]
@@ -28,12 +31,45 @@ struct CostateStart {
 /// One row per node; y = (y_q, y_p).
 #[derive(Serialize, Deserialize)]
 struct Rows {
+    #[serde(deserialize_with = "limited")]
     t: Vec<f64>,
+    #[serde(deserialize_with = "limited")]
     q: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
     v: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
     p: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
     u: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
     y: Vec<Vec<f64>>,
+}
+
+/// Most nodes of a motion; empty rows of a short text would fill the memory otherwise.
+const MOST_NODES: usize = 100_000;
+
+/// A list of at most [`MOST_NODES`] entries.
+fn limited<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    struct List<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a list of at most {MOST_NODES} entries")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Vec<T>, A::Error> {
+            let mut list = Vec::new();
+            while let Some(entry) = entries.next_element()? {
+                if list.len() == MOST_NODES {
+                    return Err(A::Error::invalid_length(MOST_NODES + 1, &self));
+                }
+                list.push(entry);
+            }
+            Ok(list)
+        }
+    }
+    deserializer.deserialize_seq(List(PhantomData))
 }
 
 #[derive(Serialize, Deserialize)]
@@ -110,8 +146,8 @@ impl Serialize for Solution {
 }
 
 impl<'de> Deserialize<'de> for Solution {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Document::deserialize(deserializer)?.try_into().map_err(serde::de::Error::custom)
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Document::deserialize(deserializer)?.try_into().map_err(Error::custom)
     }
 }
 
@@ -161,7 +197,7 @@ impl TryFrom<Document> for Solution {
     fn try_from(document: Document) -> Result<Self, TrajectoryError> {
         check_version(document.format)?;
         let n = document.trajectory.q.first().map_or(0, Vec::len);
-        if !document.trajectory.t.is_empty() {
+        if !document.trajectory.is_empty() {
             document.trajectory.check(n)?;
         }
         let motion = Motion {
@@ -213,6 +249,12 @@ impl Rows {
         Trajectory::from_rows(t, [q, v, p, u, y_q, y_p])
     }
 
+    /// Whether nothing was saved, as for a problem without a motion.
+    fn is_empty(&self) -> bool {
+        let Self { t, q, v, p, u, y } = self;
+        t.is_empty() && [q, v, p, u, y].into_iter().all(Vec::is_empty)
+    }
+
     fn check(&self, n: usize) -> Result<(), TrajectoryError> {
         let count = self.t.len();
         let rising = self.t.windows(2).all(|pair| pair[0] <= pair[1]);
@@ -238,12 +280,18 @@ impl Rows {
 }
 
 impl Trajectory {
+    /// Longest text of a saved solution that is read: 16 MiB. Reading it takes less than 256 MB.
+    pub const MOST_BYTES: usize = 16 << 20;
+
     /// Reads the trajectory of a saved solution, as a warm start for this robot.
     ///
     /// # Errors
-    /// [`TrajectoryError`]: no saved solution, a newer version, a motion of another robot (by the names of its joints,
+    /// [`TrajectoryError`]: no saved solution, more than 16 MiB or 100 000 nodes, a newer version, a motion of another robot (by the names of its joints,
     /// where the file holds them), or lists whose lengths do not fit.
     pub fn from_json(text: &str, robot: &Robot) -> Result<Self, TrajectoryError> {
+        if text.len() > Self::MOST_BYTES {
+            return Err(TrajectoryError::TooLong { most: Self::MOST_BYTES });
+        }
         let read: StartDocument = serde_json::from_str(text).map_err(TrajectoryError::NotASolution)?;
         check_version(read.format.unwrap_or(0))?;
         let names = RobotNames::of(robot);

@@ -50,3 +50,31 @@ fn what_is_no_motion_of_the_robot_is_refused_with_the_reason() {
         assert!(message.contains(reason), "{message}");
     }
 }
+
+#[test]
+fn a_solution_without_times_has_no_rows_either() {
+    let saved = |t: &str, q: &str, y: &str| text(t, q, y).replacen('{', "{\"final_time\":1,", 1);
+    let empty = saved("[]", "[]", "[]").replace("[[0],[0.1]]", "[]").replace("[[1],[-1]]", "[]");
+    assert!(serde_json::from_str::<Solution>(&empty).is_ok());
+    let rows = empty.replace("\"q\":[]", "\"q\":[[1,2]]").replace("\"y\":[]", "\"y\":[[1]]");
+    assert!(serde_json::from_str::<Solution>(&rows).is_err());
+}
+
+#[test]
+fn motions_that_would_fill_the_memory_are_refused() {
+    let rows = format!("[{}[]]", "[],".repeat(100_000));
+    let error = Trajectory::from_json(&text("[0,1]", &rows, "[]"), &sledge("x")).unwrap_err();
+    assert!(error.to_string().contains("at most 100000 entries"), "{error}");
+    let error = Trajectory::from_json(&" ".repeat(Trajectory::MOST_BYTES + 1), &sledge("x")).unwrap_err();
+    assert!(error.to_string().contains("more than 16777216 bytes"), "{error}");
+}
+
+#[test]
+fn names_of_files_are_printable_in_messages() {
+    let saved = text("[0,1]", "[[0],[1]]", "[[1,2],[3,4]]");
+    let joints = saved.replacen('{', "{\"robot\":\"\\u001b[31m\",\"joints\":[\"\\u202e\"],", 1);
+    let error = Trajectory::from_json(&joints, &sledge("x")).unwrap_err().to_string();
+    assert!(error.contains(r"'\u{1b}[31m' with joints '\u{202e}'"), "{error}");
+    let status = Status::from("evaluation_failed: \u{1b}[31m\u{202e}singular".to_owned());
+    assert_eq!(status.to_string(), "the dynamics could not be evaluated: [31msingular");
+}

@@ -1,5 +1,6 @@
 //! The motion of a robot over time.
 
+use crate::path::cubics::{JointState, cubic};
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
 
 /// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
@@ -47,12 +48,6 @@ pub struct TrajectoryPoint {
     pub y_p: Vec<f64>,
 }
 
-/// Position of a cubic that meets both ends in position and velocity, at a part of an interval of length h.
-fn hermite(q: [f64; 2], v: [f64; 2], h: f64, s: f64) -> f64 {
-    let (a, b, difference) = (v[0] * h, v[1] * h, q[1] - q[0]);
-    q[0] + s * (a + s * (3.0 * difference - 2.0 * a - b + s * (a + b - 2.0 * difference)))
-}
-
 impl Trajectory {
     /// From nodes of `z = (q, p, y_q, y_p)` and the velocities there.
     pub(crate) fn from_nodes(nodes: Nodes, v: Vec<Vec<f64>>) -> Self {
@@ -66,17 +61,6 @@ impl Trajectory {
     /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
     pub(crate) fn from_rows(t: Vec<f64>, [q, v, p, u, y_q, y_p]: [Vec<Vec<f64>>; 6]) -> Self {
         Self { t, q, v, p, u, y_q, y_p, hamiltonian: Vec::new(), interpolant: None }
-    }
-
-    /// Number of joints, where all rows agree about it and about the number of nodes, which must be two or more; times must
-    /// rise and all numbers be finite.
-    pub fn dof(&self) -> Option<usize> {
-        let (nodes, n) = (self.t.len(), self.q.first()?.len());
-        let arrays = [&self.q, &self.p, &self.y_q, &self.y_p];
-        let agree = arrays.iter().all(|array| array.len() == nodes && array.iter().all(|row| row.len() == n));
-        let finite = arrays.iter().all(|array| array.iter().flatten().all(|value| value.is_finite()));
-        let rising = self.t.windows(2).all(|pair| pair[0] <= pair[1]);
-        (nodes > 1 && n > 0 && agree && finite && rising).then_some(n)
     }
 
     /// The motion at time t (s); `None` outside of it.
@@ -107,13 +91,11 @@ impl Trajectory {
         let linear = |rows: &[Vec<f64>]| -> Vec<f64> {
             rows[k].iter().zip(&rows[k + 1]).map(|(left, right)| left + part * (right - left)).collect()
         };
-        let cubic = |i: usize| {
-            let ends = |rows: &[Vec<f64>]| [rows[k][i], rows[k + 1][i]];
-            hermite(ends(&self.q), ends(&self.v), length, part)
-        };
+        let state = |k: usize, i: usize| JointState { q: self.q[k][i], v: self.v[k][i] };
+        let position = |i: usize| cubic(state(k, i), state(k + 1, i), length, part).q;
         TrajectoryPoint {
             t,
-            q: (0..self.q[k].len()).map(cubic).collect(),
+            q: (0..self.q[k].len()).map(position).collect(),
             v: linear(&self.v),
             p: linear(&self.p),
             u: linear(&self.u),

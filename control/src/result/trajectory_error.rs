@@ -1,5 +1,7 @@
 //! Why a saved trajectory cannot be used.
 
+use costate::robot::printable;
+
 /// Version of the format of saved solutions. It grows when a key changes its meaning; a new key alone does not change it.
 pub(crate) const VERSION: u32 = 1;
 
@@ -18,9 +20,16 @@ pub enum TrajectoryError {
         /// The version of the file.
         found: u32,
     },
+    /// The text is too long.
+    #[error("has more than {most} bytes, the most that a saved solution may have; save it with fewer nodes")]
+    TooLong {
+        /// Most bytes.
+        most: usize,
+    },
     /// A motion of another robot.
     #[error(
-        "a motion of robot '{found}' with joints {}; this robot has joints {}",
+        "a motion of robot '{}' with joints {}; this robot has joints {}",
+        printable(found),
         list(found_joints),
         list(joints)
     )]
@@ -68,7 +77,7 @@ pub enum TrajectoryError {
 }
 
 fn list(names: &[String]) -> String {
-    let shown: Vec<_> = names.iter().take(12).map(|name| format!("'{name}'")).collect();
+    let shown: Vec<_> = names.iter().take(12).map(|name| format!("'{}'", printable(name))).collect();
     let more = if names.len() > 12 { format!(" and {} more", names.len() - 12) } else { String::new() };
     shown.join(", ") + &more
 }

@@ -4,7 +4,7 @@
 //! from 0 to 1, and the switching function of the control that changes sides is one more condition at its
 //! end:
 //!
-//! $$ \frac{dz}{ds} = \theta_k\, g_k(z), \qquad \sigma_k(z(t_k)) = 0, \qquad \sum_k \theta_k = T $$
+//! $$ \frac{dz}{ds} = \theta_k \thinspace g_k(z), \qquad \sigma_k(z(t_k)) = 0, \qquad \sum_k \theta_k = T $$
 //!
 //! `sigma = r u_bound - b y_p` for a control with effort `r`, and `sigma = b y_p` for one without. State and
 //! costates are continuous. Source: A. E. Bryson, Y.-C. Ho, *Applied Optimal Control*, Taylor & Francis 1975,

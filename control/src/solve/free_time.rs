@@ -2,7 +2,7 @@
 //!
 //! At zero costates the condition `H* = 0` does not determine T. So the problem is solved for fixed times
 //! first. With
-//! $$ \frac{dJ}{dT} = -H^* $$
+//! $$ \frac{dJ}{dT} = -H^\ast $$
 //! and all of the cost but `c_t T` falling like `T^-3` (no gravity, no limits), `H* + c_t` falls like `T^-4`.
 //! This leads near the optimal time; then T is one more unknown, and `H*(T) = 0` one more condition.
 

@@ -68,7 +68,7 @@ fn errors_name_the_key() {
     refused(&|p| p.penalty = limits(f64::NAN, 1.0, 1.0), "penalty.q_min: the entry of joint 'shoulder'");
     refused(&|p| p.penalty = limits(0.0, 1.0, f64::NAN), "penalty.v_max: the entry of joint 'shoulder'");
     refused(&|p| p.penalty = limits(infinite, infinite, 1.0), "lower limit inf of joint 'shoulder'");
-    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "upper limit -inf");
+    refused(&|p| p.penalty = limits(-infinite, -infinite, 1.0), "penalty.q_max = -inf");
     let mut held = problem();
     held.penalty = limits(-infinite, infinite, infinite);
     assert!(held.check().is_ok());

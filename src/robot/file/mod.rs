@@ -33,6 +33,7 @@
 
 mod explain;
 mod rows;
+mod size;
 
 use self::rows::{JointRow, RobotFile, RowKind, TableConvention};
 use super::dh::{self, Convention};
@@ -57,6 +58,7 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     if text.len() > most {
         return Err(RobotError::TooLong { most });
     }
+    size::check(text)?;
     let file: RobotFile = toml::from_str(text).map_err(|error| explain::refusal(error, text))?;
     let line_of = |offset: usize| explain::line(text, offset);
     let line_of_joint = |name: &str| {

@@ -15,6 +15,10 @@ const MOST_NODES: u32 = 500_000;
 const MOST_ATTRIBUTES: usize = 256;
 /// Most attributes of all elements, about 60 bytes of memory each.
 const MOST_ATTRIBUTES_IN_ALL: usize = 1_000_000;
+/// Most characters `<` outside comments: the parser reserves the memory of an element for each.
+const MOST_OPENINGS: usize = 1_000_000;
+/// Most characters `=` outside comments: the parser reserves the memory of an attribute for each.
+const MOST_EQUAL_SIGNS: usize = 1_000_000;
 /// Most namespace declarations: the parser copies those of an element to its children.
 const MOST_NAMESPACES: usize = 256;
 /// Most undeclared prefixes that are declared for the file.
@@ -25,7 +29,11 @@ pub(super) struct Lines(Vec<u32>);
 
 impl Lines {
     pub(super) fn of(text: &str) -> Self {
-        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end as u32 + 1)).collect())
+        let ends = || text.match_indices('\n').map(|(end, _)| end as u32 + 1);
+        let mut starts = Vec::with_capacity(1 + ends().count());
+        starts.push(0);
+        starts.extend(ends());
+        Self(starts)
     }
 
     /// Number of lines.
@@ -94,6 +102,13 @@ fn check_size(text: &str) -> Result<(), RobotError> {
     };
     if let Some((byte, _)) = text.match_indices("xmlns").nth(MOST_NAMESPACES) {
         return refused(byte, format!("the file declares more than {MOST_NAMESPACES} namespaces"));
+    }
+    for (character, most) in [('<', MOST_OPENINGS), ('=', MOST_EQUAL_SIGNS)] {
+        if let Some((byte, _)) = text.match_indices(character).nth(most) {
+            let message =
+                format!("the file has more than {most} characters `{character}`; remove visual models");
+            return refused(byte, message);
+        }
     }
     let (mut is_tag, mut quote) = (false, None);
     let (mut element, mut values, mut all) = (0, 0, 0);
@@ -182,4 +197,25 @@ fn without_comments(text: &str) -> String {
 /// As many lines, with nothing on them.
 fn blank(text: &str, out: &mut String) {
     out.extend(text.chars().filter(|&c| c == '\n'));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Lines, prepared};
+
+    #[test]
+    fn what_would_take_hundreds_of_megabytes_is_refused_before_it_is_parsed() {
+        for (text, character) in [("<", '<'), ("<!", '<'), ("=", '=')] {
+            let message = prepared(&text.repeat(1_000_001)).err().map(|error| error.to_string());
+            let expected = format!("more than 1000000 characters `{character}`");
+            assert!(message.as_ref().is_some_and(|message| message.contains(&expected)), "{message:?}");
+        }
+        assert!(prepared(&"<!-- = -->\n".repeat(1_000_001)).is_ok());
+    }
+
+    #[test]
+    fn a_byte_has_its_line() {
+        let lines = Lines::of("a\n\nb\n");
+        assert_eq!((lines.count(), [0, 1, 2, 3, 4].map(|byte| lines.at(byte))), (4, [1, 1, 2, 3, 3]));
+    }
 }

@@ -39,12 +39,12 @@ macro_rules! forward_operators {
         impl $operator<f64> for Count {
             type Output = Self;
             fn $apply(self, other: f64) -> Self {
-                self.$apply(Self::constant(other))
+                self.$apply(Self::model(other))
             }
         }
         impl $assigning<f64> for Count {
             fn $assign(&mut self, other: f64) {
-                self.$assign(Self::constant(other));
+                self.$assign(Self::model(other));
             }
         }
     )*};
@@ -63,9 +63,9 @@ impl Count {
         self.is_constant() && other.is_constant()
     }
 
-    /// A function that is not counted by kind.
+    /// A function that is not counted by kind, and whose slope is not known.
     pub(super) fn other(self, value: f64) -> Self {
-        self.function(value, |o| o.other += 1)
+        self.function(value, f64::NAN, |o| o.other += 1)
     }
 
     /// The same for a function of two numbers.

@@ -1,4 +1,4 @@
-//! The report of a motion: one HTML file, and its pictures as SVG files.
+//! The report of a motion: one HTML file, and its figures as SVG files.
 
 pub mod numbers;
 mod page;
@@ -8,43 +8,58 @@ mod smooth;
 mod stage_data;
 mod strobe;
 mod svg;
-mod units;
+pub mod units;
 mod views;
 
 use super::kinematics::{Skeleton, film};
 use costate_control::{Problem, Solution};
 use strobe::Stage;
 
-/// What a report is about.
+/// The contents of a report.
 pub struct Motion<'a> {
     pub problem: &'a Problem,
     pub solution: &'a Solution,
-    /// The problem file.
+    /// The text of the problem file.
     pub source: &'a str,
     pub warnings: &'a [String],
 }
 
-/// Pictures of the film of a motion.
+/// Number of poses that are computed along a motion.
 const FRAMES: usize = 133;
 
-/// The page, with everything it needs inside.
+/// The page, as one self-contained HTML file.
 pub fn page(motion: &Motion<'_>) -> String {
     page::text(motion)
 }
 
-/// Name and text of each picture.
+/// Name and text of each figure. Without a motion, only that of the residuals.
 pub fn files(motion: &Motion<'_>) -> Vec<(String, String)> {
+    let residuals = panels::residuals(&motion.solution.motion.iterations);
+    if motion.solution.trajectory.t.len() < 2 {
+        return plots(residuals).collect();
+    }
     let robot = &motion.problem.robot;
     let skeleton = Skeleton::new(robot);
     let film = film(&skeleton, &motion.solution.trajectory, FRAMES);
-    let panels = [
-        panels::along_the_motion(motion),
-        panels::control_by_control(motion),
-        panels::residuals(&motion.solution.motion.iterations),
-    ];
-    let panels = panels.into_iter().flatten();
-    let plots = panels.map(|(name, plot)| (format!("{name}.svg"), svg::alone(&plot.svg())));
+    let panels = [panels::along_the_motion(motion), panels::control_by_control(motion), residuals];
     let views = views::views(&film.concat());
     let strobe = |view| svg::alone(&Stage::new(view, &film).strobe(robot, &skeleton, &film));
-    plots.chain(views.iter().map(|view| (format!("strobe_{}.svg", view.name), strobe(view)))).collect()
+    let strobes = views.iter().map(|view| (format!("strobe_{}.svg", view.name), strobe(view)));
+    plots(panels.into_iter().flatten().collect()).chain(strobes).collect()
+}
+
+fn plots(panels: Vec<panels::Panel>) -> impl Iterator<Item = (String, String)> {
+    panels.into_iter().map(|(name, plot)| (format!("{name}.svg"), svg::alone(&plot.svg())))
+}
+
+/// Whether [`files`] writes files with such a name.
+pub fn is_name_of_figure(name: &str) -> bool {
+    let Some(name) = name.strip_suffix(".svg") else { return false };
+    let fixed = ["residuals", "strobe_xy", "strobe_xz", "strobe_yz", "strobe_plane"];
+    fixed.contains(&name) || panels::NAMES.contains(&name) || name.starts_with(panels::CONTROL)
+}
+
+/// Whether a text is that of a figure.
+pub fn is_figure(text: &str) -> bool {
+    svg::is_figure(text)
 }

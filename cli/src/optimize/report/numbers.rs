@@ -1,6 +1,7 @@
-//! Numbers in print and places for ticks.
+//! Formatted numbers and positions of ticks.
 
-/// At most so many digits, without zeros at the end; an exponent for the very large and the very small.
+/// At most `digits` significant digits without trailing zeros; very large and very small numbers get an
+/// exponent.
 pub fn short(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".into();
@@ -23,7 +24,7 @@ pub fn scientific(x: f64) -> String {
     format!("{x:.1e}").replace(".0e", "e")
 }
 
-/// Without zeros at the end of the fraction.
+/// Without trailing zeros of the fraction.
 fn trimmed(number: &str) -> &str {
     if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
 }
@@ -41,8 +42,8 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|k| k as f64 * step).collect()
 }
 
-/// Powers of ten within `low..high`, at most about eight of them; 2 and 5 times them as well where there are
-/// few, any round numbers within less than a decade.
+/// Powers of ten within `low..high`, at most about eight; if there are few, also 2 and 5 times them; within
+/// less than a decade any round numbers.
 pub fn decades(low: f64, high: f64) -> Vec<f64> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let every = 1 + (last - first).max(0) / 8;
@@ -53,7 +54,7 @@ pub fn decades(low: f64, high: f64) -> Vec<f64> {
     if within.len() < 2 { ticks(low, high, 4) } else { within }
 }
 
-/// A range that holds all values, wider than nothing; `None` without values.
+/// A range of positive width that contains all values; `None` without values.
 pub fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let finite = values.filter(|x| x.is_finite());
     let (low, high) = finite.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
@@ -71,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_the_digits_asked_for_and_no_zeros_behind() {
+    fn numbers_have_at_most_the_given_digits_and_no_trailing_zeros() {
         for (x, digits, text) in [
             (145.13113754, 8, "145.13114"),
             (1.0, 6, "1"),

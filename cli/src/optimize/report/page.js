@@ -4,6 +4,7 @@
   const data = JSON.parse(document.getElementById("data").textContent);
   const frames = data.frames;
   if (frames.length < 2) return;
+  const duration = data.time > 0 ? data.time : 1;
   document.documentElement.classList.add("scripted");
   const make = (parent, tag, attributes) => {
     const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
@@ -20,10 +21,10 @@
     return stage;
   });
 
-  // Directions to the right and upwards of a view turned by an azimuth and raised by an elevation.
-  const turn = (stage) => {
-    const [sa, ca] = [Math.sin(stage.turn[0]), Math.cos(stage.turn[0])];
-    const [se, ce] = [Math.sin(stage.turn[1]), Math.cos(stage.turn[1])];
+  // Sets the right and up directions of a view from its azimuth and elevation.
+  const orient = (stage) => {
+    const [sa, ca] = [Math.sin(stage.view[0]), Math.cos(stage.view[0])];
+    const [se, ce] = [Math.sin(stage.view[1]), Math.cos(stage.view[1])];
     stage.right = [ca, sa, 0];
     stage.up = [-sa * se, ca * se, ce];
   };
@@ -34,10 +35,12 @@
       origin[1] - scale * (up[0] * a + up[1] * b + up[2] * c)];
   };
 
+  // The part of the motion that has passed, from 0 to 1.
   let phase = 0;
+  const set = (value) => { phase = Math.min(1, Math.max(0, value)); };
   const coordinates = () => {
     const at = phase * (frames.length - 1);
-    const before = Math.min(Math.floor(at), frames.length - 2);
+    const before = Math.max(0, Math.min(Math.floor(at), frames.length - 2));
     return frames[before].map((x, k) => x + (at - before) * (frames[before + 1][k] - x));
   };
   const draw = (stage, points) => {
@@ -55,10 +58,10 @@
   };
 
   const scenery = (stage) => {
-    turn(stage);
-    const ways = data.tips.map((tip) => "M" + frames.map((f) =>
+    orient(stage);
+    const traces = data.tips.map((tip) => "M" + frames.map((f) =>
       place(stage, f[3 * tip], f[3 * tip + 1], f[3 * tip + 2]).map((v) => v.toFixed(1)).join(" ")).join("L"));
-    stage.svg.querySelector(".way").setAttribute("d", ways.join(""));
+    stage.svg.querySelector(".trace").setAttribute("d", traces.join(""));
     const triad = stage.svg.querySelector(".triad");
     triad.replaceChildren();
     const length = 40 / stage.scale;
@@ -69,17 +72,17 @@
       make(triad, "text", { x: x + 0.22 * (x - x0) - 3, y: y + 0.22 * (y - y0) + 4 }).textContent = name;
     });
   };
-  stages.filter((stage) => stage.turn).forEach((stage) => {
+  stages.filter((stage) => stage.view).forEach((stage) => {
     let from = null;
     scenery(stage);
     stage.svg.addEventListener("pointerdown", (event) => {
-      from = [event.clientX, event.clientY, ...stage.turn];
+      from = [event.clientX, event.clientY, ...stage.view];
       stage.svg.setPointerCapture(event.pointerId);
     });
     stage.svg.addEventListener("pointermove", (event) => {
       if (!from) return;
       const elevation = from[3] + 0.008 * (event.clientY - from[1]);
-      stage.turn = [from[2] - 0.008 * (event.clientX - from[0]), Math.max(-1.57, Math.min(1.57, elevation))];
+      stage.view = [from[2] - 0.008 * (event.clientX - from[0]), Math.max(-1.57, Math.min(1.57, elevation))];
       scenery(stage);
       draw(stage, coordinates());
     });
@@ -91,44 +94,51 @@
     const [start, end, left, right, top, bottom] = svg.dataset.time.split(" ").map(Number);
     const line = make(svg, "line", { class: "cursor", y1: top, y2: bottom });
     return (time) => {
-      const x = left + (right - left) * (time - start) / (end - start);
+      const x = left + (right - left) * (time - start) / (end - start || 1);
       line.setAttribute("x1", x); line.setAttribute("x2", x);
     };
   });
 
-  const [play, slider, clock, speed] = ["play", "slider", "clock", "speed"].map((id) => document.getElementById(id));
+  const [play, slider, clock, speed] =
+    ["play", "slider", "clock", "speed"].map((id) => document.getElementById(id));
   const show = () => {
     const points = coordinates();
     stages.forEach((stage) => draw(stage, points));
-    cursors.forEach((move) => move(phase * data.time));
+    cursors.forEach((move) => move(phase * duration));
     slider.value = phase;
-    clock.textContent = `${(phase * data.time).toPrecision(4)} s`;
+    clock.textContent = `${(phase * duration).toPrecision(4)} s`;
   };
-  // As fast as it is, unless that is too fast or too slow to be watched.
+  // Real time, unless that is too fast or too slow to follow.
   const speeds = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
-  const watched = speeds.filter((s) => data.time / s >= 1.5 || s === speeds[0]);
-  const chosen = data.time > 15 ? watched[watched.length - 1] : Math.min(1, watched[watched.length - 1]);
+  const watched = speeds.filter((s) => duration / s >= 1.5 || s === speeds[0]);
+  const chosen = duration > 15 ? watched[watched.length - 1] : Math.min(1, watched[watched.length - 1]);
   speeds.forEach((s) => speed.add(new Option(s + "\u00d7", s, s === chosen, s === chosen)));
+  // The next animation frame while the motion plays, and the time of the last one. The clock starts at the
+  // first frame: its time can be earlier than that of the click.
+  let request = null;
   let last = null;
   const step = (now) => {
-    if (last === null) return;
-    phase += (now - last) / 1000 * speed.value / data.time;
+    if (last !== null) set(phase + Math.max(0, now - last) / 1000 * speed.value / duration);
     last = now;
-    if (phase >= 1) { phase = 1; stop(); }
     show();
-    if (last !== null) requestAnimationFrame(step);
+    if (phase < 1) request = requestAnimationFrame(step);
+    else stop();
   };
-  const stop = () => { last = null; play.textContent = "Play"; };
+  const stop = () => {
+    if (request !== null) cancelAnimationFrame(request);
+    request = null;
+    play.textContent = "Play";
+  };
   play.addEventListener("click", () => {
-    if (last !== null) return stop();
-    if (phase >= 1) phase = 0;
-    last = performance.now();
+    if (request !== null) return stop();
+    if (phase >= 1) set(0);
+    last = null;
     play.textContent = "Pause";
-    requestAnimationFrame(step);
+    request = requestAnimationFrame(step);
   });
-  slider.addEventListener("input", () => { stop(); phase = Number(slider.value); show(); });
-  // A part of the motion can be asked for in the address, such as #0.4.
-  const asked = Number(location.hash.slice(1));
-  if (asked >= 0 && asked <= 1) phase = asked;
+  slider.addEventListener("input", () => { stop(); set(Number(slider.value)); show(); });
+  // The address can name a part of the motion, such as #0.4.
+  const address = Number(location.hash.slice(1));
+  if (address >= 0 && address <= 1) set(address);
   show();
 })();

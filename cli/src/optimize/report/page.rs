@@ -1,13 +1,12 @@
 //! The page: figures, the moving robot, plots, iterations, the problem.
 
 use super::panels::{self, Panel};
-use super::stage_data::{TURNING, data};
+use super::stage_data::{ROTATED, data};
 use super::strobe::Stage;
 use super::svg::{STYLE, escaped};
 use super::{FRAMES, Motion, views};
 use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::summary;
-use costate_control::StartResult;
 
 const PAGE_STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -16,6 +15,30 @@ const SCRIPT: &str = include_str!("page.js");
 pub fn text(motion: &Motion<'_>) -> String {
     let robot = &motion.problem.robot;
     let name = escaped(robot.name());
+    let solver = plots(panels::residuals(&motion.solution.motion.iterations));
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <title>Optimal motion of {name}</title>\n<style>{STYLE}{PAGE_STYLE}</style></head>\n<body>\n\
+         {head}{motion_sections}\
+         <section><h2>Solver</h2><div class=\"solver\">{solver}{iterations}</div></section>\n\
+         <section><h2>Problem</h2><pre>{source}</pre></section>\n\
+         <footer>costate {version}; H* = y'f - l, y' = -H*_x, <span class=\"formula\">u = clip(R<sup>-1</sup>B'y_p)</span>. \
+         Angles in rad, lengths in m, times in s; costates in units of the cost.</footer>\n\
+         </body></html>\n",
+        head = head(motion),
+        motion_sections = motion_sections(motion),
+        iterations = iterations(motion),
+        source = escaped(motion.source.trim_end()),
+        version = env!("CARGO_PKG_VERSION"),
+    )
+}
+
+/// The moving robot, the plots over time and the script; a sentence if there is no motion.
+fn motion_sections(motion: &Motion<'_>) -> String {
+    if motion.solution.trajectory.t.len() < 2 {
+        return "<section><h2>Motion</h2><p>There is no motion to show.</p></section>\n".into();
+    }
     let along = plots(panels::along_the_motion(motion));
     let controls = plots(panels::control_by_control(motion));
     let controls = if controls.is_empty() {
@@ -23,25 +46,11 @@ pub fn text(motion: &Motion<'_>) -> String {
     } else {
         format!("<h3>Each control</h3><div class=\"grid-of-pictures\">{controls}</div>")
     };
-    let solver = plots(panels::residuals(&motion.solution.motion.iterations));
     format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <title>Optimal motion of {name}</title>\n<style>{STYLE}{PAGE_STYLE}</style></head>\n<body>\n\
-         {head}{pictures}\
-         <section><h2>Along the motion</h2>{keys}\
-         <div class=\"grid-of-plots\">{along}</div>{controls}</section>\n\
-         <section><h2>Solver</h2><div class=\"solver\">{solver}{iterations}</div></section>\n\
-         <section><h2>Problem</h2><pre>{source}</pre></section>\n\
-         <footer>costate {version}; H* = y'f - l, y' = -H*_x, u = clip(R<sup>-1</sup>B'y_p). \
-         Angles in rad, lengths in m, times in s; costates in units of the cost.</footer>\n\
-         <script>{SCRIPT}</script>\n</body></html>\n",
-        head = head(motion),
+        "{pictures}<section><h2>Along the motion</h2>{keys}\
+         <div class=\"grid-of-plots\">{along}</div>{controls}</section>\n<script>{SCRIPT}</script>\n",
         pictures = pictures(motion),
         keys = keys(motion),
-        iterations = iterations(motion),
-        source = escaped(motion.source.trim_end()),
-        version = env!("CARGO_PKG_VERSION"),
     )
 }
 
@@ -52,7 +61,6 @@ fn plots(panels: Vec<Panel>) -> String {
 /// Name, status, figures, warnings.
 fn head(motion: &Motion<'_>) -> String {
     let Motion { problem, solution, warnings, .. } = *motion;
-    let good = solution.motion.status.is_solved();
     let figures: String = summary::figures(problem, solution)
         .iter()
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{}</dd></div>", escaped(value)))
@@ -60,16 +68,20 @@ fn head(motion: &Motion<'_>) -> String {
     let warnings: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(warning))).collect();
     let warnings =
         if warnings.is_empty() { warnings } else { format!("<ul class=\"warnings\">{warnings}</ul>") };
-    let failure =
-        format!("Not a solution but the best iterate: {}.", escaped(&solution.motion.status.to_string()));
+    let remarks = [summary::explanation(solution), summary::skipped_starts(solution)];
+    let remarks: String = remarks
+        .iter()
+        .flatten()
+        .map(|remark| format!("<p class=\"bad\">{}.</p>", escaped(&summary::sentence(remark))))
+        .collect();
+    let status = &solution.motion.status;
     format!(
-        "<header><h1>{} <span class=\"status {}\">{}</span></h1><p>{}</p><p class=\"bad\">{}</p></header>\n\
+        "<header><h1>{} <span class=\"status {}\">{}</span></h1><p>{}</p>{remarks}</header>\n\
          <dl>{figures}</dl>\n{warnings}\n",
         escaped(problem.robot.name()),
-        if good { "good" } else { "bad" },
-        escaped(&summary::spaced(solution.motion.status.name())),
-        escaped(&summary::criterion(problem)),
-        if good { "" } else { &failure }
+        if status.is_solved() { "good" } else { "bad" },
+        escaped(&summary::status(status)),
+        escaped(&summary::criterion(problem, status)),
     )
 }
 
@@ -84,35 +96,35 @@ fn pictures(motion: &Motion<'_>) -> String {
         .iter()
         .map(|stage| format!("<figure class=\"film\">{}</figure>\n", stage.empty(&skeleton, &film)))
         .collect();
-    let (width, height) = TURNING;
-    let turning = format!(
-        "<figure class=\"film\"><svg class=\"stage turning\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
-         aria-label=\"turned by dragging\"><text class=\"title\" x=\"16\" y=\"18\">turned by dragging</text>\
-         <g class=\"triad\"></g><path class=\"way\"/><g class=\"pose moving\"></g></svg></figure>\n"
+    let (width, height) = ROTATED;
+    let rotated = format!(
+        "<figure class=\"film\"><svg class=\"stage rotated\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-label=\"drag to rotate\"><text class=\"title\" x=\"16\" y=\"18\">drag to rotate</text>\
+         <g class=\"triad\"></g><path class=\"trace\"/><g class=\"pose moving\"></g></svg></figure>\n"
     );
-    let turning = if stages.len() > 1 { &turning } else { "" };
+    let rotated = if stages.len() > 1 { &rotated } else { "" };
     let strobes: String = stages
         .iter()
         .map(|stage| format!("<figure>{}</figure>\n", stage.strobe(robot, &skeleton, &film)))
         .collect();
     let data = data(robot, &skeleton, &film, &stages, motion.solution.motion.final_time);
-    // The data hold no text of the user's, so nothing in them can end their element.
+    // The data contain no text from the user's files, so nothing in them can close their element.
     format!(
         "<section><h2>Motion</h2><div class=\"controls\">\
          <button type=\"button\" id=\"play\">Play</button>\
          <input type=\"range\" id=\"slider\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"time\">\
          <output id=\"clock\"></output>\
          <label>speed <select id=\"speed\"></select></label></div>\
-         <div class=\"grid-of-pictures\">{fixed}{turning}{strobes}</div>\
-         <p class=\"note\">Strobe pictures: equal times from pose to pose. Lines join the origins of the joint \
-         frames and end at the centre of mass of the last link; circles turn, rectangles slide; the thin line is the \
-         way of the end.</p>\
+         <div class=\"grid-of-pictures\">{fixed}{rotated}{strobes}</div>\
+         <p class=\"note\">Strobe pictures show poses at equal time steps. Lines join the origins of the joint \
+         frames and end at the centre of mass of the last link. Circles are revolute joints, rectangles \
+         prismatic ones. The thin line is the path of the end.</p>\
          </section>\n\
          <script type=\"application/json\" id=\"data\">{data}</script>\n"
     )
 }
 
-/// What dashes mean, where there are any.
+/// The meaning of dashed, dotted and vertical lines, if there are any.
 fn keys(motion: &Motion<'_>) -> String {
     let mut keys = Vec::new();
     if motion.problem.bounds.is_some() {
@@ -122,7 +134,7 @@ fn keys(motion: &Motion<'_>) -> String {
         keys.push("dotted: limits of the robot, not enforced");
     }
     if !motion.solution.motion.switches.is_empty() {
-        keys.push("upright lines: entry to and exit from a bound");
+        keys.push("vertical lines: a control reaches or leaves a bound");
     }
     if keys.is_empty() { String::new() } else { format!("<p class=\"note\">{}.</p>", keys.join("; ")) }
 }
@@ -149,13 +161,9 @@ fn iterations(motion: &Motion<'_>) -> String {
         text += &table(&summary::ITERATION_HEADER, rows);
     }
     if solution.starts.len() > 1 {
-        let row = |(number, start): (usize, &StartResult)| {
-            let total = super::numbers::short(start.total, 12);
-            cells("td", &[(number + 1).to_string(), start.status.name().to_owned(), total])
-        };
-        let rows = solution.starts.iter().enumerate().map(row).collect();
-        text +=
-            &format!("<div><h3>Starts</h3>{}</div>", table(&["start", "status", "cost and penalties"], rows));
+        let rows = solution.starts.iter().enumerate();
+        let rows = rows.map(|(i, start)| cells("td", &summary::start_row(i, start))).collect();
+        text += &format!("<div><h3>Starts</h3>{}</div>", table(&summary::START_HEADER, rows));
     }
     text
 }

@@ -1,4 +1,4 @@
-//! Which curves are drawn.
+//! The plots of a report.
 
 use super::Motion;
 use super::numbers::short;
@@ -11,7 +11,14 @@ use costate_control::{Iteration, Trajectory};
 /// A plot and the name of its file.
 pub type Panel = (String, Plot);
 
-/// Everything along the motion: q, v, p, u, y_q, y_p, H*.
+/// Names of the plots over time.
+pub const NAMES: [&str; 8] =
+    ["positions", "rates", "controls", "momenta", "costates_q", "costates_p", "hamiltonian", "mesh"];
+
+/// Start of the name of a plot of one control; the name of its joint follows.
+pub const CONTROL: &str = "control_";
+
+/// The quantities along the motion: q, v, p, u, y_q, y_p, H*.
 pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     let trajectory = &motion.solution.trajectory;
     let robot = &motion.problem.robot;
@@ -41,7 +48,7 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     panels
 }
 
-/// One curve a joint.
+/// One curve for each joint.
 fn curves(robot: &Robot, t: &[f64], rows: &[Vec<f64>]) -> Vec<Curve> {
     let joints = robot.joints().iter().enumerate();
     joints
@@ -58,7 +65,7 @@ fn column(t: &[f64], rows: &[Vec<f64>], i: usize) -> Vec<(f64, f64)> {
     t.iter().zip(rows).filter_map(|(&t, row)| Some((t, *row.get(i)?))).collect()
 }
 
-/// Title and axis of the controls: torques, unless some are forces or a gain stands between.
+/// Title and axis of the controls: torques, unless some are forces or have a gain.
 fn names_of_controls(motion: &Motion<'_>, unit: &str) -> (&'static str, String) {
     if motion.problem.gain.iter().any(|&gain| gain != 1.0) {
         return ("Control", "u, before the gain".into());
@@ -67,7 +74,7 @@ fn names_of_controls(motion: &Motion<'_>, unit: &str) -> (&'static str, String) 
     (if slides { "Control" } else { "Torque" }, format!("u ({unit})"))
 }
 
-/// The bounds of a control, or the limits of the joint where the motion comes near to them.
+/// The bounds of a control; without bounds the limits of the joint, if the control comes near to them.
 fn levels(motion: &Motion<'_>, i: usize) -> Vec<Curve> {
     let (t, u) = (&motion.solution.trajectory.t, &motion.solution.trajectory.u);
     let ends = [t.first(), t.last()].map(|t| t.copied().unwrap_or(0.0));
@@ -95,7 +102,7 @@ pub fn has_limits(motion: &Motion<'_>) -> bool {
     (0..motion.problem.robot.dof()).any(|i| levels(motion, i).iter().any(|level| level.look == Look::Limit))
 }
 
-/// All controls, with bounds as long as these can be told apart.
+/// All controls; with bounds if there are at most two.
 fn controls(motion: &Motion<'_>) -> Panel {
     let robot = &motion.problem.robot;
     let (title, label) = names_of_controls(motion, &units::of_robot(robot, units::EFFORT));
@@ -108,39 +115,55 @@ fn controls(motion: &Motion<'_>) -> Panel {
     ("controls".into(), plot)
 }
 
-/// One control a plot, with bounds or limits; none where all of them are seen together well enough.
+/// One plot for each control, with bounds or limits; none for at most two joints.
 pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
     let robot = &motion.problem.robot;
     if robot.dof() <= 2 {
         return Vec::new();
     }
     let Trajectory { t, u, .. } = &motion.solution.trajectory;
+    let names = file_names(robot);
     let panel = |(i, curve): (usize, Curve)| {
         let joint = &robot.joints()[i];
         let (title, label) = names_of_controls(motion, units::of_joint(joint.kind, units::EFFORT));
         let mut plot = Plot::over_time(format!("{title} {}", cut(&joint.name, 30)), label).small();
         plot.curves = levels(motion, i).into_iter().chain([curve]).collect();
         plot.marks.clone_from(&motion.solution.motion.switches);
-        (format!("control_{}", i + 1), plot)
+        (format!("{CONTROL}{}", names[i]), plot)
     };
     curves(robot, t, u).into_iter().enumerate().map(panel).collect()
 }
 
-/// H* less its mean.
+/// Names of the joints with letters, digits, `-` and `_` only; the index from 0 follows where two of them are
+/// the same in lower case.
+fn file_names(robot: &Robot) -> Vec<String> {
+    let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    let names: Vec<String> =
+        robot.joints().iter().map(|joint| joint.name.chars().take(60).map(safe).collect()).collect();
+    let is_unique = |name: &str| names.iter().filter(|other| other.eq_ignore_ascii_case(name)).count() == 1;
+    let distinct = |(i, name): (usize, &String)| match is_unique(name) {
+        true => name.clone(),
+        false => format!("{name}_{i}"),
+    };
+    names.iter().enumerate().map(distinct).collect()
+}
+
+/// H* minus its mean.
 fn hamiltonian(motion: &Motion<'_>) -> Panel {
     let solution = motion.solution;
     let mean = solution.motion.hamiltonian;
-    let mut plot = Plot::over_time(format!("H* less its mean, {}", short(mean, 8)), "H* - mean (cost/s)");
+    let mut plot = Plot::over_time(format!("H* minus its mean, {}", short(mean, 8)), "H* - mean (cost/s)");
     let values = &solution.trajectory.hamiltonian;
     let points = solution.trajectory.t.iter().zip(values).map(|(&t, h)| (t, h - mean)).collect();
     plot.curves.push(Curve { name: "H* - mean".into(), color: 0, points, look: Look::Smooth });
     ("hamiltonian".into(), plot)
 }
 
-/// How far the nodes lie apart.
+/// The distance between the nodes.
 fn mesh(motion: &Motion<'_>) -> Panel {
     let t = &motion.solution.trajectory.t;
-    let mut plot = Plot::over_time(format!("Mesh: distance of {} nodes", t.len()), "to the next node (s)");
+    let mut plot =
+        Plot::over_time(format!("Mesh: distance between {} nodes", t.len()), "to the next node (s)");
     plot.logarithmic = true;
     let steps = t.windows(2).filter(|pair| pair[0] < pair[1]);
     let steps = steps.flat_map(|pair| [pair[0], pair[1]].map(|t| (t, pair[1] - pair[0])));
@@ -149,13 +172,13 @@ fn mesh(motion: &Motion<'_>) -> Panel {
     ("mesh".into(), plot)
 }
 
-/// The residual by iteration, one curve a phase and mesh.
+/// The residual of each iteration, one curve for each phase and mesh.
 pub fn residuals(iterations: &[Iteration]) -> Vec<Panel> {
     if iterations.is_empty() {
         return Vec::new();
     }
     let mut plot = Plot::over_time("Newton's method", "residual");
-    plot.x_label = "iteration, counted through";
+    plot.x_label = "iteration, over all phases";
     plot.over_time = false;
     plot.logarithmic = true;
     let mut last = None;

@@ -1,4 +1,4 @@
-//! Curves over time (or over anything), as SVG.
+//! Plots of curves as SVG.
 
 use super::numbers::{decades, range, scientific, short, ticks};
 use super::smooth;
@@ -11,7 +11,7 @@ const LEFT: f64 = 70.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 44.0;
 const RIGHT: f64 = 18.0;
-/// Height of a line of the legend, width of a letter in it, most letters.
+/// Legend: height of a line, width of a letter, most letters.
 const LINE: f64 = 17.0;
 const LETTER: f64 = 6.7;
 const LETTERS: usize = 18;
@@ -34,9 +34,9 @@ pub enum Look {
     Smooth,
     /// A line with its points.
     Dotted,
-    /// A bound, without a place in the legend.
+    /// A bound; not in the legend.
     Bound,
-    /// A limit of the robot that is not enforced, without a place in the legend.
+    /// A limit of the robot that is not enforced; not in the legend.
     Limit,
 }
 
@@ -56,16 +56,16 @@ pub struct Plot {
     pub x_label: &'static str,
     pub y_label: String,
     pub curves: Vec<Curve>,
-    /// Whether the values stand on a logarithmic axis.
+    /// Whether the y axis is logarithmic.
     pub logarithmic: bool,
-    /// Whether x is time: a cursor can run through it.
+    /// Whether x is time; the page then adds a cursor.
     pub over_time: bool,
-    /// Marked places on the x axis.
+    /// Marked values on the x axis.
     pub marks: Vec<f64>,
     size: (f64, f64),
 }
 
-/// Axes and where values stand in the picture.
+/// The mapping of values to the picture.
 struct Frame {
     x: (f64, f64),
     y: (f64, f64),
@@ -101,7 +101,7 @@ impl Plot {
         }
     }
 
-    /// The same, smaller, for many side by side.
+    /// A smaller plot, to be shown in a grid.
     pub fn small(self) -> Self {
         Self { size: SMALL, ..self }
     }
@@ -178,8 +178,8 @@ impl Plot {
         let points: Vec<_> = curve.points.iter().map(shown).collect();
         let pieces =
             points.split(Option::is_none).map(|piece| piece.iter().flatten().copied().collect::<Vec<_>>());
-        let way = if curve.look == Look::Smooth { smooth::through } else { smooth::straight };
-        let d: String = pieces.map(|piece| way(&piece)).collect();
+        let outline = if curve.look == Look::Smooth { smooth::through } else { smooth::straight };
+        let d: String = pieces.map(|piece| outline(&piece)).collect();
         let dots: String = match curve.look {
             Look::Dotted => points.iter().flatten().map(|(x, y)| dot(curve.color, *x, *y)).collect(),
             _ => String::new(),

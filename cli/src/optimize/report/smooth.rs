@@ -1,4 +1,4 @@
-//! The outlines of curves: cubic from point to point, without bumps that the points do not have.
+//! Paths of curves: cubics between the points, without overshoot.
 
 /// Straight lines.
 pub fn straight(points: &[(f64, f64)]) -> String {
@@ -7,8 +7,8 @@ pub fn straight(points: &[(f64, f64)]) -> String {
     points.iter().enumerate().map(point).collect()
 }
 
-/// Bezier curves whose slopes are those of the parabola through three points, cut back where it would overshoot;
-/// upright lines where two points have the same x.
+/// Bezier curves with the slopes of the parabola through three points, limited so that nothing overshoots;
+/// vertical lines between two points with the same x.
 pub fn through(points: &[(f64, f64)]) -> String {
     let runs = points.chunk_by(|a, b| a.0 < b.0);
     let run = |(k, run): (usize, &[(f64, f64)])| match k {
@@ -18,7 +18,7 @@ pub fn through(points: &[(f64, f64)]) -> String {
     runs.enumerate().map(run).collect()
 }
 
-/// The same for points with rising x.
+/// The same for points with increasing x.
 fn rising(points: &[(f64, f64)]) -> String {
     if points.len() < 3 {
         return straight(points);
@@ -46,7 +46,8 @@ fn rising(points: &[(f64, f64)]) -> String {
     (0..chords.len()).map(piece).fold(format!("M{x:.2} {y:.2}"), |path, piece| path + &piece)
 }
 
-/// A slope between two chords: none at an edge, at most three times the flatter chord where both rise or both fall.
+/// A slope between two chords: zero at an edge, at most three times the flatter chord if both have the same
+/// sign.
 fn limited(slope: f64, before: f64, after: f64) -> f64 {
     let (flat, steep) = (before.abs().min(after.abs()), before.abs().max(after.abs()));
     if before * after > 0.0 {

@@ -1,4 +1,4 @@
-//! What the script of the page moves the figure by.
+//! The data from which the script of the page draws the moving figure.
 
 use super::strobe::Stage;
 use super::views::dot;
@@ -6,8 +6,8 @@ use crate::optimize::kinematics::{Point, Skeleton, moved};
 use costate::robot::Robot;
 use serde_json::{Value, json};
 
-/// Width and height of the stage that can be turned.
-pub const TURNING: (f64, f64) = (460.0, 360.0);
+/// Width and height of the stage that can be rotated.
+pub const ROTATED: (f64, f64) = (460.0, 360.0);
 
 /// Points of every frame, lines, joints, stages; times in s, lengths in m.
 pub fn data(
@@ -31,12 +31,12 @@ pub fn data(
         "lines": lines.collect::<Vec<_>>(),
         "joints": joints.collect::<Vec<_>>(),
         "tips": skeleton.tips,
-        "stages": fixed.chain((stages.len() > 1).then(|| turning(film))).collect::<Vec<_>>(),
+        "stages": fixed.chain((stages.len() > 1).then(|| rotated(film))).collect::<Vec<_>>(),
     })
 }
 
-/// The stage that can be turned: a ball round all points fills it.
-fn turning(film: &[Vec<Point>]) -> Value {
+/// The stage that can be rotated: a ball around all points fills it.
+fn rotated(film: &[Vec<Point>]) -> Value {
     let points = || film.iter().flatten();
     let middle = [0, 1, 2].map(|k| {
         let (low, high) =
@@ -48,12 +48,12 @@ fn turning(film: &[Vec<Point>]) -> Value {
         dot(d, d).sqrt()
     };
     let radius = points().map(away).fold(1e-9, f64::max);
-    let scale = 0.46 * TURNING.1 / radius;
-    let origin = [0.5 * TURNING.0, 0.5 * TURNING.1];
-    json!({ "turn": [0.6, 0.35], "scale": scale, "origin": origin, "centre": middle })
+    let scale = 0.46 * ROTATED.1 / radius;
+    let origin = [0.5 * ROTATED.0, 0.5 * ROTATED.1];
+    json!({ "view": [0.6, 0.35], "scale": scale, "origin": origin, "centre": middle })
 }
 
-/// To 0.01 mm, which no screen shows.
+/// Rounded to 0.01 mm.
 fn rounded(x: f64) -> f64 {
     (x * 1e5).round() / 1e5
 }

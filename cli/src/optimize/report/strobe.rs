@@ -6,22 +6,22 @@ use super::views::{View, dot};
 use crate::optimize::kinematics::{Part, Point, Skeleton, moved};
 use costate::robot::{JointKind, Robot};
 
-/// Widest drawing, its least and greatest height, and the room for axes.
+/// Width of a drawing, its smallest and largest height, and the margins for axes.
 const WIDTH: f64 = 460.0;
 const HEIGHTS: (f64, f64) = (200.0, 400.0);
 const LEFT: f64 = 58.0;
 const TOP: f64 = 30.0;
 const RIGHT: f64 = 16.0;
 const BOTTOM: f64 = 46.0;
-/// Least distance of ticks.
+/// Smallest distance between ticks.
 const TICK: f64 = 55.0;
-/// Poses that are drawn between start and end.
+/// Number of poses between start and end.
 const BETWEEN: usize = 10;
 
-/// Where the points of a view stand in the picture.
+/// The mapping of a view to a picture.
 pub struct Stage<'a> {
     pub view: &'a View,
-    /// Units of the picture to a metre.
+    /// Picture units per metre.
     pub scale: f64,
     /// The point of the view at the lower left corner of the axes (m).
     low: [f64; 2],
@@ -49,7 +49,7 @@ impl<'a> Stage<'a> {
         let room = [WIDTH - LEFT - RIGHT, HEIGHTS.1 - TOP - BOTTOM];
         let scale = (room[0] / (high[0] - low[0])).min(room[1] / (high[1] - low[1]));
         let height = (scale * (high[1] - low[1]) + TOP + BOTTOM).max(HEIGHTS.0);
-        // What room is left over is shared by both sides.
+        // Spare room is shared between both sides.
         for (k, room) in [room[0], height - TOP - BOTTOM].into_iter().enumerate() {
             let spare = 0.5 * (room / scale - (high[k] - low[k]));
             low[k] -= spare;
@@ -96,16 +96,16 @@ impl<'a> Stage<'a> {
         svg
     }
 
-    /// The stage with the ways of the tips and an empty group for the moving figure.
+    /// The stage with the paths of the tips and an empty group for the moving figure.
     pub fn empty(&self, skeleton: &Skeleton<'_>, film: &[Vec<Point>]) -> String {
         let svg = self.open("stage", self.view.title);
-        format!("{svg}{}<g class=\"pose moving\"></g></svg>", self.ways(skeleton, film))
+        format!("{svg}{}<g class=\"pose moving\"></g></svg>", self.traces(skeleton, film))
     }
 
-    /// Poses at equal times over one another, the later the darker.
+    /// Poses at equal time steps, darker with time.
     pub fn strobe(&self, robot: &Robot, skeleton: &Skeleton<'_>, film: &[Vec<Point>]) -> String {
         let mut svg = self.open("strobe", &format!("{}: {}", cut(robot.name(), 26), self.view.title));
-        svg.push_str(&self.ways(skeleton, film));
+        svg.push_str(&self.traces(skeleton, film));
         let last = film.len().saturating_sub(1);
         let poses = BETWEEN + 2;
         for k in (1..poses - 1).chain([0, poses - 1]) {
@@ -159,13 +159,13 @@ impl<'a> Stage<'a> {
         svg + "</g>"
     }
 
-    /// The ways of the tips.
-    fn ways(&self, skeleton: &Skeleton<'_>, film: &[Vec<Point>]) -> String {
-        let way = |&tip: &usize| {
+    /// The paths of the tips.
+    fn traces(&self, skeleton: &Skeleton<'_>, film: &[Vec<Point>]) -> String {
+        let trace = |&tip: &usize| {
             let points = film.iter().map(|points| self.place(points[tip]));
             let points: Vec<_> = points.map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
-            format!("<path class=\"way\" d=\"M{}\"/>", points.join("L"))
+            format!("<path class=\"trace\" d=\"M{}\"/>", points.join("L"))
         };
-        if film.is_empty() { String::new() } else { skeleton.tips.iter().map(way).collect() }
+        if film.is_empty() { String::new() } else { skeleton.tips.iter().map(trace).collect() }
     }
 }

@@ -1,9 +1,9 @@
-//! SVG text: escaping, and pictures that stand alone.
+//! SVG text: escaping, grid lines, and figures as files.
 
-/// The colours and lines that every picture uses, in light and dark.
+/// Colours and line styles of all figures, light and dark.
 pub const STYLE: &str = include_str!("figure.css");
 
-/// Text that may stand between tags and in attributes.
+/// Text that is safe between tags and in attributes.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -28,7 +28,7 @@ pub fn cut(text: &str, most: usize) -> String {
     text.chars().take(most - 1).chain(['\u{2026}']).collect()
 }
 
-/// An upright line of a grid and the number below it.
+/// A vertical grid line and the number below it.
 pub fn upright(at: f64, (top, bottom): (f64, f64), number: &str) -> String {
     format!(
         "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
@@ -37,7 +37,7 @@ pub fn upright(at: f64, (top, bottom): (f64, f64), number: &str) -> String {
     )
 }
 
-/// A level line of a grid, of this class, and the number to its left.
+/// A horizontal grid line of this class and the number to its left.
 pub fn level(at: f64, (left, right): (f64, f64), number: &str, class: &str) -> String {
     format!(
         "<path class=\"{class}\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
@@ -59,9 +59,17 @@ pub fn axis_names((left, right): (f64, f64), (top, bottom): (f64, f64), [x, y]: 
     )
 }
 
-/// A picture of a page as a file of its own, of the size that its view box says.
+/// The background of a figure in a file of its own; figures are recognised by it.
+const BACKGROUND: &str = "<rect class=\"ground\" width=\"100%\" height=\"100%\"/>";
+
+/// Whether [`alone`] wrote this text.
+pub fn is_figure(text: &str) -> bool {
+    text.starts_with("<svg xmlns=") && text.contains(BACKGROUND)
+}
+
+/// A figure of the page as a file of its own, with the size of its view box.
 pub fn alone(picture: &str) -> String {
-    let style = format!("<style>{STYLE}</style><rect class=\"ground\" width=\"100%\" height=\"100%\"/>");
+    let style = format!("<style>{STYLE}</style>{BACKGROUND}");
     let view_box = picture.split("viewBox=\"0 0 ").nth(1).and_then(|rest| rest.split('"').next());
     let (width, height) = view_box.and_then(|size| size.split_once(' ')).unwrap_or(("100%", "100%"));
     let head = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" ");
@@ -75,16 +83,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_cannot_break_out_of_their_place() {
+    fn names_are_escaped_and_shortened() {
         assert_eq!(escaped("a<b>\"c\" & 'd'\u{7}"), "a&lt;b&gt;&quot;c&quot; &amp; &#39;d&#39; ");
         assert_eq!((cut("short", 5), cut("shoulder_lift", 6)), ("short".into(), "shoul\u{2026}".into()));
     }
 
     #[test]
-    fn a_picture_alone_has_a_name_space_and_its_style() {
+    fn a_figure_file_has_a_name_space_and_its_style() {
         let picture = alone("<svg viewBox=\"0 0 30 20.5\"><g/></svg>");
         let head = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"30\" height=\"20.5\" ";
         assert!(picture.starts_with(&format!("{head}viewBox=\"0 0 30 20.5\"><style>")), "{picture}");
         assert!(picture.ends_with("<g/></svg>\n"));
+        assert!(is_figure(&picture) && !is_figure("<svg xmlns=\"http://www.w3.org/2000/svg\"/>"));
     }
 }

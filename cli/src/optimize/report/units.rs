@@ -1,8 +1,8 @@
-//! What joints are measured in.
+//! Units of quantities of joints.
 
 use costate::robot::{JointKind, Robot};
 
-/// A quantity that belongs to a joint: its unit for a revolute and for a prismatic one.
+/// The unit of a quantity for a revolute and for a prismatic joint.
 pub type Units = [&'static str; 2];
 
 pub const POSITION: Units = ["rad", "m"];
@@ -12,7 +12,7 @@ pub const EFFORT: Units = ["N m", "N"];
 pub const POSITION_COSTATE: Units = ["cost/rad", "cost/m"];
 pub const MOMENTUM_COSTATE: Units = ["cost/(N m s)", "cost/(N s)"];
 
-/// The unit, or both where joints of both kinds are there.
+/// The unit; both units if the robot has joints of both kinds.
 pub fn of_robot(robot: &Robot, [revolute, prismatic]: Units) -> String {
     let has = |kind| robot.joints().iter().any(|joint| joint.kind == kind);
     match (has(JointKind::Revolute), has(JointKind::Prismatic)) {

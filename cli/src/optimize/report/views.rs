@@ -1,6 +1,7 @@
-//! From where a motion is looked at: at right angles where it lies in a plane, else from the side and from above.
+//! Projections: normal to the plane of a planar motion; otherwise from the side and from above.
 
 use crate::optimize::kinematics::Point;
+use crate::report::fixed;
 
 /// A projection: two unit vectors of the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +18,7 @@ const SIDE: [usize; 2] = [0, 2];
 const ABOVE: [usize; 2] = [0, 1];
 const FRONT: [usize; 2] = [1, 2];
 
-/// What is less in parts of the size of the robot is no depth.
+/// A motion is planar if its depth is at most this fraction of its size.
 const FLAT: f64 = 1e-7;
 
 pub fn dot(a: Point, b: Point) -> f64 {
@@ -37,7 +38,7 @@ fn unit(a: Point) -> Option<Point> {
     (norm > 0.0).then(|| a.map(|x| x / norm))
 }
 
-/// The views of a motion that takes these points.
+/// The views of a motion through these points.
 pub fn views(points: &[Point]) -> Vec<View> {
     let extent = |axis: Point| {
         let along = points.iter().map(|&point| dot(axis, point));
@@ -72,21 +73,21 @@ fn along(axes: [usize; 2]) -> View {
     View { name, title, right: basis(axes[0]), up: basis(axes[1]), labels: axes.map(label) }
 }
 
-/// The plane at right angles to a direction, z upwards as far as it goes.
+/// The projection along `normal`, with z as far up as possible.
 fn oblique(normal: Point) -> View {
     let steep = normal[2].abs() > 0.99;
     let towards = if steep { basis(1) } else { basis(2) };
-    let fall = dot(towards, normal);
-    let up = unit(minus(towards, normal.map(|x| x * fall))).unwrap_or(towards);
+    let component = dot(towards, normal);
+    let up = unit(minus(towards, normal.map(|x| x * component))).unwrap_or(towards);
     let right = cross(up, normal);
-    // Seen from the side where x, or else y, grows to the right.
+    // The side is chosen so that x, or else y, increases to the right.
     let leading = if right[0].abs() > 1e-9 { right[0] } else { right[1] };
     let right = if leading < 0.0 { right.map(|x| -x) } else { right };
-    let label = |a: Point| format!("along ({:.2}, {:.2}, {:.2}) (m)", a[0] + 0.0, a[1] + 0.0, a[2] + 0.0);
+    let label = |a: Point| format!("along ({}) (m)", a.map(|x| fixed(x, 2)).join(", "));
     View { name: "plane", title: "in the plane of the motion", right, up, labels: [label(right), label(up)] }
 }
 
-/// The direction at right angles to the triangle of the points that lie farthest apart.
+/// The normal of the triangle of the points that are farthest apart.
 fn normal(points: &[Point]) -> Option<Point> {
     let first = *points.first()?;
     let far = |distance: &dyn Fn(Point) -> f64| {
@@ -103,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn plane_motions_are_seen_from_where_they_are_plane() {
+    fn planar_motions_are_projected_along_their_normal() {
         let names = |points: &[Point]| views(points).iter().map(|view| view.name).collect::<Vec<_>>();
         assert_eq!(names(&[[0.0; 3], [1.0, 0.0, 0.5], [0.2, 0.0, -1.0]]), ["xz"]);
         assert_eq!(names(&[[0.0; 3], [1.0, 0.5, 0.0], [0.2, -1.0, 0.0]]), ["xy"]);

@@ -27,7 +27,7 @@ impl Estimate {
 
 /// The error from the defect of the solution in the method with one more point:
 ///
-/// $$ e = -A^{-1} \, \delta $$
+/// $$ e = -A^{-1} \thinspace \delta $$
 ///
 /// Values at the points of that method come from the collocation polynomial, improved by two Picard
 /// iterations. Its order is higher by two, so e is the error at the nodes to leading order. Between the nodes
@@ -92,7 +92,7 @@ pub(crate) fn estimate<E: Extremal>(
 }
 
 /// The absolute value of an error; infinite where it is undefined.
-fn defined(error: f64) -> f64 {
+pub(crate) fn defined(error: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error.abs() }
 }
 

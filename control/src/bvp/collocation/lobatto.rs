@@ -1,6 +1,6 @@
 //! Lobatto quadrature as a collocation method (Lobatto IIIA).
 //!
-//! $$ z(c_i) = z(0) + h \sum_j a_{ij}\, g_j, \qquad a_{ij} = \int_0^{c_i} \ell_j(c)\, dc $$
+//! $$ z(c_i) = z(0) + h \sum_j a_{ij} \thinspace g_j, \qquad a_{ij} = \int_0^{c_i} \ell_j(c) \thinspace dc $$
 //!
 //! with the Lagrange polynomials `l_j` of the points. Source: E. Hairer, G. Wanner, *Solving Ordinary
 //! Differential Equations II*, Springer 1996, section IV.5.

@@ -2,8 +2,8 @@
 //!
 //! On an interval of length h with the nodes L and R and the slopes `g_l = g(z_l)` at the s Lobatto points,
 //!
-//! $$ z_j - z_L - h \sum_l a_{jl}\, g_l = 0 \quad \text{at inner points,} $$
-//! $$ z_R - z_L - h \sum_l b_l\, g_l = 0 $$
+//! $$ z_j - z_L - h \sum_l a_{jl} \thinspace g_l = 0 \quad \text{at inner points,} $$
+//! $$ z_R - z_L - h \sum_l b_l \thinspace g_l = 0 $$
 //!
 //! (Lobatto IIIA, order 2s - 2), and the conditions at the ends and at switches. Source: E. Hairer, G.
 //! Wanner, *Solving Ordinary Differential Equations II*, Springer 1996, section IV.5; for boundary-value

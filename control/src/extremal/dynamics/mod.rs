@@ -55,7 +55,7 @@ use costate::matrix::add_scaled;
 /// let (start, end) = (EndState::fixed(&[0.0, 0.0]), EndState::fixed(&[1.0, 0.0]));
 /// let problem = DynamicsProblem::new(start, end, FinalTime::Fixed(1.0), 1);
 /// let mut extremal = DynamicsExtremal::new(Automatic::<Cart>::new(Cart), &problem)?;
-/// let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
+/// let motion = solve_dynamics(&mut extremal, &SolverOptions::default()).motion;
 /// assert!(motion.status.is_converged() && (motion.cost - 6.0).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -155,8 +155,9 @@ impl DynamicsProblem {
         if let Some(Bounds { u_min, u_max }) = &self.bounds {
             length("bounds.u_min", u_min.len(), controls)?;
             length("bounds.u_max", u_max.len(), controls)?;
-            // Also false for NaN.
-            if let Some((&value, _)) = u_min.iter().zip(u_max).find(|(low, high)| !(low < high)) {
+            if let Some((&value, _)) =
+                u_min.iter().zip(u_max).find(|(low, high)| low >= high || low.is_nan() || high.is_nan())
+            {
                 let range = "must be less than bounds.u_max";
                 return Err(Error::OutOfRange { field: "bounds.u_min", value, range });
             }

@@ -3,6 +3,7 @@
 use crate::problem::error::ProblemError;
 use crate::problem::file::error::{ProblemFileCause, ProblemFileError};
 use crate::problem::key::Key;
+use costate::robot::printable;
 use std::ops::Range;
 use std::path::Path;
 use std::string::FromUtf8Error;
@@ -49,6 +50,9 @@ fn full_key(text: &str, place: Range<usize>) -> String {
     header.map_or_else(|| name.into(), |table| format!("{table}.{name}"))
 }
 
+/// Longest text (bytes). Reading one takes up to a hundred times as much memory; ten lists of 10 000 numbers fit.
+pub(crate) const MOST_BYTES: usize = 1 << 20;
+
 /// The whole text.
 pub(crate) struct Document<'t> {
     text: &'t str,
@@ -57,6 +61,9 @@ pub(crate) struct Document<'t> {
 
 impl<'t> Document<'t> {
     pub fn parse(text: &'t str) -> Result<Self, Fault> {
+        if text.len() > MOST_BYTES {
+            return Err(ProblemFileCause::TooLong { most: MOST_BYTES }.into());
+        }
         let root = DeTable::parse(text).map_err(|error| {
             let line = error.span().map(|span| line_at(text.as_bytes(), span.start));
             match error.span() {
@@ -224,9 +231,9 @@ pub(super) fn string(value: &DeValue<'_>) -> Option<String> {
 /// A value in an error.
 fn describe(value: &DeValue<'_>) -> String {
     match value {
-        DeValue::String(text) => format!("the string {text:?}"),
-        DeValue::Integer(whole) => format!("{whole}"),
-        DeValue::Float(float) => format!("{float}"),
+        DeValue::String(text) => format!("the string \"{}\"", printable(text)),
+        DeValue::Integer(whole) => printable(&whole.to_string()).to_string(),
+        DeValue::Float(float) => printable(&float.to_string()).to_string(),
         DeValue::Boolean(flag) => format!("{flag}"),
         DeValue::Datetime(_) => "a date".into(),
         DeValue::Array(_) => "a list".into(),
@@ -268,5 +275,20 @@ mod tests {
             fault.in_file(None).to_string(),
             "problem:2: the text is not UTF-8; save the file as UTF-8"
         );
+    }
+
+    #[test]
+    fn long_texts_are_refused_and_long_or_hidden_values_are_cut() {
+        let message = |text: &str| match Document::parse(text) {
+            Ok(document) => document.root().number("a").err().map(|fault| fault.in_file(None).to_string()),
+            Err(fault) => Some(fault.in_file(None).to_string()),
+        };
+        let long = message(&" ".repeat(MOST_BYTES + 1));
+        assert!(long.as_ref().is_some_and(|message| message.contains("more than 1048576 bytes")), "{long:?}");
+        assert_eq!(message(&" ".repeat(MOST_BYTES)), None);
+        let found = message("a = \"\\u001b\\u202e\"\n").unwrap();
+        assert_eq!(found, r#"problem:1: a: give a number, not the string "\u{1b}\u{202e}""#);
+        assert!(message(&format!("a = \"{}\"\n", "x".repeat(5000))).unwrap().len() < 200);
+        assert!(message(&format!("{0} = 1\n{0} = 2\n", "x".repeat(5000))).unwrap().len() < 200);
     }
 }

@@ -1,7 +1,7 @@
 //! Errors of problem files.
 
 use crate::problem::error::ProblemError;
-use costate::robot::RobotError;
+use costate::robot::{RobotError, printable};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +33,11 @@ pub enum ProblemFileCause {
     Unreadable(std::io::Error),
     /// The file is not UTF-8.
     NotUtf8,
+    /// The text is too long.
+    TooLong {
+        /// Most bytes.
+        most: usize,
+    },
     /// The text is not TOML.
     Syntax(String),
     /// A key that stands twice in its table.
@@ -76,7 +81,7 @@ impl fmt::Display for ProblemFileError {
             write!(f, ":{line}")?;
         }
         if let Some(key) = &self.key {
-            write!(f, ": {key}")?;
+            write!(f, ": {}", printable(key))?;
         }
         write!(f, ": {}", self.cause)
     }
@@ -87,12 +92,17 @@ impl fmt::Display for ProblemFileCause {
         match self {
             Self::Unreadable(error) => write!(f, "cannot be read ({error}); check the path"),
             Self::NotUtf8 => f.write_str("the text is not UTF-8; save the file as UTF-8"),
+            Self::TooLong { most } => {
+                write!(f, "has more than {most} bytes, the most that a problem file may have; shorten it")
+            }
             Self::Syntax(message) => write!(f, "not TOML: {message}"),
             Self::DuplicateKey => f.write_str("duplicate key; remove one of the two"),
             Self::UnknownKey { known } => write!(f, "unknown key; the keys here are {}", list(known)),
             Self::MissingKey => f.write_str("missing; add it"),
             Self::WrongType { expected, found } => write!(f, "give {expected}, not {found}"),
-            Self::UnknownValue { found, known } => write!(f, "`{found}` is unknown; give {}", list(known)),
+            Self::UnknownValue { found, known } => {
+                write!(f, "`{}` is unknown; give {}", printable(found), list(known))
+            }
             Self::Conflict(message) => f.write_str(message),
             Self::Robot(error) => write!(f, "{error}"),
             Self::Problem(error) => f.write_str(&error.reason()),

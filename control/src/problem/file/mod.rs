@@ -8,10 +8,12 @@ pub use error::{ProblemFileCause, ProblemFileError};
 
 use crate::options::SolverOptions;
 use crate::problem::Problem;
-use crate::problem::file::document::{Document, Fault};
+use crate::problem::file::document::{Document, Fault, MOST_BYTES};
 use crate::problem::key::Key;
 use costate::robot::{LoadOptions, Robot};
 use std::error::Error;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A problem file and the robot that it names.
@@ -22,7 +24,7 @@ use std::path::{Path, PathBuf};
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let file = ProblemFile::read("examples/problems/pendulum_swing_up.toml", LoadOptions::default())?;
 /// let solution = Solver::new(&file.problem, file.options.clone())?.solve();
-/// assert!(solution.status.is_converged());
+/// assert!(solution.motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -32,6 +34,8 @@ pub struct ProblemFile {
     pub problem: Problem,
     /// The options of the table `[solver]`, in range.
     pub options: SolverOptions,
+    /// The robot file, relative paths resolved.
+    pub robot_path: PathBuf,
     /// The saved motion of `[start_from]`, relative paths resolved.
     pub start_from: Option<PathBuf>,
     /// The text of the file.
@@ -43,12 +47,18 @@ impl ProblemFile {
     /// Reads a problem file and the robot that it names. Paths in the file are relative to its folder.
     ///
     /// # Errors
-    /// A file that cannot be read, text that is not TOML, an unknown or missing key, a value of the wrong
-    /// type, an invalid robot or problem.
+    /// A file that cannot be read, text of more than 1 MiB, text that is not TOML, an unknown or missing key, a value of the
+    /// wrong type, an invalid robot or problem.
     pub fn read(path: impl AsRef<Path>, load: LoadOptions) -> Result<Self, ProblemFileError> {
         let path = path.as_ref();
         let at = |fault: Fault| fault.in_file(Some(path));
-        let bytes = std::fs::read(path).map_err(|error| at(ProblemFileCause::Unreadable(error).into()))?;
+        let mut bytes = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
+            .map_err(|error| at(ProblemFileCause::Unreadable(error).into()))?;
+        if bytes.len() > MOST_BYTES {
+            return Err(at(ProblemFileCause::TooLong { most: MOST_BYTES }.into()));
+        }
         let text = String::from_utf8(bytes).map_err(|error| at(document::not_utf8(&error)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, folder, load, Some(path)).map_err(at)
@@ -70,7 +80,8 @@ impl ProblemFile {
         let document = Document::parse(text)?;
         let root = document.root();
         let tables = tables::read(&root)?;
-        let robot = Robot::from_file_with(folder.join(&tables.robot), load)
+        let robot_path = folder.join(&tables.robot);
+        let robot = Robot::from_file_with(&robot_path, load)
             .map_err(|error| root.fault("robot", ProblemFileCause::Robot(error)))?;
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
@@ -79,6 +90,7 @@ impl ProblemFile {
         Ok(Self {
             problem,
             options: tables.options,
+            robot_path,
             start_from: tables.start_from.map(|file| folder.join(file)),
             text: text.into(),
             path: path.map(Path::to_path_buf),

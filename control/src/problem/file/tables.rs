@@ -7,6 +7,7 @@ use crate::problem::file::error::ProblemFileCause;
 use crate::problem::key::Key;
 use crate::problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
 use costate::robot::Robot;
+use std::time::Duration;
 
 const ROOT: &[&str] =
     &["robot", "start", "end", "time", "cost", "actuation", "bounds", "penalty", "start_from", "solver"];
@@ -17,7 +18,8 @@ const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
-const SOLVER: &[&str] = &["starts", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates"];
+const SOLVER: &[&str] =
+    &["starts", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates", "time_limit"];
 
 const JACOBIANS: [(&str, JacobianRoute); 3] = [
     ("exact", JacobianRoute::Exact),
@@ -150,7 +152,18 @@ fn options(table: &Table<'_>) -> Result<SolverOptions, Fault> {
         jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
         method: table.choice("method", &METHODS)?.unwrap_or(defaults.method),
         coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
+        time_limit: time_limit(table)?,
         ..defaults
+    })
+}
+
+/// A time limit, in seconds. [`SolverOptions::check`] refuses zero.
+fn time_limit(table: &Table<'_>) -> Result<Option<Duration>, Fault> {
+    let Some(value) = table.number("time_limit")? else { return Ok(None) };
+    Duration::try_from_secs_f64(value).map(Some).map_err(|_| {
+        let remedy = "must be a positive number of seconds";
+        let error = ProblemError::BadOption { key: "time_limit", value, remedy };
+        table.fault("time_limit", ProblemFileCause::Problem(error))
     })
 }
 

@@ -1,6 +1,6 @@
 //! The table of operations: the same at every state, and in order.
 
-use costate::derivative::{Extent, OperationTable};
+use costate::derivative::OperationTable;
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
 use costate::scalar::Constants::{Folded, Kept};
 use nalgebra::Matrix3;
@@ -63,18 +63,4 @@ fn rows_are_found_by_name() {
     assert_eq!(table.get("f_x", "by magic"), None);
     assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
     assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
-}
-
-#[test]
-fn what_is_not_counted_is_missing_and_the_rest_is_the_same() {
-    let robot = robot();
-    let all = OperationTable::new(&robot, Folded).unwrap();
-    for (extent, rows) in [(Extent::ByHand, 12), (Extent::Matrices, 7)] {
-        let some = OperationTable::counted(&robot, Folded, extent).unwrap();
-        assert_eq!(some.rows().count(), rows);
-        for row in some.rows() {
-            assert_eq!(all.get(row.quantity, row.route), Some(row.operations));
-        }
-        assert_eq!(some.get("f_x", "hyperdual"), None);
-    }
 }

@@ -1,0 +1,106 @@
+//! The files that `costate optimize` writes: report, figures, saved solution.
+
+use super::{Arguments, report};
+use crate::output::{Output, OutputFolder, is_standard};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Outputs that were checked before the problem is solved.
+pub struct Outputs {
+    report: Option<Output>,
+    figures: Option<Figures>,
+    saved: Option<Output>,
+    /// Whether one of them goes to standard output.
+    standard: bool,
+}
+
+/// A folder of figures.
+struct Figures {
+    path: PathBuf,
+    folder: OutputFolder,
+    inputs: Vec<PathBuf>,
+}
+
+impl Outputs {
+    /// Checks that every output can be written and that none of them is an input or another output.
+    ///
+    /// # Errors
+    /// A message that names the path.
+    pub fn prepare(arguments: &Arguments, inputs: &[PathBuf]) -> Result<Self, String> {
+        let files = [&arguments.output, &arguments.save];
+        let standard = files.into_iter().flatten().filter(|path| is_standard(path)).count();
+        if standard + usize::from(arguments.json) > 1 {
+            return Err("only one of --json, -o - and --save - can use standard output".into());
+        }
+        if let (Some(report), Some(saved)) = (&arguments.output, &arguments.save)
+            && report == saved
+        {
+            return Err(format!("{}: is the file of both -o and --save; choose two files", report.display()));
+        }
+        let all: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let prepare =
+            |path: &Option<PathBuf>| path.as_ref().map(|path| Output::prepare(path, &all)).transpose();
+        let folder = |path: &PathBuf| -> Result<Figures, String> {
+            Ok(Figures { path: path.clone(), folder: OutputFolder::prepare(path)?, inputs: inputs.to_vec() })
+        };
+        Ok(Self {
+            report: prepare(&arguments.output)?,
+            saved: prepare(&arguments.save)?,
+            figures: arguments.svg.as_ref().map(folder).transpose()?,
+            standard: standard > 0,
+        })
+    }
+
+    /// Whether the report or the saved solution goes to standard output.
+    pub fn use_standard_output(&self) -> bool {
+        self.standard
+    }
+
+    /// Writes all outputs, the solution first.
+    ///
+    /// # Errors
+    /// A message that names the path.
+    pub fn write(&self, motion: &report::Motion<'_>) -> Result<(), Box<dyn Error>> {
+        if let Some(saved) = &self.saved {
+            saved.write(&serde_json::to_string(motion.solution)?)?;
+        }
+        if let Some(page) = &self.report {
+            page.write(&report::page(motion))?;
+        }
+        if let Some(figures) = &self.figures {
+            figures.write(&report::files(motion))?;
+        }
+        Ok(())
+    }
+}
+
+impl Figures {
+    fn write(&self, files: &[(String, String)]) -> Result<(), Box<dyn Error>> {
+        let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
+        for (name, text) in files {
+            self.folder.file(name, &inputs)?.write(text)?;
+        }
+        self.remove_stale(files).map_err(|error| {
+            format!("{}: figures of an earlier run cannot be removed ({error})", self.path.display()).into()
+        })
+    }
+
+    /// Removes the figures of an earlier run that this one does not have: files with the name of a figure
+    /// and the text of one. Everything else stays.
+    fn remove_stale(&self, files: &[(String, String)]) -> std::io::Result<()> {
+        for entry in std::fs::read_dir(&self.path)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            let Some(name) = name.to_str() else { continue };
+            let is_new = files.iter().any(|(file, _)| file == name);
+            if !is_new && entry.file_type()?.is_file() && report::is_name_of_figure(name) {
+                let is_figure =
+                    std::fs::read_to_string(entry.path()).is_ok_and(|text| report::is_figure(&text));
+                if is_figure {
+                    std::fs::remove_file(entry.path())?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
