@@ -64,22 +64,55 @@ pub enum Constants {
     Kept,
 }
 
-/// The running count of a thread, and its mode.
-#[derive(Clone, Copy)]
+/// The kinds of [`Operations`].
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Mul,
+    Add,
+    Div,
+    Sqrt,
+    SinCos,
+    Exp,
+    Less,
+    Other,
+}
+
+/// The running count of a thread by [`Kind`], and its mode.
 struct Tally {
-    operations: Operations,
-    constants: Constants,
+    counts: [Cell<u64>; 8],
+    constants: Cell<Constants>,
 }
 
 impl Tally {
-    const fn new(constants: Constants) -> Self {
-        let none = Operations { mul: 0, add: 0, div: 0, sqrt: 0, sincos: 0, exp: 0, less: 0, other: 0 };
-        Self { operations: none, constants }
+    const fn new() -> Self {
+        Self { counts: [const { Cell::new(0) }; 8], constants: Cell::new(Constants::Folded) }
+    }
+
+    fn operations(&self) -> Operations {
+        let of = |kind: Kind| self.counts[kind as usize].get();
+        Operations {
+            mul: of(Kind::Mul),
+            add: of(Kind::Add),
+            div: of(Kind::Div),
+            sqrt: of(Kind::Sqrt),
+            sincos: of(Kind::SinCos),
+            exp: of(Kind::Exp),
+            less: of(Kind::Less),
+            other: of(Kind::Other),
+        }
+    }
+
+    /// Exchanges counts and mode with those of this thread.
+    fn swap(&self) {
+        TALLY.with(|tally| {
+            self.counts.iter().zip(&tally.counts).for_each(|(ours, theirs)| ours.swap(theirs));
+            self.constants.swap(&tally.constants);
+        });
     }
 }
 
 thread_local! {
-    static TALLY: Cell<Tally> = const { Cell::new(Tally::new(Constants::Folded)) };
+    static TALLY: Tally = const { Tally::new() };
 }
 
 /// Restores the outer tally, also after a panic.
@@ -87,7 +120,7 @@ struct Surroundings(Tally);
 
 impl Drop for Surroundings {
     fn drop(&mut self) {
-        TALLY.set(self.0);
+        self.0.swap();
     }
 }
 
@@ -114,25 +147,29 @@ pub fn count<R>(work: impl FnOnce() -> R) -> (R, Operations) {
 /// assert_eq!((operations.mul, operations.add), (2, 2));
 /// ```
 pub fn count_with<R>(constants: Constants, work: impl FnOnce() -> R) -> (R, Operations) {
-    let surroundings = Surroundings(TALLY.replace(Tally::new(constants)));
+    let surroundings = Surroundings(Tally::new());
+    surroundings.0.constants.set(constants);
+    surroundings.0.swap();
     let result = work();
-    let counted = TALLY.get().operations;
+    let counted = TALLY.with(Tally::operations);
     drop(surroundings);
     (result, counted)
 }
 
 /// Counts an operation; if its result is `known` beforehand, only with constants kept.
-fn tally(known: bool, update: impl FnOnce(&mut Operations)) {
-    let mut tally = TALLY.get();
-    if !known || tally.constants == Constants::Kept {
-        update(&mut tally.operations);
-        TALLY.set(tally);
-    }
+#[inline]
+fn tally(known: bool, kind: Kind) {
+    TALLY.with(|tally| {
+        if !known || tally.constants.get() == Constants::Kept {
+            let count = &tally.counts[kind as usize];
+            count.set(count.get() + 1);
+        }
+    });
 }
 
 /// Whether constants are currently folded.
 fn folds() -> bool {
-    TALLY.get().constants == Constants::Folded
+    TALLY.with(|tally| tally.constants.get() == Constants::Folded)
 }
 
 #[cfg(test)]

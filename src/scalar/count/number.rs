@@ -1,6 +1,6 @@
 //! The counting number and its arithmetic, with the rounding error of each operation.
 
-use super::{Operations, tally};
+use super::{Kind, tally};
 use crate::scalar::number::Scalar;
 use crate::scalar::real::real_tanh_and_slope;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -81,7 +81,7 @@ impl Count {
     }
 
     /// A function of this number alone, by its value and slope.
-    pub(super) fn function(self, value: f64, slope: f64, kind: impl FnOnce(&mut Operations)) -> Self {
+    pub(super) fn function(self, value: f64, slope: f64, kind: Kind) -> Self {
         tally(self.constant, kind);
         self.through(value, slope)
     }
@@ -118,7 +118,7 @@ impl Add for Count {
     #[inline(never)]
     fn add(self, other: Self) -> Self {
         let constant = self.constant && other.constant;
-        tally(constant || self.is(0.0) || other.is(0.0), |o| o.add += 1);
+        tally(constant || self.is(0.0) || other.is(0.0), Kind::Add);
         let value = self.value + other.value;
         let exact = self.is_exactly_zero() || other.is_exactly_zero();
         let own = if exact { 0.0 } else { value * value };
@@ -145,7 +145,7 @@ impl Mul for Count {
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let constant = self.constant && other.constant;
-        tally(constant || self.is_trivial_factor() || other.is_trivial_factor(), |o| o.mul += 1);
+        tally(constant || self.is_trivial_factor() || other.is_trivial_factor(), Kind::Mul);
         if self.is(0.0) || other.is(0.0) {
             return Self::constant(0.0);
         }
@@ -160,9 +160,9 @@ impl Div for Count {
         let constant = self.constant && other.constant;
         let free = constant || self.is(0.0) || other.is(1.0) || other.is(-1.0);
         if other.constant && !free && super::folds() {
-            tally(false, |o| o.mul += 1);
+            tally(false, Kind::Mul);
         } else {
-            tally(free, |o| o.div += 1);
+            tally(free, Kind::Div);
         }
         if self.is(0.0) {
             return self;
@@ -212,30 +212,30 @@ impl Scalar for Count {
     #[inline(never)]
     fn recip(self) -> Self {
         let value = 1.0 / self.value;
-        self.function(value, value * value, |o| o.div += 1)
+        self.function(value, value * value, Kind::Div)
     }
     fn sqrt(self) -> Self {
         let value = self.value.sqrt();
-        self.function(value, 0.5 / value, |o| o.sqrt += 1)
+        self.function(value, 0.5 / value, Kind::Sqrt)
     }
     #[inline(never)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
-        (self.function(sin, cos, |o| o.sincos += 1), self.through(cos, sin))
+        (self.function(sin, cos, Kind::SinCos), self.through(cos, sin))
     }
     fn exp(self) -> Self {
         let value = self.value.exp();
-        self.function(value, value, |o| o.exp += 1)
+        self.function(value, value, Kind::Exp)
     }
     fn exp_m1(self) -> Self {
-        self.function(self.value.exp_m1(), self.value.exp(), |o| o.exp += 1)
+        self.function(self.value.exp_m1(), self.value.exp(), Kind::Exp)
     }
     fn tanh_and_slope(self) -> (Self, Self) {
         real_tanh_and_slope(self)
     }
     #[inline(never)]
     fn less(self, other: Self) -> bool {
-        tally(self.constant && other.constant, |o| o.less += 1);
+        tally(self.constant && other.constant, Kind::Less);
         self.value < other.value
     }
     fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
