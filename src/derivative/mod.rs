@@ -35,6 +35,7 @@ pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
 pub use operations::{OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
+pub(crate) use reference::rounded_once;
 pub use report::{Figure, StateReport, Verdict, largest, relative_difference, worse};
 pub use routes::Routes;
 pub(crate) use routes::scales;

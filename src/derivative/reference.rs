@@ -6,6 +6,7 @@
 use super::called::ByCalls;
 use super::function::{DerivativeError, Function};
 use super::methods::State;
+use super::row::matrix;
 use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
@@ -27,6 +28,28 @@ pub(super) struct Reference<S> {
     pub nested_y_a_zz: Matrix<S>,
     /// H_x without friction, 2n.
     pub energy_gradient: Vec<S>,
+}
+
+impl Reference<f64> {
+    /// With one rounding of each entry for its error: no less than this.
+    pub fn rounded_once(&self) -> Reference<Count> {
+        Reference {
+            f_x: rounded_once(&self.f_x),
+            y_f_xx: rounded_once(&self.y_f_xx),
+            a_z: rounded_once(&self.a_z),
+            y_a_zz: rounded_once(&self.y_a_zz),
+            dual_f_x: rounded_once(&self.dual_f_x),
+            nested_y_f_xx: rounded_once(&self.nested_y_f_xx),
+            dual_a_z: rounded_once(&self.dual_a_z),
+            nested_y_a_zz: rounded_once(&self.nested_y_a_zz),
+            energy_gradient: self.energy_gradient.iter().map(|&value| Count::rounded(value)).collect(),
+        }
+    }
+}
+
+/// See [`Count::rounded`].
+pub(crate) fn rounded_once(a: &Matrix<f64>) -> Matrix<Count> {
+    matrix(a.rows(), a.columns(), |i, j| Count::rounded(a[(i, j)]))
 }
 
 /// H(q, p) as a function of 2n inputs.

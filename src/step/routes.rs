@@ -8,7 +8,7 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Called, Figure, InnerNumber, Judged, Row, Verdict, scales};
+use crate::derivative::{Called, Figure, InnerNumber, Judged, Row, Verdict, rounded_once, scales};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
@@ -68,7 +68,7 @@ impl StepRoutes {
         y: &[f64],
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<EvalError>> {
-        let (rows, d) = self.rows(x, u, h, y)?;
+        let (rows, d) = self.rows([x, u, y], h, false)?;
         figures.extend(rows.iter().map(|row| row.judge(&d)));
         Ok(())
     }
@@ -87,7 +87,7 @@ impl StepRoutes {
         y: &[f64],
         change: f64,
     ) -> Result<Vec<[&'static str; 2]>, StepError<EvalError>> {
-        let (rows, d) = self.rows(x, u, h, y)?;
+        let (rows, d) = self.rows([x, u, y], h, true)?;
         Ok(rows.iter().filter(|row| !row.detects(change, &d)).map(|row| row.row.name).collect())
     }
 
@@ -95,10 +95,9 @@ impl StepRoutes {
     #[inline]
     fn rows(
         &mut self,
-        x: &[f64],
-        u: &[f64],
+        [x, u, y]: [&[f64]; 3],
         h: f64,
-        y: &[f64],
+        propagate: bool,
     ) -> Result<(Vec<Judged>, Vec<f64>), StepError<EvalError>> {
         let n = self.momenta.dof();
         check([2 * n, n], [x, u], h, Some(y))?;
@@ -106,10 +105,10 @@ impl StepRoutes {
         let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
         let d = scales(&self.momenta.mass_matrix(q)?.view().to_nalgebra());
         let mut found = Vec::new();
-        found.extend(self.runge_kutta.rows([x, u, y], h, &d)?);
-        found.extend(self.verlet.rows([x, u, y], h, &d)?);
-        found.extend(self.midpoint.rows([x, u, y], h, &d)?);
-        found.extend(self.semi_implicit.rows([&in_velocities, u, y], h, &d)?);
+        found.extend(self.runge_kutta.rows([x, u, y], h, &d, propagate)?);
+        found.extend(self.verlet.rows([x, u, y], h, &d, propagate)?);
+        found.extend(self.midpoint.rows([x, u, y], h, &d, propagate)?);
+        found.extend(self.semi_implicit.rows([&in_velocities, u, y], h, &d, propagate)?);
         found.sort_by_key(|judged| judged.row.name[0]);
         Ok((found, d))
     }
@@ -139,37 +138,45 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         }
     }
 
+    /// The rows with their rounding errors; those of the reference are propagated where one rounding is not enough, see
+    /// [`Routes`](crate::derivative::Routes).
     #[inline]
     fn rows(
         &mut self,
         [x, u, y]: [&[f64]; 3],
         h: f64,
         d: &[f64],
+        propagate: bool,
     ) -> Result<Vec<Judged>, StepError<F::Error>> {
         let names = (self.name, self.scales);
-        let rows = compare(names, (&mut self.step, &mut self.reference), [x, u, y], h)?;
+        let reference = evaluate(&mut self.reference, [x, u, y], h)?;
+        let rows = compare(names, &mut self.step, &reference, [x, u, y], h)?;
         let exact = |values: &[f64]| values.iter().map(|&value| Count::variable(value)).collect::<Vec<_>>();
-        let steps = (&mut self.rounded_step, &mut self.rounded_reference);
-        let rounded = compare(names, steps, [&exact(x), &exact(u), &exact(y)], Count::variable(h))?;
-        let mut rows: Vec<_> =
-            rows.into_iter().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect();
+        let (x, u, y, h) = (&exact(x)[..], &exact(u)[..], &exact(y)[..], Count::variable(h));
+        let mut judged = |reference| -> Result<Vec<_>, StepError<F::Error>> {
+            let rounded = compare(names, &mut self.rounded_step, &reference, [x, u, y], h)?;
+            Ok(rows.iter().cloned().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect())
+        };
+        let mut found = judged(reference.map(|part| rounded_once(&part)))?;
+        if propagate || !found.iter().all(|row| row.judge(d).verdict(1.0) == Verdict::Agrees) {
+            found = judged(evaluate(&mut self.rounded_reference, [x, u, y], h)?)?;
+        }
         // Hyper-dual numbers take two more iterations: their value is solved to rounding.
-        let value = rows.remove(0).judge(d);
+        let value = found.remove(0).judge(d);
         if value.verdict(1.0) == Verdict::Differs {
             return Err(StepError::Inaccurate { scheme: self.name, difference: value.difference });
         }
-        Ok(rows)
+        Ok(found)
     }
 }
 
-/// Phi, Phi_z and `y'Phi_zz d` by a step and through the reference, over one number type.
+/// Phi, Phi_z and `y'Phi_zz d` by hyper-dual numbers over one number type.
 #[inline]
-fn compare<S: InnerNumber, E: std::error::Error>(
-    (name, [state, dual, dual_with_h]): (&'static str, [&'static [i8]; 3]),
-    (step, reference): (&mut impl Step<S, Error = E>, &mut impl Step<Called<HyperDual<S>>, Error = E>),
+fn evaluate<S: InnerNumber, E: std::error::Error>(
+    reference: &mut impl Step<Called<HyperDual<S>>, Error = E>,
     [x, u, y]: [&[S]; 3],
     h: S,
-) -> Result<[Row<S>; 3], E> {
+) -> Result<[Matrix<S>; 3], E> {
     let (states, inputs) = (x.len(), x.len() + u.len() + 1);
     let (zero, one): (S, S) = (Scalar::zero(), Scalar::one());
     let direction = [y, u, &[zero]].concat();
@@ -191,10 +198,22 @@ fn compare<S: InnerNumber, E: std::error::Error>(
             product[(0, j)] = sum;
         }
     }
+    Ok([phi, phi_z, product])
+}
+
+/// Phi, Phi_z and `y'Phi_zz d` by a step, compared with the reference.
+#[inline]
+fn compare<S: Scalar, E: std::error::Error>(
+    (name, [state, dual, dual_with_h]): (&'static str, [&'static [i8]; 3]),
+    step: &mut impl Step<S, Error = E>,
+    [phi, phi_z, product]: &[Matrix<S>; 3],
+    [x, u, y]: [&[S]; 3],
+    h: S,
+) -> Result<[Row<S>; 3], E> {
     let found = step.contract(x, u, h, y)?;
     let (value, first) = (Matrix::from_rows(1, found.first.next), jacobian(&found));
-    let mut by_hand = Matrix::zeros(1, inputs - 1);
-    let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(states);
+    let mut by_hand = Matrix::zeros(1, x.len() + u.len());
+    let (in_x, in_u) = by_hand.row_mut(0).split_at_mut(x.len());
     found.times([y, u], [in_x, in_u]);
     Ok([
         Row::new(["Phi", name], value.view(), phi.view(), [state, &[0]]),

@@ -62,6 +62,7 @@ pub(super) fn print(
         above = row.named.quantity;
         let parts = |figure: &Figure| match figure.verdict(arguments.tolerance) {
             Verdict::NotComparable => ["-".into(), scientific(figure.bound), "-".into()],
+            _ if figure.difference == 0.0 => ["0".into(), "-".into(), "0".into()],
             _ => [figure.difference, figure.bound, figure.ratio()].map(scientific),
         };
         let none = || ["-".into(), "-".into(), "-".into()];
@@ -80,8 +81,8 @@ pub(super) fn print(
         "",
         "The reference is hyper-dual numbers through F, a and Phi. Each row shows the block (q or p by q or p)",
         "closest to its bound; difference and bound are relative to the largest entry of that block. The bound is",
-        "32 standard deviations of the rounding error of both methods, propagated through every operation",
-        "(docs/check.md); ratio = difference / bound.\n",
+        "32 standard deviations of the rounding error, propagated through every operation (docs/check.md);",
+        "ratio = difference / bound.\n",
     ] {
         writeln!(out, "{}", format!("  {line}").trim_end())?;
     }

@@ -38,6 +38,11 @@ impl Count {
         Self { value, variance: 0.0, constant: false }
     }
 
+    /// A variable that was rounded once: its error has the standard deviation `u |value|`.
+    pub fn rounded(value: f64) -> Self {
+        Self { value, variance: value * value, constant: false }
+    }
+
     /// The value.
     pub fn value(self) -> f64 {
         self.value
