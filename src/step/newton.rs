@@ -95,16 +95,20 @@ impl<S: Scalar> Newton<S> {
 
     /// The number of remaining iterations, or `None` if the last correction is still large.
     ///
-    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of the largest entry of its
-    /// half. For a state at rest this scale is zero, and corrections are rounding errors of balanced forces:
-    /// below `512 eps` one more iteration is made, for states that are small only in their units.
+    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. One more where
+    /// it is that small only relative to the largest entry of its half, as for the momenta of light joints
+    /// beside heavy ones; and where it is below `512 eps`, as for a state at rest, whose corrections are
+    /// rounding errors of balanced forces.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();
-        if self.is_below(implicit, x, |size| size.times(S::EPSILON.sqrt() / 64.0)) {
+        let small = |size: S| size.times(S::EPSILON.sqrt() / 64.0);
+        let mut entries = implicit.range.clone();
+        if entries.all(|k| S::all(self.change[k].abs().less(small(x[k].abs())))) {
             return Some(for_derivatives);
         }
-        let is_tiny = self.is_below(implicit, x, |_| S::from_f64(512.0 * S::EPSILON));
-        is_tiny.then_some(for_derivatives + 1)
+        let is_solved = self.is_below(implicit, x, small)
+            || self.is_below(implicit, x, |_| S::from_f64(512.0 * S::EPSILON));
+        is_solved.then_some(for_derivatives + 1)
     }
 
     /// The smallest power of ten above the last correction, relative to the largest of its half and 1.
