@@ -63,9 +63,11 @@ impl<S: Scalar> Newton<S> {
             }
             self.iterate(model, implicit, x, u, h)?;
             iterations += 1;
-            left = match left {
-                Some(left) => Some(left - 1),
-                None => self.left(implicit, x),
+            let found = if S::CHECKED { self.left(implicit, x) } else { None };
+            left = match (left, found) {
+                (Some(left), Some(found)) => Some(found.min(left - 1)),
+                (Some(left), None) => Some(left - 1),
+                (None, found) => found,
             };
         }
         self.iterations += iterations;
@@ -95,10 +97,10 @@ impl<S: Scalar> Newton<S> {
 
     /// The number of remaining iterations, or `None` if the last correction is still large.
     ///
-    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. One more where
-    /// it is that small only relative to the largest entry of its half, as for the momenta of light joints
-    /// beside heavy ones; and where it is below `512 eps`, as for a state at rest, whose corrections are
-    /// rounding errors of balanced forces.
+    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. One or two
+    /// more where it is that small only relative to the largest entry of its half, as for the momenta of light
+    /// joints beside heavy ones; one more where it is below `512 eps`, as for a state at rest, whose
+    /// corrections are rounding errors of balanced forces.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();
         let small = |size: S| size.times(S::EPSILON.sqrt() / 64.0);
@@ -106,9 +108,11 @@ impl<S: Scalar> Newton<S> {
         if entries.all(|k| S::all(self.change[k].abs().less(small(x[k].abs())))) {
             return Some(for_derivatives);
         }
-        let is_solved = self.is_below(implicit, x, small)
-            || self.is_below(implicit, x, |_| S::from_f64(512.0 * S::EPSILON));
-        is_solved.then_some(for_derivatives + 1)
+        if self.is_below(implicit, x, small) {
+            return Some(for_derivatives + 2);
+        }
+        let is_tiny = self.is_below(implicit, x, |_| S::from_f64(512.0 * S::EPSILON));
+        is_tiny.then_some(for_derivatives + 1)
     }
 
     /// The smallest power of ten above the last correction, relative to the largest of its half and 1.
