@@ -25,6 +25,7 @@ pub enum EvaluationFailure {
 
 /// Where a motion exceeds the bounds of a control most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct BoundViolation {
     /// The control, counted from 0.
     pub control: usize,

@@ -138,9 +138,9 @@ fn derivatives_of_any_model_are_exact() {
     let quadrotor = |effort: f64| {
         let ends = EndState::fixed(&[0.0; 6]);
         let problem = DynamicsProblem::new(ends.clone(), ends, FinalTime::Fixed(1.0), 2);
-        problem.with_cost(Objective { time: 0.5, effort: vec![effort, 2.0 * effort] })
+        problem.with_cost(Objective::new(0.5, vec![effort, 2.0 * effort]))
     };
-    let bounds = Bounds { u_min: vec![-0.1, -50.0], u_max: vec![0.1, 50.0] };
+    let bounds = Bounds::new(vec![-0.1, -50.0], vec![0.1, 50.0]);
     for seed in 0..5 {
         let mut extremal = DynamicsExtremal::new(Quadrotor::automatic(), &quadrotor(0.7)).unwrap();
         check_derivatives(&mut extremal, seed);
@@ -175,8 +175,8 @@ fn compare<D: Dynamics<f64>>(model: D, robot: &mut impl BoundaryValueProblem, pr
 #[test]
 fn a_robot_as_a_model_has_the_extremals_of_the_robot() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
-    let bounds = Bounds { u_min: vec![-0.4; 2], u_max: vec![0.5; 2] };
-    let cost = Objective { time: 0.3, effort: vec![0.2, 0.9] };
+    let bounds = Bounds::new(vec![-0.4; 2], vec![0.5; 2]);
+    let cost = Objective::new(0.3, vec![0.2, 0.9]);
     let problem = Problem::rest_to_rest(robot.clone(), &[0.0; 2], &[1.0; 2], 1.0);
     let problem = problem.with_cost(cost.clone()).with_bounds(bounds.clone());
     let ends = EndState::fixed(&[0.0; 4]);
@@ -195,7 +195,7 @@ fn solve<D: Dynamics<f64>>(model: D, problem: &DynamicsProblem) -> ExtremalSolut
     let mut extremal = DynamicsExtremal::new(model, problem).unwrap();
     let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
-    let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_method(Method::Shooting);
     let shot = solve_dynamics(&mut extremal, &options);
     assert!(shot.motion.status.is_converged(), "{}", shot.motion.status);
     close(motion.motion.cost, shot.motion.cost, 1e-8);
@@ -210,7 +210,7 @@ fn a_cart_has_its_closed_forms() {
     let (start, end) = ends(1.0);
     // J = c T + 6 / T^3.
     let free = DynamicsProblem::new(start.clone(), end.clone(), FinalTime::Free { guess: 1.7 }, 1);
-    let motion = solve(Cart::automatic(), &free.with_cost(Objective { time: 18.0, effort: vec![1.0] }));
+    let motion = solve(Cart::automatic(), &free.with_cost(Objective::new(18.0, vec![1.0])));
     close(motion.motion.final_time, 1.0, 1e-9);
     close(motion.motion.cost, 24.0, 1e-9);
     // A free rate at the end: J = 3 / (2 T^3).
@@ -218,8 +218,8 @@ fn a_cart_has_its_closed_forms() {
     close(solve(Cart::automatic(), &fixed).motion.cost, 3.0 / 16.0, 1e-10);
     // Least time with |u| <= 1.
     let least = DynamicsProblem::new(start, end, FinalTime::Free { guess: 3.0 }, 1)
-        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
-        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        .with_cost(Objective::new(1.0, vec![0.0]))
+        .with_bounds(Bounds::symmetric(vec![1.0]));
     let mut extremal = DynamicsExtremal::new(Cart::automatic(), &least).unwrap();
     let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
@@ -264,7 +264,7 @@ fn a_quadrotor_flies_sideways() {
     close((at(1e-3) - at(-1e-3)) / 2e-3, -motion.motion.hamiltonian, 1e-4);
     // A bound on one thrust makes it dearer.
     let most = motion.nodes.u.iter().map(|u| u[0]).fold(0.0, f64::max);
-    let bounds = Bounds { u_min: vec![-10.0; 2], u_max: vec![0.8 * most, 10.0] };
+    let bounds = Bounds::new(vec![-10.0; 2], vec![0.8 * most, 10.0]);
     let mut bounded =
         DynamicsExtremal::new(Quadrotor::automatic(), &problem.clone().with_bounds(bounds)).unwrap();
     let bounded = solve_dynamics(&mut bounded, &SolverOptions::default());
@@ -280,9 +280,9 @@ fn unfit_problems_are_refused() {
     let refused =
         |problem: &DynamicsProblem| DynamicsExtremal::new(Square::automatic(), problem).err().unwrap();
     assert_eq!(refused(&problem), DynamicsProblemError::NotAffine);
-    let free = problem.clone().with_cost(Objective { time: 1.0, effort: vec![0.0] });
+    let free = problem.clone().with_cost(Objective::new(1.0, vec![0.0]));
     assert_eq!(refused(&free), DynamicsProblemError::UnboundedEffort { control: 0 });
-    let short = problem.clone().with_cost(Objective { time: 1.0, effort: vec![] });
+    let short = problem.clone().with_cost(Objective::new(1.0, vec![]));
     assert!(matches!(refused(&short), DynamicsProblemError::WrongLength { field: "cost.effort", .. }));
     let mut endless = problem.clone();
     endless.time = FinalTime::Fixed(f64::NAN);

@@ -35,13 +35,10 @@ pub fn problems() -> Vec<(Problem, Relaxation)> {
         problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
         problem.gain = (0..n).map(|i| 1.6 - 0.3 * i as f64).collect();
         problems.push((problem.clone(), Relaxation::NONE));
-        problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
-        problem.penalty = Some(Penalty {
-            weight: 30.0,
-            q_min: Some(vec![-0.1; n]),
-            q_max: Some(vec![0.2; n]),
-            v_max: Some(vec![0.3; n]),
-        });
+        problem.bounds = Some(Bounds::new(vec![-0.4; n], vec![0.5; n]));
+        problem.penalty = Some(
+            Penalty::new(30.0).with_q_min(vec![-0.1; n]).with_q_max(vec![0.2; n]).with_v_max(vec![0.3; n]),
+        );
         problems.push((problem.clone(), Relaxation::NONE));
         problem.cost.effort[0] = 0.0;
         for bounds in [1.0, 1.7, f64::INFINITY] {

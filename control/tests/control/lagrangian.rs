@@ -6,8 +6,8 @@ use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, BoundaryValueProblem, BoundedControls, Bounds, ControlLaw, Coordinates, FinalTime, Homotopy,
-    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, Solution, Solver,
-    SolverOptions, UserTerm,
+    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, Solution,
+    Solver, SolverOptions, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -140,18 +140,18 @@ fn the_switching_function_has_an_exact_gradient() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let n = robot.dof();
     let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
-    problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
+    problem.bounds = Some(Bounds::new(vec![-0.4; n], vec![0.5; n]));
     let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
     let z = point(n, &mut fastrand::Rng::with_seed(18));
     let (mut gradient, mut other) = (vec![0.0; 4 * n], vec![0.0; 4 * n]);
-    let sides = (BoundSide::Inside, BoundSide::High);
-    extremal.switching(2, sides, &z, &mut gradient);
+    let change = (BoundSide::Inside, BoundSide::High);
+    extremal.switching(2, change, &z, &mut gradient);
     let size = gradient.iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
     for i in 0..4 * n {
         let mut beside = |h: f64| {
             let mut z = z.clone();
             z[i] += h;
-            extremal.switching(2, sides, &z, &mut other)
+            extremal.switching(2, change, &z, &mut other)
         };
         let difference = (beside(1e-5) - beside(-1e-5)) / 2e-5;
         assert!((difference - gradient[i]).abs() < 1e-7 * size, "{i}: {difference} {}", gradient[i]);
@@ -161,7 +161,7 @@ fn the_switching_function_has_an_exact_gradient() {
 /// The same problem in both coordinates.
 fn both(problem: &Problem) -> [Solution; 2] {
     [Coordinates::Hamiltonian, Coordinates::Lagrangian].map(|coordinates| {
-        let options = SolverOptions { coordinates, tolerance: 1e-11, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_coordinates(coordinates).with_tolerance(1e-11);
         let solution = Solver::new(problem, options).unwrap().solve();
         assert!(solution.motion.status.is_converged(), "{coordinates:?}: {}", solution.motion.status);
         assert!(solution.motion.hamiltonian_drift < 1e-8 && solution.end_defect < 1e-6);
@@ -217,20 +217,20 @@ fn both_coordinates_agree_for_the_puma() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let (from, to) = ([0.0, 0.7, 2.8, 0.0, 0.4, 0.0], [0.6, 0.2, 2.9, 0.3, 0.2, 0.4]);
     let mut problem = Problem::rest_to_rest(robot, &from, &to, 0.9);
-    problem.cost = Objective { time: 0.0, effort: vec![1e-4, 3e-5, 1e-4, 2e-3, 2e-3, 2e-3] };
+    problem.cost = Objective::new(0.0, vec![1e-4, 3e-5, 1e-4, 2e-3, 2e-3, 2e-3]);
     agree(&problem);
 }
 
 #[test]
 fn both_coordinates_find_the_same_switches() {
-    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let bounds = Bounds::symmetric(vec![5.0]);
     let bounded = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let fastest = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0)
         .with_time(FinalTime::Free { guess: 1.0 })
-        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
-        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        .with_cost(Objective::new(1.0, vec![0.0]))
+        .with_bounds(Bounds::symmetric(vec![1.0]));
     let arm = Robot::from_file("../robots/two_link.toml").unwrap();
-    let bounds = Bounds { u_min: vec![-4.5; 2], u_max: vec![4.5; 2] };
+    let bounds = Bounds::symmetric(vec![4.5; 2]);
     let arm = Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0).with_bounds(bounds);
     for problem in [bounded, fastest, arm] {
         let [a, b] = agree(&problem);
@@ -250,7 +250,7 @@ fn a_saved_motion_starts_a_search_in_other_coordinates() {
     let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0);
     let [a, b] = both(&problem);
     for (saved, coordinates) in [(&a, Coordinates::Lagrangian), (&b, Coordinates::Hamiltonian)] {
-        let options = SolverOptions { coordinates, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_coordinates(coordinates);
         let again = Solver::new(&problem, options).unwrap().with_start(&saved.trajectory).unwrap().solve();
         assert!(
             again.motion.status.is_converged() && again.newton_iterations <= 6,
