@@ -6,7 +6,7 @@ use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, Bounds, ControlLaw, Extremal, LagrangianExtremal, Penalty, Problem, RobotExtremal,
-    RunningCost, UserTerm,
+    RunningCost, SideChange, UserTerm,
 };
 use costate_test_support::allocations::{Counting, allocations};
 
@@ -45,7 +45,7 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
                 extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
                 extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
                 extremal.controls_at(&z, ControlLaw::Maximal, &mut u);
-                let change = (BoundSide::Inside, BoundSide::High);
+                let change = SideChange::new(BoundSide::Inside, BoundSide::High);
                 extremal.switching(0, change, &z, &mut g);
             })
         };

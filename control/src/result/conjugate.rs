@@ -204,7 +204,7 @@ impl Solved {
         let mut matrix = DMatrix::<f64>::identity(size, size);
         let mut integrator = DormandPrince::new(size * size, TOLERANCE);
         integrator
-            .integrate(matrix.as_mut_slice(), (from, to), |t, columns, rates| {
+            .integrate(matrix.as_mut_slice(), from..to, |t, columns, rates| {
                 self.found.equations.polynomial(span, t / h, &mut w);
                 extremal.linearise(&w[..size], law, &mut g, &mut jacobian)?;
                 for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {

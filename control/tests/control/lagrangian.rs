@@ -6,7 +6,7 @@ use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, BoundaryValueProblem, BoundedControls, Bounds, ControlLaw, Coordinates, FinalTime, Homotopy,
-    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, Solution,
+    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, SideChange, Solution,
     Solver, SolverOptions, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -144,7 +144,7 @@ fn the_switching_function_has_an_exact_gradient() {
     let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
     let z = point(n, &mut fastrand::Rng::with_seed(18));
     let (mut gradient, mut other) = (vec![0.0; 4 * n], vec![0.0; 4 * n]);
-    let change = (BoundSide::Inside, BoundSide::High);
+    let change = SideChange::new(BoundSide::Inside, BoundSide::High);
     extremal.switching(2, change, &z, &mut gradient);
     let size = gradient.iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
     for i in 0..4 * n {
