@@ -25,7 +25,8 @@ impl Solved {
             for (control, (&u, bounds)) in u.iter().zip(&bounds).enumerate() {
                 let factor = bounds.factor(u);
                 if factor > 1.0 + BEYOND && worst.is_none_or(|worst| factor > worst.factor) {
-                    worst = Some(BoundViolation { control, time: now, factor });
+                    let bound = if u > bounds.high { bounds.high } else { bounds.low };
+                    worst = Some(BoundViolation { control, time: now, u, bound, factor });
                 }
             }
             if let Some(&Span::Interval { arc, length }) = mesh.spans.get(i) {

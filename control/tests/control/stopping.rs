@@ -111,14 +111,31 @@ fn bounds_that_are_too_tight_are_reported() {
         problem
     };
     let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
-    let Status::BoundsNotReached(violation) = solution.motion.status else {
-        panic!("{}", solution.motion.status)
-    };
-    let BoundViolation { control, factor, .. } = violation;
-    assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{violation:?}");
-    assert!(solution.motion.status.to_string().contains("times as wide"), "{}", solution.motion.status);
-    let text: String = solution.motion.status.clone().into();
-    assert_eq!(Status::from(text), solution.motion.status);
+    assert_eq!(solution.motion.status, Status::BoundsNotReached);
+    let BoundViolation { control, time, u, bound, factor, .. } = solution.motion.bound_violation.unwrap();
+    assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{factor}");
+    assert!((u.abs() - 3.0 * factor).abs() < 1e-12 && bound == 3.0 * u.signum(), "{u} {bound}");
+    // Neither the motion nor its figures.
+    let motion = &solution.motion;
+    assert!(solution.trajectory.t.is_empty() && motion.switches.is_empty());
+    assert!(motion.cost == f64::INFINITY && motion.final_time.is_nan() && motion.hamiltonian.is_nan());
+
+    let saved = serde_json::to_value(&solution).unwrap();
+    assert_eq!(saved["status"], "bounds_not_reached");
+    let expected = serde_json::json!({
+        "joint": "x", "time": time, "u": u, "bound": bound, "factor": factor
+    });
+    assert_eq!(saved["bounds"], expected);
+    for key in ["cost", "final_time", "hamiltonian", "end_defect"] {
+        assert!(saved[key].is_null(), "{key}: {}", saved[key]);
+    }
+    let read: Solution = serde_json::from_value(saved.clone()).unwrap();
+    assert_eq!(read.motion.bound_violation, solution.motion.bound_violation);
+    assert_eq!(serde_json::to_value(&read).unwrap(), saved);
+    let mut other = saved;
+    other["bounds"]["joint"] = "wrist".into();
+    let refused = serde_json::from_value::<Solution>(other).unwrap_err().to_string();
+    assert!(refused.contains("'wrist'") && refused.contains("'x'"), "{refused}");
 }
 
 #[test]
