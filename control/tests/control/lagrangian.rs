@@ -1,5 +1,6 @@
 //! Extremals in (q, v): their equations, and the same motions as in (q, p).
 
+use crate::equations::{assert_canonical, assert_jacobians_agree};
 use crate::extremals::{point, problems as without_terms};
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
@@ -31,37 +32,14 @@ fn problems() -> Vec<(Problem, Relaxation)> {
     problems
 }
 
-/// H* and g at z.
-fn at(extremal: &mut LagrangianExtremal, z: &[f64]) -> (f64, Vec<f64>) {
-    let mut g = vec![0.0; z.len()];
-    let rate = extremal.evaluate(z, ControlLaw::Maximal, &mut g).unwrap();
-    (rate.hamiltonian, g)
-}
-
 #[test]
 fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(15);
     for (problem, relaxation) in problems() {
-        let n = problem.robot.dof();
         let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(relaxation);
-        let z = point(n, &mut random);
-        let (hamiltonian, g) = at(&mut extremal, &z);
-        let size = g.iter().fold(hamiltonian.abs(), |size, g| size.max(g.abs()));
-        for i in 0..4 * n {
-            let mut beside = |h: f64| {
-                let mut z = z.clone();
-                z[i] += h;
-                at(&mut extremal, &z).0
-            };
-            let slope = (8.0 * (beside(1e-4) - beside(-1e-4)) - beside(2e-4) + beside(-2e-4)) / 1.2e-3;
-            let expected = if i < 2 * n { -g[2 * n + i] } else { g[i - 2 * n] };
-            assert!(
-                (slope - expected).abs() < 1e-6 * size,
-                "{}: {i}: {slope} {expected}",
-                problem.robot.name()
-            );
-        }
+        let z = point(problem.robot.dof(), &mut random);
+        assert_canonical(&mut extremal, &z, 1e-6, problem.robot.name());
     }
 }
 
@@ -69,28 +47,13 @@ fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
 fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
     let mut random = fastrand::Rng::with_seed(16);
     for (problem, relaxation) in problems() {
-        let m = 4 * problem.robot.dof();
         let z = point(problem.robot.dof(), &mut random);
-        let mut found = Vec::new();
-        for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
-            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
+        let [mut exact, mut differences] = [JacobianRoute::Exact, JacobianRoute::Differences].map(|route| {
+            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), route).unwrap();
             extremal.set_relaxation(relaxation);
-            let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
-            extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
-            let plain = at(&mut extremal, &z).1;
-            let size = g.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
-            assert!(g.iter().zip(&plain).all(|(g, h)| (g - h).abs() < 1e-12 * size));
-            found.push(jacobian);
-        }
-        let size = found[1].iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
-        for (i, (exact, difference)) in found[0].iter().zip(&found[1]).enumerate() {
-            let (row, column) = (i / m, i % m);
-            assert!(
-                (exact - difference).abs() < 1e-7 * size,
-                "{}: {row} {column}: {exact} {difference}",
-                problem.robot.name()
-            );
-        }
+            extremal
+        });
+        assert_jacobians_agree(&mut exact, &mut differences, &z, problem.robot.name());
     }
 }
 
