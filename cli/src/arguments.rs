@@ -2,7 +2,9 @@
 
 use crate::output::is_standard;
 use crate::terminal;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum, ValueHint};
+use costate::Coordinates;
 use costate::robot::{LoadOptions, Robot, RobotError, RobotFormat};
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
@@ -99,6 +101,13 @@ pub fn positive(text: &str) -> Result<f64, String> {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("must be a finite positive number".into()),
     }
+}
+
+/// Parser of coordinates; `help` says what Hamiltonian and Lagrangian coordinates mean to the command.
+pub fn coordinates(help: [&'static str; 2]) -> impl TypedValueParser<Value = Coordinates> {
+    let named = |(coordinates, help): (Coordinates, _)| PossibleValue::new(coordinates.name()).help(help);
+    PossibleValuesParser::new(Coordinates::ALL.into_iter().zip(help).map(named))
+        .try_map(|name| name.parse::<Coordinates>())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! `costate codegen`: straight-line source code of a quantity.
 
+use crate::arguments::coordinates;
 use crate::output::{Output, STANDARD};
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
@@ -23,8 +24,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
     /// Coordinates of the state
-    #[arg(long, value_enum, default_value_t = CoordinatesArgument::Hamiltonian)]
-    coordinates: CoordinatesArgument,
+    #[arg(long, value_parser = coordinates(["x = (q, p)", "x = (q, v)"]), default_value = "hamiltonian")]
+    coordinates: Coordinates,
     /// Language of the source
     #[arg(long, value_enum, default_value_t = Language::Rust)]
     lang: Language,
@@ -44,12 +45,6 @@ pub struct Arguments {
     /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum CoordinatesArgument {
-    Hamiltonian,
-    Lagrangian,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -103,21 +98,17 @@ fn of_model(robot: &Robot, quantity: Quantity, arguments: &Arguments) -> Result<
             "--problem can only be used with --quantity pontryagin or pontryagin_rate; remove it".into()
         );
     }
-    let coordinates = match arguments.coordinates {
-        CoordinatesArgument::Hamiltonian => Coordinates::Hamiltonian,
-        CoordinatesArgument::Lagrangian => Coordinates::Lagrangian,
-    };
     let options = ProgramOptions::default()
         .with_only(arguments.only)
         .with_parameters(arguments.parameters)
         .with_limit(arguments.limit);
-    Ok(robot_program(robot, quantity, coordinates, &options)?)
+    Ok(robot_program(robot, quantity, arguments.coordinates, &options)?)
 }
 
 /// The extremals for the running cost of the problem file, or for `1/2 |u|^2`.
 fn of_extremal(robot: Robot, of: ProgramOf, arguments: &Arguments) -> Result<Program, Box<dyn Error>> {
     let Arguments { only, parameters, .. } = arguments;
-    let lagrangian = matches!(arguments.coordinates, CoordinatesArgument::Lagrangian);
+    let lagrangian = arguments.coordinates == Coordinates::Lagrangian;
     let refused =
         [("--only", *only), ("--parameters", *parameters), ("--coordinates lagrangian", lagrangian)];
     if let Some((option, _)) = refused.into_iter().find(|(_, asked)| *asked) {

@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{Joint, Robot};
+use costate::robot::{Joint, Robot, escape_hidden};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -126,7 +126,7 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         writeln!(out)?;
     }
     let mut warnings = robot.warnings().iter().map(ToString::to_string);
-    warnings.try_for_each(|warning| writeln!(out, "warning: {}", terminal::printable(&warning)))
+    warnings.try_for_each(|warning| writeln!(out, "warning: {}", escape_hidden(&warning)))
 }
 
 /// A component of an axis: whole numbers without decimals.

@@ -1,7 +1,6 @@
 //! Tables and phrases of reports.
 
-use crate::terminal::printable;
-use costate::robot::Robot;
+use costate::robot::{Robot, escape_hidden};
 
 /// `1 joint`, `6 joints`.
 pub fn counted(count: usize, noun: &str) -> String {
@@ -15,7 +14,7 @@ pub fn joints(robot: &Robot) -> String {
 
 /// The name of the robot and the number of its joints, to start a report.
 pub fn title(robot: &Robot) -> String {
-    format!("{}, {}", printable(robot.name()), joints(robot))
+    format!("{}, {}", escape_hidden(robot.name()), joints(robot))
 }
 
 /// A number with a fixed count of decimals; zero has no sign.
@@ -42,7 +41,7 @@ impl Table {
 
     /// Adds a row.
     pub fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells.iter().map(|cell| printable(cell).into_owned()).collect());
+        self.rows.push(cells.iter().map(|cell| escape_hidden(cell).into_owned()).collect());
     }
 }
 

@@ -5,8 +5,8 @@
 
 use anstream::AutoStream;
 use anstyle::{AnsiColor, Style};
+use costate::robot::escape_hidden;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{StdoutLock, Write};
 
@@ -48,7 +48,7 @@ pub fn note(message: impl Display) {
 /// If standard error is closed, there is nobody to tell: the failure to write is ignored.
 fn labelled(style: Style, label: &str, message: impl Display) {
     let message = message.to_string();
-    let lines: Vec<_> = message.split('\n').map(printable).collect();
+    let lines: Vec<_> = message.split('\n').map(escape_hidden).collect();
     let _ = writeln!(anstream::stderr().lock(), "{style}{label}:{style:#} {}", lines.join("\n"));
 }
 
@@ -59,44 +59,5 @@ pub fn progress_bar(length: u64, unit: &str) -> ProgressBar {
     match ProgressStyle::with_template(&template) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
-    }
-}
-
-/// Text from a file with its control characters and bidirectional marks escaped (`\n`, `\u{1b}`), so that a
-/// name cannot move the cursor, change colours or reverse what follows it.
-pub fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(is_unsafe) {
-        return text.into();
-    }
-    let mut escaped = String::with_capacity(text.len() + 8);
-    for character in text.chars() {
-        if is_unsafe(character) {
-            escaped.extend(character.escape_default());
-        } else {
-            escaped.push(character);
-        }
-    }
-    escaped.into()
-}
-
-/// Control characters, line and paragraph separators, and characters of no width that change how others are
-/// shown.
-fn is_unsafe(character: char) -> bool {
-    character.is_control()
-        || matches!(
-            character,
-            '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
-        )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::printable;
-
-    #[test]
-    fn control_characters_and_bidirectional_marks_are_escaped() {
-        assert_eq!(printable("Gelenk 'ü' → 関節"), "Gelenk 'ü' → 関節");
-        assert_eq!(printable("a\u{1b}[2Jb\u{0}c\nd\te"), r"a\u{1b}[2Jb\u{0}c\nd\te");
-        assert_eq!(printable("x\u{202e}y\u{2066}z\u{9b}"), r"x\u{202e}y\u{2066}z\u{9b}");
     }
 }

@@ -46,8 +46,8 @@ pub use extremal::lagrangian::LagrangianExtremal;
 pub use extremal::program::{ProgramOf, pontryagin_program};
 pub use extremal::wrapped::{Hooks, Wrapped};
 pub use extremal::{
-    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, Extremal, HamiltonianTerms, Homotopy,
-    Relaxation,
+    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, ControlRange, Extremal, HamiltonianTerms,
+    Homotopy, Relaxation, SideChange,
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, JacobianRoute, Method, SolverOptions, Strategy};

@@ -8,6 +8,7 @@ use std::time::Duration;
 /// The matrix of Newton's method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum JacobianRoute {
     /// Exact, with the contracted Hessian y'F_xx.
     #[default]
@@ -21,6 +22,7 @@ pub enum JacobianRoute {
 /// How the boundary-value problem is discretised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Method {
     /// Collocation at Lobatto points on refined meshes.
     #[default]
@@ -45,6 +47,7 @@ pub enum Strategy {
 /// How to solve a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
+#[non_exhaustive]
 pub struct SolverOptions {
     /// Largest estimated error of a component, relative to the largest value that it takes along the motion.
     pub tolerance: f64,
@@ -110,7 +113,7 @@ impl Default for SolverOptions {
     }
 }
 
-/// SolverOptions one by one, from [`SolverOptions::default`].
+/// Options one by one, from [`SolverOptions::default`].
 ///
 /// ```
 /// use costate_control::{Method, SolverOptions};

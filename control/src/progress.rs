@@ -72,6 +72,7 @@ impl fmt::Display for Phase {
 
 /// One step: of Newton's method on an extremal, or of the descent to a path of low cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Iteration {
     /// What is being solved.
     pub phase: Phase,

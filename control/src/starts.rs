@@ -164,15 +164,10 @@ pub(crate) fn solution(
         };
         (0..n).map(miss).fold(0.0, f64::max)
     });
-    // A motion that breaks the bounds is no result.
-    let trajectory = match motion.status {
-        Status::BoundsNotReached(_) => Trajectory::default(),
-        _ => Trajectory::from_nodes(nodes, v),
-    };
     Solution {
         newton_iterations: motion.iterations.iter().filter(|step| step.phase != Phase::Path).count(),
         end_defect,
-        trajectory,
+        trajectory: Trajectory::from_nodes(nodes, v),
         starts: Vec::new(),
         options: options.clone(),
         robot: RobotNames::of(&problem.robot),

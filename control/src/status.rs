@@ -2,6 +2,7 @@
 
 use crate::problem::error::ProblemError;
 use costate::EvalError;
+use costate::robot::escape_hidden;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -24,12 +25,17 @@ pub enum EvaluationFailure {
 }
 
 /// Where a motion exceeds the bounds of a control most.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BoundViolation {
-    /// The control, counted from 0.
+    /// The control, counted from 0: for a robot the joint.
     pub control: usize,
     /// Time (s).
     pub time: f64,
+    /// The control at this time, before the gain (N m, N).
+    pub u: f64,
+    /// The bound that it exceeds.
+    pub bound: f64,
     /// Distance from the middle of the bounds, relative to half the distance between them: 1 at a bound, more beyond.
     pub factor: f64,
 }
@@ -66,7 +72,8 @@ pub enum Status {
     /// The switching times belong to a smoothed problem: arcs read off from it did not solve the problem itself.
     SwitchesNotRefined,
     /// A motion was found with wider bounds only: they could not be tightened to those of the problem.
-    BoundsNotReached(BoundViolation),
+    /// There is no motion then; [`Motion::bound_violation`](crate::Motion::bound_violation) says how much is missing.
+    BoundsNotReached,
     /// Cancelled by the caller.
     Cancelled,
     /// The time limit was reached.
@@ -87,7 +94,7 @@ impl Status {
             Self::EvaluationFailed(_) => "evaluation_failed",
             Self::ContinuationFailed => "continuation_failed",
             Self::SwitchesNotRefined => "switches_not_refined",
-            Self::BoundsNotReached(_) => "bounds_not_reached",
+            Self::BoundsNotReached => "bounds_not_reached",
             Self::Cancelled => "cancelled",
             Self::TimeLimit => "time_limit",
         }
@@ -140,12 +147,8 @@ impl fmt::Display for Status {
             Self::SwitchesNotRefined => {
                 "solved for a smoothed control only; the switching times read off from it were not confirmed"
             }
-            Self::BoundsNotReached(BoundViolation { control, time, factor }) => {
-                return write!(
-                    f,
-                    "no motion within the bounds was found: they would have to be {factor:.4} times as wide for \
-                     control {control} (at {time:.4} s); widen the bounds or allow more time"
-                );
+            Self::BoundsNotReached => {
+                "no motion within the bounds was found; widen the bounds or allow more time"
             }
             Self::Cancelled => "cancelled; this is the best iterate so far",
             Self::TimeLimit => "the time limit was reached; allow more time",
@@ -158,9 +161,6 @@ impl From<Status> for String {
     fn from(status: Status) -> Self {
         match status {
             Status::EvaluationFailed(failure) => format!("evaluation_failed: {failure}"),
-            Status::BoundsNotReached(BoundViolation { control, time, factor }) => {
-                format!("bounds_not_reached: {control} {time} {factor}")
-            }
             status => status.name().into(),
         }
     }
@@ -179,14 +179,12 @@ impl From<String> for Status {
             Self::Singular,
             Self::ContinuationFailed,
             Self::SwitchesNotRefined,
+            Self::BoundsNotReached,
             Self::Cancelled,
             Self::TimeLimit,
         ];
-        if let Some(violation) = name.strip_prefix("bounds_not_reached: ").and_then(violation) {
-            return Self::BoundsNotReached(violation);
-        }
         let reason = name.strip_prefix("evaluation_failed: ").unwrap_or(&name);
-        let reason = reason.chars().filter(|&c| is_shown(c)).take(LONGEST_REASON).collect();
+        let reason = escape_hidden(reason).chars().take(LONGEST_REASON).collect();
         let known = all.into_iter().find(|status| status.name() == name);
         known.unwrap_or(Self::EvaluationFailed(EvaluationFailure::Saved(reason)))
     }
@@ -194,16 +192,3 @@ impl From<String> for Status {
 
 /// Longest reason that is read from a file (characters).
 const LONGEST_REASON: usize = 1000;
-
-/// Whether a character of a file may be printed: no control characters, no marks of direction.
-fn is_shown(c: char) -> bool {
-    !c.is_control() && !matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
-/// Control, time and factor, separated by spaces.
-fn violation(text: &str) -> Option<BoundViolation> {
-    let mut parts = text.split(' ');
-    let control = parts.next()?.parse().ok()?;
-    let (time, factor) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
-    Some(BoundViolation { control, time, factor })
-}

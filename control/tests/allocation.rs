@@ -6,7 +6,7 @@ use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, Bounds, ControlLaw, Extremal, LagrangianExtremal, Penalty, Problem, RobotExtremal,
-    RunningCost, UserTerm,
+    RunningCost, SideChange, UserTerm,
 };
 use costate_test_support::allocations::{Counting, allocations};
 
@@ -34,9 +34,8 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
         let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.5; n], 1.0);
         (problem.start.v_free, problem.end.q_free) = (vec![0], vec![1]);
         problem.terms = vec![UserTerm::new(Swing)];
-        problem.bounds = Some(Bounds { u_min: vec![-0.5; n], u_max: vec![f64::INFINITY; n] });
-        problem.penalty =
-            Some(Penalty { weight: 10.0, q_min: None, q_max: Some(vec![0.1; n]), v_max: Some(vec![0.1; n]) });
+        problem.bounds = Some(Bounds::new(vec![-0.5; n], vec![f64::INFINITY; n]));
+        problem.penalty = Some(Penalty::new(10.0).with_q_max(vec![0.1; n]).with_v_max(vec![0.1; n]));
         let z: Vec<f64> = (0..4 * n).map(|i| 0.7 * (1.3 * i as f64).sin()).collect();
         let (mut g, mut jacobian, mut u) = (vec![0.0; 4 * n], vec![0.0; 16 * n * n], vec![0.0; n]);
         let mut count = |extremal: &mut dyn Extremal| {
@@ -46,7 +45,8 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
                 extremal.start(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
                 extremal.end(&z, &mut g[..2 * n], &mut jacobian[..8 * n * n]).unwrap();
                 extremal.controls_at(&z, ControlLaw::Maximal, &mut u);
-                extremal.switching(0, (BoundSide::Inside, BoundSide::High), &z, &mut g);
+                let change = SideChange::new(BoundSide::Inside, BoundSide::High);
+                extremal.switching(0, change, &z, &mut g);
             })
         };
         use costate_control::JacobianRoute::{Differences, Exact, WithoutHessian};

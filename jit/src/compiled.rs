@@ -23,14 +23,14 @@ const MOST_SLOTS: usize = 1 << 13;
 /// A program as machine code of this processor: for numbers, or for the numbers of four states at once.
 ///
 /// ```
-/// use costate::codegen::Program;
+/// use costate::codegen::{Program, RecordedResult};
 /// use costate::scalar::Scalar;
 /// use costate_jit::Compiled;
 ///
 /// let program = Program::record("polar", &[("z", 2)], |arguments| {
 ///     let (sin, cos) = arguments[0][1].sin_cos();
 ///     let radius = arguments[0][0];
-///     vec![("x".into(), 2, 1, vec![radius * cos, radius * sin])]
+///     vec![RecordedResult::vector("x", vec![radius * cos, radius * sin])]
 /// })?;
 /// if let Ok(compiled) = Compiled::new(&program) {
 ///     let mut x = [0.0; 2];
@@ -66,12 +66,12 @@ impl Compiled<[f64; 4]> {
     /// holds argument k of all four, entry k of the outputs result k.
     ///
     /// ```
-    /// use costate::codegen::Program;
+    /// use costate::codegen::{Program, RecordedResult};
     /// use costate_jit::Compiled;
     ///
     /// let program = Program::record("square", &[("x", 1)], |arguments| {
     ///     let x = arguments[0][0];
-    ///     vec![("y".into(), 1, 1, vec![x * x])]
+    ///     vec![RecordedResult::vector("y", vec![x * x])]
     /// })?;
     /// if let Ok(compiled) = Compiled::lanes(&program) {
     ///     let mut y = [[0.0; 4]];

@@ -36,13 +36,13 @@ pub struct ProgramResult {
 /// A computation as a list of steps on numbers, without branches or loops: results from arguments.
 ///
 /// ```
-/// use costate::codegen::Program;
+/// use costate::codegen::{Program, RecordedResult};
 /// use costate::scalar::Scalar;
 ///
 /// let program = Program::record("polar", &[("z", 2)], |arguments| {
 ///     let (sin, cos) = arguments[0][1].sin_cos();
 ///     let radius = arguments[0][0];
-///     vec![("x".into(), 2, 1, vec![radius * cos, radius * sin])]
+///     vec![RecordedResult::vector("x", vec![radius * cos, radius * sin])]
 /// })?;
 /// let mut x = [0.0; 2];
 /// program.evaluate(&[2.0, 0.3], &mut x, &mut Vec::new())?;
@@ -58,8 +58,31 @@ pub struct Program {
     results: Vec<ProgramResult>,
 }
 
-/// A result as a recorded function returns it: name, rows, columns and entries, row by row.
-pub type RecordedResult = (String, usize, usize, Vec<Expr>);
+/// A result as a recorded function returns it.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RecordedResult {
+    /// Its name, an identifier.
+    pub name: String,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub columns: usize,
+    /// Its entries, row by row.
+    pub entries: Vec<Expr>,
+}
+
+impl RecordedResult {
+    /// A column with these entries.
+    pub fn vector(name: impl Into<String>, entries: Vec<Expr>) -> Self {
+        Self { name: name.into(), rows: entries.len(), columns: 1, entries }
+    }
+
+    /// A matrix with these entries, row by row.
+    pub fn matrix(name: impl Into<String>, rows: usize, columns: usize, entries: Vec<Expr>) -> Self {
+        Self { name: name.into(), rows, columns, entries }
+    }
+}
 
 impl Program {
     /// Records a function: arguments by name and number of entries, results as it returns them.
@@ -108,7 +131,7 @@ impl Program {
         let (outcome, (nodes, entries)) =
             record(inputs, limited, |expressions| match function(&split(expressions, arguments)) {
                 Ok(results) => {
-                    let entries = results.iter().flat_map(|(.., entries)| entries.iter().copied()).collect();
+                    let entries = results.iter().flat_map(|result| result.entries.iter().copied()).collect();
                     (Ok(results), entries)
                 }
                 Err(error) => (Err(error), Vec::new()),
@@ -243,7 +266,7 @@ fn split(entries: &[Expr], arguments: &[(&str, usize)]) -> Vec<Vec<Expr>> {
 /// Results whose entries are in these nodes, one result after the other.
 fn shaped(results: Vec<RecordedResult>, ids: Vec<Id>) -> Result<Vec<ProgramResult>, CodegenError> {
     let mut ids = ids.into_iter();
-    let shaped = results.into_iter().map(|(name, rows, columns, entries)| {
+    let shaped = results.into_iter().map(|RecordedResult { name, rows, columns, entries }| {
         let found = entries.len();
         if found != rows * columns {
             return Err(CodegenError::Shape { name, rows, columns, found });

@@ -1,5 +1,6 @@
 //! Text from files, made safe to print: on a terminal, in a log, in a message.
 
+use std::borrow::Cow;
 use std::fmt::{self, Display, Write};
 
 /// Longest part of a name that messages quote (characters).
@@ -23,6 +24,20 @@ const LISTED_NAMES: usize = 10;
 /// ```
 pub fn printable(name: &str) -> Printable<'_> {
     Printable { text: name, longest: LONGEST_NAME }
+}
+
+/// Text of any length with the characters escaped that [`printable`] escapes; nothing is cut.
+///
+/// ```
+/// use costate::robot::escape_hidden;
+/// assert_eq!(escape_hidden("elbow"), "elbow");
+/// assert_eq!(escape_hidden("a\u{1b}[2J\u{202e}b"), r"a\u{1b}[2J\u{202e}b");
+/// ```
+pub fn escape_hidden(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_hidden) {
+        return text.into();
+    }
+    Printable { text, longest: usize::MAX }.to_string().into()
 }
 
 /// A whole message that quotes a file.

@@ -1,6 +1,6 @@
 //! Recording: folding, sharing, signs, and functions that cannot be recorded.
 
-use costate::codegen::{CodegenError, Expr, Node, Program};
+use costate::codegen::{CodegenError, Expr, Node, Program, RecordedResult};
 use costate::kernels::friction;
 use costate::robot::Friction;
 use costate::scalar::{Operations, Scalar};
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 fn recorded(function: impl FnOnce(Expr, Expr, Expr) -> Vec<Expr>) -> Program {
     Program::record("function", &[("x", 3)], |arguments| {
         let entries = function(arguments[0][0], arguments[0][1], arguments[0][2]);
-        vec![("r".into(), entries.len(), 1, entries)]
+        vec![RecordedResult::vector("r", entries)]
     })
     .unwrap()
 }
@@ -172,7 +172,7 @@ fn an_expression_of_another_recording_is_an_error() {
     let (stale, mask) = kept.unwrap();
     let refused = |use_it: &dyn Fn(Expr) -> Expr| {
         let outcome = Program::record("second", &[("x", 1)], |arguments| {
-            vec![("r".into(), 1, 1, vec![use_it(arguments[0][0])])]
+            vec![RecordedResult::vector("r", vec![use_it(arguments[0][0])])]
         });
         assert_eq!(outcome.unwrap_err(), CodegenError::Foreign);
     };
@@ -203,7 +203,7 @@ fn a_branch_on_a_recorded_value_is_an_error() {
     let outcome = Program::record("branching", &[("x", 1)], |arguments| {
         let x = arguments[0][0];
         let larger = if Scalar::is_finite(x) { x } else { Expr::zero() };
-        vec![("r".into(), 1, 1, vec![larger])]
+        vec![RecordedResult::vector("r", vec![larger])]
     });
     assert_eq!(outcome.unwrap_err(), CodegenError::Branch);
 }
@@ -211,7 +211,9 @@ fn a_branch_on_a_recorded_value_is_an_error() {
 #[test]
 fn names_and_shapes_that_source_cannot_have_are_refused() {
     let record = |name: &str, argument: &str, result: &str, rows| {
-        Program::record(name, &[(argument, 1)], |x| vec![(result.into(), rows, 1, x[0].clone())])
+        Program::record(name, &[(argument, 1)], |x| {
+            vec![RecordedResult::matrix(result, rows, 1, x[0].clone())]
+        })
     };
     assert!(record("f", "x", "r", 1).is_ok());
     for (name, argument, result) in

@@ -1,7 +1,8 @@
 //! Generated source: what it looks like, and that the C of it computes what the generic code does.
 
 use costate::codegen::{
-    COptions, CodegenError, Coordinates, Expr, Program, ProgramOptions, Quantity, RustOptions, robot_program,
+    COptions, CodegenError, Coordinates, Expr, Program, ProgramOptions, Quantity, RecordedResult,
+    RustOptions, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
@@ -163,7 +164,7 @@ fn compiled_c_agrees_with_the_interpreter_at_the_edges() {
         entries.extend(x.iter().map(|&x| Expr::select(x.less(x.times(2.0)), x.sqrt(), -x.exp())));
         entries.extend([f64::INFINITY, -f64::INFINITY, f64::NAN, -0.1].map(Expr::from_f64));
         entries.push(x[0].times(-0.25).plus(-1e300));
-        vec![("t", entries)].into_iter().map(|(name, e)| (name.to_string(), e.len(), 1, e)).collect()
+        vec![RecordedResult::vector("t", entries)]
     })
     .unwrap();
     let quarter = std::f64::consts::FRAC_PI_2;
@@ -204,16 +205,22 @@ fn no_name_leaves_the_head() {
 #[test]
 fn c_has_a_name_for_every_kind_of_nan() {
     let program = Program::record("edge", &[("x", 1)], |a| {
-        vec![("r".into(), 1, 3, vec![a[0][0], Expr::from_f64(-f64::NAN), Expr::from_f64(-2.5)])]
+        vec![RecordedResult::matrix(
+            "r",
+            1,
+            3,
+            vec![a[0][0], Expr::from_f64(-f64::NAN), Expr::from_f64(-2.5)],
+        )]
     });
     let c = program.unwrap().to_c(&COptions::default()).unwrap();
     assert!(c.contains("r[1] = NAN;") && c.contains("r[2] = -2.5;"), "{c}");
     for name in ["pow", "y1", "isnan"] {
-        let refused = Program::record(name, &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]);
+        let refused = Program::record(name, &[("x", 1)], |a| vec![RecordedResult::vector("r", a[0].clone())]);
         assert!(matches!(refused, Err(CodegenError::Name { .. })), "{name}");
     }
     let options = RustOptions::default().with_number(Some("f64> {} fn g<U".into()));
-    let ok = Program::record("edge", &[("x", 1)], |a| vec![("r".into(), 1, 1, a[0].clone())]).unwrap();
+    let ok =
+        Program::record("edge", &[("x", 1)], |a| vec![RecordedResult::vector("r", a[0].clone())]).unwrap();
     assert!(matches!(ok.to_rust(&options), Err(CodegenError::Name { .. })));
 }
 
@@ -271,7 +278,7 @@ fn sine_and_cosine_of_c_source_are_those_of_rust_source() {
     let angles: Vec<f64> = moderate_angles().into_iter().chain(LIBRARY_ANGLES).collect();
     let program = Program::record("sines", &[("x", angles.len())], |arguments| {
         let entries: Vec<Expr> = arguments[0].iter().flat_map(|x| <[Expr; 2]>::from(x.sin_cos())).collect();
-        vec![("both".into(), entries.len(), 1, entries)]
+        vec![RecordedResult::vector("both", entries)]
     });
     let fused: &[&str] = if cfg!(target_feature = "fma") { &["-march=native"] } else { &[] };
     let found = run_c(&cc, &program.unwrap(), &angles, &[&["-O2", "-ffp-contract=off"], fused].concat());

@@ -131,12 +131,12 @@ pub fn problem(name: RobotName, variant: Variant, pair: usize) -> Result<Problem
     if variant == Variant::Penalties {
         let rates: Vec<f64> = from.iter().zip(&to).map(|(from, to)| (to - from).abs() / time).collect();
         let fastest = rates.iter().fold(0.0_f64, |most, rate| most.max(*rate));
-        problem.penalty = Some(Penalty {
-            weight,
-            q_min: Some((0..n).map(|j| from[j].min(to[j]) - 0.1).collect()),
-            q_max: Some((0..n).map(|j| from[j].max(to[j]) + 0.1).collect()),
-            v_max: Some(rates.iter().map(|rate| 1.2 * rate.max(0.3 * fastest)).collect()),
-        });
+        problem.penalty = Some(
+            Penalty::new(weight)
+                .with_q_min((0..n).map(|j| from[j].min(to[j]) - 0.1).collect())
+                .with_q_max((0..n).map(|j| from[j].max(to[j]) + 0.1).collect())
+                .with_v_max(rates.iter().map(|rate| 1.2 * rate.max(0.3 * fastest)).collect()),
+        );
     }
     Ok(problem)
 }

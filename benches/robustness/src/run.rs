@@ -14,14 +14,12 @@ use std::time::Instant;
 
 /// The same for all: Newton's method from the guess, no other way.
 pub fn options(search: &Search) -> SolverOptions {
-    SolverOptions {
-        jacobian: search.matrix,
-        coordinates: search.coordinates,
-        strategy: Strategy::Direct,
-        max_iterations: 40,
-        max_nodes: 1001,
-        ..SolverOptions::default()
-    }
+    SolverOptions::default()
+        .with_jacobian(search.matrix)
+        .with_coordinates(search.coordinates)
+        .with_strategy(Strategy::Direct)
+        .with_max_iterations(40)
+        .with_max_nodes(1001)
 }
 
 /// Solves one problem in one way.

@@ -15,6 +15,7 @@ fn name(matrix: JacobianRoute) -> &'static str {
         JacobianRoute::Exact => "exact",
         JacobianRoute::Differences => "differences",
         JacobianRoute::WithoutHessian => "without y'F_xx",
+        _ => "other",
     }
 }
 

@@ -1,6 +1,6 @@
 //! The keys of an input line: unknown and duplicate keys are errors.
 
-use crate::terminal::printable;
+use costate::robot::escape_hidden;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 use serde_json::error::Category;
@@ -43,7 +43,7 @@ pub fn parse(line: &[u8]) -> Result<Fields, String> {
     let fields = serde_json::from_slice::<Fields>(line).map_err(|error| malformed(line, &error))?;
     for (k, (key, _)) in fields.0.iter().enumerate() {
         if !KEYS.contains(&key.as_str()) && !RESULTS.contains(&key.as_str()) {
-            let (name, known) = (printable(key), KEYS.map(|key| format!("`{key}`")).join(", "));
+            let (name, known) = (escape_hidden(key), KEYS.map(|key| format!("`{key}`")).join(", "));
             return Err(format!(
                 "unknown key `{name}`, did you mean `{}`? (the keys are {known})",
                 nearest(key)

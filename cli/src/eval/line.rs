@@ -1,8 +1,8 @@
 //! One input line, one output line.
 
-use super::Coordinates;
 use super::keys::{Fields, parse};
 use crate::report::counted;
+use costate::Coordinates;
 use costate::matrix::Block;
 use serde_json::{Map, Value};
 

@@ -9,12 +9,13 @@ mod line;
 mod machine;
 mod units;
 
-use crate::arguments::RobotArguments;
+use crate::arguments::{RobotArguments, coordinates};
 use crate::interrupt::{EXIT_CODE, Interrupt};
 use crate::output::is_standard;
 use crate::work::{Method, Work};
 use crate::{Outcome, terminal};
 use clap::ValueHint;
+use costate::Coordinates;
 use costate::robot::Robot;
 use input::{Input, Lines};
 use line::{Answer, State};
@@ -35,7 +36,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "analytic")]
     route: Route,
     /// State variables
-    #[arg(long, value_enum, default_value = "hamiltonian")]
+    #[arg(long, value_parser = coordinates(COORDINATES), default_value = "hamiltonian")]
     coordinates: Coordinates,
     /// Compute automatic second derivatives of long chains even if that takes minutes or gigabytes
     #[arg(long)]
@@ -57,13 +58,9 @@ enum Route {
     Jit,
 }
 
-#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Coordinates {
-    /// x = (q, p): f, f_x, y_f_xx
-    Hamiltonian,
-    /// x = (q, v): qdd, qdd_z, yv_qdd_zz with z = (q, v, u)
-    Lagrangian,
-}
+/// What is computed in Hamiltonian and in Lagrangian coordinates.
+const COORDINATES: [&str; 2] =
+    ["x = (q, p): f, f_x, y_f_xx", "x = (q, v): qdd, qdd_z, yv_qdd_zz with z = (q, v, u)"];
 
 /// What computes the answers, for one choice of coordinates and route.
 trait Evaluator {

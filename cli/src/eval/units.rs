@@ -1,7 +1,7 @@
 //! A warning about angles that look like degrees.
 
 use crate::terminal;
-use costate::robot::{JointKind, Robot};
+use costate::robot::{JointKind, Robot, escape_hidden};
 
 /// Largest |q| of a revolute joint that passes without a warning (rad): two turns.
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
@@ -29,7 +29,7 @@ impl<'a> UnitCheck<'a> {
             terminal::warning(format!(
                 "line {line}: revolute joint '{}' is at q = {q} rad, more than two turns; angles are in radians, not \
                  degrees (said once)",
-                terminal::printable(&joint.name)
+                escape_hidden(&joint.name)
             ));
         }
     }

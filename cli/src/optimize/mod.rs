@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         terminal::note("interrupted; the best motion so far was kept");
     }
     if arguments.json {
-        let remarks = [summary::explanation(&solution), summary::skipped_starts(&solution)];
+        let remarks = [summary::explanation(problem, &solution), summary::skipped_starts(&solution)];
         remarks.iter().flatten().for_each(terminal::warning);
         let continuation = branch.as_ref().map(continuation::Points::new);
         let printed = Printed { solution: &solution, continuation };

@@ -1,7 +1,6 @@
 //! The progress line of a solve.
 
-use crate::terminal::printable;
-use costate::robot::Robot;
+use costate::robot::{Robot, escape_hidden};
 use costate_control::{BranchPoint, Iteration, Parameter};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
@@ -13,7 +12,7 @@ impl Line {
     pub fn new(robot: &Robot) -> Result<Self, indicatif::style::TemplateError> {
         let bar = ProgressBar::new_spinner();
         bar.set_style(ProgressStyle::with_template("{spinner} {prefix}: {wide_msg} {elapsed}")?);
-        bar.set_prefix(printable(robot.name()).into_owned());
+        bar.set_prefix(escape_hidden(robot.name()).into_owned());
         bar.enable_steady_tick(Duration::from_millis(100));
         Ok(Self(bar))
     }

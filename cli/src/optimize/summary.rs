@@ -3,7 +3,7 @@
 use super::report::numbers::short;
 use super::report::units;
 use crate::report::{Table, title};
-use crate::terminal::printable;
+use costate::robot::escape_hidden;
 use costate_control::{Certificate, Iteration, Motion, Problem, Solution, StartResult, Status};
 use std::io::Write;
 
@@ -23,7 +23,7 @@ pub fn criterion(problem: &Problem, status: &Status) -> String {
         false => format!("minimum of {}", terms.join(" + ")),
     };
     let time = if super::time_is_free(problem) { "final time free" } else { "final time fixed" };
-    let within_bounds = problem.bounds.is_some() && !matches!(status, Status::BoundsNotReached(_));
+    let within_bounds = problem.bounds.is_some() && *status != Status::BoundsNotReached;
     let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
     format!("{minimum}, {time}{bounds}{penalty}")
@@ -37,21 +37,44 @@ pub fn status(status: &Status) -> String {
     }
 }
 
+/// What the bounds of a problem without a motion would have to be, with units.
+struct Needed<'a> {
+    joint: &'a str,
+    factor: String,
+    time: String,
+    u: String,
+    bound: String,
+}
+
+impl<'a> Needed<'a> {
+    fn new(problem: &Problem, solution: &'a Solution) -> Option<Self> {
+        let violation = solution.motion.bound_violation?;
+        let joint = solution.robot.joints.get(violation.control)?;
+        let kind = problem.robot.joints().get(violation.control)?.kind;
+        let unit = units::of_joint(kind, units::EFFORT);
+        Some(Self {
+            joint,
+            factor: short(violation.factor, 4),
+            time: format!("{} s", short(violation.time, 4)),
+            u: format!("{} {unit}", short(violation.u, 4)),
+            bound: format!("{} {unit}", short(violation.bound, 4)),
+        })
+    }
+}
+
 /// Why a motion is not a solution, and what to do; `None` for a solution.
-pub fn explanation(solution: &Solution) -> Option<String> {
+pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
     let status = &solution.motion.status;
     let best = "the motion is the best iterate so far, not a solution";
     Some(match status {
         status if status.is_solved() => return None,
-        Status::BoundsNotReached(violation) => {
-            let joint = solution.robot.joints.get(violation.control);
-            let (joint, factor) = (joint.map_or("?", String::as_str), short(violation.factor, 4));
-            let time = short(violation.time, 4);
-            format!(
+        Status::BoundsNotReached => match Needed::new(problem, solution) {
+            Some(Needed { joint, factor, time, u, bound }) => format!(
                 "no motion within the bounds was found: the bounds of joint '{joint}' would have to be {factor} \
-                 times as wide (at t = {time} s); widen the bounds or allow more time"
-            )
-        }
+                 times as wide, {u} instead of {bound} at t = {time}; widen the bounds or allow more time"
+            ),
+            None => status.to_string(),
+        },
         status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
         Status::Cancelled => format!("interrupted: {best}"),
         Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
@@ -69,12 +92,13 @@ pub fn skipped_starts(solution: &Solution) -> Option<String> {
 pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
     let motion = &solution.motion;
     let iterations = ("Newton iterations", solution.newton_iterations.to_string());
-    if let Status::BoundsNotReached(violation) = &motion.status {
-        let joint = solution.robot.joints.get(violation.control).cloned().unwrap_or_default();
+    if let Some(Needed { joint, factor, time, u, bound }) = Needed::new(problem, solution) {
         return vec![
-            ("bounds needed", format!("{} times as wide", short(violation.factor, 4))),
-            ("at joint", joint),
-            ("at time", format!("{} s", short(violation.time, 4))),
+            ("bounds needed", format!("{factor} times as wide")),
+            ("at joint", joint.to_owned()),
+            ("at time", time),
+            ("control there", u),
+            ("its bound", bound),
             iterations,
         ];
     }
@@ -179,8 +203,8 @@ pub fn print(
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
     write!(out, "{table}")?;
-    for remark in [explanation(solution), skipped_starts(solution)].into_iter().flatten() {
-        writeln!(out, "\n  {}.", printable(&sentence(&remark)))?;
+    for remark in [explanation(problem, solution), skipped_starts(solution)].into_iter().flatten() {
+        writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;
     }
     if solution.starts.len() > 1 {
         let mut table = Table::new(&START_HEADER, 2);

@@ -56,7 +56,7 @@ fn codegen_writes_the_extremals_of_a_problem_file() {
     use costate_control::{Bounds, Problem, ProgramOf, pontryagin_program};
     let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
     let plain = Problem::rest_to_rest(robot, &[0.0; 2], &[0.0; 2], 1.0);
-    let bounded = plain.clone().with_bounds(Bounds { u_min: vec![-12.0, -5.0], u_max: vec![12.0, 5.0] });
+    let bounded = plain.clone().with_bounds(Bounds::new(vec![-12.0, -5.0], vec![12.0, 5.0]));
     let asked = ["--problem", "examples/problems/two_link_bounded.toml"];
     for (quantity, more, problem, of) in [
         ("pontryagin", &[][..], &plain, ProgramOf::Jacobian),

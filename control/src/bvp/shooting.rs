@@ -90,7 +90,7 @@ impl Shooting {
         let state = &mut self.state[..m + 2];
         state[..m].copy_from_slice(w);
         state[m..].fill(0.0);
-        self.without.integrate(state, (0.0, length), |_, state, rates| {
+        self.without.integrate(state, 0.0..length, |_, state, rates| {
             let rate = timed.evaluate(&state[..m], arc, &mut rates[..m])?;
             let duration = timed.duration(&state[..m]);
             (rates[m], rates[m + 1]) = (duration * rate.cost, duration * rate.penalty);
@@ -111,7 +111,7 @@ impl Shooting {
         self.state.fill(0.0);
         self.state[..m].copy_from_slice(&self.current.nodes[k * m..(k + 1) * m]);
         (0..m).for_each(|c| self.state[m + 2 + c * (m + 1)] = 1.0);
-        self.with.integrate(&mut self.state, (0.0, length), |_, state, rates| {
+        self.with.integrate(&mut self.state, 0.0..length, |_, state, rates| {
             let rate = timed.linearise(&state[..m], arc, &mut rates[..m], jacobian)?;
             let duration = timed.duration(&state[..m]);
             (rates[m], rates[m + 1]) = (duration * rate.cost, duration * rate.penalty);

@@ -6,7 +6,7 @@
 //! Ascher, R. M. M. Mattheij, R. D. Russell, *Numerical Solution of Boundary Value Problems for ODEs*, SIAM
 //! 1995, section 11.
 
-use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms};
+use crate::extremal::{BoundSide, ControlLaw, Extremal, HamiltonianTerms, SideChange};
 use costate::EvalError;
 
 /// What is known about the final time and the durations of arcs.
@@ -33,8 +33,7 @@ pub(crate) struct Arcs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Switch {
     pub control: usize,
-    /// Before and after.
-    pub sides: (BoundSide, BoundSide),
+    pub change: SideChange,
 }
 
 impl Arcs {
@@ -186,9 +185,9 @@ impl<'a, E: Extremal> Timed<'a, E> {
 
     /// The switching function between arc and arc + 1 and its gradient, z entries.
     pub fn switching(&mut self, arc: usize, w: &[f64]) -> (f64, &[f64]) {
-        let Switch { control, sides } = self.arcs.switches[arc];
+        let Switch { control, change } = self.arcs.switches[arc];
         let z = self.gradient.len();
-        let value = self.extremal.switching(control, sides, &w[..z], &mut self.gradient);
+        let value = self.extremal.switching(control, change, &w[..z], &mut self.gradient);
         (value, &self.gradient)
     }
 }

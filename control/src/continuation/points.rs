@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// One solution of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct BranchPoint {
     /// Value of the parameter.
     pub parameter: f64,
@@ -26,6 +27,7 @@ pub struct BranchPoint {
 
 /// Where a branch turns back: on one side of it the branch has no solution nearby, on the other it has two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct TurningPoint {
     /// Value of the parameter.
     pub parameter: f64,
@@ -58,6 +60,7 @@ pub enum BranchEnd {
 
 /// A branch of solutions.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Branch {
     /// The parameter.
     pub parameter: Parameter,

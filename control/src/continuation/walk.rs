@@ -99,7 +99,8 @@ impl Walker<'_, '_> {
             let mut found = Discretisation { equations: bordered.inner, clock, arcs };
             if estimated.largest() <= attempt.tolerance {
                 let (relaxation, estimate) = (timed.extremal.relaxation(), Some(estimated));
-                let solved = Solved { found, status: Status::Converged, relaxation, estimate };
+                let solved =
+                    Solved { found, status: Status::Converged, relaxation, estimate, violation: None };
                 return Ok(Found { solved, position, slope, bend: bend.unwrap_or(0.0) });
             }
             if limits.full(found.equations.mesh.intervals()) {

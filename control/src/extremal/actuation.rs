@@ -1,7 +1,7 @@
 //! The control that maximises the Hamiltonian.
 
 use crate::extremal::relaxation::smoothing_price;
-use crate::extremal::{BoundSide, ControlLaw, Relaxation};
+use crate::extremal::{BoundSide, ControlLaw, ControlRange, Relaxation, SideChange};
 use crate::problem::{Bounds, Problem};
 use costate::scalar::Scalar;
 
@@ -21,29 +21,26 @@ pub(crate) struct Actuation {
     pub gain: Vec<f64>,
     /// r_i.
     pub effort: Vec<f64>,
-    /// Lower and upper bounds; infinite for none.
-    pub bounds: Vec<(f64, f64)>,
+    /// Lower and upper bounds.
+    pub bounds: Vec<ControlRange>,
     /// Ranges of the controls that have the smooth cost now.
     smooth: Vec<Option<SmoothRange>>,
 }
 
 /// The range of a control with the smooth cost.
 #[derive(Clone, Copy, Debug)]
-struct SmoothRange {
+pub(crate) struct SmoothRange {
     /// m.
-    middle: f64,
+    pub middle: f64,
     /// w; infinite without bounds.
-    width: f64,
+    pub width: f64,
 }
 
-/// Half the distance between two bounds. With one bound only, its absolute value, or 1 where that is zero.
-pub(crate) fn half_width((low, high): (f64, f64)) -> f64 {
-    match (low.is_finite(), high.is_finite()) {
-        (true, true) => 0.5 * (high - low),
-        (true, false) if low != 0.0 => low.abs(),
-        (false, true) if high != 0.0 => high.abs(),
-        _ => 1.0,
-    }
+/// A switching function and its slope in y_p of the control.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Switching {
+    pub value: f64,
+    pub slope: f64,
 }
 
 /// A control and its cost.
@@ -66,10 +63,10 @@ impl Actuation {
 
     /// With these gains b_i, weights r_i and bounds.
     pub fn of_parts(gain: Vec<f64>, effort: Vec<f64>, bounds: Option<&Bounds>) -> Self {
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let range = |(&low, &high): (&f64, &f64)| ControlRange { low, high };
         let bounds = match bounds {
-            Some(bounds) => bounds.u_min.iter().copied().zip(bounds.u_max.iter().copied()).collect(),
-            None => vec![free; effort.len()],
+            Some(bounds) => bounds.u_min.iter().zip(&bounds.u_max).map(range).collect(),
+            None => vec![ControlRange::UNBOUNDED; effort.len()],
         };
         Self { smooth: vec![None; effort.len()], gain, effort, bounds }
     }
@@ -78,11 +75,14 @@ impl Actuation {
     /// `relaxation.effort = 1` staying at a bound costs about as much as time.
     pub fn relax(&mut self, original: &Self, time_cost: f64, relaxation: Relaxation) {
         let price = smoothing_price(time_cost);
-        for (i, &(low, high)) in original.bounds.iter().enumerate() {
-            let (middle, half) = (0.5 * (low + high), half_width((low, high)));
+        for (i, &bounds) in original.bounds.iter().enumerate() {
+            let ControlRange { low, high } = bounds;
+            let (middle, half) = (0.5 * (low + high), bounds.half_width());
             let further = (relaxation.bounds - 1.0) * half;
-            self.bounds[i] =
-                if relaxation.bounds == 1.0 { (low, high) } else { (low - further, high + further) };
+            self.bounds[i] = match relaxation.bounds == 1.0 {
+                true => bounds,
+                false => ControlRange { low: low - further, high: high + further },
+            };
             (self.effort[i], self.smooth[i]) = match original.effort[i] {
                 0.0 if relaxation.effort > 0.0 => (
                     relaxation.effort * 2.0 * price / (half * half),
@@ -99,8 +99,8 @@ impl Actuation {
 
     /// The bounds that a control reaches: none where the original actuation is smooth, whose controls only
     /// come near them.
-    pub fn reached_bounds(&self, original: &Self, i: usize) -> (f64, f64) {
-        if original.smooth[i].is_some() { (f64::NEG_INFINITY, f64::INFINITY) } else { self.bounds[i] }
+    pub fn reached_bounds(&self, original: &Self, i: usize) -> ControlRange {
+        if original.smooth[i].is_some() { ControlRange::UNBOUNDED } else { self.bounds[i] }
     }
 
     /// `r_i^-1 b_i y_p,i`; infinite, or zero with y_p,i, for r_i = 0.
@@ -119,7 +119,7 @@ impl Actuation {
             }
             (ControlLaw::Given(sides), _) => sides,
         };
-        let (low, high) = self.bounds[i];
+        let ControlRange { low, high } = self.bounds[i];
         let (u, slope) = match sides[i] {
             BoundSide::Low => (low, 0.0),
             BoundSide::Inside => (self.unbounded(i, y_p), self.effort[i].recip()),
@@ -130,7 +130,7 @@ impl Actuation {
 
     /// `u_i = clip(r_i^-1 b_i y_p,i)`; for r_i = 0 the bound that has the sign of b_i y_p,i.
     pub fn maximal<S: Scalar>(&self, i: usize, y_p: S) -> Control<S> {
-        let ((low, high), r) = (self.bounds[i], self.effort[i]);
+        let (ControlRange { low, high }, r) = (self.bounds[i], self.effort[i]);
         let (pull, zero) = (y_p.times(self.gain[i]), S::zero());
         let (mut u, mut slope, at_low, at_high) = if r == 0.0 {
             (S::from_f64(0.0_f64.clamp(low, high)), zero, pull.less(zero), zero.less(pull))
@@ -165,14 +165,14 @@ impl Actuation {
 
     /// `b_i y_p,i - r_i u_i` at the bound that is reached or left, and its slope in y_p,i; between two bounds
     /// `b_i y_p,i`.
-    pub fn switching(&self, i: usize, sides: (BoundSide, BoundSide), y_p: f64) -> (f64, f64) {
-        let (low, high) = self.bounds[i];
-        let bound = match sides {
+    pub fn switching(&self, i: usize, change: SideChange, y_p: f64) -> Switching {
+        let ControlRange { low, high } = self.bounds[i];
+        let bound = match (change.before, change.after) {
             (BoundSide::Low, BoundSide::High) | (BoundSide::High, BoundSide::Low) => 0.0,
             (BoundSide::Low, _) | (_, BoundSide::Low) => low,
             (BoundSide::High, _) | (_, BoundSide::High) => high,
             (BoundSide::Inside, BoundSide::Inside) => 0.0,
         };
-        (self.gain[i] * y_p - self.effort[i] * bound, self.gain[i])
+        Switching { value: self.gain[i] * y_p - self.effort[i] * bound, slope: self.gain[i] }
     }
 }

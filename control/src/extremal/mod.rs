@@ -18,6 +18,6 @@ pub(crate) mod roles;
 pub(crate) mod user_terms;
 pub(crate) mod wrapped;
 
-pub use controls::{BoundSide, ControlLaw};
+pub use controls::{BoundSide, ControlLaw, ControlRange, SideChange};
 pub use relaxation::Relaxation;
 pub use roles::{BoundaryValueProblem, BoundedControls, Extremal, HamiltonianTerms, Homotopy};

@@ -4,7 +4,7 @@ use crate::extremal::actuation::Actuation;
 use crate::extremal::hamiltonian::equations::{Equations, Outputs};
 use crate::problem::error::SourceError;
 use crate::problem::{Bounds, Penalty, Problem};
-use costate::codegen::{CodegenError, Expr, Program, name_from};
+use costate::codegen::{CodegenError, Expr, Program, RecordedResult, name_from};
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::robot::Tree;
 use costate::scalar::Scalar;
@@ -81,9 +81,10 @@ pub fn pontryagin_program(problem: &Problem, of: ProgramOf) -> Result<Program, S
             }
         };
         let l = l.map_err(CodegenError::Eval)?;
-        let mut results = vec![("z_t".into(), 4 * n, 1, rate), ("l".into(), 2, 1, vec![l.cost, l.penalty])];
+        let mut results =
+            vec![RecordedResult::vector("z_t", rate), RecordedResult::vector("l", vec![l.cost, l.penalty])];
         if of == ProgramOf::Jacobian {
-            results.push(("z_t_z".into(), 4 * n, 4 * n, matrix));
+            results.push(RecordedResult::matrix("z_t_z", 4 * n, 4 * n, matrix));
         }
         Ok(results)
     })?;

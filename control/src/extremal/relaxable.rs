@@ -73,7 +73,8 @@ impl Relaxable {
 
     /// The easiest problem.
     pub fn easiest(&self) -> Relaxation {
-        let bounded = self.original.bounds.iter().any(|(low, high)| low.is_finite() || high.is_finite());
+        let bounded =
+            self.original.bounds.iter().any(|range| range.low.is_finite() || range.high.is_finite());
         Relaxation {
             goal: 0.1,
             penalty: if self.penalty_weight > 0.0 || self.weakens_terms { 0.0 } else { 1.0 },

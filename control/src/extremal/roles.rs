@@ -1,6 +1,6 @@
 //! What an extremal must offer, by role.
 
-use crate::extremal::{BoundSide, ControlLaw, Relaxation};
+use crate::extremal::{BoundSide, ControlLaw, ControlRange, Relaxation, SideChange};
 use costate::EvalError;
 
 /// Hamiltonian and running cost at one point of an extremal.
@@ -99,19 +99,13 @@ pub trait BoundedControls {
     fn unbounded_controls(&mut self, _z: &[f64], _u: &mut [f64]) {}
 
     /// Lower and upper bound of a control.
-    fn bounds(&self, _control: usize) -> (f64, f64) {
-        (f64::NEG_INFINITY, f64::INFINITY)
+    fn bounds(&self, _control: usize) -> ControlRange {
+        ControlRange::UNBOUNDED
     }
 
-    /// The function whose zero is the time at which `control` leaves or reaches a bound, given the sides
-    /// before and after, and its gradient in z, 2N.
-    fn switching(
-        &mut self,
-        _control: usize,
-        _sides: (BoundSide, BoundSide),
-        _z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
+    /// The function whose zero is the time at which `control` leaves or reaches a bound, and its
+    /// gradient in z, 2N.
+    fn switching(&mut self, _control: usize, _change: SideChange, _z: &[f64], gradient: &mut [f64]) -> f64 {
         gradient.fill(0.0);
         0.0
     }
@@ -120,7 +114,7 @@ pub trait BoundedControls {
     fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {
         self.unbounded_controls(z, u);
         for (i, u) in u.iter_mut().enumerate() {
-            let (low, high) = self.bounds(i);
+            let ControlRange { low, high } = self.bounds(i);
             *u = match law {
                 ControlLaw::Maximal => u.clamp(low, high),
                 ControlLaw::Given(sides) => match sides[i] {

@@ -1,8 +1,8 @@
 //! An extremal that changes a few evaluations of another one.
 
 use crate::extremal::{
-    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, Extremal, HamiltonianTerms, Homotopy,
-    Relaxation,
+    BoundaryValueProblem, BoundedControls, ControlLaw, ControlRange, Extremal, HamiltonianTerms, Homotopy,
+    Relaxation, SideChange,
 };
 use costate::EvalError;
 
@@ -118,18 +118,12 @@ impl<E: Extremal, H: Hooks<E>> BoundedControls for Wrapped<E, H> {
         self.inner.unbounded_controls(z, u);
     }
 
-    fn bounds(&self, control: usize) -> (f64, f64) {
+    fn bounds(&self, control: usize) -> ControlRange {
         self.inner.bounds(control)
     }
 
-    fn switching(
-        &mut self,
-        control: usize,
-        sides: (BoundSide, BoundSide),
-        z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
-        self.inner.switching(control, sides, z, gradient)
+    fn switching(&mut self, control: usize, change: SideChange, z: &[f64], gradient: &mut [f64]) -> f64 {
+        self.inner.switching(control, change, z, gradient)
     }
 
     fn controls_at(&mut self, z: &[f64], law: ControlLaw<'_>, u: &mut [f64]) {

@@ -34,6 +34,7 @@ pub struct AlmostBlockDiagonal {
 /// A column has no pivot: the matrix is singular in working precision, or not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the matrix of the boundary-value problem is singular at node {node}")]
+#[non_exhaustive]
 pub struct SingularMatrix {
     /// The node of this column, from 0.
     pub node: usize,

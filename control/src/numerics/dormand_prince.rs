@@ -1,6 +1,7 @@
 //! An adaptive Runge-Kutta integrator, for multiple shooting and for the verification of solutions.
 
 use costate::EvalError;
+use std::ops::Range;
 
 /// Stages of the pair of Dormand and Prince of orders 5 and 4.
 const STAGES: usize = 7;
@@ -56,13 +57,14 @@ impl DormandPrince {
         self.tolerance = tolerance;
     }
 
-    /// Integrates `x' = rate(t, x)` in place. NaN and diverging values stop it.
+    /// Integrates `x' = rate(t, x)` in place from the start to the end of `time`, which may lie before it. NaN and diverging values stop it.
     pub fn integrate(
         &mut self,
         x: &mut [f64],
-        (from, to): (f64, f64),
+        time: Range<f64>,
         mut rate: impl FnMut(f64, &[f64], &mut [f64]) -> Result<(), EvalError>,
     ) -> Result<(), Stopped> {
+        let Range { start: from, end: to } = time;
         let (mut t, mut h) = (from, to - from);
         let least = 1e-14 * (to - from).abs();
         let mut first = 0;
@@ -118,7 +120,7 @@ mod tests {
             f[0] = x[0] * x[0];
             Ok(())
         };
-        assert_eq!(integrator.integrate(&mut x, (0.0, 2.0), escape), Err(Stopped::TooManySteps));
+        assert_eq!(integrator.integrate(&mut x, 0.0..2.0, escape), Err(Stopped::TooManySteps));
     }
 
     #[test]
@@ -129,9 +131,9 @@ mod tests {
             (f[0], f[1]) = (-x[1], x[0]);
             Ok(())
         };
-        integrator.integrate(&mut x, (0.0, std::f64::consts::TAU), turn).unwrap();
+        integrator.integrate(&mut x, 0.0..std::f64::consts::TAU, turn).unwrap();
         assert!((x[0] - 1.0).abs() < 1e-11 && x[1].abs() < 1e-11, "{x:?}");
-        integrator.integrate(&mut x, (std::f64::consts::TAU, 0.5), turn).unwrap();
+        integrator.integrate(&mut x, std::f64::consts::TAU..0.5, turn).unwrap();
         assert!((x[0] - 0.5_f64.cos()).abs() < 1e-10);
     }
 }

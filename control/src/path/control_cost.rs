@@ -1,6 +1,8 @@
 //! The cost of a control on a path, bounds included: a convex function of u.
 
 use crate::constants::path::EDGE;
+use crate::extremal::ControlRange;
+use crate::extremal::actuation::SmoothRange;
 use crate::extremal::penalty::Term;
 
 /// `1/2 r u^2` and beyond a bound `1/2 stiffness (excess)^2`.
@@ -11,9 +13,8 @@ use crate::extremal::penalty::Term;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ControlCost {
     pub effort: f64,
-    pub bounds: (f64, f64),
-    /// Middle and half width.
-    pub smooth: Option<(f64, f64)>,
+    pub bounds: ControlRange,
+    pub smooth: Option<SmoothRange>,
     pub stiffness: f64,
 }
 
@@ -25,9 +26,9 @@ impl ControlCost {
                 let first = self.effort * u;
                 Term { value: 0.5 * first * u, first, second: self.effort }
             }
-            Some((middle, half)) => self.smoothed((u - middle) / half, half),
+            Some(SmoothRange { middle, width }) => self.smoothed((u - middle) / width, width),
         };
-        let (low, high) = self.bounds;
+        let ControlRange { low, high } = self.bounds;
         let excess = if u < low {
             u - low
         } else if u > high {
@@ -62,11 +63,12 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_value() {
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let (free, bounds) = (ControlRange::UNBOUNDED, ControlRange::new(-1.0, 2.0));
+        let smooth = Some(SmoothRange { middle: 0.5, width: 1.5 });
         for cost in [
             ControlCost { effort: 0.7, bounds: free, smooth: None, stiffness: 0.0 },
-            ControlCost { effort: 0.7, bounds: (-1.0, 2.0), smooth: None, stiffness: 30.0 },
-            ControlCost { effort: 0.3, bounds: (-1.0, 2.0), smooth: Some((0.5, 1.5)), stiffness: 9.0 },
+            ControlCost { effort: 0.7, bounds, smooth: None, stiffness: 30.0 },
+            ControlCost { effort: 0.3, bounds, smooth, stiffness: 9.0 },
         ] {
             for u in [-3.0, -1.2, -0.99, -0.4, 0.0, 0.8, 1.95, 1.99, 2.4] {
                 let (at, h) = (cost.at(u), 1e-6);

@@ -21,6 +21,8 @@ pub(crate) use costates::Path;
 
 use crate::constants::attempts::PathAttempt;
 use crate::constants::path::{INTERVALS, ROUNDS, Round};
+use crate::extremal::ControlRange;
+use crate::extremal::actuation::SmoothRange;
 use crate::extremal::relaxation::smoothing_price;
 use crate::problem::Problem;
 use crate::progress::{Iteration, Phase};
@@ -82,12 +84,12 @@ impl Objective {
     fn set_control_costs(&mut self, problem: &Problem, smoothing: f64, stiffness: f64) {
         let price = smoothing_price(problem.cost.time);
         for (cost, &effort) in self.controls.iter_mut().zip(&problem.cost.effort) {
-            let (low, high) = cost.bounds;
+            let ControlRange { low, high } = cost.bounds;
             let half = 0.5 * (high - low);
             let of_time = if half.is_finite() { 2.0 * price / (half * half) } else { 0.0 };
             if effort == 0.0 {
                 cost.effort = smoothing * of_time;
-                cost.smooth = Some((0.5 * (low + high), half));
+                cost.smooth = Some(SmoothRange { middle: 0.5 * (low + high), width: half });
             }
             cost.stiffness = stiffness * if effort == 0.0 { of_time } else { effort };
         }

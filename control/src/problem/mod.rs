@@ -30,8 +30,8 @@ use costate::robot::Robot;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, 0.5], 1.0)
 ///     .with_time(FinalTime::Free { guess: 1.0 })
-///     .with_cost(Objective { time: 1.0, effort: vec![0.01, 0.01] })
-///     .with_bounds(Bounds { u_min: vec![-20.0; 2], u_max: vec![20.0; 2] });
+///     .with_cost(Objective::new(1.0, vec![0.01, 0.01]))
+///     .with_bounds(Bounds::symmetric(vec![20.0; 2]));
 /// problem.check()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -68,7 +68,7 @@ impl Problem {
             start: BoundaryState::fixed(from, &vec![0.0; n]),
             end: BoundaryState::fixed(to, &vec![0.0; n]),
             time: FinalTime::Fixed(time),
-            cost: Objective { time: 0.0, effort: vec![1.0; n] },
+            cost: Objective::new(0.0, vec![1.0; n]),
             terms: Vec::new(),
             gain: vec![1.0; n],
             bounds: None,

@@ -2,6 +2,7 @@
 
 /// State at one end of a motion, some components possibly free.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BoundaryState {
     /// Positions (rad, m), n entries. Those of free joints only shape the first guess.
     pub q: Vec<f64>,
@@ -34,6 +35,7 @@ impl BoundaryState {
 
 /// Duration of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum FinalTime {
     /// T (s).
     Fixed(f64),
@@ -55,6 +57,7 @@ impl FinalTime {
 
 /// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \\, dt$.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Objective {
     /// $c_t$, the cost of a second.
     pub time: f64,
@@ -62,9 +65,29 @@ pub struct Objective {
     pub effort: Vec<f64>,
 }
 
+impl Objective {
+    /// The cost of a second, and the weight of each control.
+    pub fn new(time: f64, effort: Vec<f64>) -> Self {
+        Self { time, effort }
+    }
+
+    /// With this cost of a second.
+    #[must_use]
+    pub fn with_time(self, time: f64) -> Self {
+        Self { time, ..self }
+    }
+
+    /// With these weights of the controls.
+    #[must_use]
+    pub fn with_effort(self, effort: Vec<f64>) -> Self {
+        Self { effort, ..self }
+    }
+}
+
 /// `u_min <= u <= u_max` (N m or N, before the gain), n entries each. An infinite entry is no bound on that
 /// side.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Bounds {
     /// Lower bounds.
     pub u_min: Vec<f64>,
@@ -72,9 +95,22 @@ pub struct Bounds {
     pub u_max: Vec<f64>,
 }
 
+impl Bounds {
+    /// Lower and upper bounds; [`f64::NEG_INFINITY`] and [`f64::INFINITY`] for none.
+    pub fn new(u_min: Vec<f64>, u_max: Vec<f64>) -> Self {
+        Self { u_min, u_max }
+    }
+
+    /// The same limit in both directions: $|u_i| \le u_{max,i}$.
+    pub fn symmetric(u_max: Vec<f64>) -> Self {
+        Self { u_min: u_max.iter().map(|limit| -limit).collect(), u_max }
+    }
+}
+
 /// Adds weight/2 times the squared violation of each limit to the running cost. An infinite entry is no
 /// limit.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Penalty {
     /// Weight of all violations.
     pub weight: f64,
@@ -84,4 +120,35 @@ pub struct Penalty {
     pub q_max: Option<Vec<f64>>,
     /// Limits of |v| (rad/s, m/s).
     pub v_max: Option<Vec<f64>>,
+}
+
+impl Penalty {
+    /// With this weight and no limits.
+    pub fn new(weight: f64) -> Self {
+        Self { weight, ..Self::default() }
+    }
+
+    /// With this weight of all violations.
+    #[must_use]
+    pub fn with_weight(self, weight: f64) -> Self {
+        Self { weight, ..self }
+    }
+
+    /// With these lower limits of q (rad, m).
+    #[must_use]
+    pub fn with_q_min(self, q_min: Vec<f64>) -> Self {
+        Self { q_min: Some(q_min), ..self }
+    }
+
+    /// With these upper limits of q (rad, m).
+    #[must_use]
+    pub fn with_q_max(self, q_max: Vec<f64>) -> Self {
+        Self { q_max: Some(q_max), ..self }
+    }
+
+    /// With these limits of |v| (rad/s, m/s).
+    #[must_use]
+    pub fn with_v_max(self, v_max: Vec<f64>) -> Self {
+        Self { v_max: Some(v_max), ..self }
+    }
 }

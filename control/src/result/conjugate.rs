@@ -23,6 +23,10 @@ use nalgebra::DMatrix;
 const PIECES: usize = 32;
 /// Relative tolerance of one integration step.
 const TOLERANCE: f64 = 1e-11;
+/// The same for a first look, which is enough where there are clearly no conjugate times.
+const LOOSE: f64 = 1e-8;
+/// There are clearly none where each eigenvalue is so many times as large as the error that the asymmetry shows.
+const CLEAR: f64 = 100.0;
 /// Relative asymmetry of `B^-1 A` above which rounding decides: nothing is claimed then.
 const MOST_ASYMMETRY: f64 = 1e-4;
 /// Eigenvalues up to this fraction of the largest one count as not positive.
@@ -47,12 +51,13 @@ fn orthonormal(fields: DMatrix<f64>) -> DMatrix<f64> {
     fields.qr().q()
 }
 
-/// Conjugate times in a part of the motion: `fields` at its start, `transition` to its end.
-fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<usize, Undecided> {
+/// The bracket of a part of the motion, up to a congruence: `fields` at its start, `transition` to its end. `None` where
+/// the fields start from zero.
+fn bracket(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<Option<DMatrix<f64>>, Undecided> {
     let n = fields.ncols();
     let (x, y) = (fields.rows(0, n), fields.rows(n, n));
     if x.amax() == 0.0 {
-        return Ok(0);
+        return Ok(None);
     }
     let (a, b) = (transition.view((0, 0), (n, n)), transition.view((0, n), (n, n)));
     let quotient = b.into_owned().lu().solve(&a.into_owned()).ok_or(Undecided)?;
@@ -61,10 +66,31 @@ fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<usize, Unde
         return Err(Undecided);
     }
     // A congruence with X keeps the signs, and exists where X is singular too.
-    let form = x.transpose() * y + x.transpose() * quotient * x;
+    Ok(Some(x.transpose() * y + x.transpose() * quotient * x))
+}
+
+/// Conjugate times in a part of the motion.
+fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<usize, Undecided> {
+    let Some(form) = bracket(fields, transition)? else { return Ok(0) };
     let eigenvalues = (0.5 * (&form + form.transpose())).symmetric_eigenvalues();
     let bound = ZERO * eigenvalues.amax();
     Ok(eigenvalues.iter().filter(|&&value| value <= bound).count())
+}
+
+/// Whether a part of the motion clearly has no conjugate time. The bracket is scaled to a diagonal of ones, which makes
+/// its eigenvalues comparable.
+fn is_clear(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<bool, Undecided> {
+    let Some(mut form) = bracket(fields, transition)? else { return Ok(true) };
+    let sizes = form.diagonal();
+    if sizes.iter().any(|&size| size.is_nan() || size <= 0.0) {
+        return Ok(false);
+    }
+    for (i, j) in (0..sizes.len()).flat_map(|i| (0..sizes.len()).map(move |j| (i, j))) {
+        form[(i, j)] /= (sizes[i] * sizes[j]).sqrt();
+    }
+    let error = (&form - form.transpose()).amax();
+    let eigenvalues = (0.5 * (&form + form.transpose())).symmetric_eigenvalues();
+    Ok(eigenvalues.min() > CLEAR * error)
 }
 
 /// The fields and transition matrices of a motion, node by node.
@@ -102,6 +128,16 @@ impl Fields {
     fn counts(&self, borders: &[usize]) -> Result<Vec<usize>, Undecided> {
         borders.windows(2).map(|ends| count(&self.at[ends[0]], &self.transition(ends[0], ends[1]))).collect()
     }
+
+    /// Whether no piece has a conjugate time, by a margin that covers the errors of the integration.
+    fn are_clear(&self, borders: &[usize]) -> Result<bool, Undecided> {
+        for ends in borders.windows(2) {
+            if !is_clear(&self.at[ends[0]], &self.transition(ends[0], ends[1]))? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
 }
 
 impl Solved {
@@ -122,7 +158,13 @@ impl Solved {
     }
 
     fn first_conjugate<E: Extremal>(&self, extremal: &mut E) -> Result<Option<Conjugate>, Undecided> {
-        let fields = self.fields(extremal)?;
+        let durations = self.found.durations(2 * extremal.states());
+        let mut transitions = Transitions { solved: self, durations, tolerance: LOOSE };
+        if transitions.show_clearly_none(extremal) {
+            return Ok(None);
+        }
+        transitions.tolerance = TOLERANCE;
+        let fields = transitions.fields(extremal)?;
         let borders = fields.borders(PIECES);
         let counts = fields.counts(&borders)?;
         let coarse = fields.counts(&fields.borders(PIECES / 2))?;
@@ -136,11 +178,30 @@ impl Solved {
         for k in borders[piece]..borders[piece + 1] {
             let after = &fields.over[k] * &before;
             if count(&fields.at[from], &after)? > 0 {
-                return self.locate(extremal, k, &fields, &fields.at[from], before).map(Some);
+                return transitions.locate(extremal, k, &fields, &fields.at[from], before).map(Some);
             }
             before = after;
         }
         Err(Undecided)
+    }
+}
+
+/// Integrates the Jacobi fields of a motion.
+struct Transitions<'a> {
+    solved: &'a Solved,
+    /// Duration of each arc (s).
+    durations: Vec<f64>,
+    /// Relative tolerance of one integration step.
+    tolerance: f64,
+}
+
+impl Transitions<'_> {
+    /// Whether no piece of the motion has a conjugate time, by a margin.
+    fn show_clearly_none<E: Extremal>(&self, extremal: &mut E) -> bool {
+        let clear = |fields: Fields| {
+            Ok(fields.are_clear(&fields.borders(PIECES))? && fields.are_clear(&fields.borders(PIECES / 2))?)
+        };
+        self.fields(extremal).and_then(clear).unwrap_or(false)
     }
 
     /// The conjugate time in mesh interval `k`; `before` is the transition from the node of `fields` to its start.
@@ -168,14 +229,13 @@ impl Solved {
 
     fn fields<E: Extremal>(&self, extremal: &mut E) -> Result<Fields, Undecided> {
         let n = extremal.states();
-        let durations = self.found.durations(2 * n);
         let mut start = DMatrix::zeros(2 * n, n);
         start.rows_mut(n, n).fill_with_identity();
         let mut fields = Fields { times: vec![0.0], at: vec![start], over: Vec::new() };
-        for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
+        for (k, span) in self.solved.found.equations.mesh.spans.iter().enumerate() {
             // Without bounds there is one arc, so every span is an interval.
             let Span::Interval { arc, length } = *span else { return Err(Undecided) };
-            let h = length * durations[arc];
+            let h = length * self.durations[arc];
             let over = self.transition(extremal, k, 0.0, h)?;
             let next = orthonormal(&over * &fields.at[k]);
             fields.times.push(fields.times[k] + h);
@@ -194,18 +254,18 @@ impl Solved {
         to: f64,
     ) -> Result<DMatrix<f64>, Undecided> {
         let size = 2 * extremal.states();
-        let Span::Interval { arc, length } = self.found.equations.mesh.spans[span] else {
+        let Span::Interval { arc, length } = self.solved.found.equations.mesh.spans[span] else {
             return Err(Undecided);
         };
-        let h = length * self.found.durations(size)[arc];
-        let law = self.found.arcs.law(arc);
-        let (mut w, mut g) = (vec![0.0; self.found.equations.m], vec![0.0; size]);
+        let h = length * self.durations[arc];
+        let law = self.solved.found.arcs.law(arc);
+        let (mut w, mut g) = (vec![0.0; self.solved.found.equations.m], vec![0.0; size]);
         let mut jacobian = vec![0.0; size * size];
         let mut matrix = DMatrix::<f64>::identity(size, size);
-        let mut integrator = DormandPrince::new(size * size, TOLERANCE);
+        let mut integrator = DormandPrince::new(size * size, self.tolerance);
         integrator
-            .integrate(matrix.as_mut_slice(), (from, to), |t, columns, rates| {
-                self.found.equations.polynomial(span, t / h, &mut w);
+            .integrate(matrix.as_mut_slice(), from..to, |t, columns, rates| {
+                self.solved.found.equations.polynomial(span, t / h, &mut w);
                 extremal.linearise(&w[..size], law, &mut g, &mut jacobian)?;
                 for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {
                     for (rate, row) in rate.iter_mut().zip(jacobian.chunks_exact(size)) {

@@ -24,9 +24,8 @@ impl Solved {
             let right = left + parts.len().max(1);
             if let Span::Interval { arc, length } = *segment {
                 w.copy_from_slice(&equations.current.nodes[left * m..(left + 1) * m]);
-                integrator.integrate(&mut w, (0.0, length), |_, w, rate| {
-                    timed.evaluate(w, arc, rate).map(|_| ())
-                })?;
+                integrator
+                    .integrate(&mut w, 0.0..length, |_, w, rate| timed.evaluate(w, arc, rate).map(|_| ()))?;
                 let found = &equations.current.nodes[right * m..(right + 1) * m];
                 for ((found, w), scale) in found.iter().zip(&w).zip(&equations.scale) {
                     largest = largest.max((found - w).abs() / scale);

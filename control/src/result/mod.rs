@@ -5,6 +5,7 @@ pub(crate) mod defect;
 pub(crate) mod limits;
 pub(crate) mod motion;
 pub(crate) mod nodes;
+pub(crate) mod rows;
 pub(crate) mod saved;
 pub(crate) mod solution;
 pub(crate) mod trajectory;

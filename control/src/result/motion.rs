@@ -6,7 +6,7 @@ use crate::extremal::{Extremal, Relaxation};
 use crate::progress::Iteration;
 use crate::result::nodes::{Interpolant, Nodes};
 use crate::solve::Solved;
-use crate::status::Status;
+use crate::status::{BoundViolation, Status};
 use serde::{Deserialize, Serialize};
 
 /// What is known about the second variation, for ends that are fixed.
@@ -36,7 +36,7 @@ pub struct Motion {
     pub penalty_cost: f64,
     /// Weight of the smoothing that is left, relative to one that matters; 0 for the problem itself.
     pub smoothing: f64,
-    /// T (s).
+    /// T (s); NaN without a motion.
     pub final_time: f64,
     /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`.
     pub hamiltonian: f64,
@@ -60,6 +60,9 @@ pub struct Motion {
     pub iterations: Vec<Iteration>,
     /// Times (s) at which a control reaches or leaves a bound.
     pub switches: Vec<f64>,
+    /// With [`Status::BoundsNotReached`]: where the motion with the narrowest bounds that could be solved exceeds the bounds
+    /// of the problem most.
+    pub bound_violation: Option<BoundViolation>,
 }
 
 impl Motion {
@@ -81,6 +84,7 @@ impl Motion {
             errors: Vec::new(),
             iterations: Vec::new(),
             switches: Vec::new(),
+            bound_violation: None,
         }
     }
 
@@ -139,6 +143,12 @@ impl Solved {
         iterations: Vec<Iteration>,
         tolerance: f64,
     ) -> ExtremalSolution {
+        if self.status == Status::BoundsNotReached {
+            // A motion that exceeds the bounds of the problem is no result.
+            let missing = Motion::missing(self.status, f64::NAN);
+            let motion = Motion { iterations, bound_violation: self.violation, ..missing };
+            return ExtremalSolution { motion, nodes: Nodes::default() };
+        }
         extremal.set_relaxation(self.relaxation);
         let values = self.found.equations.current.clone();
         let mut timed = self.found.timed(extremal);
@@ -185,6 +195,7 @@ impl Solved {
             errors: self.estimate.map_or_else(Vec::new, |estimate| estimate.components),
             iterations,
             switches,
+            bound_violation: None,
         };
         ExtremalSolution { motion, nodes }
     }

@@ -1,7 +1,8 @@
 //! The JSON form of solutions, and what is refused.
 
 use super::*;
-use costate::robot::{JointSpec, LinkInertia};
+use crate::result::trajectory::Trajectory;
+use costate::robot::{JointSpec, LinkInertia, Robot};
 
 fn sledge(joint: &str) -> Robot {
     let joint = JointSpec::prismatic(joint).carrying(LinkInertia::point(1.0, [0.0; 3]));
@@ -76,5 +77,5 @@ fn names_of_files_are_printable_in_messages() {
     let error = Trajectory::from_json(&joints, &sledge("x")).unwrap_err().to_string();
     assert!(error.contains(r"'\u{1b}[31m' with joints '\u{202e}'"), "{error}");
     let status = Status::from("evaluation_failed: \u{1b}[31m\u{202e}singular".to_owned());
-    assert_eq!(status.to_string(), "the dynamics could not be evaluated: [31msingular");
+    assert_eq!(status.to_string(), r"the dynamics could not be evaluated: \u{1b}[31m\u{202e}singular");
 }

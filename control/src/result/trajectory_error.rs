@@ -41,6 +41,14 @@ pub enum TrajectoryError {
         /// The joints of the robot that it should be.
         joints: Vec<String>,
     },
+    /// A bound of a joint that the solution does not have.
+    #[error("`bounds` names joint '{}'; the joints of the solution are {}", printable(joint), list(joints))]
+    UnknownJoint {
+        /// The joint.
+        joint: String,
+        /// The joints of the solution.
+        joints: Vec<String>,
+    },
     /// Fewer than two times, or times that fall.
     #[error("`t` is not a rising list of at least two finite times")]
     BadTimes,
@@ -74,6 +82,11 @@ pub enum TrajectoryError {
         /// The row, from 0.
         row: usize,
     },
+}
+
+/// Refuses a version that this library does not read.
+pub(crate) fn check_version(found: u32) -> Result<(), TrajectoryError> {
+    if found > VERSION { Err(TrajectoryError::Version { found }) } else { Ok(()) }
 }
 
 fn list(names: &[String]) -> String {

@@ -21,7 +21,7 @@ impl Solved {
         for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, length } = *span {
                 let (law, h) = (self.found.arcs.law(arc), length * durations[arc]);
-                integrator.integrate(&mut x, (0.0, h), |t, x, f| {
+                integrator.integrate(&mut x, 0.0..h, |t, x, f| {
                     self.found.equations.polynomial(k, t / h, &mut w);
                     if u.is_empty() {
                         // Without controls the first half of z' = g(z), with these costates, is the state equation.

@@ -59,7 +59,7 @@ impl<E: Extremal> Search<'_, '_, E> {
         let found = self.without_smoothing(at, ease, attempt);
         match violation {
             Some(violation) if !(found.is_nearly_solved() || found.status.is_interruption()) => {
-                found.with_status(Status::BoundsNotReached(violation))
+                found.beyond_bounds(violation)
             }
             _ => found,
         }

@@ -14,9 +14,9 @@
 use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock, Switch};
 use crate::constants::arcs::{FAR, LEAST_DAMPING, LEAST_INTERVALS, MOST_ARCS, ROUNDS};
-use crate::extremal::{BoundSide, Extremal};
+use crate::extremal::{BoundSide, Extremal, SideChange};
 use crate::progress::Phase;
-use crate::solve::crossings::{Crossing, side_of};
+use crate::solve::crossings::Crossing;
 use crate::solve::{Attempt, Discretisation, Layout, Recorder, Solved};
 
 /// Solves with the arcs that a rough solution shows, to the tolerance of the attempt. `None` where no control
@@ -68,10 +68,10 @@ fn without_backward(crossings: &[Crossing], durations: &[f64]) -> Vec<Crossing> 
         if duration < 0.0 && arc > 0 && arc < crossings.len() {
             let (before, after) = (crossings[arc - 1], crossings[arc]);
             if before.switch.control == after.switch.control {
-                let sides = (before.switch.sides.0, after.switch.sides.1);
-                let switch = Switch { sides, ..after.switch };
+                let change = SideChange::new(before.switch.change.before, after.switch.change.after);
+                let switch = Switch { change, ..after.switch };
                 kept[arc - 1] = None;
-                kept[arc] = (sides.0 != sides.1).then_some(Crossing { switch, ..after });
+                kept[arc] = (change.before != change.after).then_some(Crossing { switch, ..after });
             } else {
                 // Two controls: the other order.
                 kept[arc - 1] = Some(Crossing { time: before.time, ..after });
@@ -121,12 +121,12 @@ impl Discretisation {
         extremal.unbounded_controls(&self.equations.current.nodes[..2 * extremal.states()], &mut u);
         let first = |(control, &u): (usize, &f64)| {
             let first = crossings.iter().find(|crossing| crossing.switch.control == control);
-            first.map_or_else(|| side_of(u, extremal.bounds(control)), |first| first.switch.sides.0)
+            first.map_or_else(|| extremal.bounds(control).side_of(u), |first| first.switch.change.before)
         };
         let mut at: Vec<BoundSide> = u.iter().enumerate().map(first).collect();
         let mut arcs = Arcs { sides: vec![Some(at.clone())], switches: Vec::new() };
         for Crossing { switch, .. } in crossings {
-            at[switch.control] = switch.sides.1;
+            at[switch.control] = switch.change.after;
             arcs.sides.push(Some(at.clone()));
             arcs.switches.push(*switch);
         }

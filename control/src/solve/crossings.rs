@@ -3,8 +3,7 @@
 use crate::bvp::mesh::Span;
 use crate::bvp::timed::Switch;
 use crate::constants::arcs::{SAMPLES, SLACK, UNDECIDED};
-use crate::extremal::actuation::half_width;
-use crate::extremal::{BoundSide, Extremal};
+use crate::extremal::{BoundSide, ControlRange, Extremal, SideChange};
 use crate::solve::Discretisation;
 
 /// A control reaches or leaves a bound.
@@ -26,7 +25,7 @@ impl Discretisation {
         }
         let mut sides = |w: &[f64], u: &mut [f64]| -> Vec<BoundSide> {
             extremal.unbounded_controls(&w[..z_len], u);
-            let side = |(i, &u): (usize, &f64)| side_of(u, extremal.bounds(i));
+            let side = |(i, &u): (usize, &f64)| extremal.bounds(i).side_of(u);
             u.iter().enumerate().map(side).collect()
         };
         let (mut w, mut u) = (self.equations.current.nodes[..m].to_vec(), vec![0.0; count]);
@@ -41,10 +40,11 @@ impl Discretisation {
                 self.equations.polynomial(k, to, &mut w);
                 let after = sides(&w, &mut u);
                 for control in 0..count {
-                    let pair = (before[control], after[control]);
-                    if pair.0 != pair.1 {
-                        let c = self.bisect(k, from..to, &mut w, |w| sides(w, &mut u)[control] == pair.0);
-                        let switch = Switch { control, sides: pair };
+                    let change = SideChange::new(before[control], after[control]);
+                    if change.before != change.after {
+                        let side = change.before;
+                        let c = self.bisect(k, from..to, &mut w, |w| sides(w, &mut u)[control] == side);
+                        let switch = Switch { control, change };
                         in_interval.push(Crossing { time: now + c * h, switch });
                     }
                 }
@@ -92,8 +92,8 @@ impl Discretisation {
                 let w = &self.equations.current.inner[point * m..point * m + z_len];
                 extremal.unbounded_controls(w, &mut u);
                 u.iter().zip(sides).enumerate().all(|(control, (&u, &side))| {
-                    let (low, high) = extremal.bounds(control);
-                    let slack = SLACK * half_width((low, high));
+                    let bounds @ ControlRange { low, high } = extremal.bounds(control);
+                    let slack = SLACK * bounds.half_width();
                     let agrees = match side {
                         BoundSide::Low => u <= low + slack,
                         BoundSide::Inside => (low - slack..=high + slack).contains(&u),
@@ -102,8 +102,8 @@ impl Discretisation {
                     // A control without effort is infinite before it is clipped: the switching function
                     // decides.
                     agrees || {
-                        let value =
-                            extremal.switching(control, (BoundSide::Low, BoundSide::High), w, &mut gradient);
+                        let change = SideChange::new(BoundSide::Low, BoundSide::High);
+                        let value = extremal.switching(control, change, w, &mut gradient);
                         let size: f64 =
                             gradient.iter().zip(scale).map(|(entry, scale)| (entry * scale).abs()).sum();
                         u.is_infinite() && value.abs() <= UNDECIDED * size
@@ -122,23 +122,11 @@ impl Discretisation {
         for w in self.equations.current.nodes.chunks_exact(m) {
             extremal.unbounded_controls(&w[..z_len], &mut u);
             for (control, &u) in u.iter().enumerate() {
-                let (low, high) = extremal.bounds(control);
                 if u.is_finite() {
-                    largest = largest.max(1.0 + (low - u).max(u - high) / half_width((low, high)));
+                    largest = largest.max(extremal.bounds(control).factor(u));
                 }
             }
         }
         largest
-    }
-}
-
-/// Where an unclipped control is.
-pub(crate) fn side_of(u: f64, (low, high): (f64, f64)) -> BoundSide {
-    if u <= low {
-        BoundSide::Low
-    } else if u >= high {
-        BoundSide::High
-    } else {
-        BoundSide::Inside
     }
 }

@@ -19,7 +19,7 @@ use crate::bvp::collocation::error::{Estimate, MeshLimits, estimate, next_mesh};
 use crate::constants::refinement::FULL;
 use crate::extremal::{Extremal, Relaxation};
 use crate::options::Method;
-use crate::status::Status;
+use crate::status::{BoundViolation, Status};
 
 /// The outcome of solving a [`Discretisation`]: a solution if the status says so, else the best iterate.
 pub(crate) struct Solved {
@@ -29,12 +29,19 @@ pub(crate) struct Solved {
     pub relaxation: Relaxation,
     /// Estimated errors on the last mesh, if Newton's method converged there.
     pub estimate: Option<Estimate>,
+    /// With [`Status::BoundsNotReached`]: by how much the motion exceeds the bounds of the problem.
+    pub violation: Option<BoundViolation>,
 }
 
 impl Solved {
     /// Whether all conditions of its problem hold to the tolerance.
     pub fn is_converged(&self) -> bool {
         self.status.is_converged()
+    }
+
+    /// The same as a motion that exceeds the bounds of the problem.
+    pub fn beyond_bounds(self, violation: BoundViolation) -> Self {
+        Self { status: Status::BoundsNotReached, violation: Some(violation), ..self }
     }
 
     /// The same with a status.
@@ -88,7 +95,7 @@ impl Discretisation {
             }
             self.refine(&timed, mesh);
         };
-        Solved { found: self, status, relaxation, estimate: last }
+        Solved { found: self, status, relaxation, estimate: last, violation: None }
     }
 }
 

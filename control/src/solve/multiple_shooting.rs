@@ -36,7 +36,7 @@ impl Discretisation {
         let points = self.equations.method.len();
         if !status.is_converged() {
             self.equations = shooting.joined(&timed, points);
-            return Solved { found: self, status, relaxation, estimate };
+            return Solved { found: self, status, relaxation, estimate, violation: None };
         }
         shooting.set_tolerance((SHARPER * tolerance).max(SHARPEST));
         let limits = Representation { points, tolerance, max_intervals: attempt.max_intervals() };
@@ -49,7 +49,7 @@ impl Discretisation {
             }
             Err(failure) => status = failure.into(),
         }
-        Solved { found: self, status, relaxation, estimate }
+        Solved { found: self, status, relaxation, estimate, violation: None }
     }
 }
 

@@ -2,8 +2,7 @@
 
 use crate::bvp::mesh::Span;
 use crate::constants::arcs::BEYOND;
-use crate::extremal::Extremal;
-use crate::extremal::actuation::half_width;
+use crate::extremal::{ControlRange, Extremal, Relaxation};
 use crate::solve::Solved;
 use crate::status::BoundViolation;
 
@@ -14,8 +13,8 @@ impl Solved {
     /// The relaxation of `extremal` is changed in between and then restored.
     pub fn bound_violation<E: Extremal>(&self, extremal: &mut E) -> Option<BoundViolation> {
         let (z_len, m, before) = (2 * extremal.states(), self.found.equations.m, extremal.relaxation());
-        let mut bounds = vec![(0.0, 0.0); extremal.controls()];
-        extremal.set_relaxation(crate::extremal::Relaxation::NONE);
+        let mut bounds = vec![ControlRange::UNBOUNDED; extremal.controls()];
+        extremal.set_relaxation(Relaxation::NONE);
         bounds.iter_mut().enumerate().for_each(|(i, bounds)| *bounds = extremal.bounds(i));
         extremal.set_relaxation(self.relaxation);
         let durations = self.found.durations(z_len);
@@ -23,11 +22,11 @@ impl Solved {
         for (i, w) in self.found.equations.current.nodes.chunks_exact(m).enumerate() {
             let mesh = &self.found.equations.mesh;
             extremal.controls_at(&w[..z_len], self.found.arcs.law(mesh.arc_of_node(i)), &mut u);
-            for (control, (&u, &(low, high))) in u.iter().zip(&bounds).enumerate() {
-                // A bound on one side alone counts from zero, as where bounds are relaxed.
-                let factor = 1.0 + (low - u).max(u - high) / half_width((low, high));
+            for (control, (&u, bounds)) in u.iter().zip(&bounds).enumerate() {
+                let factor = bounds.factor(u);
                 if factor > 1.0 + BEYOND && worst.is_none_or(|worst| factor > worst.factor) {
-                    worst = Some(BoundViolation { control, time: now, factor });
+                    let bound = if u > bounds.high { bounds.high } else { bounds.low };
+                    worst = Some(BoundViolation { control, time: now, u, bound, factor });
                 }
             }
             if let Some(&Span::Interval { arc, length }) = mesh.spans.get(i) {

@@ -81,7 +81,7 @@ fn without_gravity_the_cost_falls_like_the_cube_of_the_time() {
 
 #[test]
 fn the_slope_of_the_cost_in_the_weight_is_the_penalty() {
-    let penalty = Some(Penalty { weight: 1.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() });
+    let penalty = Some(Penalty::new(1.0).with_v_max(vec![3.0; 2]));
     let branch = reach(
         &{
             let mut problem = two_link();
@@ -113,7 +113,7 @@ fn armature_acts_as_mass() {
 
 #[test]
 fn bounds_tighten_until_the_control_is_clipped() {
-    let bounds = Some(Bounds { u_min: vec![-5.0], u_max: vec![5.0] });
+    let bounds = Some(Bounds::symmetric(vec![5.0]));
     let problem = {
         let mut problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0);
         problem.bounds = bounds;
@@ -135,8 +135,8 @@ fn bounds_change_the_least_time() {
     let problem = {
         let mut problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 2.0);
         problem.time = FinalTime::Free { guess: 2.0 };
-        problem.cost = Objective { time: 1.0, effort: vec![0.0] };
-        problem.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        problem.cost = Objective::new(1.0, vec![0.0]);
+        problem.bounds = Some(Bounds::symmetric(vec![1.0]));
         problem
     };
     let branch = reach(&problem, Parameter::Bounds, 1.0, 4.0);
@@ -152,7 +152,7 @@ fn bounds_change_the_least_time() {
 /// The extremal of the swing-up in 3 s that first swings in the opposite direction.
 fn with_a_swing_back() -> Solution {
     let solutions = (0..30).map(|seed| {
-        let options = SolverOptions { starts: 2, seed, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_starts(2).with_seed(seed);
         Solver::new(&swing_up(3.0), options).unwrap().solve()
     });
     solutions.into_iter().find(|solution| (solution.motion.cost - 18.320_144_5).abs() < 1e-5).unwrap()
@@ -206,7 +206,7 @@ fn the_swing_back_has_a_shortest_time() {
 
 #[test]
 fn shooting_can_solve_the_first_problem() {
-    let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_method(Method::Shooting);
     let problem = swing_up(1.0);
     let branch = Continuation::new(&problem, Parameter::Gravity, 0.5, 1.0, options).unwrap().follow();
     assert_eq!(branch.end, BranchEnd::Reached);
@@ -215,14 +215,14 @@ fn shooting_can_solve_the_first_problem() {
 
 #[test]
 fn a_continuation_that_cannot_start_or_finish_says_so() {
-    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
+    let bounds = Some(Bounds::symmetric(vec![3.0]));
     let problem = {
         let mut problem = Problem::rest_to_rest(sledge(0.0), &[0.0], &[1.0], 1.0);
         problem.bounds = bounds;
         problem
     };
     // More nodes would only show that there is no solution.
-    let options = SolverOptions { max_nodes: 601, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_max_nodes(601);
     let follow = |from: f64, to: f64| {
         Continuation::new(&problem, Parameter::Bounds, from, to, options.clone()).unwrap().follow()
     };
@@ -255,7 +255,7 @@ fn parameters_that_a_problem_does_not_have_are_refused() {
     let free = {
         let mut problem = problem.clone();
         problem.time = FinalTime::Free { guess: 1.0 };
-        problem.cost = Objective { time: 1.0, effort: vec![1.0] };
+        problem.cost = Objective::new(1.0, vec![1.0]);
         problem
     };
     assert!(refused(&free, Parameter::FinalTime, 1.0, 2.0).contains("free"));

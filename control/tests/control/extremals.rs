@@ -1,10 +1,8 @@
 //! The equations of an extremal: the canonical equations of H*, and their Jacobian.
 
+use crate::equations::{assert_canonical, assert_jacobians_agree};
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
-use costate_control::{
-    BoundaryValueProblem, Bounds, ControlLaw, Homotopy, JacobianRoute, Penalty, Problem, Relaxation,
-    RobotExtremal,
-};
+use costate_control::{Bounds, Homotopy, JacobianRoute, Penalty, Problem, Relaxation, RobotExtremal};
 
 fn arm_with_friction() -> Robot {
     let friction = Friction { viscous: 0.3, coulomb: 0.5, coulomb_velocity: 0.4 };
@@ -35,13 +33,10 @@ pub fn problems() -> Vec<(Problem, Relaxation)> {
         problem.cost.effort = (0..n).map(|i| 0.5 + 0.2 * i as f64).collect();
         problem.gain = (0..n).map(|i| 1.6 - 0.3 * i as f64).collect();
         problems.push((problem.clone(), Relaxation::NONE));
-        problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
-        problem.penalty = Some(Penalty {
-            weight: 30.0,
-            q_min: Some(vec![-0.1; n]),
-            q_max: Some(vec![0.2; n]),
-            v_max: Some(vec![0.3; n]),
-        });
+        problem.bounds = Some(Bounds::new(vec![-0.4; n], vec![0.5; n]));
+        problem.penalty = Some(
+            Penalty::new(30.0).with_q_min(vec![-0.1; n]).with_q_max(vec![0.2; n]).with_v_max(vec![0.3; n]),
+        );
         problems.push((problem.clone(), Relaxation::NONE));
         problem.cost.effort[0] = 0.0;
         for bounds in [1.0, 1.7, f64::INFINITY] {
@@ -62,28 +57,10 @@ pub fn point(n: usize, random: &mut fastrand::Rng) -> Vec<f64> {
 fn the_equations_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(5);
     for (problem, relaxation) in problems() {
-        let n = problem.robot.dof();
         let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(relaxation);
-        let z = point(n, &mut random);
-        let mut g = vec![0.0; 4 * n];
-        let rate = extremal.evaluate(&z, ControlLaw::Maximal, &mut g).unwrap();
-        let mut beside = vec![0.0; 4 * n];
-        let size = g.iter().fold(rate.magnitude(), |size, g| size.max(g.abs()));
-        for i in 0..4 * n {
-            let mut at = |h: f64| {
-                let mut z = z.clone();
-                z[i] += h;
-                extremal.evaluate(&z, ControlLaw::Maximal, &mut beside).unwrap().hamiltonian
-            };
-            let slope = (8.0 * (at(1e-4) - at(-1e-4)) - at(2e-4) + at(-2e-4)) / 1.2e-3;
-            let expected = if i < 2 * n { -g[2 * n + i] } else { g[i - 2 * n] };
-            assert!(
-                (slope - expected).abs() < 1e-7 * size,
-                "{}: {i}: {slope} {expected}",
-                problem.robot.name()
-            );
-        }
+        let z = point(problem.robot.dof(), &mut random);
+        assert_canonical(&mut extremal, &z, 1e-7, problem.robot.name());
     }
 }
 
@@ -91,29 +68,13 @@ fn the_equations_are_those_of_the_maximised_hamiltonian() {
 fn the_exact_jacobian_agrees_with_differences() {
     let mut random = fastrand::Rng::with_seed(6);
     for (problem, relaxation) in problems() {
-        let m = 4 * problem.robot.dof();
         let z = point(problem.robot.dof(), &mut random);
-        let mut found = Vec::new();
-        for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
-            let mut extremal = RobotExtremal::new(problem.check().unwrap(), kind).unwrap();
+        let [mut exact, mut differences] = [JacobianRoute::Exact, JacobianRoute::Differences].map(|route| {
+            let mut extremal = RobotExtremal::new(problem.check().unwrap(), route).unwrap();
             extremal.set_relaxation(relaxation);
-            let (mut g, mut h, mut jacobian) = (vec![0.0; m], vec![0.0; m], vec![0.0; m * m]);
-            let linear = extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
-            let plain = extremal.evaluate(&z, ControlLaw::Maximal, &mut h).unwrap();
-            assert!((linear.hamiltonian - plain.hamiltonian).abs() < 1e-12 * plain.magnitude());
-            let size = g.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
-            assert!(g.iter().zip(&h).all(|(g, h)| (g - h).abs() < 1e-12 * size));
-            found.push(jacobian);
-        }
-        let size = found[1].iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
-        for (i, (exact, difference)) in found[0].iter().zip(&found[1]).enumerate() {
-            let (row, column) = (i / m, i % m);
-            assert!(
-                (exact - difference).abs() < 1e-7 * size,
-                "{}: {row} {column}: {exact} {difference}",
-                problem.robot.name()
-            );
-        }
+            extremal
+        });
+        assert_jacobians_agree(&mut exact, &mut differences, &z, problem.robot.name());
     }
 }
 

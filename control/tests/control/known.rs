@@ -75,9 +75,8 @@ fn the_two_link_arm_moves_at_the_known_cost_in_any_time() {
 fn all_three_matrices_lead_to_the_same_motion() {
     let exact = solve(&two_link(1.0));
     for jacobian in [JacobianRoute::Differences, JacobianRoute::WithoutHessian] {
-        let solution = Solver::new(&two_link(1.0), SolverOptions { jacobian, ..SolverOptions::default() })
-            .unwrap()
-            .solve();
+        let solution =
+            Solver::new(&two_link(1.0), SolverOptions::default().with_jacobian(jacobian)).unwrap().solve();
         if jacobian == JacobianRoute::Differences {
             assert!(solution.motion.status.is_converged());
         }
@@ -89,9 +88,8 @@ fn all_three_matrices_lead_to_the_same_motion() {
 
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
-    let problem = two_link(2.0)
-        .with_time(FinalTime::Free { guess: 2.0 })
-        .with_cost(Objective { time: 1.0, effort: vec![1.0; 2] });
+    let problem =
+        two_link(2.0).with_time(FinalTime::Free { guess: 2.0 }).with_cost(Objective::new(1.0, vec![1.0; 2]));
     let solution = solve(&problem);
     let time = (3.0 * 145.131_137_54_f64).powf(0.25);
     close(solution.motion.final_time, time, 1e-9);
@@ -103,7 +101,7 @@ fn the_two_link_arm_takes_the_known_time() {
 fn costates_are_the_slopes_of_the_cost() {
     let robot = Robot::from_file("../robots/cart_pole.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.1, 0.3], &[0.8, -0.4], 1.3);
-    let options = || SolverOptions { tolerance: 1e-11, ..SolverOptions::default() };
+    let options = || SolverOptions::default().with_tolerance(1e-11);
     let solution = solve_with(&problem, options());
     let step = 1e-4;
     let cost = |change: &dyn Fn(&mut Problem, f64)| {
@@ -213,7 +211,7 @@ fn a_motion_that_needs_no_control_costs_nothing() {
         problem.start.v = v;
         (problem.end.q_free, problem.end.v_free) = (all.clone(), all);
         for method in [Method::Collocation, Method::Shooting] {
-            let options = SolverOptions { method, ..SolverOptions::default() };
+            let options = SolverOptions::default().with_method(method);
             let solution = Solver::new(&problem, options).unwrap().solve();
             assert!(
                 solution.motion.status.is_converged(),

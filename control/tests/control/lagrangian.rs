@@ -1,13 +1,14 @@
 //! Extremals in (q, v): their equations, and the same motions as in (q, p).
 
+use crate::equations::{assert_canonical, assert_jacobians_agree};
 use crate::extremals::{point, problems as without_terms};
 use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, BoundaryValueProblem, BoundedControls, Bounds, ControlLaw, Coordinates, FinalTime, Homotopy,
-    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, Solution, Solver,
-    SolverOptions, UserTerm,
+    JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, SideChange, Solution,
+    Solver, SolverOptions, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -31,37 +32,14 @@ fn problems() -> Vec<(Problem, Relaxation)> {
     problems
 }
 
-/// H* and g at z.
-fn at(extremal: &mut LagrangianExtremal, z: &[f64]) -> (f64, Vec<f64>) {
-    let mut g = vec![0.0; z.len()];
-    let rate = extremal.evaluate(z, ControlLaw::Maximal, &mut g).unwrap();
-    (rate.hamiltonian, g)
-}
-
 #[test]
 fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
     let mut random = fastrand::Rng::with_seed(15);
     for (problem, relaxation) in problems() {
-        let n = problem.robot.dof();
         let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
         extremal.set_relaxation(relaxation);
-        let z = point(n, &mut random);
-        let (hamiltonian, g) = at(&mut extremal, &z);
-        let size = g.iter().fold(hamiltonian.abs(), |size, g| size.max(g.abs()));
-        for i in 0..4 * n {
-            let mut beside = |h: f64| {
-                let mut z = z.clone();
-                z[i] += h;
-                at(&mut extremal, &z).0
-            };
-            let slope = (8.0 * (beside(1e-4) - beside(-1e-4)) - beside(2e-4) + beside(-2e-4)) / 1.2e-3;
-            let expected = if i < 2 * n { -g[2 * n + i] } else { g[i - 2 * n] };
-            assert!(
-                (slope - expected).abs() < 1e-6 * size,
-                "{}: {i}: {slope} {expected}",
-                problem.robot.name()
-            );
-        }
+        let z = point(problem.robot.dof(), &mut random);
+        assert_canonical(&mut extremal, &z, 1e-6, problem.robot.name());
     }
 }
 
@@ -69,28 +47,13 @@ fn the_equations_in_q_and_v_are_those_of_the_maximised_hamiltonian() {
 fn the_exact_jacobian_in_q_and_v_agrees_with_central_differences() {
     let mut random = fastrand::Rng::with_seed(16);
     for (problem, relaxation) in problems() {
-        let m = 4 * problem.robot.dof();
         let z = point(problem.robot.dof(), &mut random);
-        let mut found = Vec::new();
-        for kind in [JacobianRoute::Exact, JacobianRoute::Differences] {
-            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), kind).unwrap();
+        let [mut exact, mut differences] = [JacobianRoute::Exact, JacobianRoute::Differences].map(|route| {
+            let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), route).unwrap();
             extremal.set_relaxation(relaxation);
-            let (mut g, mut jacobian) = (vec![0.0; m], vec![0.0; m * m]);
-            extremal.linearise(&z, ControlLaw::Maximal, &mut g, &mut jacobian).unwrap();
-            let plain = at(&mut extremal, &z).1;
-            let size = g.iter().fold(1.0_f64, |size, g| size.max(g.abs()));
-            assert!(g.iter().zip(&plain).all(|(g, h)| (g - h).abs() < 1e-12 * size));
-            found.push(jacobian);
-        }
-        let size = found[1].iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
-        for (i, (exact, difference)) in found[0].iter().zip(&found[1]).enumerate() {
-            let (row, column) = (i / m, i % m);
-            assert!(
-                (exact - difference).abs() < 1e-7 * size,
-                "{}: {row} {column}: {exact} {difference}",
-                problem.robot.name()
-            );
-        }
+            extremal
+        });
+        assert_jacobians_agree(&mut exact, &mut differences, &z, problem.robot.name());
     }
 }
 
@@ -140,18 +103,18 @@ fn the_switching_function_has_an_exact_gradient() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let n = robot.dof();
     let mut problem = Problem::rest_to_rest(robot, &vec![0.0; n], &vec![0.7; n], 1.0);
-    problem.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
+    problem.bounds = Some(Bounds::new(vec![-0.4; n], vec![0.5; n]));
     let mut extremal = LagrangianExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
     let z = point(n, &mut fastrand::Rng::with_seed(18));
     let (mut gradient, mut other) = (vec![0.0; 4 * n], vec![0.0; 4 * n]);
-    let sides = (BoundSide::Inside, BoundSide::High);
-    extremal.switching(2, sides, &z, &mut gradient);
+    let change = SideChange::new(BoundSide::Inside, BoundSide::High);
+    extremal.switching(2, change, &z, &mut gradient);
     let size = gradient.iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
     for i in 0..4 * n {
         let mut beside = |h: f64| {
             let mut z = z.clone();
             z[i] += h;
-            extremal.switching(2, sides, &z, &mut other)
+            extremal.switching(2, change, &z, &mut other)
         };
         let difference = (beside(1e-5) - beside(-1e-5)) / 2e-5;
         assert!((difference - gradient[i]).abs() < 1e-7 * size, "{i}: {difference} {}", gradient[i]);
@@ -161,7 +124,7 @@ fn the_switching_function_has_an_exact_gradient() {
 /// The same problem in both coordinates.
 fn both(problem: &Problem) -> [Solution; 2] {
     [Coordinates::Hamiltonian, Coordinates::Lagrangian].map(|coordinates| {
-        let options = SolverOptions { coordinates, tolerance: 1e-11, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_coordinates(coordinates).with_tolerance(1e-11);
         let solution = Solver::new(problem, options).unwrap().solve();
         assert!(solution.motion.status.is_converged(), "{coordinates:?}: {}", solution.motion.status);
         assert!(solution.motion.hamiltonian_drift < 1e-8 && solution.end_defect < 1e-6);
@@ -217,20 +180,20 @@ fn both_coordinates_agree_for_the_puma() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
     let (from, to) = ([0.0, 0.7, 2.8, 0.0, 0.4, 0.0], [0.6, 0.2, 2.9, 0.3, 0.2, 0.4]);
     let mut problem = Problem::rest_to_rest(robot, &from, &to, 0.9);
-    problem.cost = Objective { time: 0.0, effort: vec![1e-4, 3e-5, 1e-4, 2e-3, 2e-3, 2e-3] };
+    problem.cost = Objective::new(0.0, vec![1e-4, 3e-5, 1e-4, 2e-3, 2e-3, 2e-3]);
     agree(&problem);
 }
 
 #[test]
 fn both_coordinates_find_the_same_switches() {
-    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let bounds = Bounds::symmetric(vec![5.0]);
     let bounded = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let fastest = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0)
         .with_time(FinalTime::Free { guess: 1.0 })
-        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
-        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        .with_cost(Objective::new(1.0, vec![0.0]))
+        .with_bounds(Bounds::symmetric(vec![1.0]));
     let arm = Robot::from_file("../robots/two_link.toml").unwrap();
-    let bounds = Bounds { u_min: vec![-4.5; 2], u_max: vec![4.5; 2] };
+    let bounds = Bounds::symmetric(vec![4.5; 2]);
     let arm = Problem::rest_to_rest(arm, &[0.0, 0.5], &[0.6, 0.4], 2.0).with_bounds(bounds);
     for problem in [bounded, fastest, arm] {
         let [a, b] = agree(&problem);
@@ -250,7 +213,7 @@ fn a_saved_motion_starts_a_search_in_other_coordinates() {
     let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0);
     let [a, b] = both(&problem);
     for (saved, coordinates) in [(&a, Coordinates::Lagrangian), (&b, Coordinates::Hamiltonian)] {
-        let options = SolverOptions { coordinates, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_coordinates(coordinates);
         let again = Solver::new(&problem, options).unwrap().with_start(&saved.trajectory).unwrap().solve();
         assert!(
             again.motion.status.is_converged() && again.newton_iterations <= 6,

@@ -7,6 +7,7 @@ use costate::robot::{JointSpec, LinkInertia, Robot};
 mod bounded;
 mod branch;
 mod dynamics;
+mod equations;
 mod extremals;
 mod free_start;
 mod known;

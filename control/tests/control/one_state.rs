@@ -76,7 +76,7 @@ impl Homotopy for Line {}
 
 fn solve(mut line: Line, time: FinalTime, points: usize) -> ExtremalSolution {
     let to = line.to;
-    let options = SolverOptions { points, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_points(points);
     let motion = solve_extremal(&mut line, time, &options, |s, z| z[0] = s * to);
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     motion

@@ -33,14 +33,14 @@ fn errors_name_the_key() {
     refused(&|p| p.cost.effort[0] = -1.0, "cost.effort: the entry of joint 'shoulder'");
     refused(&|p| p.cost.effort[1] = 0.0, "'elbow'");
     refused(&|p| p.cost.effort = vec![1.0], "cost.effort");
-    let bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0; 2] });
+    let bounds = Some(Bounds::symmetric(vec![1.0; 2]));
     refused(&|p| (p.cost.effort, p.bounds) = (vec![0.0; 2], bounds.clone()), "nothing is left to minimise");
     refused(&|p| p.gain = vec![1.0, 0.0], "actuation.gain: the gain of joint 'elbow'");
-    refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0, 1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
-    refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0], u_max: vec![1.0, 1.0] }), "bounds.u_min");
-    refused(&|p| p.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0] }), "bounds.u_max");
+    refused(&|p| p.bounds = Some(Bounds::new(vec![-1.0, 1.0], vec![1.0, 1.0])), "bounds.u_min");
+    refused(&|p| p.bounds = Some(Bounds::new(vec![-1.0], vec![1.0, 1.0])), "bounds.u_min");
+    refused(&|p| p.bounds = Some(Bounds::new(vec![-1.0; 2], vec![1.0])), "bounds.u_max");
     let infinite = f64::INFINITY;
-    let bounds = |u_min: f64, u_max: f64| Some(Bounds { u_min: vec![-1.0, u_min], u_max: vec![1.0, u_max] });
+    let bounds = |u_min: f64, u_max: f64| Some(Bounds::new(vec![-1.0, u_min], vec![1.0, u_max]));
     refused(&|p| p.bounds = bounds(f64::NAN, 1.0), "bounds.u_min: the entry of joint 'elbow'");
     refused(&|p| p.bounds = bounds(-1.0, f64::NAN), "bounds.u_max: the entry of joint 'elbow'");
     refused(&|p| p.bounds = bounds(infinite, infinite), "bounds.u_min: the lower bound inf of joint 'elbow'");
@@ -52,18 +52,13 @@ fn errors_name_the_key() {
         weighted.cost.effort[0] = 0.0;
         assert!(weighted.check().is_ok());
     }
-    let penalty = |q_min: f64| Penalty {
-        weight: 1.0,
-        q_min: Some(vec![q_min; 2]),
-        q_max: Some(vec![1.0; 2]),
-        v_max: None,
-    };
+    let penalty = |q_min: f64| Penalty::new(1.0).with_q_min(vec![q_min; 2]).with_q_max(vec![1.0; 2]);
     refused(&|p| p.penalty = Some(penalty(2.0)), "penalty.q_min");
-    refused(&|p| p.penalty = Some(Penalty { weight: -1.0, ..penalty(0.0) }), "penalty.weight");
-    refused(&|p| p.penalty = Some(Penalty { v_max: Some(vec![-1.0; 2]), ..penalty(0.0) }), "penalty.v_max");
+    refused(&|p| p.penalty = Some(penalty(0.0).with_weight(-1.0)), "penalty.weight");
+    refused(&|p| p.penalty = Some(penalty(0.0).with_v_max(vec![-1.0; 2])), "penalty.v_max");
     let limits = |q_min, q_max, v_max| {
-        let with = |entry: f64| Some(vec![entry, 0.5]);
-        Some(Penalty { weight: 1.0, q_min: with(q_min), q_max: Some(vec![q_max; 2]), v_max: with(v_max) })
+        let with = |entry: f64| vec![entry, 0.5];
+        Some(Penalty::new(1.0).with_q_min(with(q_min)).with_q_max(vec![q_max; 2]).with_v_max(with(v_max)))
     };
     refused(&|p| p.penalty = limits(f64::NAN, 1.0, 1.0), "penalty.q_min: the entry of joint 'shoulder'");
     refused(&|p| p.penalty = limits(0.0, 1.0, f64::NAN), "penalty.v_max: the entry of joint 'shoulder'");
@@ -73,7 +68,7 @@ fn errors_name_the_key() {
     held.penalty = limits(-infinite, infinite, infinite);
     assert!(held.check().is_ok());
     assert!(problem().check().is_ok());
-    let options = SolverOptions { tolerance: 0.0, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_tolerance(0.0);
     assert!(Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("tolerance")));
 }
 
@@ -154,8 +149,7 @@ fn penalties_slow_a_motion_and_are_reported_apart_from_the_cost() {
     };
     let limit = 0.8 * fastest(&free);
     let mut slower = problem();
-    slower.penalty =
-        Some(Penalty { weight: 1e4, q_min: None, q_max: Some(vec![0.5; 2]), v_max: Some(vec![limit; 2]) });
+    slower.penalty = Some(Penalty::new(1e4).with_q_max(vec![0.5; 2]).with_v_max(vec![limit; 2]));
     let held = Solver::new(&slower, SolverOptions::default()).unwrap().solve();
     assert!(held.motion.status.is_converged(), "{} {:?}", held.motion.status, held.motion.iterations);
     assert!(
@@ -171,12 +165,12 @@ fn an_infinite_limit_is_no_limit() {
     let infinite = f64::INFINITY;
     let solve = |none: f64| {
         let mut held = problem();
-        held.penalty = Some(Penalty {
-            weight: 1e3,
-            q_min: Some(vec![-none; 2]),
-            q_max: Some(vec![none, 0.5]),
-            v_max: Some(vec![none, 0.6]),
-        });
+        held.penalty = Some(
+            Penalty::new(1e3)
+                .with_q_min(vec![-none; 2])
+                .with_q_max(vec![none, 0.5])
+                .with_v_max(vec![none, 0.6]),
+        );
         Solver::new(&held, SolverOptions::default()).unwrap().solve()
     };
     let (without, far) = (solve(infinite), solve(1e9));
@@ -188,7 +182,7 @@ fn an_infinite_limit_is_no_limit() {
 fn the_best_of_several_starts_is_kept() {
     let mut steps = 0;
     let problem = problem();
-    let options = SolverOptions { starts: 3, seed: 7, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_starts(3).with_seed(7);
     let solution = Solver::new(&problem, options)
         .unwrap()
         .on_iteration(|step| {

@@ -13,7 +13,7 @@ fn two_link(time: f64) -> Problem {
 }
 
 fn solve(problem: &Problem, method: Method) -> Solution {
-    let options = SolverOptions { method, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_method(method);
     let started = std::time::Instant::now();
     let solution = Solver::new(problem, options).unwrap().solve();
     println!(
@@ -87,7 +87,7 @@ fn the_two_link_arm_moves_at_the_known_cost() {
 
 #[test]
 fn the_two_link_arm_takes_the_known_time() {
-    let cost = Objective { time: 1.0, effort: vec![1.0; 2] };
+    let cost = Objective::new(1.0, vec![1.0; 2]);
     let problem = two_link(2.0).with_time(FinalTime::Free { guess: 2.0 }).with_cost(cost);
     let solution = both(&problem);
     close(solution.motion.final_time, (3.0 * 145.131_137_54_f64).powf(0.25), 1e-9);
@@ -115,20 +115,20 @@ fn six_joints_move_as_with_collocation() {
 
 #[test]
 fn penalties_are_integrated_too() {
-    let penalty = Penalty { weight: 100.0, v_max: Some(vec![3.0; 2]), ..Penalty::default() };
+    let penalty = Penalty::new(100.0).with_v_max(vec![3.0; 2]);
     let solution = both(&two_link(1.0).with_penalty(penalty));
     assert!(solution.motion.penalty_cost > 1.0, "{}", solution.motion.penalty_cost);
 }
 
 #[test]
 fn bounded_controls_switch_at_the_same_times() {
-    let bounds = Bounds { u_min: vec![-5.0], u_max: vec![5.0] };
+    let bounds = Bounds::symmetric(vec![5.0]);
     let solution = both(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds));
     assert_eq!(solution.motion.switches.len(), 2);
     let least_time = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 3.0)
         .with_time(FinalTime::Free { guess: 3.0 })
-        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
-        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        .with_cost(Objective::new(1.0, vec![0.0]))
+        .with_bounds(Bounds::symmetric(vec![1.0]));
     let solution = both(&least_time);
     close(solution.motion.final_time, 2.0, 1e-9);
     close(solution.motion.switches[0], 1.0, 1e-9);
@@ -136,9 +136,9 @@ fn bounded_controls_switch_at_the_same_times() {
 
 #[test]
 fn a_time_too_short_for_the_bounds_is_not_converged() {
-    let bounds = Bounds { u_min: vec![-3.0], u_max: vec![3.0] };
+    let bounds = Bounds::symmetric(vec![3.0]);
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
-    let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_method(Method::Shooting);
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_ne!(solution.motion.status, Status::Converged);
     assert!(solution.trajectory.t.is_empty() && solution.motion.shooting_defect == f64::INFINITY);
@@ -147,7 +147,7 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
 #[test]
 fn a_looser_tolerance_has_a_larger_shooting_defect() {
     let defect = |tolerance| {
-        let options = SolverOptions { tolerance, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_tolerance(tolerance);
         Solver::new(&two_link(1.0), options).unwrap().solve().motion.shooting_defect
     };
     let (loose, tight) = (defect(1e-4), defect(1e-10));

@@ -38,18 +38,14 @@ fn problems(robot: &Robot) -> Vec<Problem> {
     bounded.gain = (0..n).map(|i| 1.5 - 0.4 * i as f64).collect();
     let (mut u_min, mut u_max) = (vec![-0.4; n], vec![0.5; n]);
     (u_min[n - 1], u_max[0]) = (f64::NEG_INFINITY, f64::INFINITY);
-    bounded.bounds = Some(Bounds { u_min, u_max });
+    bounded.bounds = Some(Bounds::new(u_min, u_max));
     let mut held = bounded.clone();
-    held.bounds = Some(Bounds { u_min: vec![-0.4; n], u_max: vec![0.5; n] });
+    held.bounds = Some(Bounds::new(vec![-0.4; n], vec![0.5; n]));
     held.cost.effort[0] = 0.0;
     let mut v_max = vec![0.3; n];
     v_max[0] = f64::INFINITY;
-    held.penalty = Some(Penalty {
-        weight: 30.0,
-        q_min: Some(vec![-0.1; n]),
-        q_max: Some(vec![0.2; n]),
-        v_max: Some(v_max),
-    });
+    held.penalty =
+        Some(Penalty::new(30.0).with_q_min(vec![-0.1; n]).with_q_max(vec![0.2; n]).with_v_max(v_max));
     let mut priced = held.clone();
     priced.terms = vec![UserTerm::new(Swing)];
     vec![plain, bounded, held, priced]

@@ -55,27 +55,26 @@ fn a_token_and_a_time_limit_stop_a_search() {
     let problem = two_link();
     let cancel = Cancel::new();
     cancel.cancel();
-    let solver = || Solver::new(&problem, SolverOptions { starts: 3, ..SolverOptions::default() }).unwrap();
+    let solver = || Solver::new(&problem, SolverOptions::default().with_starts(3)).unwrap();
     let solution = solver().with_cancel(cancel.clone()).solve();
     stopped(&solution, Status::Cancelled);
     assert!(solution.motion.iterations.is_empty() && solution.starts.len() == 1);
-    let time_limit = Some(Duration::from_nanos(1));
-    let late =
-        Solver::new(&problem, SolverOptions { time_limit, ..SolverOptions::default() }).unwrap().solve();
+    let limited = SolverOptions::default().with_time_limit(Duration::from_nanos(1));
+    let late = Solver::new(&problem, limited).unwrap().solve();
     stopped(&late, Status::TimeLimit);
     // Controls without effort take the other attempts.
     let least = {
         let mut problem = two_link();
         problem.time = FinalTime::Free { guess: 2.0 };
-        problem.cost = Objective { time: 1.0, effort: vec![0.0; 2] };
-        problem.bounds = Some(Bounds { u_min: vec![-1.0; 2], u_max: vec![1.0; 2] });
+        problem.cost = Objective::new(1.0, vec![0.0; 2]);
+        problem.bounds = Some(Bounds::symmetric(vec![1.0; 2]));
         problem
     };
     stopped(
         &Solver::new(&least, SolverOptions::default()).unwrap().with_cancel(cancel).solve(),
         Status::Cancelled,
     );
-    let zero = SolverOptions { time_limit: Some(Duration::ZERO), ..SolverOptions::default() };
+    let zero = SolverOptions::default().with_time_limit(Duration::ZERO);
     let error = Solver::new(&problem, zero).unwrap_err();
     assert!(error.to_string().contains("time_limit"), "{error}");
 }
@@ -105,21 +104,38 @@ fn a_continuation_stops_at_a_point() {
 #[test]
 fn bounds_that_are_too_tight_are_reported() {
     // A metre in a second from rest to rest takes 4 N.
-    let bounds = Some(Bounds { u_min: vec![-3.0], u_max: vec![3.0] });
+    let bounds = Some(Bounds::symmetric(vec![3.0]));
     let problem = {
         let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
         problem.bounds = bounds;
         problem
     };
     let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
-    let Status::BoundsNotReached(violation) = solution.motion.status else {
-        panic!("{}", solution.motion.status)
-    };
-    let BoundViolation { control, factor, .. } = violation;
-    assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{violation:?}");
-    assert!(solution.motion.status.to_string().contains("times as wide"), "{}", solution.motion.status);
-    let text: String = solution.motion.status.clone().into();
-    assert_eq!(Status::from(text), solution.motion.status);
+    assert_eq!(solution.motion.status, Status::BoundsNotReached);
+    let BoundViolation { control, time, u, bound, factor, .. } = solution.motion.bound_violation.unwrap();
+    assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{factor}");
+    assert!((u.abs() - 3.0 * factor).abs() < 1e-12 && bound == 3.0 * u.signum(), "{u} {bound}");
+    // Neither the motion nor its figures.
+    let motion = &solution.motion;
+    assert!(solution.trajectory.t.is_empty() && motion.switches.is_empty());
+    assert!(motion.cost == f64::INFINITY && motion.final_time.is_nan() && motion.hamiltonian.is_nan());
+
+    let saved = serde_json::to_value(&solution).unwrap();
+    assert_eq!(saved["status"], "bounds_not_reached");
+    let expected = serde_json::json!({
+        "joint": "x", "time": time, "u": u, "bound": bound, "factor": factor
+    });
+    assert_eq!(saved["bounds"], expected);
+    for key in ["cost", "final_time", "hamiltonian", "end_defect"] {
+        assert!(saved[key].is_null(), "{key}: {}", saved[key]);
+    }
+    let read: Solution = serde_json::from_value(saved.clone()).unwrap();
+    assert_eq!(read.motion.bound_violation, solution.motion.bound_violation);
+    assert_eq!(serde_json::to_value(&read).unwrap(), saved);
+    let mut other = saved;
+    other["bounds"]["joint"] = "wrist".into();
+    let refused = serde_json::from_value::<Solution>(other).unwrap_err().to_string();
+    assert!(refused.contains("'wrist'") && refused.contains("'x'"), "{refused}");
 }
 
 #[test]

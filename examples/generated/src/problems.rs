@@ -17,12 +17,12 @@ pub fn manutec_r3(robots: &Path) -> Result<Problem, RobotError> {
     let mut problem = Problem::rest_to_rest(robot, &[0.0, -1.5, 0.0], &[1.0, -1.95, 1.0], 0.53);
     problem.gain = vec![-126.0, 252.0, 72.0];
     problem.cost.effort = vec![2.0, 1.0, 3.0];
-    problem.bounds = Some(Bounds { u_min: vec![-7.5; 3], u_max: vec![7.5, f64::INFINITY, 7.5] });
-    problem.penalty = Some(Penalty {
-        weight: 100.0,
-        q_min: Some(vec![-0.5, f64::NEG_INFINITY, -0.5]),
-        q_max: Some(vec![0.5; 3]),
-        v_max: Some(vec![0.3, f64::INFINITY, 0.2]),
-    });
+    problem.bounds = Some(Bounds::new(vec![-7.5; 3], vec![7.5, f64::INFINITY, 7.5]));
+    problem.penalty = Some(
+        Penalty::new(100.0)
+            .with_q_min(vec![-0.5, f64::NEG_INFINITY, -0.5])
+            .with_q_max(vec![0.5; 3])
+            .with_v_max(vec![0.3, f64::INFINITY, 0.2]),
+    );
     Ok(problem)
 }

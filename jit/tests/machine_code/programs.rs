@@ -1,6 +1,6 @@
 //! Machine code of random programs, bit by bit, against the same steps done one by one.
 
-use costate::codegen::{Expr, Id, Node, Program};
+use costate::codegen::{Expr, Id, Node, Program, RecordedResult};
 use costate::scalar::Scalar;
 use costate_jit::{Compiled, JitError, Number};
 use costate_test_support::config;
@@ -39,7 +39,7 @@ fn recorded(inputs: usize, choices: &[Choice]) -> Program {
             });
         }
         let results: Vec<Expr> = values.iter().rev().step_by(3).copied().collect();
-        vec![("y".into(), results.len(), 1, results)]
+        vec![RecordedResult::vector("y", results)]
     });
     program.unwrap()
 }
@@ -141,7 +141,7 @@ fn a_program_without_steps_copies() {
     let program = Program::record("copy", &[("x", 2)], |arguments| {
         let x = &arguments[0];
         let (sin, cos) = x[0].sin_cos();
-        vec![("y".into(), 6, 1, vec![x[1], Expr::from_f64(2.5), x[0], sin, x[1], cos])]
+        vec![RecordedResult::vector("y", vec![x[1], Expr::from_f64(2.5), x[0], sin, x[1], cos])]
     });
     let Ok(compiled) = Compiled::new(program.as_ref().unwrap()) else { return };
     let mut y = [0.0; 6];
@@ -157,7 +157,7 @@ fn functions_of_functions_are_called_one_after_the_other() {
         let (sin, cos) = (x * x).sin_cos();
         let e = (sin + x).exp();
         let (s, c) = (e * cos).sin_cos();
-        vec![("y".into(), 4, 1, vec![s * sin, c, e.exp_m1() + cos, (s + c).exp()])]
+        vec![RecordedResult::vector("y", vec![s * sin, c, e.exp_m1() + cos, (s + c).exp()])]
     });
     let Ok(compiled) = Compiled::new(program.as_ref().unwrap()) else { return };
     for x in [-1.5_f64, 0.0, 0.3, 2.0] {
@@ -183,7 +183,7 @@ fn values_that_wait_are_kept() {
         let squares: Vec<Expr> = x.iter().map(|&x| x * x.plus(1.0)).collect();
         let total = squares.iter().fold(Expr::zero(), |sum, &square| sum + square);
         let y: Vec<Expr> = squares.iter().map(|&square| square * total).collect();
-        vec![("y".into(), 300, 1, y)]
+        vec![RecordedResult::vector("y", y)]
     });
     let inputs: Vec<f64> = (0..300).map(|k| (f64::from(k) * 0.7).cos()).collect();
     check(&program.unwrap(), &inputs).unwrap();

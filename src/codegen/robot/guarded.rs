@@ -4,7 +4,7 @@ use super::options::ProgramOptions;
 use super::program::program_with;
 use super::quantity::{Coordinates, Quantity};
 use crate::codegen::error::CodegenError;
-use crate::codegen::program::Program;
+use crate::codegen::program::{Program, RecordedResult};
 use crate::codegen::record::Expr;
 use crate::error::EvalError;
 use crate::kernels::{Factor, KernelOne};
@@ -38,7 +38,7 @@ pub fn guarded_program(
     let options = ProgramOptions::default().with_limit(limit);
     program_with(robot, quantity, coordinates, &options, |tree, q| {
         let guard = quantity.inverts(coordinates).then(|| guard(tree, q)).transpose()?;
-        Ok(guard.into_iter().map(|guard| ("guard".into(), 1, 1, vec![guard])).collect())
+        Ok(guard.into_iter().map(|guard| RecordedResult::vector("guard", vec![guard])).collect())
     })
 }
 

@@ -95,7 +95,7 @@ fn split(shapes: &[Shape], entries: &[Expr]) -> Vec<RecordedResult> {
     let result = |shape: &Shape| {
         let (part, more) = rest.split_at(shape.entries());
         rest = more;
-        (shape.name.into(), shape.rows, shape.columns, part.to_vec())
+        RecordedResult::matrix(shape.name, shape.rows, shape.columns, part.to_vec())
     };
     shapes.iter().map(result).collect()
 }

@@ -68,7 +68,7 @@ fn head(motion: &Motion<'_>) -> String {
     let warnings: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(warning))).collect();
     let warnings =
         if warnings.is_empty() { warnings } else { format!("<ul class=\"warnings\">{warnings}</ul>") };
-    let remarks = [summary::explanation(solution), summary::skipped_starts(solution)];
+    let remarks = [summary::explanation(problem, solution), summary::skipped_starts(solution)];
     let remarks: String = remarks
         .iter()
         .flatten()

@@ -1,8 +1,9 @@
 //! Bounded controls and relaxations of any model.
 
+use crate::extremal::actuation::Switching;
 use crate::extremal::dynamics::DynamicsExtremal;
 use crate::extremal::dynamics::response::eval_error;
-use crate::extremal::{BoundSide, BoundedControls, ControlLaw, Homotopy, Relaxation};
+use crate::extremal::{BoundedControls, ControlLaw, ControlRange, Homotopy, Relaxation, SideChange};
 use costate::EvalError;
 use costate::dynamics::{Cost, Dynamics};
 use costate::matrix::add_scaled;
@@ -26,23 +27,17 @@ impl<D: Dynamics<f64>, C: Cost<f64>> BoundedControls for DynamicsExtremal<D, C> 
         }
     }
 
-    fn bounds(&self, control: usize) -> (f64, f64) {
+    fn bounds(&self, control: usize) -> ControlRange {
         self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
     /// $w_i - r_i u_i$ at the bound.
-    fn switching(
-        &mut self,
-        control: usize,
-        sides: (BoundSide, BoundSide),
-        z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
+    fn switching(&mut self, control: usize, change: SideChange, z: &[f64], gradient: &mut [f64]) -> f64 {
         gradient.fill(0.0);
         if self.set_pull(z).is_err() {
             return f64::NAN;
         }
-        let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
+        let Switching { value, slope } = self.actuation.switching(control, change, self.pull[control]);
         let (x, y) = z.split_at(self.l_x.len());
         let Ok(all) = self.model.contract(x, &self.u, y) else { return f64::NAN };
         self.response.set(&all, control);

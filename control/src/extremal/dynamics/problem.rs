@@ -4,6 +4,7 @@ use crate::problem::{Bounds, FinalTime, Objective};
 
 /// State at one end of a motion, some components possibly free.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EndState {
     /// x. Free components only shape the first guess.
     pub x: Vec<f64>,

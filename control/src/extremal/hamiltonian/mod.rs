@@ -3,13 +3,14 @@
 pub(crate) mod ends;
 pub(crate) mod equations;
 
-use crate::extremal::actuation::Actuation;
+use crate::extremal::actuation::{Actuation, Switching};
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::ends::Ends;
 use crate::extremal::hamiltonian::equations::{Equations, Outputs, Running};
 use crate::extremal::relaxable::{Relaxable, RelaxedParts};
 use crate::extremal::{
-    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
+    BoundaryValueProblem, BoundedControls, ControlLaw, ControlRange, HamiltonianTerms, Homotopy, Relaxation,
+    SideChange,
 };
 use crate::options::JacobianRoute;
 use crate::problem::check::CheckedProblem;
@@ -150,20 +151,14 @@ impl BoundedControls for RobotExtremal {
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, z[3 * n + i], law).u);
     }
 
-    fn bounds(&self, control: usize) -> (f64, f64) {
+    fn bounds(&self, control: usize) -> ControlRange {
         self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
-    fn switching(
-        &mut self,
-        control: usize,
-        sides: (BoundSide, BoundSide),
-        z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
+    fn switching(&mut self, control: usize, change: SideChange, z: &[f64], gradient: &mut [f64]) -> f64 {
         let at = 3 * self.equations.force.len() + control;
         gradient.fill(0.0);
-        let (value, slope) = self.actuation.switching(control, sides, z[at]);
+        let Switching { value, slope } = self.actuation.switching(control, change, z[at]);
         gradient[at] = slope;
         value
     }

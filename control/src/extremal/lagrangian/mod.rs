@@ -2,7 +2,7 @@
 
 pub(crate) mod jacobian;
 
-use crate::extremal::actuation::Actuation;
+use crate::extremal::actuation::{Actuation, Switching};
 use crate::extremal::component_ends::{ComponentEnds, GivenComponents};
 use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::equations::Running;
@@ -11,7 +11,8 @@ use crate::extremal::penalty::Penalties;
 use crate::extremal::relaxable::{Relaxable, RelaxedParts};
 use crate::extremal::user_terms::UserTerms;
 use crate::extremal::{
-    BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, HamiltonianTerms, Homotopy, Relaxation,
+    BoundaryValueProblem, BoundedControls, ControlLaw, ControlRange, HamiltonianTerms, Homotopy, Relaxation,
+    SideChange,
 };
 use crate::options::JacobianRoute;
 use crate::problem::check::CheckedProblem;
@@ -223,21 +224,15 @@ impl BoundedControls for LagrangianExtremal {
         u.iter_mut().enumerate().for_each(|(i, u)| *u = self.actuation.control(i, self.pull[i], law).u);
     }
 
-    fn bounds(&self, control: usize) -> (f64, f64) {
+    fn bounds(&self, control: usize) -> ControlRange {
         self.actuation.reached_bounds(self.relaxable.original(), control)
     }
 
     /// $b_i w_i - r_i u_i$ at the bound, with the exact gradient for every [`JacobianRoute`].
-    fn switching(
-        &mut self,
-        control: usize,
-        sides: (BoundSide, BoundSide),
-        z: &[f64],
-        gradient: &mut [f64],
-    ) -> f64 {
+    fn switching(&mut self, control: usize, change: SideChange, z: &[f64], gradient: &mut [f64]) -> f64 {
         let n = self.force.len();
         self.pull_at(z);
-        let (value, slope) = self.actuation.switching(control, sides, self.pull[control]);
+        let Switching { value, slope } = self.actuation.switching(control, change, self.pull[control]);
         gradient.fill(0.0);
         self.force.fill(0.0);
         let Ok(all) = self.second.contract_forward_dynamics(&z[..n], &z[n..2 * n], &self.force, &z[3 * n..])

@@ -1,93 +1,16 @@
 //! Models that are not robots, and robots as models.
 
-use costate::derivative::Function;
-use costate::dynamics::{Automatic, AutomaticCost, Dynamics};
+mod models;
+
+use costate::dynamics::{AutomaticCost, Dynamics};
 use costate::robot::Robot;
-use costate::scalar::Scalar;
 use costate::{EvalError, hamiltonian, lagrangian};
 use costate_control::{
     BoundaryValueProblem, Bounds, ControlLaw, DynamicsExtremal, DynamicsProblem, DynamicsProblemError,
     EndState, ExtremalSolution, FinalTime, JacobianRoute, LagrangianExtremal, Method, Objective, Problem,
     RobotExtremal, SolverOptions, solve_dynamics,
 };
-use std::convert::Infallible;
-
-/// Declares a function of (x, u) as a model.
-macro_rules! model {
-    ($name:ident, $states:expr, $controls:expr, |$z:ident, $f:ident| $body:block) => {
-        #[derive(Clone, Debug)]
-        struct $name;
-
-        impl Function for $name {
-            type Workspace<S: Scalar> = ();
-            type Error = Infallible;
-            fn inputs(&self) -> usize {
-                $states + $controls
-            }
-            fn outputs(&self) -> usize {
-                $states
-            }
-            fn workspace<S: Scalar>(&self) {}
-            fn evaluate<S: Scalar>(&self, _: &mut (), $z: &[S], $f: &mut [S]) -> Result<(), Infallible> {
-                $body
-                Ok(())
-            }
-        }
-
-        impl $name {
-            fn automatic() -> Automatic<Self> {
-                Automatic::new(Self)
-            }
-        }
-    };
-}
-
-// x = (position, rate), u = acceleration.
-model!(Cart, 2, 1, |z, f| {
-    (f[0], f[1]) = (z[1], z[2]);
-});
-
-// x = (x, y, heading), u = (speed, turning rate).
-model!(Unicycle, 3, 2, |z, f| {
-    let (sin, cos) = z[2].sin_cos();
-    (f[0], f[1], f[2]) = (z[3] * cos, z[3] * sin, z[4]);
-});
-
-// x = (x, y, angle, rates), u = thrusts above those of hovering; mass 1 kg, inertia 0.1 kg m^2, arm 0.3 m.
-model!(Quadrotor, 6, 2, |z, f| {
-    let (sin, cos) = z[2].sin_cos();
-    let thrust = (z[6] + z[7]).plus(9.81);
-    (f[0], f[1], f[2]) = (z[3], z[4], z[5]);
-    f[3] = S::zero() - thrust * sin;
-    f[4] = (thrust * cos).plus(-9.81);
-    f[5] = (z[7] - z[6]).times(3.0);
-});
-
-// Not affine in u.
-model!(Square, 1, 1, |z, f| {
-    f[0] = z[1] * z[1];
-});
-
-/// l(x) = 3 (1 - cos of the angle) + x y.
-#[derive(Clone, Debug)]
-struct Tilt;
-
-impl Function for Tilt {
-    type Workspace<S: Scalar> = ();
-    type Error = Infallible;
-    fn inputs(&self) -> usize {
-        6
-    }
-    fn outputs(&self) -> usize {
-        1
-    }
-    fn workspace<S: Scalar>(&self) {}
-    fn evaluate<S: Scalar>(&self, _: &mut (), x: &[S], l: &mut [S]) -> Result<(), Infallible> {
-        let (_, cos) = x[2].sin_cos();
-        l[0] = S::from_f64(3.0) - cos.times(3.0) + x[0] * x[1];
-        Ok(())
-    }
-}
+use models::{Cart, Quadrotor, Square, Tilt, Unicycle};
 
 fn close(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs().max(1.0), "{found} {expected}");
@@ -138,9 +61,9 @@ fn derivatives_of_any_model_are_exact() {
     let quadrotor = |effort: f64| {
         let ends = EndState::fixed(&[0.0; 6]);
         let problem = DynamicsProblem::new(ends.clone(), ends, FinalTime::Fixed(1.0), 2);
-        problem.with_cost(Objective { time: 0.5, effort: vec![effort, 2.0 * effort] })
+        problem.with_cost(Objective::new(0.5, vec![effort, 2.0 * effort]))
     };
-    let bounds = Bounds { u_min: vec![-0.1, -50.0], u_max: vec![0.1, 50.0] };
+    let bounds = Bounds::new(vec![-0.1, -50.0], vec![0.1, 50.0]);
     for seed in 0..5 {
         let mut extremal = DynamicsExtremal::new(Quadrotor::automatic(), &quadrotor(0.7)).unwrap();
         check_derivatives(&mut extremal, seed);
@@ -175,8 +98,8 @@ fn compare<D: Dynamics<f64>>(model: D, robot: &mut impl BoundaryValueProblem, pr
 #[test]
 fn a_robot_as_a_model_has_the_extremals_of_the_robot() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
-    let bounds = Bounds { u_min: vec![-0.4; 2], u_max: vec![0.5; 2] };
-    let cost = Objective { time: 0.3, effort: vec![0.2, 0.9] };
+    let bounds = Bounds::new(vec![-0.4; 2], vec![0.5; 2]);
+    let cost = Objective::new(0.3, vec![0.2, 0.9]);
     let problem = Problem::rest_to_rest(robot.clone(), &[0.0; 2], &[1.0; 2], 1.0);
     let problem = problem.with_cost(cost.clone()).with_bounds(bounds.clone());
     let ends = EndState::fixed(&[0.0; 4]);
@@ -195,7 +118,7 @@ fn solve<D: Dynamics<f64>>(model: D, problem: &DynamicsProblem) -> ExtremalSolut
     let mut extremal = DynamicsExtremal::new(model, problem).unwrap();
     let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
-    let options = SolverOptions { method: Method::Shooting, ..SolverOptions::default() };
+    let options = SolverOptions::default().with_method(Method::Shooting);
     let shot = solve_dynamics(&mut extremal, &options);
     assert!(shot.motion.status.is_converged(), "{}", shot.motion.status);
     close(motion.motion.cost, shot.motion.cost, 1e-8);
@@ -210,7 +133,7 @@ fn a_cart_has_its_closed_forms() {
     let (start, end) = ends(1.0);
     // J = c T + 6 / T^3.
     let free = DynamicsProblem::new(start.clone(), end.clone(), FinalTime::Free { guess: 1.7 }, 1);
-    let motion = solve(Cart::automatic(), &free.with_cost(Objective { time: 18.0, effort: vec![1.0] }));
+    let motion = solve(Cart::automatic(), &free.with_cost(Objective::new(18.0, vec![1.0])));
     close(motion.motion.final_time, 1.0, 1e-9);
     close(motion.motion.cost, 24.0, 1e-9);
     // A free rate at the end: J = 3 / (2 T^3).
@@ -218,8 +141,8 @@ fn a_cart_has_its_closed_forms() {
     close(solve(Cart::automatic(), &fixed).motion.cost, 3.0 / 16.0, 1e-10);
     // Least time with |u| <= 1.
     let least = DynamicsProblem::new(start, end, FinalTime::Free { guess: 3.0 }, 1)
-        .with_cost(Objective { time: 1.0, effort: vec![0.0] })
-        .with_bounds(Bounds { u_min: vec![-1.0], u_max: vec![1.0] });
+        .with_cost(Objective::new(1.0, vec![0.0]))
+        .with_bounds(Bounds::symmetric(vec![1.0]));
     let mut extremal = DynamicsExtremal::new(Cart::automatic(), &least).unwrap();
     let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
@@ -264,7 +187,7 @@ fn a_quadrotor_flies_sideways() {
     close((at(1e-3) - at(-1e-3)) / 2e-3, -motion.motion.hamiltonian, 1e-4);
     // A bound on one thrust makes it dearer.
     let most = motion.nodes.u.iter().map(|u| u[0]).fold(0.0, f64::max);
-    let bounds = Bounds { u_min: vec![-10.0; 2], u_max: vec![0.8 * most, 10.0] };
+    let bounds = Bounds::new(vec![-10.0; 2], vec![0.8 * most, 10.0]);
     let mut bounded =
         DynamicsExtremal::new(Quadrotor::automatic(), &problem.clone().with_bounds(bounds)).unwrap();
     let bounded = solve_dynamics(&mut bounded, &SolverOptions::default());
@@ -280,9 +203,9 @@ fn unfit_problems_are_refused() {
     let refused =
         |problem: &DynamicsProblem| DynamicsExtremal::new(Square::automatic(), problem).err().unwrap();
     assert_eq!(refused(&problem), DynamicsProblemError::NotAffine);
-    let free = problem.clone().with_cost(Objective { time: 1.0, effort: vec![0.0] });
+    let free = problem.clone().with_cost(Objective::new(1.0, vec![0.0]));
     assert_eq!(refused(&free), DynamicsProblemError::UnboundedEffort { control: 0 });
-    let short = problem.clone().with_cost(Objective { time: 1.0, effort: vec![] });
+    let short = problem.clone().with_cost(Objective::new(1.0, vec![]));
     assert!(matches!(refused(&short), DynamicsProblemError::WrongLength { field: "cost.effort", .. }));
     let mut endless = problem.clone();
     endless.time = FinalTime::Fixed(f64::NAN);

@@ -1,0 +1,90 @@
+//! The files that are written.
+
+use super::{empty_folder, folder, json, names, robot, two_link};
+use crate::child::{costate, stderr, stdout};
+use serde_json::Value;
+
+#[test]
+fn outputs_are_checked_before_the_problem_is_solved() {
+    let folder = empty_folder("outputs");
+    let (file, arm) = (folder.join("problem.toml"), folder.join("arm.toml"));
+    std::fs::copy(robot("two_link.toml"), &arm).unwrap();
+    // It would take hours.
+    let text = two_link().replace(&robot("two_link.toml"), "arm.toml") + "[solver]\nstarts = 100000000\n";
+    std::fs::write(&file, &text).unwrap();
+    let (page, nowhere) = (folder.join("report.html"), folder.join("nowhere/report.html"));
+    let [problem, arm, page, nowhere] = [&file, &arm, &page, &nowhere].map(|path| path.to_str().unwrap());
+    for (more, part) in [
+        (&["-o", problem][..], "is the input file"),
+        (&["--save", arm], "is the input file"),
+        (&["-o", nowhere], "cannot be written"),
+        (&["--save", folder.to_str().unwrap()], "cannot be written"),
+        (&["--svg", arm], "cannot be written"),
+        (&["-o", page, "--save", page], "both -o and --save"),
+        (&["--json", "-o", "-"], "standard output"),
+    ] {
+        let output = costate(&[&["optimize", problem], more].concat(), b"");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{more:?}");
+        assert!(stderr(&output).contains(part), "{part}: {}", stderr(&output));
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+    assert_eq!(names(&folder), ["arm.toml", "problem.toml"]);
+    let output = costate(&["optimize", "examples/problems/two_link.toml", "--save", "-"], b"");
+    assert_eq!(json(&output)["status"], "converged");
+}
+
+#[test]
+fn the_report_is_one_file_and_the_figures_are_well_formed() {
+    let folder = folder("report");
+    let (page, pictures) = (folder.join("report.html"), folder.join("pictures"));
+    let arguments = ["optimize", "examples/problems/puma560_pick_and_place.toml"];
+    let more = ["-o", page.to_str().unwrap(), "--svg", pictures.to_str().unwrap(), "--iterations"];
+    let output = costate(&[&arguments[..], &more].concat(), b"");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains("converged") && stdout(&output).contains("iteration  residual"),
+        "{}",
+        stdout(&output)
+    );
+    let text = std::fs::read_to_string(&page).unwrap();
+    for banned in ["http://", "https://", "src=", "@import", "<link", "NaN", "inf "] {
+        let name_space = text.replace("http://www.w3.org/2000/svg", "");
+        assert!(!name_space.contains(banned), "{banned}");
+    }
+    for part in [
+        "Joint angles",
+        "Joint rates",
+        "Momenta",
+        "Torque waist",
+        "Costates of the momenta",
+        "H* minus its mean",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(text.contains("from the side") && text.contains("from above"));
+    let data = text.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let data: Value = serde_json::from_str(data).unwrap();
+    assert_eq!(data["joints"].as_array().unwrap().len(), 6);
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(&pictures).unwrap() {
+        let file = entry.unwrap().path();
+        let picture = std::fs::read_to_string(&file).unwrap();
+        let document = roxmltree::Document::parse(&picture).unwrap();
+        assert_eq!(document.root_element().tag_name().name(), "svg");
+        names.push(file.file_name().unwrap().to_str().unwrap().to_owned());
+    }
+    names.sort();
+    let expected = [
+        "control_elbow.svg",
+        "control_waist.svg",
+        "costates_p.svg",
+        "costates_q.svg",
+        "hamiltonian.svg",
+        "mesh.svg",
+    ];
+    expected.iter().for_each(|name| assert!(names.iter().any(|other| other == name), "{name}: {names:?}"));
+    assert!(
+        names.ends_with(&["residuals.svg".into(), "strobe_xy.svg".into(), "strobe_xz.svg".into()]),
+        "{names:?}"
+    );
+}

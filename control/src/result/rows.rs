@@ -1,0 +1,143 @@
+//! The values of a trajectory in files: one row per node.
+
+use crate::result::solution::RobotNames;
+use crate::result::trajectory::Trajectory;
+use crate::result::trajectory_error::{TrajectoryError, check_version};
+use costate::robot::Robot;
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// One row per node; y = (y_q, y_p).
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Rows {
+    #[serde(deserialize_with = "limited")]
+    pub t: Vec<f64>,
+    #[serde(deserialize_with = "limited")]
+    pub q: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
+    pub v: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
+    pub p: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
+    pub u: Vec<Vec<f64>>,
+    #[serde(deserialize_with = "limited")]
+    pub y: Vec<Vec<f64>>,
+}
+
+/// Most nodes of a motion; empty rows of a short text would fill the memory otherwise.
+const MOST_NODES: usize = 100_000;
+
+/// A list of at most [`MOST_NODES`] entries.
+fn limited<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    struct List<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a list of at most {MOST_NODES} entries")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Vec<T>, A::Error> {
+            let mut list = Vec::new();
+            while let Some(entry) = entries.next_element()? {
+                if list.len() == MOST_NODES {
+                    return Err(A::Error::invalid_length(MOST_NODES + 1, &self));
+                }
+                list.push(entry);
+            }
+            Ok(list)
+        }
+    }
+    deserializer.deserialize_seq(List(PhantomData))
+}
+
+/// What a warm start needs of the same document.
+#[derive(Deserialize)]
+struct StartDocument {
+    format: Option<u32>,
+    robot: Option<String>,
+    joints: Option<Vec<String>>,
+    trajectory: Rows,
+}
+
+impl From<&Trajectory> for Rows {
+    fn from(trajectory: &Trajectory) -> Self {
+        let Trajectory { t, q, v, p, u, y_q, y_p, .. } = trajectory.clone();
+        let y = y_q.into_iter().zip(y_p).map(|(y_q, y_p)| [y_q, y_p].concat()).collect();
+        Self { t, q, v, p, u, y }
+    }
+}
+
+impl Rows {
+    /// Of a robot of n joints; the rows must have been checked.
+    pub fn into_trajectory(self, n: usize) -> Trajectory {
+        let Self { t, q, v, p, u, y } = self;
+        let (y_q, y_p) = y.iter().map(|y| (y[..n].to_vec(), y[n..].to_vec())).unzip();
+        Trajectory::from_rows(t, [q, v, p, u, y_q, y_p])
+    }
+
+    /// Whether nothing was saved, as for a problem without a motion.
+    pub fn is_empty(&self) -> bool {
+        let Self { t, q, v, p, u, y } = self;
+        t.is_empty() && [q, v, p, u, y].into_iter().all(Vec::is_empty)
+    }
+
+    pub fn check(&self, n: usize) -> Result<(), TrajectoryError> {
+        let count = self.t.len();
+        let rising = self.t.windows(2).all(|pair| pair[0] <= pair[1]);
+        if count < 2 || !rising || self.t[count - 1] <= self.t[0] || self.t.iter().any(|t| !t.is_finite()) {
+            return Err(TrajectoryError::BadTimes);
+        }
+        let lists = [("q", &self.q, n), ("v", &self.v, n), ("p", &self.p, n), ("u", &self.u, n)];
+        for (key, rows, expected) in lists.into_iter().chain([("y", &self.y, 2 * n)]) {
+            if rows.len() != count {
+                return Err(TrajectoryError::WrongRows { key, found: rows.len(), expected: count });
+            }
+            for (row, entries) in rows.iter().enumerate() {
+                if entries.len() != expected {
+                    return Err(TrajectoryError::WrongLength { key, row, found: entries.len(), expected });
+                }
+                if entries.iter().any(|entry| !entry.is_finite()) {
+                    return Err(TrajectoryError::NotFinite { key, row });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Trajectory {
+    /// Longest text of a saved solution that is read: 16 MiB. Reading it takes less than 256 MB.
+    pub const MOST_BYTES: usize = 16 << 20;
+
+    /// Reads the trajectory of a saved solution, as a warm start for this robot.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`]: no saved solution, more than 16 MiB or 100 000 nodes, a newer version, a motion of
+    /// another robot (by the names of its joints, where the file holds them), or lists whose lengths do not
+    /// fit.
+    pub fn from_json(text: &str, robot: &Robot) -> Result<Self, TrajectoryError> {
+        if text.len() > Self::MOST_BYTES {
+            return Err(TrajectoryError::TooLong { most: Self::MOST_BYTES });
+        }
+        let read: StartDocument = serde_json::from_str(text).map_err(TrajectoryError::NotASolution)?;
+        check_version(read.format.unwrap_or(0))?;
+        let names = RobotNames::of(robot);
+        if let Some(found_joints) = read.joints.filter(|found| *found != names.joints) {
+            let found = read.robot.unwrap_or_default();
+            return Err(TrajectoryError::OtherRobot { found, found_joints, joints: names.joints });
+        }
+        read.trajectory.check(names.joints.len())?;
+        Ok(read.trajectory.into_trajectory(names.joints.len()))
+    }
+
+    /// Whether the trajectory can be a warm start for this robot.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`]: lists whose lengths do not fit, or numbers that are not finite.
+    pub fn check(&self, robot: &Robot) -> Result<(), TrajectoryError> {
+        Rows::from(self).check(robot.joints().len())
+    }
+}
