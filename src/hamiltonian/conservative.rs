@@ -76,7 +76,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// which are zero where joints are on different branches.
     pub fn second_order(&mut self, tree: &Tree) {
         self.kernel.second_order(tree);
-        if Panel::<S>::LANES == 1 {
+        if Panel::<S>::ONE_LANE {
             self.eliminate_by_factors();
         } else {
             sized!(S, tree.dof(), self.eliminate_by_products());

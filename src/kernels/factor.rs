@@ -66,7 +66,7 @@ impl<S: Scalar> Factor<S> {
             let inverse = self.work.entry::<W>(i, i).recip();
             self.inverse_pivots[i] = inverse;
             // With one lane, only the entries left of the diagonal.
-            let end = if Panel::<S>::LANES == 1 { i } else { width };
+            let end = if Panel::<S>::ONE_LANE { i } else { width };
             let row = &self.work.sized_row::<W>(i)[..end];
             let (_, l, _) = self.l.entries_mut().split_at_row::<W>(i);
             let scale = S::Pack::splat(inverse);
@@ -117,7 +117,7 @@ impl<S: Scalar> Factor<S> {
         for i in (0..n).rev() {
             self.work.set_unit_row::<W>(i);
             let (_, row, below) = self.work.split_at_row::<W>(i);
-            if Panel::<S>::LANES > 1 {
+            if !Panel::<S>::ONE_LANE {
                 // Packs left of the diagonal are zero.
                 let start = if W > 0 { 0 } else { i / Panel::<S>::LANES };
                 let below = below.get(start..).unwrap_or_default();
@@ -218,7 +218,7 @@ impl<S: Scalar> Factor<S> {
                 *pack = S::Pack::zero();
             }
             let column = (0..=i).map(|k| (k, self.work.entry::<W>(k, i) * pivots[k]));
-            if Panel::<S>::LANES > 1 {
+            if !Panel::<S>::ONE_LANE {
                 let width = self.work.width::<W>();
                 let terms = column.map(|(k, a)| (k, S::Pack::splat(a)));
                 let row = &mut row[..Panel::<S>::width_up_to::<W>(i + 1)];
