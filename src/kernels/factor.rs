@@ -23,6 +23,7 @@ pub struct Factor<S: Scalar> {
 
 impl<S: Scalar> Factor<S> {
     /// Symbolic factorisation and buffers.
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         Self {
@@ -133,6 +134,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// `x <- M^-1 x`, length n.
+    #[inline(never)]
     pub fn solve(&self, x: &mut [S]) {
         sized!(S, x.len(), self.solve_vector(x));
     }
@@ -189,6 +191,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// `Y <- M^-1 Y` for a panel with n rows.
+    #[inline(never)]
     pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
         self.first_half(y);
         self.divide_by_pivots(y);
@@ -196,6 +199,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.
+    #[inline(never)]
     pub fn inverse(&mut self, inverse: &mut Matrix<S>) {
         let mut product = std::mem::replace(&mut self.product, Panel::zeros(0, 0));
         sized!(S, product.columns(), self.form_inverse(&mut product));
