@@ -38,6 +38,8 @@ pub mod derivative;
 pub mod dynamics;
 mod error;
 pub mod hamiltonian;
+#[doc(hidden)]
+pub mod instances;
 pub mod kernels;
 pub mod lagrangian;
 pub mod matrix;

@@ -56,8 +56,9 @@ impl<S: Scalar> Congruence<S> {
     }
 
     /// Fills both triangles of the 2n x 2n matrix h; `flow` must be at its second order.
+    #[inline(never)]
     pub fn apply<K>(&mut self, along: &KernelTwo<S>, flow: &Conservative<S, K>, h: &mut Matrix<S>) {
-        if Panel::<S>::LANES == 1 {
+        if Panel::<S>::ONE_LANE {
             self.by_factors(along, &flow.factor, &flow.z);
             self.fill::<0, 0>(h);
         } else {

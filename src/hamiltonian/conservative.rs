@@ -25,6 +25,7 @@ pub(super) struct Conservative<S: Scalar, K> {
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         let square = Panel::zeros(n, n);
@@ -41,6 +42,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     }
 
     /// M(q) and its factors.
+    #[inline(never)]
     pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.kernel.set_position(tree, q)?;
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
@@ -57,12 +59,14 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     }
 
     /// v and L_q (17).
+    #[inline(never)]
     pub fn first_order(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
         self.solve_velocity(tree, q, p)?;
         self.kernel.set_velocity(tree, &self.v)
     }
 
     /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p). Needs the third stage of the kernel.
+    #[inline(never)]
     pub fn velocity_change(&self, d_q: &[S], d_p: &[S], change: &mut [S]) {
         for ((change, &d_p), i) in change.iter_mut().zip(d_p).zip(0..) {
             *change = d_p - dot(self.kernel.l_vq().row(i), d_q);
@@ -74,9 +78,10 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     ///
     /// Packs of several lanes multiply by M^-1, whose rows are independent; scalars use the factors of M,
     /// which are zero where joints are on different branches.
+    #[inline(never)]
     pub fn second_order(&mut self, tree: &Tree) {
         self.kernel.second_order(tree);
-        if Panel::<S>::LANES == 1 {
+        if Panel::<S>::ONE_LANE {
             self.eliminate_by_factors();
         } else {
             sized!(S, tree.dof(), self.eliminate_by_products());

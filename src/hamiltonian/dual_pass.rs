@@ -75,6 +75,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
+    #[inline(never)]
     pub fn contract(
         &mut self,
         q: &[S],

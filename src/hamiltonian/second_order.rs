@@ -106,6 +106,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     ///
     /// # Errors
     /// See [`Hamiltonian`].
+    #[inline(never)]
     pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
         let n = self.dof();
         self.first.check(&[("q", q), ("p", p)])?;

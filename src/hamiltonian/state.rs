@@ -20,6 +20,7 @@ pub(super) struct StateEquation<S: Scalar> {
 }
 
 impl<S: Scalar> StateEquation<S> {
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
@@ -35,6 +36,7 @@ impl<S: Scalar> StateEquation<S> {
     }
 
     /// Fills f: `(v, L_q + D + u)`.
+    #[inline(never)]
     pub fn rate_of_change(&mut self, tree: &Tree, v: &[S], l_q: &[S], u: &[S]) {
         let (f_q, f_p) = self.f.split_at_mut(tree.dof());
         f_q.copy_from_slice(v);
@@ -48,6 +50,7 @@ impl<S: Scalar> StateEquation<S> {
     }
 
     /// Assembles F_x from the blocks of the conservative part and the slopes of friction.
+    #[inline(never)]
     pub fn assemble<K>(&mut self, tree: &Tree, flow: &Conservative<S, K>) {
         let blocks = [&flow.w, &flow.inverse, &flow.reduced];
         sized!(S, tree.dof(), self.place(blocks));

@@ -23,6 +23,7 @@ pub struct Factor<S: Scalar> {
 
 impl<S: Scalar> Factor<S> {
     /// Symbolic factorisation and buffers.
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         Self {
@@ -66,7 +67,7 @@ impl<S: Scalar> Factor<S> {
             let inverse = self.work.entry::<W>(i, i).recip();
             self.inverse_pivots[i] = inverse;
             // With one lane, only the entries left of the diagonal.
-            let end = if Panel::<S>::LANES == 1 { i } else { width };
+            let end = if Panel::<S>::ONE_LANE { i } else { width };
             let row = &self.work.sized_row::<W>(i)[..end];
             let (_, l, _) = self.l.entries_mut().split_at_row::<W>(i);
             let scale = S::Pack::splat(inverse);
@@ -117,7 +118,7 @@ impl<S: Scalar> Factor<S> {
         for i in (0..n).rev() {
             self.work.set_unit_row::<W>(i);
             let (_, row, below) = self.work.split_at_row::<W>(i);
-            if Panel::<S>::LANES > 1 {
+            if !Panel::<S>::ONE_LANE {
                 // Packs left of the diagonal are zero.
                 let start = if W > 0 { 0 } else { i / Panel::<S>::LANES };
                 let below = below.get(start..).unwrap_or_default();
@@ -133,6 +134,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// `x <- M^-1 x`, length n.
+    #[inline(never)]
     pub fn solve(&self, x: &mut [S]) {
         sized!(S, x.len(), self.solve_vector(x));
     }
@@ -189,6 +191,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// `Y <- M^-1 Y` for a panel with n rows.
+    #[inline(never)]
     pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
         self.first_half(y);
         self.divide_by_pivots(y);
@@ -196,6 +199,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.
+    #[inline(never)]
     pub fn inverse(&mut self, inverse: &mut Matrix<S>) {
         let mut product = std::mem::replace(&mut self.product, Panel::zeros(0, 0));
         sized!(S, product.columns(), self.form_inverse(&mut product));
@@ -218,7 +222,7 @@ impl<S: Scalar> Factor<S> {
                 *pack = S::Pack::zero();
             }
             let column = (0..=i).map(|k| (k, self.work.entry::<W>(k, i) * pivots[k]));
-            if Panel::<S>::LANES > 1 {
+            if !Panel::<S>::ONE_LANE {
                 let width = self.work.width::<W>();
                 let terms = column.map(|(k, a)| (k, S::Pack::splat(a)));
                 let row = &mut row[..Panel::<S>::width_up_to::<W>(i + 1)];

@@ -13,6 +13,7 @@ impl<S: Scalar> KernelOne<S> {
     ///
     /// With `G_j = IC_j psi_j + S_j x* H_j`: `P_ij = S_i . G_j`, `P_ji = psi_i . F_j`,
     /// `L_qq,ij = psi_i . G_j + gamma_i . F_j` for i <= j in tree order.
+    #[inline(never)]
     pub fn second_order(&mut self, tree: &Tree) {
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             if joint.parent.is_none() {

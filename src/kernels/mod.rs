@@ -107,6 +107,7 @@ impl<S: Scalar> RootAxis<S> {
 
 impl<S: Scalar> KernelOne<S> {
     /// Buffers for a tree.
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);

@@ -68,6 +68,7 @@ impl<S: Scalar> KernelOne<S> {
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
+    #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         check_length("q", q, tree.dof())?;
         self.q.copy_from_slice(q);
@@ -184,6 +185,7 @@ impl<S: Scalar> KernelOne<S> {
 
     /// Potential energy V (J) at the position set last: gravity (zero at the origin of the world) and
     /// springs.
+    #[inline(never)]
     pub fn potential(&self, tree: &Tree) -> S {
         let gravity = Vec3::constant(tree.gravity());
         let mut potential = S::from_f64(tree.fixed_potential());

@@ -105,6 +105,7 @@ fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia
 
 impl<S: Scalar> KernelTwo<S> {
     /// Buffers for a tree.
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
@@ -130,6 +131,7 @@ impl<S: Scalar> KernelTwo<S> {
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
+    #[inline(never)]
     pub fn differentiate(
         &mut self,
         tree: &Tree,

@@ -94,6 +94,7 @@ impl<S: Scalar> KernelOne<S> {
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
+    #[inline(never)]
     pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.dof())?;
         self.v.copy_from_slice(v);

@@ -50,6 +50,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// As [`differentiate`](Self::differentiate), at the position set last along (v, a) computed last.
+    #[inline(never)]
     pub(super) fn differentiate_flow(&mut self) -> Result<(), EvalError> {
         let (v, a) = self.rate.split_at(self.tree.dof());
         self.kernel.set_velocity(&self.tree, v)?;

@@ -88,6 +88,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// M(q) and its factors.
+    #[inline(never)]
     pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
         self.kernel.set_position(&self.tree, q)?;
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
@@ -103,6 +104,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// As [`accelerate`](Self::accelerate), where M(q) is factored already.
+    #[inline(never)]
     pub(super) fn accelerate_factored(&mut self, q: &[S], v: &[S], u: &[S]) {
         self.newton_euler.solve(&self.tree, q, v, &self.zero);
         self.subtract_friction(v);

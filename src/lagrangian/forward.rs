@@ -114,6 +114,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`; M is factored.
+    #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.dof();
         for i in 0..n {

@@ -66,6 +66,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// Fills tau_q and tau_v from the kernels.
+    #[inline(never)]
     pub(super) fn take_torque_jacobian(&mut self, v: &[S]) {
         let kernels = (&self.kernel, &self.along);
         torque_jacobian(&self.tree, kernels, |entry| entry, v, (&mut self.tau_q, &mut self.tau_v));

@@ -91,6 +91,7 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// As [`new`](Self::new), from an existing [`Tree`].
+    #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
         let square = Matrix::zeros(n, n);

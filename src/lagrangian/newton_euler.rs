@@ -27,6 +27,7 @@ pub(super) struct NewtonEuler<S> {
 }
 
 impl<S: Scalar> NewtonEuler<S> {
+    #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         Self {
@@ -39,6 +40,7 @@ impl<S: Scalar> NewtonEuler<S> {
     }
 
     /// Fills tau from links, armature and springs; all arguments have length n.
+    #[inline(never)]
     pub fn solve(&mut self, tree: &Tree, q: &[S], v: &[S], a: &[S]) {
         let base = Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) };
         for (i, joint) in tree.joints().iter().enumerate() {

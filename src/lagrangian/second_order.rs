@@ -135,6 +135,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`]; a singular mass matrix is not an error here.
+    #[inline(never)]
     pub fn contract_inverse_dynamics(
         &mut self,
         q: &[S],
@@ -157,6 +158,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     ///
     /// # Errors
     /// See [`Lagrangian`].
+    #[inline(never)]
     pub fn contract_forward_dynamics(
         &mut self,
         q: &[S],

@@ -21,16 +21,22 @@ type Split<'a, P> = (&'a [P], &'a mut [P], &'a [P]);
 /// Calls a method with the number of joints N and the packs W in a row of N entries as const parameters,
 /// where packs have several lanes: both for arms of 6 and 7 joints and machines of 12, W alone for others up
 /// to 12. 0 stands for "read the length".
+///
+/// The branch on a constant matters: code behind a false one is not even compiled.
 macro_rules! sized {
     ($S:ty, $n:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
-        match $crate::matrix::Panel::<$S>::known_size($n) {
-            6 => $object.$method::<6, 2>($($argument),*),
-            7 => $object.$method::<7, 2>($($argument),*),
-            12 => $object.$method::<12, 3>($($argument),*),
-            1..=4 => $object.$method::<0, 1>($($argument),*),
-            5 | 8 => $object.$method::<0, 2>($($argument),*),
-            9..=11 => $object.$method::<0, 3>($($argument),*),
-            _ => $object.$method::<0, 0>($($argument),*),
+        if $crate::matrix::Panel::<$S>::ONE_LANE {
+            $object.$method::<0, 0>($($argument),*)
+        } else {
+            match $n {
+                6 => $object.$method::<6, 2>($($argument),*),
+                7 => $object.$method::<7, 2>($($argument),*),
+                12 => $object.$method::<12, 3>($($argument),*),
+                1..=4 => $object.$method::<0, 1>($($argument),*),
+                5 | 8 => $object.$method::<0, 2>($($argument),*),
+                9..=11 => $object.$method::<0, 3>($($argument),*),
+                _ => $object.$method::<0, 0>($($argument),*),
+            }
         }
     };
 }
@@ -40,17 +46,14 @@ impl<S: Scalar> Panel<S> {
     /// Lanes of a pack.
     pub const LANES: usize = <S::Pack as Pack<S>>::LANES;
 
+    /// Whether packs are single numbers.
+    pub const ONE_LANE: bool = Self::LANES == 1;
+
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         let width = columns.div_ceil(Self::LANES);
         let padded = rows.next_multiple_of(Self::LANES);
         Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
-    }
-
-    /// The number of joints, 0 where packs have one lane.
-    #[inline(always)]
-    pub fn known_size(n: usize) -> usize {
-        if Self::LANES > 1 { n } else { 0 }
     }
 
     /// Number of rows.

@@ -62,7 +62,7 @@ impl<S: Scalar> Panel<S> {
         part: Part,
     ) {
         let (rows, terms) = if N > 0 { (N, N) } else { (self.rows(), b.rows()) };
-        if Self::LANES == 1 {
+        if Self::ONE_LANE {
             for i in 0..rows {
                 let end = if part == Part::Lower { i + 1 } else { self.columns() };
                 let entry = |k: usize| if ACROSS { a.splat::<W>(k, i) } else { a.splat::<W>(i, k) };

@@ -25,7 +25,9 @@ pub(crate) fn sum_rows<const W: usize, S: Scalar>(
     stride: usize,
     terms: impl Iterator<Item = (usize, S)> + Clone,
 ) {
-    if let (true, Some(target)) = (W > 0, target.first_chunk_mut::<W>()) {
+    if W == 0 {
+        add_rows(target, source, stride, terms);
+    } else if let Some(target) = target.first_chunk_mut::<W>() {
         let (mut sum, (rows, _)) = (*target, source.as_chunks::<W>());
         for (k, a) in terms {
             for (sum, &entry) in sum.iter_mut().zip(&rows[k]) {
@@ -34,7 +36,10 @@ pub(crate) fn sum_rows<const W: usize, S: Scalar>(
         }
         *target = sum;
     } else {
-        add_rows(target, source, stride, terms);
+        // Not the known length after all: correct, but not fast.
+        for left in 0..target.len() {
+            add_block::<1, S>(&mut target[left..], source, stride, left, terms.clone());
+        }
     }
 }
 
@@ -48,7 +53,7 @@ pub(crate) fn add_rows<S: Scalar>(
 ) {
     let mut left = 0;
     // The number of sums that fit into registers.
-    while size_of::<S>() <= 32 && target.len() - left >= 12 {
+    while const { size_of::<S>() <= 32 } && target.len() - left >= 12 {
         add_block::<12, S>(&mut target[left..], source, stride, left, terms.clone());
         left += 12;
     }
@@ -77,15 +82,15 @@ fn add_block<const B: usize, S: Scalar>(
     left: usize,
     terms: impl Iterator<Item = (usize, S)>,
 ) {
-    let target = &mut target[..B];
-    let mut sum: [S; B] = std::array::from_fn(|column| target[column]);
+    let Some(target) = target.first_chunk_mut::<B>() else { return };
+    let mut sum = *target;
     for (k, a) in terms {
         let row = &source[k * stride + left..][..B];
         for (sum, &entry) in sum.iter_mut().zip(row) {
             *sum = a.mul_add(entry, *sum);
         }
     }
-    target.copy_from_slice(&sum);
+    *target = sum;
 }
 
 #[cfg(test)]

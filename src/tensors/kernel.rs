@@ -178,6 +178,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
 }
 
 impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
+    #[inline(never)]
     fn new(tree: &Tree) -> Self {
         let (n, pairs) = (tree.dof(), tree.pairs());
         let (vector, square) = (vec![S::zero(); n], Matrix::zeros(n, n));
@@ -197,6 +198,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
         }
     }
 
+    #[inline(never)]
     fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.derivatives.set_position(tree, q)?;
         self.q.copy_from_slice(q);
@@ -218,6 +220,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
         Ok(())
     }
 
+    #[inline(never)]
     fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.dof())?;
         self.v.copy_from_slice(v);
@@ -228,6 +231,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
         Ok(())
     }
 
+    #[inline(never)]
     fn second_order(&mut self, tree: &Tree) {
         self.derivatives.second_derivatives(tree);
         let paths = &self.derivatives.tensors.paths;
@@ -252,6 +256,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
         }
     }
 
+    #[inline(never)]
     fn potential(&self, tree: &Tree) -> S {
         let mut potential = S::zero();
         for (k, joint) in tree.joints().iter().enumerate() {

@@ -1,0 +1,62 @@
+//! The pipeline for `f64`, compiled with this crate.
+//!
+//! A generic function that is marked `#[inline(never)]` is compiled once for each number type: crates use the
+//! one that a crate below them has compiled. The large steps of the pipeline are marked, and [`for_f64`] uses
+//! all of them, so that no other crate compiles the pipeline for `f64` again.
+
+use crate::error::EvalError;
+use crate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
+use crate::lagrangian::{LagrangianSecondOrder, LegendreTransform};
+use crate::robot::{Robot, Tree};
+use crate::tensors::Christoffel;
+
+/// Every quantity by every analytic route, at (q, p) and (q, v = p) with u, and y of length 2n.
+///
+/// # Errors
+/// Those of the quantities.
+#[doc(hidden)]
+pub fn for_f64(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError> {
+    let half = &y[..robot.dof()];
+
+    let mut hamiltonian = HamiltonianSecondOrder::<f64>::new(robot);
+    hamiltonian.contract(q, p, u, y)?;
+    hamiltonian.hessian_product(q, p, y, y)?;
+    let first = hamiltonian.first();
+    first.evaluate(q, p, u)?;
+    first.linearise(q, p, u)?;
+    first.adjoint(q, p, u, y)?;
+    first.energy(q, p)?;
+    first.momentum(q, p)?;
+    first.inverse_mass_matrix(q)?;
+    FullHessian::<f64>::new(robot).hessian_tensor(q, p)?;
+
+    DualPass::<f64>::new(robot).contract(q, p, u, y)?;
+    let mut tensors = DualPass::<f64, _>::with_route(Tree::from(robot), Christoffel);
+    tensors.contract(q, p, u, y)?;
+    tensors.first().linearise(q, p, u)?;
+    tensors.first().energy(q, p)?;
+
+    let mut lagrangian = LagrangianSecondOrder::<f64>::new(robot);
+    lagrangian.contract(q, p, u, y)?;
+    lagrangian.contract_inverse_dynamics(q, p, u, half)?;
+    let first = lagrangian.first();
+    first.inverse_dynamics(q, p, u)?;
+    first.linearise_inverse_dynamics(q, p, u)?;
+    first.linearise_forward_dynamics(q, p, u)?;
+    first.energy(q, p)?;
+    LegendreTransform::<f64>::new(robot).at(q, p, u)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_routes_run() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/puma560.toml");
+        let robot = Robot::from_file(file).unwrap();
+        let figures: Vec<f64> = (0..12).map(|i| (1.3 * i as f64).sin()).collect();
+        for_f64(&robot, [&figures[..6], &figures[1..7], &figures[2..8], &figures]).unwrap();
+    }
+}
