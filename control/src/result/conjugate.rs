@@ -17,7 +17,7 @@ use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::DormandPrince;
 use crate::result::motion::Certificate;
 use crate::solve::Solved;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Parts of the motion over which conjugate times are counted; the count must be the same over half as many.
 const PIECES: usize = 32;
@@ -25,7 +25,8 @@ const PIECES: usize = 32;
 const TOLERANCE: f64 = 1e-11;
 /// The same for a first look, which is enough where there are clearly no conjugate times.
 const LOOSE: f64 = 1e-8;
-/// There are clearly none where each eigenvalue is so many times as large as the error that the asymmetry shows.
+/// There are clearly none where each eigenvalue is so many times as large as the error: the tolerance, or more where the
+/// asymmetry shows more.
 const CLEAR: f64 = 100.0;
 /// Relative asymmetry of `B^-1 A` above which rounding decides: nothing is claimed then.
 const MOST_ASYMMETRY: f64 = 1e-4;
@@ -51,9 +52,16 @@ fn orthonormal(fields: DMatrix<f64>) -> DMatrix<f64> {
     fields.qr().q()
 }
 
+/// A symmetric matrix with the signs of the bracket.
+struct Bracket {
+    form: DMatrix<f64>,
+    /// The sizes of the two terms of each entry of its diagonal.
+    sizes: DVector<f64>,
+}
+
 /// The bracket of a part of the motion, up to a congruence: `fields` at its start, `transition` to its end. `None` where
 /// the fields start from zero.
-fn bracket(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<Option<DMatrix<f64>>, Undecided> {
+fn bracket(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<Option<Bracket>, Undecided> {
     let n = fields.ncols();
     let (x, y) = (fields.rows(0, n), fields.rows(n, n));
     if x.amax() == 0.0 {
@@ -66,29 +74,30 @@ fn bracket(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<Option<DM
         return Err(Undecided);
     }
     // A congruence with X keeps the signs, and exists where X is singular too.
-    Ok(Some(x.transpose() * y + x.transpose() * quotient * x))
+    let (of_fields, of_transition) = (x.transpose() * y, x.transpose() * quotient * x);
+    let sizes = of_fields.diagonal().abs() + of_transition.diagonal().abs();
+    Ok(Some(Bracket { form: of_fields + of_transition, sizes }))
 }
 
 /// Conjugate times in a part of the motion.
 fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<usize, Undecided> {
-    let Some(form) = bracket(fields, transition)? else { return Ok(0) };
+    let Some(Bracket { form, .. }) = bracket(fields, transition)? else { return Ok(0) };
     let eigenvalues = (0.5 * (&form + form.transpose())).symmetric_eigenvalues();
     let bound = ZERO * eigenvalues.amax();
     Ok(eigenvalues.iter().filter(|&&value| value <= bound).count())
 }
 
-/// Whether a part of the motion clearly has no conjugate time. The bracket is scaled to a diagonal of ones, which makes
-/// its eigenvalues comparable.
+/// Whether a part of the motion clearly has no conjugate time. The bracket is scaled by the size of the two terms of its
+/// diagonal, which makes its eigenvalues comparable: small ones are differences of large terms.
 fn is_clear(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<bool, Undecided> {
-    let Some(mut form) = bracket(fields, transition)? else { return Ok(true) };
-    let sizes = form.diagonal();
-    if sizes.iter().any(|&size| size.is_nan() || size <= 0.0) {
-        return Ok(false);
-    }
+    let Some(Bracket { mut form, sizes }) = bracket(fields, transition)? else { return Ok(true) };
     for (i, j) in (0..sizes.len()).flat_map(|i| (0..sizes.len()).map(move |j| (i, j))) {
         form[(i, j)] /= (sizes[i] * sizes[j]).sqrt();
     }
-    let error = (&form - form.transpose()).amax();
+    if form.iter().any(|entry| !entry.is_finite()) {
+        return Ok(false);
+    }
+    let error = (&form - form.transpose()).amax().max(LOOSE);
     let eigenvalues = (0.5 * (&form + form.transpose())).symmetric_eigenvalues();
     Ok(eigenvalues.min() > CLEAR * error)
 }
