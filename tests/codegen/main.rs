@@ -4,4 +4,5 @@
 
 mod expr;
 mod programs;
+mod random;
 mod text;

@@ -41,11 +41,33 @@ references! {
     biped: "biped.toml";
 }
 
+fn check_invented(file: &str) {
+    let file = fixtures().join(file);
+    check_robot(&Robot::from_file(&file).unwrap(), &Reference::read(&file.with_extension("jsonl")));
+}
+
 /// Branches, prismatic joints, general axes, a full armature matrix, springs and both kinds of friction.
 #[test]
 fn friction_tree() {
-    let robot = Robot::from_file(fixtures().join("friction_tree.toml")).unwrap();
-    check_robot(&robot, &Reference::read(&fixtures().join("friction_tree.jsonl")));
+    check_invented("friction_tree.toml");
+}
+
+/// Revolute and prismatic joints by turns, general axes.
+#[test]
+fn mixed_chain() {
+    check_invented("mixed_chain.urdf");
+}
+
+/// Three branches of revolute and prismatic joints, two of which branch again; general axes.
+#[test]
+fn mixed_tree() {
+    check_invented("mixed_tree.urdf");
+}
+
+/// Twelve revolute joints, general axes.
+#[test]
+fn long_chain() {
+    check_invented("long_chain.urdf");
 }
 
 /// Corke and Armstrong-Helouvry's consensus parameters, answers printed to four digits.

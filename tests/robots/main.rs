@@ -9,3 +9,4 @@ mod toml_files;
 mod urdf;
 mod urdf_refused;
 mod urdf_stress;
+mod urdf_text;

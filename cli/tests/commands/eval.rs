@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::process::Output;
 
 /// All routes.
-const ROUTES: &[&str] = &[
+pub const ROUTES: &[&str] = &[
     "analytic",
     "dual",
     "hyperdual",
@@ -13,73 +13,6 @@ const ROUTES: &[&str] = &[
     #[cfg(feature = "jit")]
     "jit",
 ];
-
-/// Every route, every fixture: the references hold for what comes out of the command.
-#[test]
-fn eval_agrees_with_the_references_by_every_route() {
-    for (robot, fixture) in [
-        ("robots/ur5.urdf", "ur5"),
-        ("robots/biped.toml", "biped"),
-        ("robots/manutec_r3.toml", "manutec_r3"),
-        ("tests/fixtures/friction_tree.toml", "friction_tree"),
-    ] {
-        for &route in ROUTES {
-            agrees_with(robot, &format!("tests/fixtures/{fixture}.jsonl"), route);
-        }
-    }
-}
-
-/// The keys of an answer in each of the coordinates.
-const KEYS: [(&str, &[&str]); 2] = [
-    ("hamiltonian", &["M", "energy", "f", "f_x", "p", "q", "v", "y_f_xx"]),
-    ("lagrangian", &["M", "energy", "q", "qdd", "qdd_z", "v", "yv_qdd_zz"]),
-];
-
-fn agrees_with(robot: &str, states: &str, route: &str) {
-    let text = std::fs::read_to_string(root().join(states)).unwrap();
-    let exist = |&&(coordinates, _): &&(&str, _)| route != "tensors" || coordinates == "hamiltonian";
-    for &(coordinates, keys) in KEYS.iter().filter(exist) {
-        let output = costate(
-            &["eval", robot, "--states", states, "--route", route, "--coordinates", coordinates],
-            b"",
-        );
-        assert!(output.status.success(), "{}", stderr(&output));
-        let answers = json_lines(&output);
-        assert_eq!(answers.len(), text.lines().count());
-        for (answer, line) in answers.iter().zip(text.lines()) {
-            let expected: Value = serde_json::from_str(line).unwrap();
-            assert!(answer.as_object().unwrap().keys().eq(keys), "{robot} {route} {coordinates}");
-            for &key in keys {
-                let (found, expected) = (&answer[key], &expected[key]);
-                let length = |value: &Value| value[0].as_array().map(Vec::len);
-                assert_eq!(length(found), length(expected), "{robot} {route} {key}");
-                let (found, expected) = (flat(found), flat(expected));
-                assert_eq!(found.len(), expected.len(), "{robot} {route} {key}");
-                let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-                for (found, expected) in found.iter().zip(&expected) {
-                    assert!((found - expected).abs() <= 1e-10 * size, "{robot} {route} {key}");
-                }
-            }
-        }
-    }
-}
-
-/// The independent references beside a checkout of the project's design documents, where present, through the
-/// command.
-#[test]
-fn eval_agrees_with_the_shared_references() {
-    let shared = root().join("../shared");
-    let Ok(files) = std::fs::read_dir(shared.join("reference")) else { return };
-    let mut count = 0;
-    for states in files.map(|file| file.unwrap().path()) {
-        let robot = shared.join("robots").join(states.file_stem().unwrap()).with_extension("urdf");
-        for &route in ROUTES {
-            agrees_with(robot.to_str().unwrap(), states.to_str().unwrap(), route);
-        }
-        count += 1;
-    }
-    assert!(count >= 5, "the folder is there but holds {count} files");
-}
 
 /// Numbers come back as they were given, to the last bit.
 #[test]

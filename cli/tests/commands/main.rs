@@ -7,6 +7,7 @@ mod eval;
 mod info;
 mod manual;
 mod optimize;
+mod references;
 mod reports;
 mod source;
 mod streams;
