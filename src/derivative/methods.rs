@@ -5,6 +5,7 @@
 
 use super::reference::Reference;
 use super::row::{Row, matrix};
+use super::state::State;
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::lagrangian::LagrangianSecondOrder;
@@ -12,29 +13,6 @@ use crate::matrix::{Block, Matrix, dot};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use crate::tensors::Christoffel;
-
-/// A state in both sets of coordinates, actuation u, and costate y (2n).
-#[derive(Clone, Debug)]
-pub(super) struct State<S> {
-    /// (q, p).
-    pub x: Vec<S>,
-    pub v: Vec<S>,
-    pub u: Vec<S>,
-    pub y: Vec<S>,
-}
-
-impl<S: Copy> State<S> {
-    /// (q, v, u), the inputs of forward dynamics.
-    pub fn z(&self) -> Vec<S> {
-        let q = &self.x[..self.v.len()];
-        [q, &self.v, &self.u].concat()
-    }
-
-    pub fn map<T>(&self, lift: impl Fn(S) -> T) -> State<T> {
-        let all = |values: &[S]| values.iter().map(|&value| lift(value)).collect();
-        State { x: all(&self.x), v: all(&self.v), u: all(&self.u), y: all(&self.y) }
-    }
-}
 
 /// Workspaces of the methods that are compared with the reference.
 #[derive(Clone, Debug)]

@@ -24,6 +24,7 @@ mod reference;
 mod report;
 mod routes;
 mod row;
+mod state;
 
 pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};

@@ -5,8 +5,8 @@
 
 use super::called::ByCalls;
 use super::function::{DerivativeError, Function};
-use super::methods::State;
 use super::row::matrix;
+use super::state::State;
 use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
@@ -31,7 +31,8 @@ pub(super) struct Reference<S> {
 }
 
 impl Reference<f64> {
-    /// With one rounding of each entry for its error: no less than this.
+    /// With one rounding of each entry for its error: smaller than the propagated one, except where an entry is
+    /// exact.
     pub fn rounded_once(&self) -> Reference<Count> {
         Reference {
             f_x: rounded_once(&self.f_x),
@@ -148,7 +149,7 @@ impl Rounding {
         }
     }
 
-    /// Dual numbers round as hyper-dual numbers do: their entries are those of the reference.
+    /// Dual numbers are assumed to round like hyper-dual numbers: their entries are those of the reference.
     #[inline]
     pub fn evaluate(
         &mut self,

@@ -5,9 +5,11 @@ use std::cmp::Ordering;
 
 /// One comparison at one state, see [`StateReport`].
 ///
-/// Every block is judged by a bound of its own; this is the block that comes closest to it. Both numbers are relative to
-/// its largest entry, in scaled coordinates (see [`Routes`](super::Routes)).
+/// Every block is judged by a bound of its own; this is the block that comes closest to it. Both numbers are
+/// relative to the largest sum of reference and difference in that block, in scaled coordinates (see
+/// [`Routes`](super::Routes)).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Figure {
     /// What is compared.
     pub quantity: &'static str,
@@ -20,18 +22,17 @@ pub struct Figure {
 }
 
 /// What a [`Figure`] says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The difference is within the bound.
     Agrees,
-    /// The difference exceeds the bound, but rounding may change the block by more than a thousandth of it: M is nearly
-    /// singular, or numbers overflow.
+    /// Rounding may change the block by more than a thousandth of it: M is nearly singular, or numbers overflow.
     NotComparable,
-    /// The difference exceeds the bound, or is not a number.
+    /// The difference exceeds the bound, or is not finite.
     Differs,
 }
 
-/// Largest relative bound of a comparison that can fail.
+/// Largest relative bound of a comparison that says anything.
 const COMPARABLE: f64 = 1e-3;
 
 impl Figure {
@@ -42,34 +43,42 @@ impl Figure {
 
     /// Judges the difference by `tolerance` times the bound.
     pub fn verdict(&self, tolerance: f64) -> Verdict {
-        if self.ratio() <= tolerance {
+        if !self.difference.is_finite() {
+            Verdict::Differs
+        } else if self.difference == 0.0 {
             Verdict::Agrees
-        } else if !self.difference.is_nan() && (self.bound.is_nan() || self.bound > COMPARABLE) {
+        } else if self.bound.is_nan() || self.bound > COMPARABLE {
             Verdict::NotComparable
+        } else if self.ratio() <= tolerance {
+            Verdict::Agrees
         } else {
             Verdict::Differs
         }
     }
 
-    /// The worse of two by verdict, then by ratio. Not-a-number is the worst; of equal ones, the larger bound is kept.
+    /// The worse of two: what is not comparable says nothing, and of the others the larger ratio counts.
+    /// Not-a-number is the worst; of equal ones, the larger bound is kept.
     #[must_use]
     pub fn or_worse(self, other: &Self) -> Self {
         let rank = |figure: &Self| {
             let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
-            (figure.verdict(1.0), figure.difference.is_nan(), number(figure.ratio()), number(figure.bound))
+            let comparable = figure.verdict(1.0) != Verdict::NotComparable;
+            (comparable, figure.difference.is_nan(), number(figure.ratio()), number(figure.bound))
         };
         if rank(other).partial_cmp(&rank(&self)).is_some_and(Ordering::is_gt) { *other } else { self }
     }
 }
 
-/// What the methods say of each other at one state; made by [`Routes`](super::Routes).
+/// All comparisons at one state; made by [`Routes`](super::Routes).
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StateReport {
     /// Condition number of M in the 2-norm.
     pub condition: f64,
     /// Bound of the rounding error of M^-1 relative to its largest entry, in scaled coordinates.
     pub inverse_error: f64,
-    /// Every comparison; the same in every report on one robot, but that the last may be missing.
+    /// Every comparison, in the same order in all reports on one robot; those of steps, which come last, may be
+    /// missing.
     pub figures: Vec<Figure>,
 }
 
@@ -106,8 +115,8 @@ impl StateReport {
 
 /// `max |a - b| / max(max |b|, natural)` over all entries.
 ///
-/// `natural` is the size of the terms that a quantity is the sum of: it can vanish though its terms do not (a balanced
-/// wheel, friction at rest, a pendulum at a right angle), and is then rounding, of which no digit can agree.
+/// `natural` is the size of the terms that a quantity is the sum of: it can vanish though its terms do not (a
+/// balanced wheel, friction at rest, a pendulum at a right angle), and then consists of rounding errors only.
 ///
 /// # Panics
 /// If the blocks differ in shape.
@@ -177,5 +186,9 @@ mod tests {
     fn what_has_no_digits_left_is_not_compared() {
         assert_eq!(figure(0.1, 0.01).verdict(1.0), Verdict::NotComparable);
         assert_eq!(figure(0.1, f64::NAN).verdict(1.0), Verdict::NotComparable);
+        assert_eq!(figure(0.4, 0.5).verdict(1.0), Verdict::NotComparable);
+        assert_eq!(figure(0.4, f64::INFINITY).verdict(1.0), Verdict::NotComparable);
+        let (silent, loud) = (figure(0.4, 0.01), figure(1e-13, 1e-14));
+        assert_eq!((silent.or_worse(&loud), loud.or_worse(&silent)), (loud, loud));
     }
 }

@@ -92,11 +92,11 @@ impl Judged {
             .flat_map(move |down| columns.clone().into_iter().map(move |right| self.largest(&down, &right)))
     }
 
-    fn largest(&self, (row, down): &Part, (column, right): &Part) -> Largest {
+    fn largest(&self, rows: &Part, columns: &Part) -> Largest {
         let mut largest = Largest { difference: 0.0, error: 0.0, size: 0.0 };
-        for (i, a) in down.iter().enumerate() {
-            for (j, b) in right.iter().enumerate() {
-                let (at, scale) = ((row + i, column + j), a * b);
+        for (i, a) in rows.scales.iter().enumerate() {
+            for (j, b) in columns.scales.iter().enumerate() {
+                let (at, scale) = ((rows.start + i, columns.start + j), a * b);
                 let difference = self.row.difference[at].abs() * scale;
                 largest.difference = worse(largest.difference, difference);
                 largest.error = worse(largest.error, self.rounded.difference[at].rounding() * scale);
@@ -115,8 +115,12 @@ struct Largest {
     size: f64,
 }
 
-/// Where a part of the rows or columns begins, and its scales.
-type Part = (usize, Vec<f64>);
+/// A part of the rows or columns.
+#[derive(Clone)]
+struct Part {
+    start: usize,
+    scales: Vec<f64>,
+}
 
 fn parts(exponents: &[i8], d: &[f64]) -> Vec<Part> {
     let mut begin = 0;
@@ -127,7 +131,7 @@ fn parts(exponents: &[i8], d: &[f64]) -> Vec<Part> {
         };
         let start = begin;
         begin += scales.len();
-        (start, scales)
+        Part { start, scales }
     };
     exponents.iter().map(part).collect()
 }

@@ -23,6 +23,7 @@ use std::fmt;
 /// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction. The bound is that of
 /// [`Routes`](crate::derivative::Routes).
 pub struct StepRoutes {
+    tolerance: f64,
     momenta: Hamiltonian<f64>,
     runge_kutta: Compared<HamiltonianRobot, Classical>,
     verlet: Compared<HamiltonianRobot, Verlet>,
@@ -30,9 +31,25 @@ pub struct StepRoutes {
     semi_implicit: Compared<LagrangianRobot, SemiImplicit>,
 }
 
-/// Exponents of the scales for x = (q, p) and x = (q, v), see [`Row`]: of x, of what is dual to (x, u), and to (x, u, h).
-const MOMENTA: [&[i8]; 3] = [&[1, -1], &[-1, 1, 1], &[-1, 1, 1, 0]];
-const VELOCITIES: [&[i8]; 3] = [&[1, 1], &[-1, -1, 1], &[-1, -1, 1, 0]];
+/// Tolerance that lets the error of the reference be propagated whatever the differences.
+const ALWAYS: f64 = 0.0;
+
+/// Exponents of the scales, see [`Row`].
+#[derive(Clone, Copy)]
+struct Scales {
+    /// Of the state x.
+    state: &'static [i8],
+    /// Of what is dual to (x, u).
+    dual: &'static [i8],
+    /// Of what is dual to (x, u, h).
+    dual_with_h: &'static [i8],
+}
+
+/// For x = (q, p).
+const MOMENTA: Scales = Scales { state: &[1, -1], dual: &[-1, 1, 1], dual_with_h: &[-1, 1, 1, 0] };
+
+/// For x = (q, v).
+const VELOCITIES: Scales = Scales { state: &[1, 1], dual: &[-1, -1, 1], dual_with_h: &[-1, -1, 1, 0] };
 
 impl fmt::Debug for StepRoutes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -46,12 +63,20 @@ impl StepRoutes {
     pub fn new(robot: &Robot) -> Self {
         let (hamiltonian, lagrangian) = (HamiltonianRobot::from(robot), LagrangianRobot::from(robot));
         Self {
+            tolerance: 1.0,
             momenta: Hamiltonian::new(robot),
             runge_kutta: Compared::new("RK4 (q, p)", &hamiltonian, MOMENTA),
             verlet: Compared::new("Verlet (q, p)", &hamiltonian, MOMENTA),
             midpoint: Compared::new("midpoint (q, p)", &hamiltonian, MOMENTA),
             semi_implicit: Compared::new("semi-implicit (q, v)", &lagrangian, VELOCITIES),
         }
+    }
+
+    /// As [`Routes::with_tolerance`](crate::derivative::Routes::with_tolerance).
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = tolerance;
+        self
     }
 
     /// Compares a step of duration h from x = (q, p) under u with the costate y. The direction of the Hessian
@@ -68,7 +93,7 @@ impl StepRoutes {
         y: &[f64],
         figures: &mut Vec<Figure>,
     ) -> Result<(), StepError<EvalError>> {
-        let (rows, d) = self.rows([x, u, y], h, false)?;
+        let (rows, d) = self.rows([x, u, y], h, self.tolerance)?;
         figures.extend(rows.iter().map(|row| row.judge(&d)));
         Ok(())
     }
@@ -87,7 +112,7 @@ impl StepRoutes {
         y: &[f64],
         change: f64,
     ) -> Result<Vec<[&'static str; 2]>, StepError<EvalError>> {
-        let (rows, d) = self.rows([x, u, y], h, true)?;
+        let (rows, d) = self.rows([x, u, y], h, ALWAYS)?;
         Ok(rows.iter().filter(|row| !row.detects(change, &d)).map(|row| row.row.name).collect())
     }
 
@@ -97,7 +122,7 @@ impl StepRoutes {
         &mut self,
         [x, u, y]: [&[f64]; 3],
         h: f64,
-        propagate: bool,
+        tolerance: f64,
     ) -> Result<(Vec<Judged>, Vec<f64>), StepError<EvalError>> {
         let n = self.momenta.dof();
         check([2 * n, n], [x, u], h, Some(y))?;
@@ -105,10 +130,10 @@ impl StepRoutes {
         let in_velocities = [q, self.momenta.velocity(q, p)?].concat();
         let d = scales(&self.momenta.mass_matrix(q)?.view().to_nalgebra());
         let mut found = Vec::new();
-        found.extend(self.runge_kutta.rows([x, u, y], h, &d, propagate)?);
-        found.extend(self.verlet.rows([x, u, y], h, &d, propagate)?);
-        found.extend(self.midpoint.rows([x, u, y], h, &d, propagate)?);
-        found.extend(self.semi_implicit.rows([&in_velocities, u, y], h, &d, propagate)?);
+        found.extend(self.runge_kutta.rows([x, u, y], h, &d, tolerance)?);
+        found.extend(self.verlet.rows([x, u, y], h, &d, tolerance)?);
+        found.extend(self.midpoint.rows([x, u, y], h, &d, tolerance)?);
+        found.extend(self.semi_implicit.rows([&in_velocities, u, y], h, &d, tolerance)?);
         found.sort_by_key(|judged| judged.row.name[0]);
         Ok((found, d))
     }
@@ -117,8 +142,7 @@ impl StepRoutes {
 /// One scheme and its reference, in `f64` and in numbers that carry their rounding error.
 struct Compared<F: ModelFamily, M: Scheme<F>> {
     name: &'static str,
-    /// Of the state, of what is dual to (x, u), and to (x, u, h).
-    scales: [&'static [i8]; 3],
+    scales: Scales,
     step: M::Step<f64>,
     reference: M::Step<Called<HyperDual<f64>>>,
     rounded_step: M::Step<Count>,
@@ -127,7 +151,7 @@ struct Compared<F: ModelFamily, M: Scheme<F>> {
 
 impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
     #[inline]
-    fn new(name: &'static str, family: &F, scales: [&'static [i8]; 3]) -> Self {
+    fn new(name: &'static str, family: &F, scales: Scales) -> Self {
         Self {
             name,
             scales,
@@ -138,32 +162,32 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
         }
     }
 
-    /// The rows with their rounding errors; those of the reference are propagated where one rounding is not enough, see
-    /// [`Routes`](crate::derivative::Routes).
+    /// The rows with their rounding errors; those of the reference are propagated where one rounding is not
+    /// enough, see [`Routes`](crate::derivative::Routes).
     #[inline]
     fn rows(
         &mut self,
         [x, u, y]: [&[f64]; 3],
         h: f64,
         d: &[f64],
-        propagate: bool,
+        tolerance: f64,
     ) -> Result<Vec<Judged>, StepError<F::Error>> {
-        let names = (self.name, self.scales);
+        let (name, scales) = (self.name, self.scales);
         let reference = evaluate(&mut self.reference, [x, u, y], h)?;
-        let rows = compare(names, &mut self.step, &reference, [x, u, y], h)?;
+        let rows = compare(name, scales, &mut self.step, &reference, [x, u, y], h)?;
         let exact = |values: &[f64]| values.iter().map(|&value| Count::variable(value)).collect::<Vec<_>>();
         let (x, u, y, h) = (&exact(x)[..], &exact(u)[..], &exact(y)[..], Count::variable(h));
         let mut judged = |reference| -> Result<Vec<_>, StepError<F::Error>> {
-            let rounded = compare(names, &mut self.rounded_step, &reference, [x, u, y], h)?;
+            let rounded = compare(name, scales, &mut self.rounded_step, &reference, [x, u, y], h)?;
             Ok(rows.iter().cloned().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect())
         };
         let mut found = judged(reference.map(|part| rounded_once(&part)))?;
-        if propagate || !found.iter().all(|row| row.judge(d).verdict(1.0) == Verdict::Agrees) {
+        if found.iter().any(|row| row.judge(d).verdict(tolerance) == Verdict::Differs) {
             found = judged(evaluate(&mut self.rounded_reference, [x, u, y], h)?)?;
         }
         // Hyper-dual numbers take two more iterations: their value is solved to rounding.
         let value = found.remove(0).judge(d);
-        if value.verdict(1.0) == Verdict::Differs {
+        if value.verdict(tolerance.max(1.0)) == Verdict::Differs {
             return Err(StepError::Inaccurate { scheme: self.name, difference: value.difference });
         }
         Ok(found)
@@ -204,7 +228,8 @@ fn evaluate<S: InnerNumber, E: std::error::Error>(
 /// Phi, Phi_z and `y'Phi_zz d` by a step, compared with the reference.
 #[inline]
 fn compare<S: Scalar, E: std::error::Error>(
-    (name, [state, dual, dual_with_h]): (&'static str, [&'static [i8]; 3]),
+    name: &'static str,
+    Scales { state, dual, dual_with_h }: Scales,
     step: &mut impl Step<S, Error = E>,
     [phi, phi_z, product]: &[Matrix<S>; 3],
     [x, u, y]: [&[S]; 3],

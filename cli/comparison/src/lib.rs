@@ -19,6 +19,12 @@ impl Routes {
         Self(derivative::Routes::new(robot))
     }
 
+    /// [`derivative::Routes::with_tolerance`].
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self(self.0.with_tolerance(tolerance))
+    }
+
     /// [`derivative::Routes::compare`].
     ///
     /// # Errors
@@ -58,6 +64,12 @@ impl StepRoutes {
     #[inline(never)]
     pub fn new(robot: &Robot) -> Self {
         Self(step::StepRoutes::new(robot))
+    }
+
+    /// [`step::StepRoutes::with_tolerance`].
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self(self.0.with_tolerance(tolerance))
     }
 
     /// [`step::StepRoutes::compare`].

@@ -51,6 +51,11 @@ impl Findings {
 }
 
 impl Row<'_> {
+    /// Whether rounding leaves too few digits in every state.
+    pub fn says_nothing(&self) -> bool {
+        self.worst().is_none_or(|figure| figure.verdict(1.0) == Verdict::NotComparable)
+    }
+
     /// The worse of both columns.
     pub fn worst(&self) -> Option<Figure> {
         match (self.zero, self.random) {
