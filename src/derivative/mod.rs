@@ -39,7 +39,7 @@ pub use phase_velocity::PhaseVelocity;
 pub(crate) use reference::rounded_once;
 pub use report::{Figure, StateReport, Verdict, largest, relative_difference, worse};
 pub use routes::Routes;
-pub(crate) use routes::scales;
+pub(crate) use routes::{CLOSE, scales};
 pub use row::SAFETY;
 pub(crate) use row::{Judged, Row};
 

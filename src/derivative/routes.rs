@@ -15,6 +15,9 @@ use crate::scalar::Count;
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::fmt;
 
+/// The error of the reference is propagated where a difference exceeds this part of the bound without it.
+pub(crate) const CLOSE: f64 = 0.1;
+
 /// Compares all methods for the derivatives of one robot's state equations. The reference are hyper-dual numbers through
 /// F and the acceleration a.
 ///
@@ -48,8 +51,8 @@ use std::fmt;
 /// of entries and states.
 ///
 /// The error of the reference takes most of the work. So it is first taken as one rounding of each entry, which
-/// is smaller, except where an entry is exact. Only in a state where a difference exceeds that bound is the error
-/// of the reference propagated, too.
+/// is smaller, except where an entry is exact. Only in a state where a difference exceeds a tenth of that bound is
+/// the error of the reference propagated, too.
 pub struct Routes {
     tolerance: f64,
     methods: Methods<f64>,
@@ -77,8 +80,8 @@ impl Routes {
         }
     }
 
-    /// The error of the reference is propagated where a difference exceeds this part of the smaller bound, 1 by
-    /// default. To be given if figures are judged by another [`verdict`](super::Figure::verdict) than that for 1.
+    /// The tolerance that figures are judged by, see [`verdict`](super::Figure::verdict); 1 by default. The error
+    /// of the reference is propagated where a difference comes close to it.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
@@ -99,7 +102,7 @@ impl Routes {
         let at = self.evaluate(x, u, y)?;
         let d = scales(&at.mass_matrix);
         let mut rows = self.judged(&at, at.reference.rounded_once())?;
-        if rows.iter().any(|row| row.judge(&d).verdict(self.tolerance) == Verdict::Differs) {
+        if rows.iter().any(|row| row.judge(&d).verdict(CLOSE * self.tolerance) == Verdict::Differs) {
             let reference = self.rounded_reference.evaluate(&at.counted, u)?;
             rows = self.judged(&at, reference)?;
         }

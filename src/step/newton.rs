@@ -12,6 +12,13 @@ const MOST: usize = 20;
 /// Number of iterations for scalars that are not checked: what short steps of robots need.
 const UNCHECKED: usize = 3;
 
+/// Most further iterations for entries that are small beside the largest: convergence is quadratic, and two
+/// reach entries twelve decades smaller.
+const SMALL_ENTRIES: usize = 2;
+
+/// Most further iterations where all entries are below `512 eps`.
+const SMALL_UNITS: usize = 3;
+
 /// Powers of ten that bound the last correction in the error message.
 const DECADES: RangeInclusive<i32> = -16..=300;
 
@@ -97,22 +104,23 @@ impl<S: Scalar> Newton<S> {
 
     /// The number of remaining iterations, or `None` if the last correction is still large.
     ///
-    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. One or two
-    /// more where it is that small only relative to the largest entry of its half, as for the momenta of light
-    /// joints beside heavy ones; one more where it is below `512 eps`, as for a state at rest, whose
-    /// corrections are rounding errors of balanced forces.
+    /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. Up to
+    /// [`SMALL_ENTRIES`] more where it is that small only relative to the largest entry of its half, as for the
+    /// momenta of light joints beside heavy ones. Up to [`SMALL_UNITS`] more where all are below `512 eps`: a
+    /// state at rest, whose corrections are rounding errors of balanced forces, or one that is small in its
+    /// units.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();
-        let small = |size: S| size.times(S::EPSILON.sqrt() / 64.0);
+        let small = |size: S| size.times(S::EPSILON.sqrt() / 64.0).plus(f64::MIN_POSITIVE);
         let mut entries = implicit.range.clone();
         if entries.all(|k| S::all(self.change[k].abs().less(small(x[k].abs())))) {
             return Some(for_derivatives);
         }
         if self.is_below(implicit, x, small) {
-            return Some(for_derivatives + 2);
+            return Some(for_derivatives + SMALL_ENTRIES);
         }
         let is_tiny = self.is_below(implicit, x, |_| S::from_f64(512.0 * S::EPSILON));
-        is_tiny.then_some(for_derivatives + 1)
+        is_tiny.then_some(for_derivatives + SMALL_UNITS)
     }
 
     /// The smallest power of ten above the last correction, relative to the largest of its half and 1.

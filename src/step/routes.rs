@@ -8,7 +8,7 @@ use super::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, Scheme, SemiImplicit, Step,
     StepContraction, StepError, Verlet,
 };
-use crate::derivative::{Called, Figure, InnerNumber, Judged, Row, Verdict, rounded_once, scales};
+use crate::derivative::{CLOSE, Called, Figure, InnerNumber, Judged, Row, Verdict, rounded_once, scales};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
@@ -182,7 +182,7 @@ impl<F: ModelFamily, M: Scheme<F>> Compared<F, M> {
             Ok(rows.iter().cloned().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect())
         };
         let mut found = judged(reference.map(|part| rounded_once(&part)))?;
-        if found.iter().any(|row| row.judge(d).verdict(tolerance) == Verdict::Differs) {
+        if found.iter().any(|row| row.judge(d).verdict(CLOSE * tolerance) == Verdict::Differs) {
             found = judged(evaluate(&mut self.rounded_reference, [x, u, y], h)?)?;
         }
         // Hyper-dual numbers take two more iterations: their value is solved to rounding.

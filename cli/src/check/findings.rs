@@ -38,6 +38,15 @@ impl Findings {
             .collect()
     }
 
+    /// Why no figure says anything, if so.
+    pub fn nothing_compared(&self) -> Option<&'static str> {
+        if self.zero.is_none() && self.random.is_none() {
+            return Some("no state could be evaluated");
+        }
+        let silent = self.rows().iter().all(Row::says_nothing);
+        silent.then_some("no row is comparable in any state: rounding leaves too few digits")
+    }
+
     /// The figures that do not agree.
     pub fn failures(&self, tolerance: f64) -> Vec<Figure> {
         let worst = self.rows().iter().filter_map(Row::worst).collect::<Vec<_>>();

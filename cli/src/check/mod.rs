@@ -15,8 +15,8 @@ use costate::robot::Robot;
 use costate::step::StepError;
 use costate_comparison::{Routes, StepRoutes};
 use fastrand::Rng;
-use findings::{Findings, Row};
-use report::{as_json, print};
+use findings::Findings;
+use report::{as_json, error_as_json, print};
 use sample::{Sample, random_sample};
 use std::io::Write;
 use std::process::ExitCode;
@@ -31,12 +31,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(first) = findings.singular.first() {
         let (count, samples) = (findings.singular.len(), arguments.samples + 1);
         terminal::warning(format!("{count} of {samples} states are left out: {first}"));
-        if count == samples {
-            return Err("no state could be evaluated".into());
-        }
     }
-    if findings.rows().iter().all(Row::says_nothing) {
-        return Err("no row is comparable in any state: the mass matrix is nearly singular".into());
+    if let Some(reason) = findings.nothing_compared() {
+        if arguments.json {
+            writeln!(terminal::stdout(), "{}", error_as_json(&robot, arguments, reason))?;
+        }
+        return Err(reason.into());
     }
     let failures = findings.failures(arguments.tolerance);
     let mut out = terminal::stdout();

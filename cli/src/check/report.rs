@@ -46,6 +46,20 @@ pub(super) fn as_json(
     })
 }
 
+/// If nothing could be compared.
+pub(super) fn error_as_json(robot: &Robot, arguments: &Arguments, reason: &str) -> Value {
+    json!({
+        "robot": robot.name(),
+        "n": robot.dof(),
+        "samples": arguments.samples,
+        "seed": arguments.seed,
+        "tolerance": arguments.tolerance,
+        "pass": null,
+        "error": reason,
+        "rows": [],
+    })
+}
+
 pub(super) fn print(
     robot: &Robot,
     arguments: &Arguments,
@@ -82,7 +96,7 @@ pub(super) fn print(
         "The reference is hyper-dual numbers through F, a and Phi. Each row shows the block (q or p by q or p)",
         "closest to its bound; difference and bound are relative to the largest entry of that block. The bound is",
         "32 standard deviations of the rounding error, propagated through every operation; a smaller bound, with",
-        "one rounding for the error of the reference, is shown where it suffices (docs/check.md).",
+        "one rounding for the error of the reference, is shown where a tenth of it suffices (docs/check.md).",
         "ratio = difference / bound\n",
     ] {
         writeln!(out, "{}", format!("  {line}").trim_end())?;
@@ -90,7 +104,7 @@ pub(super) fn print(
     writeln!(out, "  Largest cond(M): {}", scientific(findings.condition()))?;
     if findings.nearly_singular > 0 {
         let states = counted(findings.nearly_singular, "state");
-        writeln!(out, "  In {states} some blocks are not comparable: M is nearly singular.")?;
+        writeln!(out, "  In {states} rounding leaves too few digits to compare some blocks.")?;
     }
     if findings.steps_unsolved > 0 {
         let states = counted(findings.steps_unsolved, "state");
@@ -102,7 +116,7 @@ pub(super) fn print(
     writeln!(out)?;
     let allowed = match arguments.tolerance {
         1.0 => "its bound".to_owned(),
-        tolerance => format!("{tolerance} times its bound"),
+        tolerance => format!("{tolerance:e} times its bound"),
     };
     let silent = findings.rows().iter().filter(|row| row.says_nothing()).count();
     if failures.is_empty() && silent == 0 {
@@ -115,12 +129,16 @@ pub(super) fn print(
             good("PASS")
         )?;
     }
+    let limit = match arguments.tolerance {
+        1.0 => String::new(),
+        tolerance => format!(" (allowed: {tolerance:e})"),
+    };
     for failure in failures {
         let Figure { quantity, route, difference, .. } = failure;
         let how = match difference.is_nan() {
             true => "is not a number".to_owned(),
             false if failure.bound == 0.0 => "differs, though no operation rounds".to_owned(),
-            false => format!("differs by {} times its bound", scientific(failure.ratio())),
+            false => format!("differs by {} times its bound{limit}", scientific(failure.ratio())),
         };
         writeln!(out, "{}: {quantity} by {route} {how}.", bad("FAIL"))?;
     }
