@@ -3,9 +3,7 @@
 use crate::texts::*;
 use costate::robot::RobotError as E;
 use costate::robot::urdf::parse;
-use costate::robot::{
-    Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, RobotFormat, Warning,
-};
+use costate::robot::{Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, Warning};
 use nalgebra::{Matrix3, Vector3};
 
 /// Inertia of `INERTIAL`.

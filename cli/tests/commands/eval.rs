@@ -1,7 +1,8 @@
 //! `costate eval`.
 
 use crate::child::{costate, empty_folder, flat, json_lines, root, stderr, stdout};
-use serde_json::{Value, json};
+use crate::references::KEYS;
+use serde_json::json;
 use std::process::Output;
 
 /// All routes.
