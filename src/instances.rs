@@ -47,16 +47,3 @@ pub fn for_f64(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError
     LegendreTransform::<f64>::new(robot).at(q, p, u)?;
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn all_routes_run() {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/puma560.toml");
-        let robot = Robot::from_file(file).unwrap();
-        let figures: Vec<f64> = (0..12).map(|i| (1.3 * i as f64).sin()).collect();
-        for_f64(&robot, [&figures[..6], &figures[1..7], &figures[2..8], &figures]).unwrap();
-    }
-}

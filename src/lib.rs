@@ -38,6 +38,8 @@ pub mod derivative;
 pub mod dynamics;
 mod error;
 pub mod hamiltonian;
+// Unit tests compile what they use; the whole takes longer than they do.
+#[cfg(not(test))]
 #[doc(hidden)]
 pub mod instances;
 pub mod kernels;

@@ -9,7 +9,7 @@ use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecond
 use costate::kernels::{Factor, KernelOne, KernelTwo};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
-use costate::robot::Tree;
+use costate::robot::{Robot, Tree};
 use costate::step::{
     AutomaticStep, HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, OneStep, RungeKutta4, SemiImplicit,
     SemiImplicitEuler, StepRoutes, StoermerVerlet, Verlet,
@@ -60,4 +60,13 @@ fn workspaces_of_lanes_are_sent_and_printed() {
     use costate::scalar::{F64x4, F64x8};
     each!(cloned_and_shared: HamiltonianSecondOrder<F64x4>, LagrangianSecondOrder<F64x8>);
     each!(sent_and_printed: Batch<F64x4, Model<HamiltonianSecondOrder<F64x4>>>);
+}
+
+/// What the library compiles for the crates that use it.
+#[test]
+fn all_analytic_routes_run() -> Result<(), Box<dyn std::error::Error>> {
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/puma560.toml"))?;
+    let figures: Vec<f64> = (0..12).map(|i| (1.3 * i as f64).sin()).collect();
+    let state = [&figures[..6], &figures[1..7], &figures[2..8], &figures];
+    Ok(costate::instances::for_f64(&robot, state)?)
 }
