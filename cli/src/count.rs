@@ -65,7 +65,9 @@ fn print(
 ) -> std::io::Result<()> {
     let how = match constants {
         Constants::Folded => "products with 0 and 1, sums with 0 and operations between constants are free",
-        Constants::Kept => "constants not folded: as scalars without a fused multiply-add execute them, one lane at a time",
+        Constants::Kept => {
+            "constants not folded: as scalars without a fused multiply-add execute them, one lane at a time"
+        }
     };
     writeln!(out, "{}: operations of one evaluation,\n{how}\n", title(robot))?;
     let mut printed = Table::new(
