@@ -15,6 +15,7 @@ mod compare;
 mod problem;
 mod problems;
 mod reach;
+mod roll_out;
 mod solver;
 mod sweep;
 mod table;

@@ -19,6 +19,7 @@ mod motions;
 mod problem;
 mod reach;
 mod riccati;
+mod solution;
 mod solver;
 mod sweep;
 mod table;

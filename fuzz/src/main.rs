@@ -5,10 +5,12 @@
 //! 256 MB or 5 s, or cause a message that is not printable, are kept in `fuzz/failures`; the exit status is 1 then.
 
 mod command;
+mod files;
 mod kind;
 mod large;
 mod memory;
 mod mutate;
+mod saved;
 mod source;
 mod table;
 mod target;

@@ -1,6 +1,6 @@
 //! The table of `docs/instructions.md`.
 
-use crate::{COUNTED, counted};
+use crate::selected::{COUNTED, counted};
 use costate_routes::cases::Case;
 use costate_routes::routes::Failure;
 use std::fmt::Write;

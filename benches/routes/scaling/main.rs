@@ -21,10 +21,7 @@ use criterion::{BenchmarkId, Criterion, SamplingMode};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-
-/// Batches of which the median is taken, and how many there are of calls longer than [`LONG`].
-const BATCHES: usize = 31;
+/// Batches of calls longer than [`LONG`].
 const FEW: usize = 10;
 const LONG: Duration = Duration::from_millis(100);
 
@@ -74,7 +71,7 @@ fn measure(case: &Case, list: &mut [Candidate<'_>], criterion: &mut Criterion) -
     for candidate in list {
         let start = Instant::now();
         (candidate.work)(None)?;
-        group.sample_size(if start.elapsed() > LONG { FEW } else { BATCHES });
+        group.sample_size(if start.elapsed() > LONG { FEW } else { page::BATCHES });
         group.bench_function(BenchmarkId::from_parameter(name(candidate)), |b| {
             b.iter(|| (candidate.work)(None).unwrap());
         });

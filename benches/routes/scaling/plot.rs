@@ -2,8 +2,7 @@
 //!
 //! Colour and mark tell the lines apart; those of several states at once are dashed.
 
-use crate::ROOT;
-use crate::page::{BASELINE, INSTRUCTIONS, Row, duration, processor, routes};
+use crate::page::{BASELINE, INSTRUCTIONS, ROOT, Row, duration, processor, routes};
 use costate_routes::cases::Case;
 use costate_routes::routes::Failure;
 use costate_routes::{FIRST, SECOND, states};

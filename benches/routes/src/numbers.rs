@@ -1,8 +1,8 @@
 //! Routes of automatic differentiation that `costate bench` leaves out: F from H, other chunks, vectors of second derivatives.
 
 use crate::cases::Case;
+use crate::names::{FIRST, FUNCTION, SECOND};
 use crate::routes::{Candidate, Failure};
-use crate::{FIRST, FUNCTION, SECOND};
 use costate::derivative::{Function, Jacobian, PhaseVelocity};
 use costate::hamiltonian::Hamiltonian;
 use costate::num_dual::{Dual2SVec64, Dual64};

@@ -1,6 +1,6 @@
 //! Machine code: one state with all checks, and four states at once, whose guards are not checked.
 
-use super::FOUR;
+use super::names::FOUR;
 use super::routes::{ADJOINT, Candidate, F, FIRST, Failure, SECOND, State};
 use costate::codegen::{CodegenError, Coordinates, Quantity, guarded_program};
 use costate::robot::Robot;

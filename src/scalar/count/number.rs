@@ -2,7 +2,7 @@
 
 use super::{Kind, tally};
 use crate::scalar::number::Scalar;
-use crate::scalar::real::real_tanh_and_slope;
+use crate::scalar::tanh::real_tanh_and_slope;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A value that counts the operations done with it, see [`count`](super::count).
