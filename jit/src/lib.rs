@@ -10,6 +10,7 @@
 //! sines and cosines. Machine code is straight: it has no branches, calls nothing, and accesses four slices
 //! whose lengths are known when it is written.
 
+#![warn(missing_debug_implementations)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 

@@ -49,6 +49,7 @@ pub struct OperationTable {
 
 /// One quantity by one route, see [`OperationTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct OperationRow {
     /// One of [`OperationTable::QUANTITIES`] or [`OperationTable::MORE`].
     pub quantity: &'static str,
@@ -96,7 +97,7 @@ impl OperationTable {
     /// Counts everything, by running it.
     ///
     /// # Errors
-    /// None that a valid robot gives rise to: numbers that count are not checked.
+    /// Never fails for a valid robot: `Count` values are not checked.
     #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
         Self::counted_at(robot, constants, &|i| (1.0 + i as f64).sqrt())
