@@ -1,8 +1,8 @@
 //! Times of machine code and of the generic code, and of recording and compiling.
 //!
-//! `cargo run --release -p costate-examples --example speed` prints the tables; with `-- --write` it also writes
-//! them into docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under "this
-//! processor".
+//! `cargo run --release -p costate-examples --example speed` prints the tables; with `-- --write` it also
+//! writes them into docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under
+//! "this processor".
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -18,8 +18,8 @@ pub struct Arguments {
     /// Print one JSON object and nothing else
     #[arg(long)]
     json: bool,
-    /// Count operations with constants 0 and 1 too: every operation, as scalars without a fused multiply-add execute
-    /// them, one lane at a time
+    /// Count operations with constants 0 and 1 too: every operation, as scalars without a fused multiply-add
+    /// execute them, one lane at a time
     #[arg(long)]
     unfolded: bool,
     /// Run all methods on long chains even if that takes minutes or gigabytes

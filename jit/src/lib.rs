@@ -1,8 +1,8 @@
 //! Just-in-time compilation of recorded programs: generated code for robots that are loaded at run time.
 //!
 //! [`Compiled`] turns a [`Program`](costate::codegen::Program) into machine code in memory, without a
-//! compiler. [`JitQuantity`] does so for a quantity of a robot. Where that is not possible it uses the generic
-//! code, and its [`Backend`] has the reason.
+//! compiler. [`JitQuantity`] does so for a quantity of a robot. Where that is not possible it uses the
+//! generic code, and its [`Backend`] has the reason.
 //!
 //! The modules in the order of their work: `plan` and `order` divide the steps into stages between function
 //! calls and sort them; `translate`, `emit`, `registers` and `place` choose a register or memory for each

@@ -55,7 +55,6 @@ impl fmt::Display for ArrayRole {
 /// One node that could not be evaluated: its outputs are NaN; all other nodes are computed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("node {node}: {error}")]
-#[non_exhaustive]
 pub struct Failure<E: std::error::Error> {
     /// Index of the node, from 0.
     pub node: usize,

@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 
 /// The type of a joint. Every joint has one degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum JointKind {
     /// Rotates about its axis; q in rad.
     Revolute,

@@ -98,8 +98,8 @@ impl<S: Scalar> Newton<S> {
     /// The number of remaining iterations, or `None` if the last correction is still large.
     ///
     /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. One or two
-    /// more where it is that small only relative to the largest entry of its half, as for the momenta of light
-    /// joints beside heavy ones; one more where it is below `512 eps`, as for a state at rest, whose
+    /// more where it is that small only relative to the largest entry of its half, as for the momenta of
+    /// light joints beside heavy ones; one more where it is below `512 eps`, as for a state at rest, whose
     /// corrections are rounding errors of balanced forces.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();

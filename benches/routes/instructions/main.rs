@@ -1,8 +1,9 @@
 //! Instructions of one call, counted by callgrind: they do not depend on what else the machine does.
 //!
-//! `cargo bench -p costate-routes --bench instructions` prints the table, with `COSTATE_WRITE=1` in the environment it also
-//! goes to `docs/instructions.md`. It needs valgrind and gungraun-runner, and says so where they are not installed.
-//! `cargo test -p costate-routes --bench instructions` only calls everything once.
+//! `cargo bench -p costate-routes --bench instructions` prints the table, with `COSTATE_WRITE=1` in the
+//! environment it also goes to `docs/instructions.md`. It needs valgrind and gungraun-runner, and says so
+//! where they are not installed. `cargo test -p costate-routes --bench instructions` only calls everything
+//! once.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 mod counted;

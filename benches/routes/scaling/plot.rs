@@ -19,7 +19,8 @@ const TITLE: i32 = 60;
 /// Height of a label with the room around it.
 const LINE: i32 = 21;
 
-/// Both plots; they show the tables of the section that everybody can reproduce, so only a baseline build draws them.
+/// Both plots; they show the tables of the section that everybody can reproduce, so only a baseline build
+/// draws them.
 pub fn draw(cases: &[Case], rows: &[Row]) -> Result<(), Failure> {
     if !BASELINE {
         return Ok(());

@@ -1,8 +1,8 @@
 //! What `costate check` and `costate count` compute.
 //!
 //! Both need the pipeline for a dozen number types. Here it is compiled once, for the command line and for
-//! the tests, and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): its speed does
-//! not matter.
+//! the tests, and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): its
+//! speed does not matter.
 
 #![warn(missing_debug_implementations)]
 

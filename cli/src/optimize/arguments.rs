@@ -33,8 +33,8 @@ pub struct Arguments {
     /// Also print the table of Newton steps
     #[arg(long)]
     pub iterations: bool,
-    /// Refuse robots with warnings that suggest a mistake (unknown elements or attributes, massless links, missing or
-    /// swapped limits, inertias that no rigid body has)
+    /// Refuse robots with warnings that suggest a mistake (unknown elements or attributes, massless links,
+    /// missing or swapped limits, inertias that no rigid body has)
     #[arg(long)]
     pub strict: bool,
     /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
