@@ -1,5 +1,5 @@
-//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench -p costate-benches --bench derivatives`.
-//! With `COSTATE_WRITE=1` in the environment the table is also written to `docs/times.md`.
+//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench -p costate-benches --bench
+//! derivatives`. With `COSTATE_WRITE=1` in the environment the table is also written to `docs/times.md`.
 //!
 //! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state,
 //! one core.

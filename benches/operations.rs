@@ -1,7 +1,8 @@
 //! Operations of M, F, F_x and y'F_xx by every route, compared with the figures of the paper.
 //!
-//! `cargo bench -p costate-benches --bench operations` prints the table, with `-- --write` it also writes it into
-//! `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails if the table there is out of date.
+//! `cargo bench -p costate-benches --bench operations` prints the table, with `-- --write` it also writes it
+//! into `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails if the table there is
+//! out of date.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,5 +1,5 @@
-//! Size of generated code and the time of its compilation: `cargo run -p costate-examples --example codegen_size`; with `--
-//! --write` the table is written into `docs/codegen.md`.
+//! Size of generated code and the time of its compilation: `cargo run -p costate-examples --example
+//! codegen_size`; with `-- --write` the table is written into `docs/codegen.md`.
 //!
 //! Needs `rustc` and `cc`. A compilation that takes longer than a minute is stopped and marked with `>` in
 //! the table.

@@ -1,5 +1,5 @@
-//! Energy of a robot that swings freely, over 100 000 steps of every scheme: writes `docs/energy.svg` and the table in
-//! `docs/energy.md`.
+//! Energy of a robot that swings freely, over 100 000 steps of every scheme: writes `docs/energy.svg` and the
+//! table in `docs/energy.md`.
 //!
 //! `cargo run --release -p costate-examples --example energy`
 

@@ -1,8 +1,8 @@
 //! Times of machine code and of the generic code, and of recording and compiling.
 //!
-//! `cargo run --release -p costate-examples --example speed` prints the tables; with `-- --write` it also writes
-//! them into docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under "this
-//! processor".
+//! `cargo run --release -p costate-examples --example speed` prints the tables; with `-- --write` it also
+//! writes them into docs/jit.md: under "any processor" or, with `RUSTFLAGS="-C target-cpu=native"`, under
+//! "this processor".
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -13,7 +13,7 @@
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::Robot;
-use costate_jit::{Compiled, Evaluator, JitError, Status};
+use costate_jit::{Backend, Compiled, JitError, JitQuantity};
 use costate_test_support::robots;
 use std::fmt::Write;
 use std::hint::black_box;
@@ -86,14 +86,14 @@ fn line(name: &str, robot: &Robot, quantity: Quantity) -> Option<String> {
         }
         compiled => compiled.expect("machine code for this processor"),
     };
-    let mut fallback = Evaluator::with_limit(robot, quantity, Coordinates::Hamiltonian, 0).unwrap();
+    let mut fallback = JitQuantity::with_limit(robot, quantity, Coordinates::Hamiltonian, 0).unwrap();
     let n = robot.dof();
     let q: Vec<f64> = (0..n).map(|i| 0.3 + 0.37 * i as f64).collect();
     let v: Vec<f64> = (0..n).map(|i| 0.9 - 0.21 * i as f64).collect();
     let p = Hamiltonian::<f64>::new(robot).momentum(&q, &v).unwrap().to_vec();
     let y: Vec<f64> = (0..2 * n).map(|i| 1.0 - 0.13 * i as f64).collect();
     let inputs = [q, p, vec![0.5; n], y].concat()[..program.inputs()].to_vec();
-    let mut machine = Evaluator::with_limit(robot, quantity, Coordinates::Hamiltonian, usize::MAX).unwrap();
+    let mut machine = JitQuantity::with_limit(robot, quantity, Coordinates::Hamiltonian, usize::MAX).unwrap();
     let [mut outputs, mut checked, mut expected] = [(); 3].map(|()| vec![0.0; program.outputs()]);
     let lanes = Compiled::<[f64; 4]>::with_limit(&program, usize::MAX).expect("the same");
     let four: Vec<[f64; 4]> =
@@ -129,11 +129,11 @@ fn refusals() -> String {
         let robot = robots::random("chain", n, 1);
         for quantity in QUANTITIES {
             let start = Instant::now();
-            let evaluator = Evaluator::new(&robot, quantity, Coordinates::Hamiltonian).unwrap();
+            let evaluator = JitQuantity::new(&robot, quantity, Coordinates::Hamiltonian).unwrap();
             let time = start.elapsed().as_secs_f64() * 1e3;
-            let steps = match evaluator.status() {
-                Status::Generic { reason: JitError::TooLong { steps, .. } } => steps.to_string(),
-                Status::Generic { reason: JitError::GivenUp { .. } | JitError::LargeRobot { .. } } => {
+            let steps = match evaluator.backend() {
+                Backend::Generic { reason: JitError::TooLong { steps, .. } } => steps.to_string(),
+                Backend::Generic { reason: JitError::GivenUp { .. } | JitError::LargeRobot { .. } } => {
                     "not known".into()
                 }
                 _ => continue,

@@ -18,6 +18,7 @@ pub enum Coordinates {
 /// A name that is neither `hamiltonian` nor `lagrangian`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown coordinates '{0}'; use 'hamiltonian' or 'lagrangian'")]
+#[non_exhaustive]
 pub struct UnknownCoordinates(pub String);
 
 impl Coordinates {

@@ -1,9 +1,9 @@
 //! Exact first and second derivatives of robot dynamics, for optimisers.
 //!
-//! For a robot (URDF, TOML, Denavit-Hartenberg table or code), the library computes the Hamiltonian state equation
-//! $\dot x = F(x) + (0, u)$, its analytic Jacobian $F\_x$ and its costate-contracted Hessian $y^T F\_{xx}$. One pipeline
-//! is generic over the scalar: `f64` evaluates the analytic formulas, num-dual's numbers check them, and
-//! [`scalar::Count`] counts their operations.
+//! For a robot (URDF, TOML, Denavit-Hartenberg table or code), the library computes the Hamiltonian state
+//! equation $\dot x = F(x) + (0, u)$, its analytic Jacobian $F\_x$ and its costate-contracted Hessian $y^T
+//! F\_{xx}$. One pipeline is generic over the scalar: `f64` evaluates the analytic formulas, num-dual's
+//! numbers check them, and [`scalar::Count`] counts their operations.
 //!
 //! ```
 //! use costate::hamiltonian::Hamiltonian;
@@ -18,14 +18,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Every map has the same methods: `evaluate` (its value), `linearise` (value and Jacobian), `contract` (value, Jacobian
-//! and costate-contracted Hessian), `adjoint` and `hessian_product` (products without the matrix).
+//! Every map has the same methods: `evaluate` (its value), `linearise` (value and Jacobian), `contract`
+//! (value, Jacobian and costate-contracted Hessian), `adjoint` and `hessian_product` (products without the
+//! matrix).
 //!
 //! A module uses only modules before it in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`],
-//! [`kernels`], [`tensors`], [`hamiltonian`], [`lagrangian`], [`derivative`], [`dynamics`], [`step`], and then
-//! [`batch`] and [`codegen`].
-//! Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal dynamics of actuated kinematic chains.
-//! Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
+//! [`kernels`], [`tensors`], [`hamiltonian`], [`lagrangian`], [`derivative`], [`dynamics`], [`step`], and
+//! then [`batch`] and [`codegen`]. Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal dynamics of
+//! actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
 
 #![deny(unsafe_code)]
 #![warn(missing_debug_implementations)]

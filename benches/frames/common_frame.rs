@@ -1,8 +1,9 @@
 //! Kernel one in one common frame: the alternative to the body frames of the library.
 //!
-//! The frame is that of the first joint before it moves, so that the first axis is z through the origin: of all
-//! common frames the one in which most products vanish. Nothing is carried along the chain; M, P and L_qq are the
-//! products of the arrays S, psi, gamma with F and G, one array entry a joint, `LANES` joints side by side.
+//! The frame is that of the first joint before it moves, so that the first axis is z through the origin: of
+//! all common frames the one in which most products vanish. Nothing is carried along the chain; M, P and L_qq
+//! are the products of the arrays S, psi, gamma with F and G, one array entry a joint, `LANES` joints side by
+//! side.
 
 use crate::constants::{Link, Pose, roots};
 use costate::matrix::Matrix;
@@ -52,7 +53,8 @@ pub struct CommonFrame<S, const LANES: usize> {
     /// Where joints on the world stand.
     roots: Vec<Option<Pose<f64>>>,
     links: Vec<Link>,
-    /// For each joint its ancestors (without itself): groups of `LANES` joints, and which of the group they are.
+    /// For each joint its ancestors (without itself): groups of `LANES` joints, and which of the group they
+    /// are.
     groups: Vec<Vec<(usize, [bool; LANES])>>,
     poses: Vec<Pose<S>>,
     axes: Vec<Motion<S>>,

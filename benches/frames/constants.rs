@@ -22,8 +22,8 @@ impl<S: Scalar> Pose<S> {
     }
 }
 
-/// Constants of a link: centre of mass and `J = middle 1 + u w' + w u'` about it, by the middle principal moment and
-/// two vectors; turning them takes 27 products, turning a matrix 45.
+/// Constants of a link: centre of mass and `J = middle 1 + u w' + w u'` about it, by the middle principal
+/// moment and two vectors; turning them takes 27 products, turning a matrix 45.
 pub struct Link {
     mass: f64,
     com: [f64; 3],

@@ -1,7 +1,7 @@
 //! Kernel one in body frames (the library) and in one common frame: agreement, operations, time.
 //!
-//! `cargo bench -p costate-benches --bench frames` prints the table, `cargo bench -p costate-benches --bench frames -- --write` also puts it into
-//! `docs/frames.md`.
+//! `cargo bench -p costate-benches --bench frames` prints the table, `cargo bench -p costate-benches --bench
+//! frames -- --write` also puts it into `docs/frames.md`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 mod common_frame;

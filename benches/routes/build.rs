@@ -1,4 +1,5 @@
-//! Writes the Rust text of F, F_x and y'F_xx of every robot that is not too large into `OUT_DIR`, and a list of it.
+//! Writes the Rust text of F, F_x and y'F_xx of every robot that is not too large into `OUT_DIR`, and a list
+//! of it.
 
 #[path = "src/robots.rs"]
 mod robots;
@@ -7,7 +8,8 @@ use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, RustOptio
 use std::error::Error;
 use std::fmt::Write;
 
-/// Most steps of a text: rustc takes a second for 500 to 1000 steps of one kind of number, and there are three.
+/// Most steps of a text: rustc takes a second for 500 to 1000 steps of one kind of number, and there are
+/// three.
 const LIMIT: usize = 10_000;
 /// Where nothing is timed.
 const LIMIT_OF_TESTS: usize = 1_000;

@@ -19,7 +19,8 @@ pub struct RobotArguments {
     /// <]
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Refuse robots that are not physical (massless links, principal moments that no rigid body has)
+    /// Refuse robots with warnings that suggest a mistake (unknown elements or attributes, massless links,
+    /// missing or swapped limits, inertias that no rigid body has)
     #[arg(long)]
     strict: bool,
     /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction

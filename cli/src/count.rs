@@ -18,7 +18,8 @@ pub struct Arguments {
     /// Print one JSON object and nothing else
     #[arg(long)]
     json: bool,
-    /// Count every operation that f64 executes, those with constants 0 and 1 too
+    /// Count operations with constants 0 and 1 too: every operation, as scalars without a fused multiply-add
+    /// execute them, one lane at a time
     #[arg(long)]
     unfolded: bool,
     /// Run all methods on long chains even if that takes minutes or gigabytes
@@ -64,7 +65,9 @@ fn print(
 ) -> std::io::Result<()> {
     let how = match constants {
         Constants::Folded => "products with 0 and 1, sums with 0 and operations between constants are free",
-        Constants::Kept => "as f64 executes them, those between constants too",
+        Constants::Kept => {
+            "constants not folded: as scalars without a fused multiply-add execute them, one lane at a time"
+        }
     };
     writeln!(out, "{}: operations of one evaluation,\n{how}\n", title(robot))?;
     let mut printed = Table::new(

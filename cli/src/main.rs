@@ -13,6 +13,7 @@ mod generate;
 mod info;
 mod interrupt;
 mod optimize;
+mod outcome;
 mod output;
 mod report;
 mod terminal;
@@ -21,6 +22,7 @@ mod work;
 use arguments::RobotArguments;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use interrupt::Interrupted;
+use outcome::Outcome;
 use std::error::Error;
 use std::io::ErrorKind;
 use std::process::ExitCode;
@@ -39,7 +41,7 @@ struct Cli {
 const EXIT_CODES: &str = "\
 Exit status:
   0    success
-  1    `check`: a figure exceeds its tolerance
+  1    `check`: a difference exceeds its bound
   2    bad arguments or bad input
   3    `optimize`: the problem was not solved
   130  interrupted by SIGINT (Ctrl-C) or SIGTERM";
@@ -70,7 +72,8 @@ enum Command {
     Eval(eval::Arguments),
     /// Compare all derivative methods with each other at random states
     ///
-    /// Prints the largest relative differences. The exit status is 1 if one exceeds its tolerance.
+    /// For each quantity and method, prints the block whose difference is closest to its bound. The exit
+    /// status is 1 if a difference exceeds its bound times `--tolerance`.
     Check(check::Arguments),
     /// Count the arithmetic operations of each quantity by each method
     Count(count::Arguments),
@@ -90,9 +93,6 @@ enum Command {
     /// Print the manual page, or write the pages of all commands to a folder
     Man(generate::ManArguments),
 }
-
-/// The exit status of a command, or the error that stopped it.
-type Outcome = Result<ExitCode, Box<dyn Error>>;
 
 /// All commands and their arguments.
 fn command() -> clap::Command {

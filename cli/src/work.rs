@@ -77,7 +77,7 @@ impl Work {
         }
     }
 
-    /// Whether it is so much that the user has to ask for it twice.
+    /// Whether it exceeds the limits, so that `--force` is needed.
     pub fn is_excessive(&self) -> bool {
         self.operations > MOST_OPERATIONS || self.bytes > MOST_BYTES
     }

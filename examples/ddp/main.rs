@@ -1,8 +1,9 @@
 //! Differential dynamic programming with exact second derivatives, compared with iLQR, its Gauss-Newton
 //! variant.
 //!
-//! `cargo run --release -p costate-examples --example ddp` solves six tasks by both methods, prints the iterations side
-//! by side, and summarises the effect of exact second derivatives; `-- --write` writes the same into `docs/ddp.md`.
+//! `cargo run --release -p costate-examples --example ddp` solves six tasks by both methods, prints the
+//! iterations side by side, and summarises the effect of exact second derivatives; `-- --write` writes the
+//! same into `docs/ddp.md`.
 //!
 //! - `solver.rs`: the algorithm; `sweep.rs`: its recursion; `trajectory.rs`: roll-outs; `box_qp.rs`: bounds;
 //!   `problem.rs`: its input and output. These five files use the traits `Step` and `Cost` only, and no
@@ -15,6 +16,7 @@ mod compare;
 mod problem;
 mod problems;
 mod reach;
+mod roll_out;
 mod solver;
 mod sweep;
 mod table;

@@ -14,8 +14,9 @@
 //! 2014.
 
 use super::problem::{Curvature, Evaluations, Failure, Iteration, Options, Problem, Solution, Status};
+use super::roll_out::Following;
 use super::sweep::{Policy, Promise, Stage, Value};
-use super::trajectory::{Following, Trajectory};
+use super::trajectory::Trajectory;
 use costate::dynamics::Cost;
 use costate::step::Step;
 use nalgebra::DVector;

@@ -6,8 +6,8 @@
 //! Lagrangian. The solver uses only `Step` and `Cost`.
 //!
 //!     cargo run --release -p costate-examples --example shooting             # iterations, summary, verdict
-//!     cargo run --release -p costate-examples --example shooting -- --write  # and writes them into docs/shooting.md
-//!     cargo test -p costate-examples --example shooting
+//!     cargo run --release -p costate-examples --example shooting -- --write  # and writes them into
+//!     docs/shooting.md cargo test -p costate-examples --example shooting
 
 mod barrier;
 mod bfgs;
@@ -19,6 +19,7 @@ mod motions;
 mod problem;
 mod reach;
 mod riccati;
+mod solution;
 mod solver;
 mod sweep;
 mod table;

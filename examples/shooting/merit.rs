@@ -7,7 +7,7 @@ use crate::barrier::Nodes;
 use crate::convexify::Convex;
 use crate::curvature::Model;
 use crate::problem::Problem;
-use crate::solver::Solution;
+use crate::solution::Solution;
 use costate::dynamics::Cost;
 use costate::step::Step;
 use nalgebra::DVector;

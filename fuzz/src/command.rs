@@ -1,6 +1,7 @@
 //! Inputs for the command line: `costate eval`, and all commands on malformed files.
 
-use crate::kind::{Kind, project};
+use crate::files::project;
+use crate::kind::Kind;
 use crate::source::{Inputs, Source};
 use crate::table::{Outcome, Report};
 use std::io::{Read, Write};

@@ -1,6 +1,8 @@
 //! The kinds of inputs and where their seeds are.
 
-use std::path::{Path, PathBuf};
+use crate::files::{files, folder, project};
+use crate::saved::saved_solutions;
+use std::path::PathBuf;
 
 /// What an input is read as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +54,7 @@ impl Kind {
         let folders: &[&str] = match self {
             Self::Urdf | Self::Toml => &["robots", "tests/fixtures"],
             Self::Problem => &["examples/problems"],
-            Self::Solution => return crate::target::saved_solutions(),
+            Self::Solution => return saved_solutions(),
             Self::Eval => return states(),
         };
         let files = folders.iter().flat_map(|folder| files(&project().join(folder), self.extension()));
@@ -73,24 +75,4 @@ fn states() -> Vec<Vec<u8>> {
     let lines: Vec<&str> = texts.iter().flat_map(|text| text.lines()).collect();
     let inputs = lines.iter().filter_map(|line| Some(format!("{}}}", line.split(", \"M\":").next()?)));
     inputs.chain(lines.first().map(|line| (*line).to_owned())).map(String::into_bytes).collect()
-}
-
-/// The root of the project.
-pub fn project() -> PathBuf {
-    folder().join("..")
-}
-
-/// The folder of this package.
-pub fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// Files of a folder, sorted; of any extension if it is empty.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let has =
-        |path: &PathBuf| extension.is_empty() || path.extension().is_some_and(|found| found == extension);
-    let mut files: Vec<PathBuf> = entries.filter(|path| path.is_file() && has(path)).collect();
-    files.sort();
-    files
 }

@@ -1,14 +1,17 @@
 //! Gives mutated inputs to everything of costate that reads files.
 //!
-//! `cargo run -p costate-fuzz -- --inputs 5000 --seed 1` mutates robots, problem files, saved solutions and states;
-//! `cargo run -p costate-fuzz -- --replay` reads the corpus and large inputs. Inputs that cause a panic, take more than
-//! 256 MB or 5 s, or cause a message that is not printable, are kept in `fuzz/failures`; the exit status is 1 then.
+//! `cargo run -p costate-fuzz -- --inputs 5000 --seed 1` mutates robots, problem files, saved solutions and
+//! states; `cargo run -p costate-fuzz -- --replay` reads the corpus and large inputs. Inputs that cause a
+//! panic, take more than 256 MB or 5 s, or cause a message that is not printable, are kept in
+//! `fuzz/failures`; the exit status is 1 then.
 
 mod command;
+mod files;
 mod kind;
 mod large;
 mod memory;
 mod mutate;
+mod saved;
 mod source;
 mod table;
 mod target;

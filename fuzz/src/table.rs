@@ -1,6 +1,6 @@
 //! What happened, by kind.
 
-use crate::kind::folder;
+use crate::files::folder;
 use std::fmt;
 use std::time::Duration;
 

@@ -1,12 +1,13 @@
 //! What is done with an input: it is read, and if it is accepted, used.
 
-use crate::kind::{Kind, project};
+use crate::files::project;
+use crate::kind::Kind;
+use crate::saved::robots;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::Lagrangian;
 use costate::robot::{LoadOptions, Robot, RobotFormat, Tree};
-use costate_control::{Problem, ProblemFile, Solution, Solver, SolverOptions, Trajectory};
+use costate_control::{ProblemFile, Solution, Solver, Trajectory};
 use std::error::Error;
-use std::sync::OnceLock;
 
 /// Most joints of a robot that is evaluated.
 const MOST_JOINTS: usize = 30;
@@ -133,25 +134,4 @@ fn solution(input: &[u8], messages: &mut Vec<String>) -> bool {
         serde_json::to_string(&solution).ok();
     }
     accepted
-}
-
-/// The robots of the saved solutions.
-fn robots() -> &'static [Robot] {
-    static ROBOTS: OnceLock<Vec<Robot>> = OnceLock::new();
-    ROBOTS.get_or_init(|| {
-        let robot = |name| Robot::from_file(project().join("robots").join(name)).ok();
-        ["pendulum.toml", "two_link.toml"].into_iter().filter_map(robot).collect()
-    })
-}
-
-/// Solutions of small problems, as they are saved.
-pub fn saved_solutions() -> Vec<Vec<u8>> {
-    let saved = |robot: &Robot| {
-        let n = robot.joints().len();
-        let problem = Problem::rest_to_rest(robot.clone(), &vec![0.0; n], &vec![0.4; n], 1.0);
-        let options = SolverOptions::default().with_nodes(5).with_tolerance(1e-2);
-        let solution = Solver::new(&problem, options).ok()?.solve();
-        serde_json::to_vec(&solution).ok()
-    };
-    robots().iter().filter_map(saved).collect()
 }

@@ -1,4 +1,5 @@
-//! The corpus, large inputs and a few hundred mutated ones are read without panic, within bounds of memory and time.
+//! The corpus, large inputs and a few hundred mutated ones are read without panic, within bounds of memory
+//! and time.
 
 #![expect(clippy::unwrap_used, reason = "tests fail by panicking")]
 

@@ -1,7 +1,7 @@
 //! Executable memory, and calls into it.
 
 use crate::error::JitError;
-use crate::number::Number;
+use crate::number::JitNumber;
 use memmap2::{Mmap, MmapMut};
 use std::mem::MaybeUninit;
 
@@ -51,7 +51,7 @@ impl Code {
     /// outputs, constants and slots of these lengths: it reads and writes nothing else, reads of the slots
     /// only what was written, and ends by a return. The processor is [`supported`](Self::supported).
     #[cfg(target_arch = "x86_64")]
-    pub unsafe fn run<T: Number>(
+    pub unsafe fn run<T: JitNumber>(
         &self,
         entry: usize,
         inputs: &[T],
@@ -83,7 +83,7 @@ impl Code {
     /// # Safety
     /// None is needed.
     #[cfg(not(target_arch = "x86_64"))]
-    pub unsafe fn run<T: Number>(
+    pub unsafe fn run<T: JitNumber>(
         &self,
         _: usize,
         _: &[T],

@@ -2,7 +2,7 @@
 
 use crate::code::Code;
 use crate::error::JitError;
-use crate::number::Number;
+use crate::number::JitNumber;
 use crate::place::Place;
 use crate::plan::Function;
 use crate::translate::{Call, Stage, Translation, translate};
@@ -40,7 +40,7 @@ const MOST_SLOTS: usize = 1 << 13;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Compiled<T: Number = f64> {
+pub struct Compiled<T: JitNumber = f64> {
     code: Code,
     stages: Vec<Stage>,
     constants: Vec<T::Stored>,
@@ -88,7 +88,7 @@ impl Compiled<[f64; 4]> {
     }
 }
 
-impl<T: Number> Compiled<T> {
+impl<T: JitNumber> Compiled<T> {
     /// Compiles a program of at most `limit` steps: `Compiled::<f64>::with_limit(..)`, or with `[f64; 4]`.
     ///
     /// # Errors
@@ -219,7 +219,7 @@ impl<T: Number> Compiled<T> {
 
 /// The values of a function into their slots.
 #[inline]
-fn store<T: Number>(call: &Call, values: [T; 2], slots: &mut [MaybeUninit<T::Stored>]) {
+fn store<T: JitNumber>(call: &Call, values: [T; 2], slots: &mut [MaybeUninit<T::Stored>]) {
     for (slot, value) in call.values.iter().zip(values) {
         if let Some(slot) = *slot {
             slots[slot as usize].write(value.store());

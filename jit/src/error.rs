@@ -19,7 +19,7 @@ pub enum JitError {
     #[error(
         "the program has {steps} steps, the limit is {limit}: straight-line code much larger than the processor's caches \
          is slower than loops. Use the generic code, choose a smaller quantity (y_f_x, y_f_xx_d), or raise the limit with \
-         Compiled::<f64>::with_limit or Evaluator::with_limit"
+         Compiled::<f64>::with_limit or JitQuantity::with_limit"
     )]
     TooLong {
         /// Its length, [`Program::steps`](costate::codegen::Program::steps).
@@ -31,7 +31,7 @@ pub enum JitError {
     #[error(
         "the recording was stopped after {operations} operations, which make more than {limit} steps, the limit: \
          straight-line code much larger than the processor's caches is slower than loops. Use the generic code, choose a \
-         smaller quantity (y_f_x, y_f_xx_d), or raise the limit with Evaluator::with_limit"
+         smaller quantity (y_f_x, y_f_xx_d), or raise the limit with JitQuantity::with_limit"
     )]
     GivenUp {
         /// Operations that were recorded.

@@ -1,8 +1,8 @@
 //! Just-in-time compilation of recorded programs: generated code for robots that are loaded at run time.
 //!
 //! [`Compiled`] turns a [`Program`](costate::codegen::Program) into machine code in memory, without a
-//! compiler. [`Evaluator`] does so for a quantity of a robot. Where that is not possible it uses the generic
-//! code, and its [`Status`] has the reason.
+//! compiler. [`JitQuantity`] does so for a quantity of a robot. Where that is not possible it uses the
+//! generic code, and its [`Backend`] has the reason.
 //!
 //! The modules in the order of their work: `plan` and `order` divide the steps into stages between function
 //! calls and sort them; `translate`, `emit`, `registers` and `place` choose a register or memory for each
@@ -10,6 +10,7 @@
 //! sines and cosines. Machine code is straight: it has no branches, calls nothing, and accesses four slices
 //! whose lengths are known when it is written.
 
+#![warn(missing_debug_implementations)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
@@ -18,12 +19,12 @@ mod code;
 mod compiled;
 mod emit;
 mod error;
-mod evaluator;
 mod functions;
 mod number;
 mod order;
 mod place;
 mod plan;
+mod quantity;
 mod registers;
 mod translate;
 
@@ -31,5 +32,5 @@ pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
 pub use compiled::{Compiled, DEFAULT_LIMIT, LANES_LIMIT};
 pub use error::JitError;
-pub use evaluator::{Evaluator, Status};
-pub use number::Number;
+pub use number::JitNumber;
+pub use quantity::{Backend, JitQuantity};

@@ -5,13 +5,13 @@ use crate::functions;
 use std::fmt::Debug;
 
 /// `f64`, or `[f64; 4]` for four states at once.
-pub trait Number: Lanes {}
+pub trait JitNumber: Element {}
 
-impl Number for f64 {}
-impl Number for [f64; 4] {}
+impl JitNumber for f64 {}
+impl JitNumber for [f64; 4] {}
 
-/// The operations of a [`Number`]; implemented by this crate only.
-pub trait Lanes: Copy + Debug + 'static {
+/// The operations of a [`JitNumber`]; implemented by this crate only.
+pub trait Element: Copy + Debug + 'static {
     /// The same number in memory of the library, aligned so that it never spans two cache lines.
     type Stored: Copy + Debug + Send + Sync;
     /// The operand width of the assembler.
@@ -32,7 +32,7 @@ pub trait Lanes: Copy + Debug + 'static {
     unsafe fn sin_cos(angle: impl Fn(usize) -> Self, take: impl FnMut(usize, [Self; 2]));
 }
 
-impl Lanes for f64 {
+impl Element for f64 {
     type Stored = f64;
     const WIDTH: Width = Width::One;
     const ANGLES: usize = 4;
@@ -66,7 +66,7 @@ impl Lanes for f64 {
 #[repr(C, align(32))]
 pub struct Quad([f64; 4]);
 
-impl Lanes for [f64; 4] {
+impl Element for [f64; 4] {
     type Stored = Quad;
     const WIDTH: Width = Width::Four;
     const ANGLES: usize = 1;

@@ -113,8 +113,8 @@ impl Program {
 
     /// As [`try_record`](Self::try_record), for a program of at most `limit` steps.
     ///
-    /// The recording stops after [`OPERATIONS_PER_STEP`](crate::codegen::OPERATIONS_PER_STEP) operations for each
-    /// step of the limit, so its memory is bounded. The function then runs to its end without recording.
+    /// The recording stops after [`OPERATIONS_PER_STEP`](crate::codegen::OPERATIONS_PER_STEP) operations for
+    /// each step of the limit, so its memory is bounded. The function then runs to its end without recording.
     ///
     /// # Errors
     /// Those of [`try_record`](Self::try_record); [`CodegenError::LongRecording`] where the recording was

@@ -6,8 +6,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// The number `S`, whose operations are not inlined: the same results from much less machine code.
 ///
-/// An operation of a large dual number is dozens of instructions, and the pipeline has hundreds of operations. What only
-/// judges is compiled through these numbers: it takes a fraction of the time to compile and about as long to run.
+/// An operation of a large dual number is dozens of instructions, and the pipeline has hundreds of
+/// operations. Code that serves only as a reference uses these numbers: it takes a fraction of the time to
+/// compile and about as long to run.
 #[derive(Clone, Copy, Debug)]
 pub struct Called<S>(pub S);
 

@@ -1,7 +1,7 @@
 //! The hand-derived methods over any number type, compared with given reference values.
 
-// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
-// everyone who builds the library.
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
+// by everyone who builds the library.
 
 use super::reference::Reference;
 use super::row::{Row, matrix};
@@ -27,7 +27,8 @@ pub(super) struct Methods<S: Scalar> {
     packed: Matrix<S>,
 }
 
-/// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of q and p, of what is dual to them, of z = (q, v, u).
+/// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of q and p, of what is dual to them, of z = (q,
+/// v, u).
 const STATE: &[i8] = &[1, -1];
 const COSTATE: &[i8] = &[-1, 1];
 const COSTATE_OF_Z: &[i8] = &[-1, -1, 1];

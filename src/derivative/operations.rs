@@ -1,7 +1,7 @@
 //! How many operations each quantity takes by each route.
 
-// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
-// everyone who builds the library.
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
+// by everyone who builds the library.
 
 use super::called::ByCalls;
 use super::function::DerivativeError;
@@ -24,10 +24,11 @@ use crate::tensors::Christoffel;
 ///
 /// After these come quantities of some routes only, see [`MORE`](Self::MORE).
 ///
-/// The pipeline itself runs on [`Count`] numbers; q, p and y are variables. So is u in what is derived by hand; automatic
-/// differentiation lifts it as a constant like any other number, which is the same but where it meets a force that is
-/// a constant too. M and F are evaluated as the library does, with what the same stage finds for the stages after it. Dual
-/// numbers carry [`CHUNK`] derivatives at once. The counts do not depend on the state.
+/// The pipeline itself runs on [`Count`] numbers; q, p and y are variables. So is u in what is derived by
+/// hand; automatic differentiation lifts it as a constant like any other number, which is the same but where
+/// it meets a force that is a constant too. M and F are evaluated as the library does, with what the same
+/// stage finds for the stages after it. Dual numbers carry [`CHUNK`] derivatives at once. The counts do not
+/// depend on the state.
 ///
 /// ```
 /// use costate::derivative::OperationTable;
@@ -49,6 +50,7 @@ pub struct OperationTable {
 
 /// One quantity by one route, see [`OperationTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct OperationRow {
     /// One of [`OperationTable::QUANTITIES`] or [`OperationTable::MORE`].
     pub quantity: &'static str,
@@ -83,8 +85,9 @@ impl OperationTable {
     /// The routes, in the order of the rows of one quantity.
     pub const ROUTES: [&'static str; 4] = ["tensors", "analytic", "dual", "hyperdual"];
 
-    /// Quantities of some routes only, as (quantity, route): `y_f_x` is F and y'F_x, `y_f_xx_d` a product y'F_xx d, both
-    /// without the matrix; `f_xx` F_x and the whole tensor; `dual pass` the one dual number through the analytic F_x.
+    /// Quantities of some routes only, as (quantity, route): `y_f_x` is F and y'F_x, `y_f_xx_d` a product
+    /// y'F_xx d, both without the matrix; `f_xx` F_x and the whole tensor; `dual pass` the one dual number
+    /// through the analytic F_x.
     pub const MORE: [(&'static str, &'static str); 5] = [
         ("y_f_xx", "dual pass"),
         ("y_f_x", "analytic"),
@@ -96,14 +99,14 @@ impl OperationTable {
     /// Counts everything, by running it.
     ///
     /// # Errors
-    /// None that a valid robot gives rise to: numbers that count are not checked.
+    /// Never fails for a valid robot: `Count` values are not checked.
     #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
         Self::counted_at(robot, constants, &|i| (1.0 + i as f64).sqrt())
     }
 
-    /// The same at another state: `number(i)` for entry i of (q, p, u, y). For tests, which want the counts of all
-    /// states to be the same.
+    /// The same at another state: `number(i)` for entry i of (q, p, u, y). For tests, which want the counts
+    /// of all states to be the same.
     ///
     /// # Errors
     /// As for [`Self::new`].

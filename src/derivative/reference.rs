@@ -1,7 +1,7 @@
 //! The reference: automatic derivatives, and how they round.
 
-// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
-// everyone who builds the library.
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
+// by everyone who builds the library.
 
 use super::called::ByCalls;
 use super::function::{DerivativeError, Function};
@@ -31,8 +31,8 @@ pub(super) struct Reference<S> {
 }
 
 impl Reference<f64> {
-    /// With one rounding of each entry for its error: smaller than the propagated one, except where an entry is
-    /// exact.
+    /// With one rounding of each entry for its error: smaller than the propagated one, except where an entry
+    /// is exact.
     pub fn rounded_once(&self) -> Reference<Count> {
         Reference {
             f_x: rounded_once(&self.f_x),

@@ -26,7 +26,8 @@ pub struct Figure {
 pub enum Verdict {
     /// The difference is within the bound.
     Agrees,
-    /// Rounding may change the block by more than a thousandth of it: M is nearly singular, or numbers overflow.
+    /// Rounding may change the block by more than a thousandth of it: M is nearly singular, or numbers
+    /// overflow.
     NotComparable,
     /// The difference exceeds the bound, or is not finite.
     Differs,
@@ -77,8 +78,8 @@ pub struct StateReport {
     pub condition: f64,
     /// Bound of the rounding error of M^-1 relative to its largest entry, in scaled coordinates.
     pub inverse_error: f64,
-    /// Every comparison, in the same order in all reports on one robot; those of steps, which come last, may be
-    /// missing.
+    /// Every comparison, in the same order in all reports on one robot; those of steps, which come last, may
+    /// be missing.
     pub figures: Vec<Figure>,
 }
 
@@ -100,7 +101,8 @@ impl StateReport {
             || self.figures.iter().any(|figure| figure.verdict(1.0) == Verdict::NotComparable)
     }
 
-    /// The worse of each figure of two reports on one robot; figures at the end that one of them lacks are the other's.
+    /// The worse of each figure of two reports on one robot; figures at the end that one of them lacks are
+    /// the other's.
     #[must_use]
     pub fn with_worse_of(mut self, other: &Self) -> Self {
         self.condition = worse(self.condition, other.condition);
@@ -125,7 +127,8 @@ pub fn relative_difference(a: Block<'_, f64>, b: Block<'_, f64>, natural: f64) -
     in_relation(largest(&(a - b)), largest(b), natural)
 }
 
-/// The largest absolute value; not-a-number if one is (which nalgebra's `amax` and `f64::max` would pass over).
+/// The largest absolute value; not-a-number if one is (which nalgebra's `amax` and `f64::max` would pass
+/// over).
 pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().fold(0.0, |largest, value| worse(largest, value.abs()))
 }

@@ -1,7 +1,7 @@
 //! Compares the library's own derivatives with automatic ones.
 
-// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
-// everyone who builds the library.
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
+// by everyone who builds the library.
 
 use super::function::{DerivativeError, check_length};
 use super::methods::Methods;
@@ -18,8 +18,8 @@ use std::fmt;
 /// The error of the reference is propagated where a difference exceeds this part of the bound without it.
 pub(crate) const CLOSE: f64 = 0.1;
 
-/// Compares all methods for the derivatives of one robot's state equations. The reference are hyper-dual numbers through
-/// F and the acceleration a.
+/// Compares all methods for the derivatives of one robot's state equations. The reference are hyper-dual
+/// numbers through F and the acceleration a.
 ///
 /// | method | F_x | y'F_xx |
 /// |---|---|---|
@@ -29,30 +29,30 @@ pub(crate) const CLOSE: f64 = 0.1;
 /// | tensors | Christoffel coefficients | one dual number through these |
 /// | dual | dual numbers through F | dual numbers in dual numbers through F |
 ///
-/// Also compared: y'F_x and y'F_xx d without a matrix and as products with the matrix, the derivatives of a(q, v, u),
-/// symmetries, and the conservation of energy.
+/// Also compared: y'F_x and y'F_xx d without a matrix and as products with the matrix, the derivatives of
+/// a(q, v, u), symmetries, and the conservation of energy.
 ///
 /// # The bound
 ///
 /// One rule for all rows. Both methods and their difference are evaluated once more, by the same generic code
-/// (rotations by three products, where `f64` uses four), with numbers that carry the variance of their rounding
-/// error: every operation adds an independent error of relative size u = 2^-53 (Hull and Swenson 1966; Higham and
-/// Mary 2019), and to first order
+/// (rotations by three products, where `f64` uses four), with numbers that carry the variance of their
+/// rounding error: every operation adds an independent error of relative size u = 2^-53 (Hull and Swenson
+/// 1966; Higham and Mary 2019), and to first order
 ///
 /// ```text
 /// var(a + b) = var a + var b + (u (a + b))^2      var(a b) = b^2 var a + a^2 var b + (u a b)^2
 /// ```
 ///
-/// So the bound knows the terms that cancel in each method, and the condition of M through the factorisation itself. A
-/// difference agrees if, in each block (q or p by q or p), its largest entry is at most [`SAFETY`](super::SAFETY)
-/// standard deviations, the largest of the block. Entries are measured in the coordinates `q_i d_i` and `p_i / d_i`,
-/// `d_i = sqrt(M_ii)`: the verdict does not depend on the units of the joints, and an entry that vanishes by cancellation
-/// is judged by its block. The safety factor is not derived: it allows for errors that are correlated, and for the number
-/// of entries and states.
+/// So the bound knows the terms that cancel in each method, and the condition of M through the factorisation
+/// itself. A difference agrees if, in each block (q or p by q or p), its largest entry is at most
+/// [`SAFETY`](super::SAFETY) standard deviations, the largest of the block. Entries are measured in the
+/// coordinates `q_i d_i` and `p_i / d_i`, `d_i = sqrt(M_ii)`: the verdict does not depend on the units of the
+/// joints, and an entry that vanishes by cancellation is judged by its block. The safety factor is not
+/// derived: it allows for errors that are correlated, and for the number of entries and states.
 ///
-/// The error of the reference takes most of the work. So it is first taken as one rounding of each entry, which
-/// is smaller, except where an entry is exact. Only in a state where a difference exceeds a tenth of that bound is
-/// the error of the reference propagated, too.
+/// The error of the reference takes most of the work. So it is first taken as one rounding of each entry,
+/// which is smaller, except where an entry is exact. Only in a state where a difference exceeds a tenth of
+/// that bound is the error of the reference propagated, too.
 pub struct Routes {
     tolerance: f64,
     methods: Methods<f64>,
@@ -80,8 +80,8 @@ impl Routes {
         }
     }
 
-    /// The tolerance that figures are judged by, see [`verdict`](super::Figure::verdict); 1 by default. The error
-    /// of the reference is propagated where a difference comes close to it.
+    /// The tolerance that figures are judged by, see [`verdict`](super::Figure::verdict); 1 by default. The
+    /// error of the reference is propagated where a difference comes close to it.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
@@ -112,7 +112,8 @@ impl Routes {
         Ok(StateReport { condition: condition(at.mass_matrix), inverse_error, figures })
     }
 
-    /// The rows, as (quantity, method), that let a relative change of the largest entry of some block pass. For tests.
+    /// The rows, as (quantity, method), that let a relative change of the largest entry of some block pass.
+    /// For tests.
     ///
     /// # Errors
     /// As for [`compare`](Self::compare).

@@ -12,9 +12,9 @@ pub const SAFETY: f64 = 32.0;
 
 /// The difference of two matrices that should be equal.
 ///
-/// It is judged block by block, each block in scaled coordinates `q_i d_i`, `p_i / d_i`, where the largest entries of
-/// the difference and of its rounding error are compared. So the verdict does not depend on units, and an entry that
-/// vanishes by cancellation is judged by its block.
+/// It is judged block by block, each block in scaled coordinates `q_i d_i`, `p_i / d_i`, where the largest
+/// entries of the difference and of its rounding error are compared. So the verdict does not depend on units,
+/// and an entry that vanishes by cancellation is judged by its block.
 #[derive(Clone, Debug)]
 pub(crate) struct Row<S> {
     /// Quantity and method.
@@ -22,8 +22,8 @@ pub(crate) struct Row<S> {
     pub difference: Matrix<S>,
     /// The reference, for the size.
     pub size: Matrix<S>,
-    /// Row and column i are multiplied by `d_i^e`, `d_i = sqrt(M_ii)`, with one exponent e for every n of them;
-    /// exponent 0 means a single row or column that keeps its unit.
+    /// Row and column i are multiplied by `d_i^e`, `d_i = sqrt(M_ii)`, with one exponent e for every n of
+    /// them; exponent 0 means a single row or column that keeps its unit.
     pub scales: [&'static [i8]; 2],
 }
 
@@ -63,8 +63,8 @@ impl Judged {
         self.blocks(d).fold(none, |worst, block| worst.or_worse(&self.figure(&block)))
     }
 
-    /// Whether a change of the largest entry of each block, by this part of it, exceeds the bound. Blocks that are
-    /// rounding only are passed over.
+    /// Whether a change of the largest entry of each block, by this part of it, exceeds the bound. Blocks
+    /// that are rounding only are passed over.
     pub fn detects(&self, change: f64, d: &[f64]) -> bool {
         self.blocks(d).filter(|block| block.size > SAFETY * UNIT * block.error).all(|block| {
             let changed = Largest { difference: change * block.size - block.difference, ..block };

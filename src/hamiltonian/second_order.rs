@@ -15,9 +15,9 @@ use crate::scalar::Scalar;
 /// value need only the first-order response of the extremiser (Wigner's 2n+1 rule), which is
 /// `V = dv/dx = [-M^-1 P, M^-1]`:
 ///
-/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix} L\_{qq} & P^T \\\\ P & M \end{pmatrix} \right) E,
-/// \qquad
-/// E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w) $$
+/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix} L\_{qq} & P^T \\\\ P & M \end{pmatrix} \right)
+/// E, \qquad E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w)
+/// $$
 ///
 /// D_w~ is [`KernelTwo`]; the rest are products of n x n matrices with the factors of M. No factorisation is
 /// differentiated. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds

@@ -35,8 +35,8 @@ use blocks::Blocks;
 /// With `psi_i = v_i x S_i`, `gamma_i = a_g x S_i`, `F_j = IC_j S_j`, `G_j = IC_j psi_j + S_j x* H_j`, every
 /// entry for a pair `i <= j` in tree order is one scalar product (pairs on different branches are zero):
 ///
-/// $$ M\_{ij} = S\_i \cdot F\_j, \qquad P\_{ij} = S\_i \cdot G\_j, \qquad P\_{ji} = \psi\_i \cdot F\_j, \qquad
-/// L\_{qq,ij} = \psi\_i \cdot G\_j + \gamma\_i \cdot F\_j $$
+/// $$ M\_{ij} = S\_i \cdot F\_j, \qquad P\_{ij} = S\_i \cdot G\_j, \qquad P\_{ji} = \psi\_i \cdot F\_j,
+/// \qquad L\_{qq,ij} = \psi\_i \cdot G\_j + \gamma\_i \cdot F\_j $$
 ///
 /// $$ p\_i = S\_i \cdot H\_i, \qquad L\_{q,i} = H\_i \cdot \psi\_i + F\_i \cdot a\_g $$
 ///

@@ -14,7 +14,8 @@ pub enum RobotFormat {
 }
 
 impl RobotFormat {
-    /// Longest text that is read (bytes): 16 MiB of URDF, 4 MiB of TOML. Reading either takes less than 256 MB.
+    /// Longest text that is read (bytes): 16 MiB of URDF, 4 MiB of TOML. Reading either takes less than 256
+    /// MB.
     pub const fn most_bytes(self) -> usize {
         match self {
             Self::Urdf => 16 << 20,

@@ -12,8 +12,9 @@ use nalgebra::{DMatrix, Vector3};
 /// ```
 /// use costate::robot::{JointSpec, LinkInertia, Robot};
 ///
+/// let bob = LinkInertia::point(1.0, [0.0, 0.0, -1.0]);
 /// let pendulum = Robot::builder("pendulum")
-///     .joint(JointSpec::revolute("hinge").axis([0.0, 1.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0, 0.0, -1.0])))
+///     .joint(JointSpec::revolute("hinge").axis([0.0, 1.0, 0.0]).carrying(bob))
 ///     .build()?;
 /// assert_eq!(pendulum.dof(), 1);
 /// # Ok::<(), costate::robot::RobotError>(())

@@ -9,7 +9,8 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LoadOptions {
-    /// Warnings that suggest a mistake become errors: [`Warning::is_refused_when_strict`](super::Warning::is_refused_when_strict).
+    /// Warnings that suggest a mistake become errors:
+    /// [`Warning::is_refused_when_strict`](super::Warning::is_refused_when_strict).
     pub strict: bool,
     /// Load `<dynamics damping friction>` of a URDF as viscous and smooth Coulomb friction.
     pub friction: bool,

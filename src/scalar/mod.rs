@@ -15,6 +15,7 @@ mod number;
 mod pack;
 mod real;
 mod tangent;
+mod tanh;
 #[cfg(test)]
 mod tests;
 
@@ -23,5 +24,5 @@ pub use count::{Constants, Count, Operations, count, count_with};
 pub use lanes::{F64x4, F64x8, LaneMask, Lanes, Vector};
 pub use number::{Pack, Scalar};
 pub(crate) use pack::MOST_LANES;
-pub(crate) use real::real_tanh_and_slope;
 pub use tangent::Tangent;
+pub(crate) use tanh::real_tanh_and_slope;

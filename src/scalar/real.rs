@@ -1,6 +1,7 @@
 //! `f64` and `f32`.
 
 use super::number::Scalar;
+use super::tanh::real_tanh_and_slope;
 
 macro_rules! impl_scalar_for_float {
     ($float:ident, $pack:ty) => {
@@ -80,13 +81,3 @@ impl_scalar_for_float!(f64, super::F64x4);
 #[cfg(not(feature = "wide"))]
 impl_scalar_for_float!(f64, f64);
 impl_scalar_for_float!(f32, f32);
-
-/// [`Scalar::tanh_and_slope`] from the exponential functions, for numbers without derivatives.
-#[inline]
-pub(crate) fn real_tanh_and_slope<S: Scalar>(x: S) -> (S, S) {
-    let twice = x.abs().times(-2.0);
-    let (m, e) = (twice.exp_m1(), twice.exp());
-    let t = -m / m.plus(2.0);
-    let root = e.plus(1.0).recip();
-    (S::select(x.less(S::zero()), -t, t), (e * root * root).times(4.0))
-}

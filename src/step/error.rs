@@ -28,8 +28,8 @@ pub enum StepError<E: std::error::Error> {
         /// infinite where there is none.
         change: f64,
     },
-    /// Newton's method stopped early: the momenta or velocities of the joints differ by many orders of magnitude, and the
-    /// small ones are not solved to rounding.
+    /// Newton's method stopped early: the momenta or velocities of the joints differ by many orders of
+    /// magnitude, and the small ones are not solved to rounding.
     #[error(
         "the implicit equation of a {scheme} step was solved to {difference:.0e} of the state only: the joints' masses \
          differ by many orders of magnitude"

@@ -105,10 +105,10 @@ impl<S: Scalar> Newton<S> {
     /// The number of remaining iterations, or `None` if the last correction is still large.
     ///
     /// Only those for derivatives if every correction is below `sqrt(eps)/64` of its own entry. Up to
-    /// [`SMALL_ENTRIES`] more where it is that small only relative to the largest entry of its half, as for the
-    /// momenta of light joints beside heavy ones. Up to [`SMALL_UNITS`] more where all are below `512 eps`: a
-    /// state at rest, whose corrections are rounding errors of balanced forces, or one that is small in its
-    /// units.
+    /// [`SMALL_ENTRIES`] more where it is that small only relative to the largest entry of its half, as for
+    /// the momenta of light joints beside heavy ones. Up to [`SMALL_UNITS`] more where all are below `512
+    /// eps`: a state at rest, whose corrections are rounding errors of balanced forces, or one that is small
+    /// in its units.
     fn left(&self, implicit: &Implicit<S>, x: &[S]) -> Option<usize> {
         let for_derivatives = more_for_derivatives::<S>();
         let small = |size: S| size.times(S::EPSILON.sqrt() / 64.0).plus(f64::MIN_POSITIVE);

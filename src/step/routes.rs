@@ -1,7 +1,7 @@
 //! Compares the derivatives of steps in time with hyper-dual numbers.
 
-// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not by
-// everyone who builds the library.
+// `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
+// by everyone who builds the library.
 
 use super::error::check;
 use super::{
@@ -17,8 +17,8 @@ use crate::scalar::{Count, Scalar};
 use num_dual::HyperDual;
 use std::fmt;
 
-/// Compares the derivatives of one step of a robot, by every scheme, with hyper-dual numbers through the step itself
-/// (through the iterations of implicit schemes, too).
+/// Compares the derivatives of one step of a robot, by every scheme, with hyper-dual numbers through the step
+/// itself (through the iterations of implicit schemes, too).
 ///
 /// Phi_z, z = (x, u, h), and the product of `y'Phi_zz`, z = (x, u), with a direction. The bound is that of
 /// [`Routes`](crate::derivative::Routes).
@@ -83,7 +83,8 @@ impl StepRoutes {
     /// product is (y, u). Appends all figures, or none on an error.
     ///
     /// # Errors
-    /// A wrong length, a state that the model refuses, or an implicit equation that was not solved to rounding.
+    /// A wrong length, a state that the model refuses, or an implicit equation that was not solved to
+    /// rounding.
     #[inline]
     pub fn compare(
         &mut self,

@@ -79,7 +79,8 @@ const CASES: u32 = 160;
 proptest! {
     #![proptest_config(config(CASES))]
 
-    /// `M_ij`, i <= j in tree order, depends on the joints beyond i alone; on different branches it is constant.
+    /// `M_ij`, i <= j in tree order, depends on the joints beyond i alone; on different branches it is
+    /// constant.
     #[test]
     fn mass_matrix_entries_do_not_depend_on_joints_before_them(
         case in all_cases(10),
@@ -103,7 +104,8 @@ proptest! {
         }
     }
 
-    /// The characteristic polynomial of F_x (no friction) is even: all odd powers of F_x have trace 0 (Newton's identities).
+    /// The characteristic polynomial of F_x (no friction) is even: all odd powers of F_x have trace 0
+    /// (Newton's identities).
     #[test]
     fn eigenvalues_of_the_jacobian_come_in_pairs_of_opposite_sign(case in cases(8)) {
         let robot = case.robot().without_friction();
@@ -135,8 +137,9 @@ proptest! {
         prop_assert!(largest(&(h_one + scale * h_other - h_sum)) <= 10.0 * tolerance(&robot, &case.q) * size);
     }
 
-    /// `S'JS = J` for the variational matrix S along the flow (u = D = 0): S' = F_x S by the classical Runge-Kutta method,
-    /// twenty steps of 0.004 of the fastest time constant, so that its error is about 1e-10.
+    /// `S'JS = J` for the variational matrix S along the flow (u = D = 0): S' = F_x S by the classical
+    /// Runge-Kutta method, twenty steps of 0.004 of the fastest time constant, so that its error is about
+    /// 1e-10.
     #[test]
     fn flow_is_symplectic(case in cases(4)) {
         let robot = case.robot().without_friction();
@@ -150,7 +153,8 @@ proptest! {
         prop_assert!(largest(&off) <= 1e-8_f64.max(rounding) * largest(&size), "{:.2e}", largest(&off) / largest(&size));
     }
 
-    /// The variational matrix is the derivative of the flow: both by the same steps, so that only rounding is between them.
+    /// The variational matrix is the derivative of the flow: both by the same steps, so that only rounding is
+    /// between them.
     #[test]
     fn variational_matrix_is_the_derivative_of_the_flow(case in cases(4)) {
         let robot = case.robot();

@@ -27,7 +27,8 @@ fn chain(links: impl IntoIterator<Item = LinkInertia>, rng: &mut Rng) -> Robot {
     builder.build().unwrap()
 }
 
-/// How many of 500 random states are refused, and the largest error of `M^-1 M v` among the others (|v| <= 1).
+/// How many of 500 random states are refused, and the largest error of `M^-1 M v` among the others (|v| <=
+/// 1).
 fn refused_and_worst<S: Scalar>(robot: &Robot, rng: &mut Rng, value: impl Fn(S) -> f64) -> (usize, f64) {
     let (mut hamiltonian, n) = (Hamiltonian::<S>::new(robot), robot.dof());
     let (mut refused, mut worst) = (0, 0.0_f64);

@@ -28,8 +28,8 @@ fn inertial(body: &LinkInertia) -> String {
     )
 }
 
-/// The same robot from URDF text, each link split into three by fixed joints: a remainder, a rotated piece of it,
-/// and a massless flange that carries the joints beyond.
+/// The same robot from URDF text, each link split into three by fixed joints: a remainder, a rotated piece of
+/// it, and a massless flange that carries the joints beyond.
 fn split(case: &Case, robot: &Robot) -> String {
     let flange = Vector3::new(0.3, -0.2, 0.1);
     let mut text = String::from("<robot name=\"split\"><link name=\"world\"/>");

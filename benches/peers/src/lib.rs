@@ -1,7 +1,7 @@
 //! costate behind the interface of `peers/peer.h`, so that one C program can time it beside others.
 //!
-//! `peer_open` builds every workspace for a robot file; each quantity of [`quantities`] becomes a function that is timed
-//! and one that copies its result out, which is not.
+//! `peer_open` builds every workspace for a robot file; each quantity of [`quantities`] becomes a function
+//! that is timed and one that copies its result out, which is not.
 
 mod quantities;
 
@@ -39,7 +39,8 @@ struct Of<Q>(PhantomData<Q>);
 
 impl<Q: Quantity> Of<Q> {
     extern "C" fn run(context: *mut c_void, state: *const f64) {
-        // SAFETY: the driver passes the context that peer_open has made, and 7n numbers that live as long as the driver.
+        // SAFETY: the driver passes the context that peer_open has made, and 7n numbers that live as long as
+        // the driver.
         let (context, state) = unsafe { Self::arguments(context, state) };
         context.last = state.q.as_ptr();
         match Q::evaluate(&mut context.workspaces, &state) {

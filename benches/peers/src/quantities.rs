@@ -79,7 +79,8 @@ pub trait Quantity {
     fn write(result: Self::Result<'_>, out: &mut Vec<f64>);
 }
 
-/// Declares a quantity: name, documentation, what a call returns, how many numbers, the call, and the numbers.
+/// Declares a quantity: name, documentation, what a call returns, how many numbers, the call, and the
+/// numbers.
 macro_rules! quantity {
     (
         $name:ident, $text:literal, $doc:literal, $result:ty, |$n:ident| $length:expr,

@@ -1,7 +1,8 @@
-//! Does the exact Hessian make searches for optimal motions more robust? The study behind `docs/robustness.md`.
+//! Does the exact Hessian make searches for optimal motions more robust? The study behind
+//! `docs/robustness.md`.
 //!
-//! Every search of the study is one line of `results.jsonl`. The command runs those that are missing there, then shows the
-//! tables; it can be stopped at any time and goes on where it was.
+//! Every search of the study is one line of `results.jsonl`. The command runs those that are missing there,
+//! then shows the tables; it can be stopped at any time and goes on where it was.
 
 mod counted;
 mod judge;

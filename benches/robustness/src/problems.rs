@@ -90,8 +90,8 @@ impl RobotName {
         }
     }
 
-    /// Largest torques (N m), for the weights of the effort: those of the robot, for the vertical arm its weight at full
-    /// stretch.
+    /// Largest torques (N m), for the weights of the effort: those of the robot, for the vertical arm its
+    /// weight at full stretch.
     fn torques(self, robot: &Robot) -> Vec<f64> {
         match self {
             Self::VerticalArm => vec![4.0 * 9.81, 1.5 * 9.81],
@@ -102,10 +102,11 @@ impl RobotName {
 
 /// The problem of a pair: from rest to rest, effort weighted by 1 over the squares of the largest torques.
 ///
-/// The start lies within the limits of the robot and (-pi, pi), the end up to a reach from it in each joint and within the
-/// same limits; the reach is drawn between 0.2 and 1.5 rad. The time is 0.7 to 1.3 of that of the robot, a long one 1.5 to 4
-/// times as long. Penalties hold positions to 0.1 rad beyond both ends and rates to 1.2 times the mean rate of the joint, or 0.3 times
-/// that of the fastest; their weight is 1e2 to 1e6 times the smallest weight of the effort.
+/// The start lies within the limits of the robot and (-pi, pi), the end up to a reach from it in each joint
+/// and within the same limits; the reach is drawn between 0.2 and 1.5 rad. The time is 0.7 to 1.3 of that of
+/// the robot, a long one 1.5 to 4 times as long. Penalties hold positions to 0.1 rad beyond both ends and
+/// rates to 1.2 times the mean rate of the joint, or 0.3 times that of the fastest; their weight is 1e2 to
+/// 1e6 times the smallest weight of the effort.
 pub fn problem(name: RobotName, variant: Variant, pair: usize) -> Result<Problem, RobotError> {
     let robot = name.load()?;
     let n = robot.dof();

@@ -64,7 +64,8 @@ pub struct Record {
     pub rates: usize,
     /// Evaluations of the right-hand side with its Jacobian.
     pub jacobians: usize,
-    /// What one of the latter takes, in evaluations of the right-hand side: 8n + 1 by differences, else measured.
+    /// What one of the latter takes, in evaluations of the right-hand side: 8n + 1 by differences, else
+    /// measured.
     pub jacobian_cost: f64,
     /// Time of the search without the check of its result.
     pub milliseconds: f64,

@@ -1,10 +1,10 @@
 //! Paired tests.
 
-/// `P(X <= k or X >= n - k)`, at most 1, for X the number of heads in n throws of a fair coin and k the smaller of both
-/// counts: whether two counts that should be alike by chance are.
+/// `P(X <= k or X >= n - k)`, at most 1, for X the number of heads in n throws of a fair coin and k the
+/// smaller of both counts: whether two counts that should be alike by chance are.
 ///
-/// Of pairs of searches of which one alone succeeds, this is McNemar's exact test; of pairs of which one is cheaper, the sign
-/// test.
+/// Of pairs of searches of which one alone succeeds, this is McNemar's exact test; of pairs of which one is
+/// cheaper, the sign test.
 pub fn two_sided(one: usize, other: usize) -> f64 {
     let (n, k) = (one + other, one.min(other));
     // log of the binomial coefficient times 2^-n, from one to the next.

@@ -1,13 +1,15 @@
 //! One call of one route, for the runner of gungraun.
 
+use crate::selected;
 use costate_routes::cases::Case;
 use costate_routes::routes::Call;
 use gungraun::{library_benchmark, library_benchmark_group};
 
-/// The call in this place of all that are counted, made ready and called once; None where there is no such route.
+/// The call in this place of all that are counted, made ready and called once; None where there is no such
+/// route.
 fn ready([case, route]: [usize; 2]) -> Option<Call<'static>> {
     let case: &Case = Box::leak(Box::new(Case::files().unwrap().swap_remove(case)));
-    let (_, candidate) = crate::counted(case, |place| place == route).unwrap().pop()?;
+    let (_, candidate) = selected::counted(case, |place| place == route).unwrap().pop()?;
     let mut work = candidate.work;
     work(None).unwrap();
     Some(work)

@@ -1,16 +1,18 @@
 //! Instructions of one call, counted by callgrind: they do not depend on what else the machine does.
 //!
-//! `cargo bench -p costate-routes --bench instructions` prints the table, with `COSTATE_WRITE=1` in the environment it also
-//! goes to `docs/instructions.md`. It needs valgrind and gungraun-runner, and says so where they are not installed.
-//! `cargo test -p costate-routes --bench instructions` only calls everything once.
+//! `cargo bench -p costate-routes --bench instructions` prints the table, with `COSTATE_WRITE=1` in the
+//! environment it also goes to `docs/instructions.md`. It needs valgrind and gungraun-runner, and says so
+//! where they are not installed. `cargo test -p costate-routes --bench instructions` only calls everything
+//! once.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 mod counted;
 mod page;
+mod selected;
 
 use costate_routes::cases::Case;
-use costate_routes::routes::{Candidate, Failure};
-use costate_routes::{FIRST, FUNCTION, SECOND, wanted};
+use costate_routes::routes::Failure;
+use selected::counted;
 use std::process::{Command, Stdio};
 
 /// Set for the process that hands over to the runner.
@@ -18,29 +20,6 @@ const COUNTING: &str = "COSTATE_COUNTING";
 
 /// Counts depend on the instructions that there are: those that every processor of the architecture has.
 const BASELINE: bool = !cfg!(any(target_feature = "avx", target_feature = "fma"));
-
-/// What is counted, for one state each.
-const COUNTED: [(&str, &str); 10] = [
-    (FUNCTION, "analytic"),
-    (FUNCTION, "generated Rust"),
-    (FUNCTION, "machine code (jit)"),
-    (FIRST, "analytic"),
-    (FIRST, "generated Rust"),
-    (FIRST, "machine code (jit)"),
-    (SECOND, "2n+1 rule"),
-    (SECOND, "one dual pass through F_x"),
-    (SECOND, "generated Rust"),
-    (SECOND, "machine code (jit)"),
-];
-
-/// The routes of a case that are counted, each with its place in [`COUNTED`], as far as that place is asked for.
-fn counted(case: &Case, places: impl Fn(usize) -> bool) -> Result<Vec<(usize, Candidate<'_>)>, Failure> {
-    let place = |quantity: &str, route: &str| {
-        COUNTED.iter().position(|&counted| counted == (quantity, route)).filter(|&place| places(place))
-    };
-    let list = wanted(case, &|quantity, route| place(quantity, route).is_some())?;
-    Ok(list.into_iter().filter_map(|c| Some((place(c.quantity, c.route)?, c))).collect())
-}
 
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().collect();

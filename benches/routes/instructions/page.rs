@@ -1,12 +1,13 @@
 //! The table of `docs/instructions.md`.
 
-use crate::{COUNTED, counted};
+use crate::selected::{COUNTED, counted};
 use costate_routes::cases::Case;
 use costate_routes::routes::Failure;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Where the runner keeps what callgrind writes: beside the build of this program, `TARGET/release/deps/instructions-...`.
+/// Where the runner keeps what callgrind writes: beside the build of this program,
+/// `TARGET/release/deps/instructions-...`.
 pub fn home() -> PathBuf {
     let program = std::env::current_exe().unwrap_or_default();
     let folder = program.ancestors().nth(3).map(|target| target.join("gungraun")).unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Relative error of every route, block by block: `max |a - b| / max |b|` over a block, b by numbers that are exact to rounding.
+//! Relative error of every route, block by block: `max |a - b| / max |b|` over a block, b by numbers that are
+//! exact to rounding.
 
 use costate_routes::cases::Case;
 use costate_routes::numbers::GRADIENT;

@@ -1,13 +1,14 @@
 //! Time and accuracy of every route to F, F_x and y'F_xx, from 2 to 48 joints.
 //!
-//! `cargo bench -p costate-routes --bench scaling` measures and prints the tables; with `COSTATE_WRITE=1` in the environment
-//! they also go to `docs/scaling.md`, and the plots beside it. `cargo test -p costate-routes --bench scaling` only checks, on
-//! robots of up to 12 joints, that all routes agree. Arguments of criterion make a run short:
-//! `-- --warm-up-time 0.01 --measurement-time 0.05`.
+//! `cargo bench -p costate-routes --bench scaling` measures and prints the tables; with `COSTATE_WRITE=1` in
+//! the environment they also go to `docs/scaling.md`, and the plots beside it. `cargo test -p costate-routes
+//! --bench scaling` only checks, on robots of up to 12 joints, that all routes agree. Arguments of criterion
+//! make a run short: `-- --warm-up-time 0.01 --measurement-time 0.05`.
 //!
-//! The routes are those of `costate bench` (one list, so that both time the same calls) and a few more. Criterion times them
-//! here, since it keeps the figures and tells what changed since the last run; `costate bench` has a clock of its own, which
-//! takes all routes to one robot in turn, and is the one to ask where two of them are close.
+//! The routes are those of `costate bench` (one list, so that both time the same calls) and a few more.
+//! Criterion times them here, since it keeps the figures and tells what changed since the last run; `costate
+//! bench` has a clock of its own, which takes all routes to one robot in turn, and is the one to ask where
+//! two of them are close.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
 mod accuracy;
@@ -21,10 +22,7 @@ use criterion::{BenchmarkId, Criterion, SamplingMode};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-
-/// Batches of which the median is taken, and how many there are of calls longer than [`LONG`].
-const BATCHES: usize = 31;
+/// Batches of calls longer than [`LONG`].
 const FEW: usize = 10;
 const LONG: Duration = Duration::from_millis(100);
 
@@ -74,7 +72,7 @@ fn measure(case: &Case, list: &mut [Candidate<'_>], criterion: &mut Criterion) -
     for candidate in list {
         let start = Instant::now();
         (candidate.work)(None)?;
-        group.sample_size(if start.elapsed() > LONG { FEW } else { BATCHES });
+        group.sample_size(if start.elapsed() > LONG { FEW } else { page::BATCHES });
         group.bench_function(BenchmarkId::from_parameter(name(candidate)), |b| {
             b.iter(|| (candidate.work)(None).unwrap());
         });

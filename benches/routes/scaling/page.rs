@@ -1,11 +1,16 @@
 //! The tables of `docs/scaling.md`.
 
 use crate::accuracy::{Error, judge};
-use crate::{BATCHES, ROOT};
 use costate_routes::cases::Case;
 use costate_routes::routes::Failure;
 use costate_routes::{FIRST, FUNCTION, NODES, SECOND};
 use std::fmt::Write;
+
+/// The folder of the project.
+pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// Batches of which the median is taken.
+pub const BATCHES: usize = 31;
 
 /// What is known of one route to one quantity of one robot.
 pub struct Row {

@@ -2,8 +2,7 @@
 //!
 //! Colour and mark tell the lines apart; those of several states at once are dashed.
 
-use crate::ROOT;
-use crate::page::{BASELINE, INSTRUCTIONS, Row, duration, processor, routes};
+use crate::page::{BASELINE, INSTRUCTIONS, ROOT, Row, duration, processor, routes};
 use costate_routes::cases::Case;
 use costate_routes::routes::Failure;
 use costate_routes::{FIRST, SECOND, states};
@@ -20,7 +19,8 @@ const TITLE: i32 = 60;
 /// Height of a label with the room around it.
 const LINE: i32 = 21;
 
-/// Both plots; they show the tables of the section that everybody can reproduce, so only a baseline build draws them.
+/// Both plots; they show the tables of the section that everybody can reproduce, so only a baseline build
+/// draws them.
 pub fn draw(cases: &[Case], rows: &[Row]) -> Result<(), Failure> {
     if !BASELINE {
         return Ok(());

@@ -1,8 +1,8 @@
 //! Machine code of the recorded program, and several states at once.
 
 use crate::cases::Case;
+use crate::names::{FIRST, FUNCTION, NODES, SECOND};
 use crate::routes::{Candidate, Failure};
-use crate::{FIRST, FUNCTION, NODES, SECOND};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::HamiltonianSecondOrder;

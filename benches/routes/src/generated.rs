@@ -1,9 +1,9 @@
 //! Generated Rust, compiled with this program: one state, and lanes of four and eight.
 
 use crate::cases::Case;
+use crate::names::{FIRST, FUNCTION, SECOND};
 use crate::routes::{Candidate, Failure};
 use crate::texts::{Arrays, Call, Text};
-use crate::{FIRST, FUNCTION, SECOND};
 use costate::scalar::{Lanes, Scalar, Vector};
 use std::hint::black_box;
 

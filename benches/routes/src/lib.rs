@@ -5,6 +5,7 @@
 pub mod cases;
 mod compiled;
 mod generated;
+mod names;
 pub mod numbers;
 pub mod robots;
 #[path = "../../../cli/src/bench/routes.rs"]
@@ -15,15 +16,8 @@ pub mod texts;
 mod work;
 
 use cases::Case;
+pub use names::{FIRST, FUNCTION, NODES, SECOND};
 use routes::{Candidate, Failure};
-
-/// The quantities, as the list of `costate bench` calls them.
-pub const FUNCTION: &str = "F";
-pub const FIRST: &str = "F, F_x";
-pub const SECOND: &str = "F, F_x, y'F_xx";
-
-/// States of one call of a batch.
-pub const NODES: usize = 16;
 
 /// All routes to the three quantities, those of `costate bench` first.
 pub fn candidates(case: &Case) -> Result<Vec<Candidate<'_>>, Failure> {

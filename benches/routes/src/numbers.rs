@@ -1,8 +1,9 @@
-//! Routes of automatic differentiation that `costate bench` leaves out: F from H, other chunks, vectors of second derivatives.
+//! Routes of automatic differentiation that `costate bench` leaves out: F from H, other chunks, vectors of
+//! second derivatives.
 
 use crate::cases::Case;
+use crate::names::{FIRST, FUNCTION, SECOND};
 use crate::routes::{Candidate, Failure};
-use crate::{FIRST, FUNCTION, SECOND};
 use costate::derivative::{Function, Jacobian, PhaseVelocity};
 use costate::hamiltonian::Hamiltonian;
 use costate::num_dual::{Dual2SVec64, Dual64};
@@ -11,7 +12,8 @@ use std::hint::black_box;
 /// `F = (H_p, u - H_q)`, one dual number at a time: the robots here have no friction.
 pub const GRADIENT: &str = "gradient of H by dual numbers";
 
-/// F by the gradient of H; F_x by dual numbers with 1, 2, 4, 8 derivatives; y'F_xx by `Dual2SVec` where its size is compiled in: n = 2, 6, 7.
+/// F by the gradient of H; F_x by dual numbers with 1, 2, 4, 8 derivatives; y'F_xx by `Dual2SVec` where its
+/// size is compiled in: n = 2, 6, 7.
 pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
     gradient(case, list);
     chunk::<1>("dual numbers, 1 at once", case, list);

@@ -9,7 +9,8 @@ pub const FILES: [(&str, &str); 3] = [("UR5", "ur5.urdf"), ("Panda", "panda.urdf
 /// Numbers of joints of the chains.
 pub const CHAINS: [usize; 5] = [2, 6, 12, 24, 48];
 
-/// Rotor inertia of every joint of a chain (kg m^2): keeps the mass matrix well conditioned, whatever the length.
+/// Rotor inertia of every joint of a chain (kg m^2): keeps the mass matrix well conditioned, whatever the
+/// length.
 const ARMATURE: f64 = 0.5;
 
 /// A robot of `robots/`.
@@ -19,8 +20,9 @@ pub fn from_file(file: &str) -> Result<Robot, RobotError> {
 
 /// n revolute joints one on another, all directions, lengths and inertias random with a fixed seed.
 ///
-/// A link: mass 0.5 to 1.5 kg, centre of mass and next joint up to 0.2 m away along each axis, a diagonal inertia about
-/// the centre of mass of 0.04 to 0.06 kg m^2 (the random turn of each joint makes it general in every other frame).
+/// A link: mass 0.5 to 1.5 kg, centre of mass and next joint up to 0.2 m away along each axis, a diagonal
+/// inertia about the centre of mass of 0.04 to 0.06 kg m^2 (the random turn of each joint makes it general in
+/// every other frame).
 pub fn chain(n: usize) -> Result<Robot, RobotError> {
     let mut random = Rng::with_seed(24_2005);
     let mut builder = Robot::builder(format!("chain_{n}"));

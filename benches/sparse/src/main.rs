@@ -1,8 +1,9 @@
-//! Elimination of almost block diagonal matrices against the sparse LU of faer: the same solutions, and times as ratios.
+//! Elimination of almost block diagonal matrices against the sparse LU of faer: the same solutions, and times
+//! as ratios.
 //!
-//! `cargo run --release --manifest-path benches/sparse/Cargo.toml`. Matrices: random ones with entries over six powers of ten, and
-//! those of the trapezoidal rule along optimal motions, with the exact Jacobians of their extremals. A solution that differs
-//! ends with an error.
+//! `cargo run --release --manifest-path benches/sparse/Cargo.toml`. Matrices: random ones with entries over
+//! six powers of ten, and those of the trapezoidal rule along optimal motions, with the exact Jacobians of
+//! their extremals. A solution that differs ends with an error.
 
 use costate_control::{
     AlmostBlockDiagonal, BoundaryValueProblem, ControlLaw, Problem, RobotExtremal, Solver, SolverOptions,

@@ -1,7 +1,10 @@
 //! What `costate check` and `costate count` compute.
 //!
-//! Both need the pipeline for a dozen number types. Here it is compiled once, for the command line and for the tests,
-//! and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): nobody times it.
+//! Both need the pipeline for a dozen number types. Here it is compiled once, for the command line and for
+//! the tests, and release builds optimise it lightly (`[profile.release.package.costate-comparison]`): its
+//! speed does not matter.
+
+#![warn(missing_debug_implementations)]
 
 use costate::derivative::{DerivativeError, OperationTable, StateReport};
 use costate::robot::Robot;
@@ -10,6 +13,7 @@ use costate::step::StepError;
 use costate::{EvalError, derivative, step};
 
 /// [`derivative::Routes`], compiled here.
+#[derive(Debug)]
 pub struct Routes(derivative::Routes);
 
 impl Routes {
@@ -57,6 +61,7 @@ impl Routes {
 }
 
 /// [`step::StepRoutes`], compiled here.
+#[derive(Debug)]
 pub struct StepRoutes(step::StepRoutes);
 
 impl StepRoutes {

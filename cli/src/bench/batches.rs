@@ -1,7 +1,7 @@
 //! Batches: many states at once, from and to node-major arrays, by vector lanes and threads.
 
+use super::names::{LANES_4, LANES_8, states};
 use super::routes::{Candidate, F, FIRST, Failure, SECOND, State};
-use super::{LANES_4, LANES_8, states};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::robot::Robot;
@@ -29,7 +29,7 @@ pub fn candidates(robot: &Robot, state: &State, list: &mut Vec<Candidate<'_>>, n
 #[cfg(feature = "rayon")]
 fn over_threads(robot: &Robot, quantity: &'static str, state: &State) -> Candidate<'static> {
     let batch = Batch::<costate::batch::Native, _>::parallel(|| Model(HamiltonianSecondOrder::new(robot)));
-    candidate([quantity, super::THREADS], batch, state)
+    candidate([quantity, super::names::THREADS], batch, state)
 }
 
 /// As many states as one call of the route computes; the first is the state of all other routes.

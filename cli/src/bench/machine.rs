@@ -1,10 +1,10 @@
 //! Machine code: one state with all checks, and four states at once, whose guards are not checked.
 
-use super::FOUR;
+use super::names::FOUR;
 use super::routes::{ADJOINT, Candidate, F, FIRST, Failure, SECOND, State};
 use costate::codegen::{CodegenError, Coordinates, Quantity, guarded_program};
 use costate::robot::Robot;
-use costate_jit::{Compiled, Evaluator, JitError, LANES_LIMIT, Shape, Status};
+use costate_jit::{Backend, Compiled, JitError, JitQuantity, LANES_LIMIT, Shape};
 use std::hint::black_box;
 
 const QUANTITIES: [(&str, Quantity); 4] =
@@ -20,14 +20,14 @@ pub fn candidates<'a>(
     notes: &mut Vec<String>,
 ) -> Result<(), Failure> {
     for (label, quantity) in QUANTITIES {
-        let evaluator = Evaluator::new(robot, quantity, Coordinates::Hamiltonian)?;
+        let evaluator = JitQuantity::new(robot, quantity, Coordinates::Hamiltonian)?;
         let last = evaluator.results().last().map_or(0, Shape::entries);
-        match evaluator.status() {
-            Status::Generic { reason: reason @ JitError::Processor { .. } } => {
+        match evaluator.backend() {
+            Backend::Generic { reason: reason @ JitError::Processor { .. } } => {
                 notes.push(format!("No machine code: {reason}."));
                 return Ok(());
             }
-            Status::Generic { reason } => notes.push(format!("No machine code for {label}: {reason}.")),
+            Backend::Generic { reason } => notes.push(format!("No machine code for {label}: {reason}.")),
             _ => list.push(one_state(label, evaluator, state, last)),
         }
         let program = match guarded_program(robot, quantity, Coordinates::Hamiltonian, LANES_LIMIT) {
@@ -56,7 +56,7 @@ fn inputs(state: &State, count: usize) -> Vec<f64> {
 
 fn one_state<'a>(
     quantity: &'static str,
-    mut evaluator: Evaluator,
+    mut evaluator: JitQuantity,
     state: &State,
     last: usize,
 ) -> Candidate<'a> {

@@ -4,6 +4,7 @@ mod batches;
 mod clock;
 #[cfg(feature = "jit")]
 mod machine;
+mod names;
 mod routes;
 
 use crate::arguments::RobotArguments;
@@ -12,6 +13,7 @@ use crate::report::{Table, title};
 use crate::{Outcome, terminal};
 use clock::{Spread, measure};
 use costate::robot::Robot;
+use names::states;
 use routes::{Candidate, Failure, State, candidates};
 use serde_json::json;
 use std::io::Write;
@@ -77,24 +79,6 @@ pub fn run(arguments: &Arguments) -> Outcome {
         print(&robot, arguments, &rows, &notes, &mut terminal::stdout())?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Machine code for vectors of four numbers.
-const FOUR: &str = "machine code, 4 states at once";
-/// Batches on one thread.
-const LANES_4: &str = "batch over F64x4";
-const LANES_8: &str = "batch over F64x8";
-/// Batches over the widest lanes that pay on this processor, and over all threads.
-const THREADS: &str = "batch over lanes and threads";
-
-/// States computed by one call of a route.
-fn states(route: &str) -> usize {
-    match route {
-        FOUR => 4,
-        LANES_4 | LANES_8 => 16,
-        THREADS => 512,
-        _ => 1,
-    }
 }
 
 /// All candidates, grouped by quantity, and notes on missing routes.

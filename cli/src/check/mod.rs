@@ -94,7 +94,8 @@ impl From<EvalError> for Left {
     }
 }
 
-/// All figures at one state, and whether those of steps are missing: near a singular M they may have no solution.
+/// All figures at one state, and whether those of steps are missing: near a singular M they may have no
+/// solution.
 fn compare(
     routes: &mut Routes,
     steps: &mut StepRoutes,

@@ -34,8 +34,8 @@ pub(super) fn random_sample(
     Ok(Sample { x: q, u, y })
 }
 
-/// Where a joint is sampled: between its limits; +-pi rad or +-1 m without (limits that coincide are none), as much
-/// beyond or before a single one.
+/// Where a joint is sampled: between its limits; +-pi rad or +-1 m without (limits that coincide are none),
+/// as much beyond or before a single one.
 fn range(joint: &Joint) -> (f64, f64) {
     let reach = if joint.kind == JointKind::Revolute { std::f64::consts::PI } else { 1.0 };
     let (lower, upper) = (joint.limits.lower, joint.limits.upper);

@@ -3,7 +3,7 @@
 use super::line::{Answer, Motion, State};
 #[cfg(feature = "jit")]
 use super::machine::Machine;
-use super::{Evaluator, Route};
+use super::route::{Evaluator, Route};
 #[cfg(feature = "jit")]
 use costate::codegen;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};

@@ -3,7 +3,7 @@
 use super::line::{Answer, Motion, State};
 #[cfg(feature = "jit")]
 use super::machine::Machine;
-use super::{Evaluator, Route};
+use super::route::{Evaluator, Route};
 use costate::derivative::{ByCalls, ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{self, LagrangianSecondOrder};

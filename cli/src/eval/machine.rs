@@ -5,7 +5,7 @@ use crate::terminal;
 use costate::codegen::{CodegenError, Coordinates, Quantity};
 use costate::matrix::Matrix;
 use costate::robot::Robot;
-use costate_jit::{Evaluator, Status};
+use costate_jit::{Backend, JitQuantity};
 
 /// Machine code of f and f_x (or qdd and qdd_z), and of these with the contracted second derivatives.
 pub struct Machine {
@@ -19,16 +19,16 @@ pub struct Machine {
 pub type Results = Vec<(&'static str, Matrix<f64>)>;
 
 struct Compiled {
-    evaluator: Evaluator,
+    evaluator: JitQuantity,
     results: Vec<f64>,
 }
 
 impl Compiled {
     /// Compiles the quantity. If that is impossible, a note on standard error gives the reason.
     fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
-        let evaluator = Evaluator::new(robot, quantity, coordinates)?;
-        if let Status::Generic { .. } = evaluator.status() {
-            terminal::note(format!("{} by the {}", quantity.name(), evaluator.status()));
+        let evaluator = JitQuantity::new(robot, quantity, coordinates)?;
+        if let Backend::Generic { .. } = evaluator.backend() {
+            terminal::note(format!("{} by the {}", quantity.name(), evaluator.backend()));
         }
         Ok(Self { results: vec![0.0; evaluator.outputs()], evaluator })
     }

@@ -7,6 +7,7 @@ mod lagrangian;
 mod line;
 #[cfg(feature = "jit")]
 mod machine;
+mod route;
 mod units;
 
 use crate::arguments::{RobotArguments, coordinates};
@@ -18,7 +19,8 @@ use clap::ValueHint;
 use costate::Coordinates;
 use costate::robot::Robot;
 use input::{Input, Lines};
-use line::{Answer, State};
+use line::State;
+use route::{Evaluator, Route};
 use serde_json::json;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -43,30 +45,9 @@ pub struct Arguments {
     force: bool,
 }
 
-#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Route {
-    /// Derivatives by hand: Jacobian by closed formulas, second derivatives by the 2n+1 rule or one dual pass
-    Analytic,
-    /// Dual numbers for first derivatives, dual numbers in dual numbers for second ones
-    Dual,
-    /// Hyper-dual numbers
-    Hyperdual,
-    /// Christoffel coefficients, with one dual pass for second derivatives (Hamiltonian coordinates only)
-    Tensors,
-    /// Machine code, compiled at the first state; falls back to `analytic` with a note on standard error
-    #[cfg(feature = "jit")]
-    Jit,
-}
-
 /// What is computed in Hamiltonian and in Lagrangian coordinates.
 const COORDINATES: [&str; 2] =
     ["x = (q, p): f, f_x, y_f_xx", "x = (q, v): qdd, qdd_z, yv_qdd_zz with z = (q, v, u)"];
-
-/// What computes the answers, for one choice of coordinates and route.
-trait Evaluator {
-    /// The answer to a state of the right lengths.
-    fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>>;
-}
 
 /// The workspaces of the coordinates and the route; an error if the route does not offer the coordinates.
 fn evaluator(robot: &Robot, arguments: &Arguments) -> Result<Box<dyn Evaluator>, String> {

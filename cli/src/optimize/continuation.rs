@@ -4,7 +4,6 @@ use super::progress::Line;
 use super::report::numbers::short;
 use super::summary::spaced;
 use super::task::Task;
-use super::unless_requested;
 use crate::interrupt::Interrupt;
 use crate::report::{Table, counted};
 use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, Status, TurningPoint};
@@ -56,12 +55,12 @@ pub fn follow(
             if count.load(Ordering::Relaxed) == 0 {
                 line.show_iteration(iteration);
             }
-            unless_requested(interrupt)
+            interrupt.control_flow()
         })
         .on_point(|point| {
             let number = 1 + count.fetch_add(1, Ordering::Relaxed);
             line.show_point(number, parameter, point);
-            unless_requested(interrupt)
+            interrupt.control_flow()
         });
     let branch = continuation.follow();
     line.clear();

@@ -1,5 +1,6 @@
 //! `costate optimize`: an optimal motion of a robot, from a problem file.
 
+mod arguments;
 mod continuation;
 mod kinematics;
 mod outputs;
@@ -10,63 +11,17 @@ mod task;
 
 use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
-use clap::ValueHint;
-use continuation::ParameterRange;
+pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, Problem, Solution, Solver};
+use costate_control::{BranchEnd, Solution, Solver};
 use outputs::Outputs;
 use std::io::Write;
-use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use task::Task;
-
-#[derive(clap::Args)]
-pub struct Arguments {
-    /// Problem file (.toml)
-    #[arg(value_hint = ValueHint::FilePath)]
-    problem: PathBuf,
-    /// Print the solution as one JSON object instead of a table
-    #[arg(long)]
-    json: bool,
-    /// Write the report, a single HTML file
-    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    output: Option<PathBuf>,
-    /// Write the figures of the report as SVG files; figures of an earlier run are removed
-    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
-    svg: Option<PathBuf>,
-    /// Save the solution, or the best iterate, as JSON; a problem file reads it with [start_from]
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    save: Option<PathBuf>,
-    /// Follow the solution while a parameter changes: final_time, gravity, armature, bounds, penalty_weight
-    /// or smoothing
-    #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
-    range: Option<ParameterRange>,
-    /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    time_limit: Option<Duration>,
-    /// Also print the table of Newton steps
-    #[arg(long)]
-    iterations: bool,
-    /// Refuse robots that are not physical (massless links, principal moments that no rigid body has)
-    #[arg(long)]
-    strict: bool,
-    /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
-    #[arg(long)]
-    friction: bool,
-}
 
 /// Exit status of a problem that was not solved.
 const NOT_SOLVED: u8 = 3;
-
-/// Parser of a time limit.
-fn seconds(text: &str) -> Result<Duration, String> {
-    let limit = crate::arguments::positive(text)?;
-    Duration::try_from_secs_f64(limit).ok().filter(|limit| !limit.is_zero()).ok_or_else(|| {
-        "must be at least a nanosecond and less than 1e19 s; leave it out for no limit".to_owned()
-    })
-}
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
@@ -139,33 +94,9 @@ fn solve(task: &Task, interrupt: &Interrupt) -> Result<Solution, Box<dyn std::er
     }
     let solver = solver.on_iteration(|iteration| {
         line.show_iteration(iteration);
-        unless_requested(interrupt)
+        interrupt.control_flow()
     });
     let solution = solver.solve();
     line.clear();
     Ok(solution)
-}
-
-/// Goes on until a signal has arrived.
-fn unless_requested(interrupt: &Interrupt) -> ControlFlow<()> {
-    if interrupt.is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-}
-
-/// Whether the final time is free.
-fn time_is_free(problem: &Problem) -> bool {
-    matches!(problem.time, costate_control::FinalTime::Free { .. })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::seconds;
-    use std::time::Duration;
-
-    #[test]
-    fn time_limits_are_positive_and_finite() {
-        assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
-        for text in ["0", "-1", "inf", "nan", "1e300", "1e-12", "soon"] {
-            assert!(seconds(text).is_err(), "{text}");
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! The files that `costate optimize` writes: report, figures, saved solution.
 
-use super::{Arguments, report};
+use super::arguments::Arguments;
+use super::report;
 use crate::output::{Output, OutputFolder, is_standard};
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use super::report::numbers::short;
 use super::report::units;
 use crate::report::{Table, title};
 use costate::robot::escape_hidden;
-use costate_control::{Certificate, Iteration, Motion, Problem, Solution, StartResult, Status};
+use costate_control::{Certificate, FinalTime, Iteration, Motion, Problem, Solution, StartResult, Status};
 use std::io::Write;
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded`. Bounds that the motion
@@ -22,11 +22,16 @@ pub fn criterion(problem: &Problem, status: &Status) -> String {
         true => "motion without a cost".into(),
         false => format!("minimum of {}", terms.join(" + ")),
     };
-    let time = if super::time_is_free(problem) { "final time free" } else { "final time fixed" };
+    let time = if time_is_free(problem) { "final time free" } else { "final time fixed" };
     let within_bounds = problem.bounds.is_some() && *status != Status::BoundsNotReached;
     let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
     format!("{minimum}, {time}{bounds}{penalty}")
+}
+
+/// Whether the final time is free.
+fn time_is_free(problem: &Problem) -> bool {
+    matches!(problem.time, FinalTime::Free { .. })
 }
 
 /// A status in words.
@@ -145,7 +150,7 @@ fn conjugate(problem: &Problem, motion: &Motion) -> String {
             format!("{} s, {} fields: not a minimum", short(time, 8), motion.conjugate_multiplicity)
         }
         (Some(time), _) => format!("{} s: not a minimum", short(time, 8)),
-        (None, Certificate::LocalMinimum) if super::time_is_free(problem) => {
+        (None, Certificate::LocalMinimum) if time_is_free(problem) => {
             "none: a local minimum in this time".into()
         }
         (None, Certificate::LocalMinimum) => "none: a local minimum".into(),

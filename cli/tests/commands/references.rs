@@ -23,7 +23,7 @@ fn eval_agrees_with_the_references_by_every_route() {
 }
 
 /// The keys of an answer in each of the coordinates.
-pub const KEYS: [(&str, &[&str]); 2] = [
+const KEYS: [(&str, &[&str]); 2] = [
     ("hamiltonian", &["M", "energy", "f", "f_x", "p", "q", "v", "y_f_xx"]),
     ("lagrangian", &["M", "energy", "q", "qdd", "qdd_z", "v", "yv_qdd_zz"]),
 ];

@@ -1,6 +1,6 @@
 //! A program by the C compiler.
 
-use crate::Candidate;
+use crate::candidate::Candidate;
 use costate::codegen::{COptions, Program};
 use libloading::{Library, Symbol};
 use std::fmt::Write;

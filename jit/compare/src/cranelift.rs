@@ -3,7 +3,7 @@
 //! What helps it: constants in a table instead of one instruction each, arguments and angles loaded where
 //! they are used, one call for sine and cosine, fused operations, no unwinding information.
 
-use crate::Candidate;
+use crate::candidate::Candidate;
 use costate::codegen::{Id, Node, Program};
 use cranelift_codegen::Context;
 use cranelift_codegen::ir::condcodes::FloatCC;

@@ -4,9 +4,11 @@
 //! docs/jit.md.
 
 mod c;
+mod candidate;
 mod cranelift;
 mod symjit;
 
+use candidate::Candidate;
 use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::Robot;
 use costate_jit::Compiled;
@@ -16,22 +18,6 @@ use std::time::Instant;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 const BATCHES: usize = 41;
-
-/// Results from arguments.
-type Call = Box<dyn FnMut(&[f64], &mut [f64])>;
-
-/// A compiled program.
-pub struct Candidate {
-    bytes: usize,
-    call: Call,
-}
-
-impl Candidate {
-    /// Code of this many bytes (0 where unknown) that fills the results.
-    pub fn new(bytes: usize, call: impl FnMut(&[f64], &mut [f64]) + 'static) -> Self {
-        Self { bytes, call: Box::new(call) }
-    }
-}
 
 fn ours(program: &Program) -> Candidate {
     let compiled = Compiled::new(program).unwrap();

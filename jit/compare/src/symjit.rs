@@ -1,6 +1,6 @@
 //! A program by symjit.
 
-use crate::Candidate;
+use crate::candidate::Candidate;
 use costate::codegen::{Id, Node, Program};
 use symjit::{Complex, Composer, Config, Slot, Translator};
 

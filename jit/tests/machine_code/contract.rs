@@ -4,7 +4,7 @@
 use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate::{EvalError, LengthError};
-use costate_jit::{Compiled, Evaluator, JitError, Status};
+use costate_jit::{Backend, Compiled, JitError, JitQuantity};
 use nalgebra::Matrix3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -65,7 +65,7 @@ fn wrong_lengths_are_refused_and_leave_the_outputs_alone() {
     let mut outputs = vec![7.0; program.outputs()];
     let inputs = some_inputs(&program);
     let mut evaluator =
-        Evaluator::new(&robot("robots/ur5.urdf"), Quantity::FX, Coordinates::Hamiltonian).unwrap();
+        JitQuantity::new(&robot("robots/ur5.urdf"), Quantity::FX, Coordinates::Hamiltonian).unwrap();
     let wrong = EvalError::WrongLength(LengthError { what: "inputs", expected: 18, found: 17 });
     assert_eq!(evaluator.evaluate(&inputs[1..], &mut outputs), Err(wrong.clone()));
     let short = EvalError::WrongLength(LengthError { what: "outputs", expected: 156, found: 155 });
@@ -84,7 +84,7 @@ fn nan_passes_through_machine_code_and_is_an_error_of_the_evaluator() {
     let program = program(&robot, Quantity::F);
     let n = robot.dof();
     let Some(compiled) = compiled(&program) else { return };
-    let mut evaluator = Evaluator::new(&robot, Quantity::F, Coordinates::Hamiltonian).unwrap();
+    let mut evaluator = JitQuantity::new(&robot, Quantity::F, Coordinates::Hamiltonian).unwrap();
     let mut work = Vec::new();
     for (index, bad) in [(0, f64::NAN), (n, f64::NAN), (n + 1, f64::INFINITY), (2 * n, f64::NEG_INFINITY)] {
         let mut inputs = some_inputs(&program);
@@ -110,7 +110,7 @@ fn a_singular_mass_matrix_is_an_error_of_the_evaluator() {
     let body = LinkInertia::about_com(1.0, [0.0; 3], Matrix3::zeros());
     let builder = Robot::builder("point on its axis").joint(JointSpec::revolute("a").carrying(body));
     let mut evaluator =
-        Evaluator::new(&builder.build().unwrap(), Quantity::FX, Coordinates::Hamiltonian).unwrap();
+        JitQuantity::new(&builder.build().unwrap(), Quantity::FX, Coordinates::Hamiltonian).unwrap();
     let error = evaluator.evaluate(&[0.3, 0.2, 0.0], &mut [0.0; 6]).unwrap_err();
     assert!(matches!(error, EvalError::SingularMassMatrix { .. }), "{error}");
 }
@@ -125,8 +125,8 @@ fn calls_do_not_allocate() {
         let robot = robot(file);
         let program = program(&robot, quantity);
         let (inputs, mut outputs) = (some_inputs(&program), vec![0.0; program.outputs()]);
-        let mut evaluator = Evaluator::new(&robot, quantity, Coordinates::Hamiltonian).unwrap();
-        let mut fallback = Evaluator::with_limit(&robot, quantity, Coordinates::Hamiltonian, 0).unwrap();
+        let mut evaluator = JitQuantity::new(&robot, quantity, Coordinates::Hamiltonian).unwrap();
+        let mut fallback = JitQuantity::with_limit(&robot, quantity, Coordinates::Hamiltonian, 0).unwrap();
         let before = ALLOCATIONS.get();
         evaluator.evaluate(&inputs, &mut outputs).unwrap();
         fallback.evaluate(&inputs, &mut outputs).unwrap();
@@ -139,9 +139,9 @@ fn public_types_are_debug_send_and_sync() {
     fn check<T: std::fmt::Debug + Send + Sync>() {}
     check::<Compiled>();
     check::<Compiled<[f64; 4]>>();
-    check::<Evaluator>();
+    check::<JitQuantity>();
     check::<JitError>();
-    check::<Status<'_>>();
+    check::<Backend<'_>>();
 }
 
 #[test]
@@ -220,9 +220,9 @@ fn a_program_that_is_much_too_long_is_refused_early() {
     let robot = builder.build().unwrap();
     let before = HELD.get();
     MOST_HELD.set(before);
-    let evaluator = Evaluator::new(&robot, Quantity::YFXX, Coordinates::Hamiltonian).unwrap();
+    let evaluator = JitQuantity::new(&robot, Quantity::YFXX, Coordinates::Hamiltonian).unwrap();
     let most = MOST_HELD.get() - before;
-    let Status::Generic { reason } = evaluator.status() else { panic!("{}", evaluator.status()) };
+    let Backend::Generic { reason } = evaluator.backend() else { panic!("{}", evaluator.backend()) };
     assert!(matches!(reason, JitError::GivenUp { .. } | JitError::Processor { .. }), "{reason}");
     assert!(most < 40_000_000, "{most} bytes");
 }

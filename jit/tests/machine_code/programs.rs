@@ -2,7 +2,7 @@
 
 use costate::codegen::{Expr, Id, Node, Program, RecordedResult};
 use costate::scalar::Scalar;
-use costate_jit::{Compiled, JitError, Number};
+use costate_jit::{Compiled, JitError, JitNumber};
 use costate_test_support::config;
 use proptest::prelude::*;
 
@@ -84,7 +84,7 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 /// Runs machine code on a part of a longer slice.
-fn run<T: Number + PartialEq>(compiled: &Compiled<T>, inputs: &[T], other: T) -> Result<Vec<T>, String> {
+fn run<T: JitNumber + PartialEq>(compiled: &Compiled<T>, inputs: &[T], other: T) -> Result<Vec<T>, String> {
     let mut found = vec![other; compiled.outputs() + 4];
     let (before, rest) = found.split_at_mut(2);
     let (results, after) = rest.split_at_mut(compiled.outputs());

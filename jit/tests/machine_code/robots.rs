@@ -3,7 +3,7 @@
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
-use costate_jit::{Compiled, DEFAULT_LIMIT, Evaluator, JitError, Status};
+use costate_jit::{Backend, Compiled, DEFAULT_LIMIT, JitError, JitQuantity};
 use costate_test_support::config;
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::random_robot::{Case, cases, tolerance};
@@ -55,8 +55,8 @@ fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
         };
         let compiled = Compiled::new(&program).map_err(|error| error.to_string())?;
         let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
-        let mut evaluator = Evaluator::new(robot, quantity, coordinates).unwrap();
-        let mut fallback = Evaluator::with_limit(robot, quantity, coordinates, 0).unwrap();
+        let mut evaluator = JitQuantity::new(robot, quantity, coordinates).unwrap();
+        let mut fallback = JitQuantity::with_limit(robot, quantity, coordinates, 0).unwrap();
         for [q, v, u, y] in states {
             let p = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
             let second = if coordinates == Coordinates::Hamiltonian { p } else { v.clone() };
@@ -120,27 +120,27 @@ proptest! {
 }
 
 #[test]
-fn the_status_has_the_reason_and_what_to_do() {
+fn the_backend_has_the_reason_and_what_to_do() {
     let robot = Robot::from_file(folder().join("robots/ur5.urdf")).unwrap();
     let with_limit =
-        |limit| Evaluator::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, limit).unwrap();
+        |limit| JitQuantity::with_limit(&robot, Quantity::FX, Coordinates::Hamiltonian, limit).unwrap();
     let (long, far_too_long, unwanted) = (with_limit(800), with_limit(10), with_limit(0));
-    assert!(matches!(unwanted.status(), Status::Generic { reason: JitError::NotAsked }));
+    assert!(matches!(unwanted.backend(), Backend::Generic { reason: JitError::NotAsked }));
     if compiles() {
         for (evaluator, begin, limit) in [
             (&long, "generic code: the program has ", "the limit is 800"),
             (&far_too_long, "generic code: the recording was stopped after ", "more than 10 steps"),
         ] {
-            let text = evaluator.status().to_string();
+            let text = evaluator.backend().to_string();
             assert!(text.starts_with(begin) && text.contains(limit) && text.contains("with_limit"), "{text}");
         }
-        assert!(matches!(long.status(), Status::Generic { reason: JitError::TooLong { limit: 800, .. } }));
-        let given_up = Status::Generic { reason: &JitError::GivenUp { operations: 40, limit: 10 } };
-        assert_eq!(far_too_long.status().to_string(), given_up.to_string());
+        assert!(matches!(long.backend(), Backend::Generic { reason: JitError::TooLong { limit: 800, .. } }));
+        let given_up = Backend::Generic { reason: &JitError::GivenUp { operations: 40, limit: 10 } };
+        assert_eq!(far_too_long.backend().to_string(), given_up.to_string());
         let compiled = with_limit(DEFAULT_LIMIT);
-        assert!(compiled.status().to_string().starts_with("machine code: "), "{}", compiled.status());
+        assert!(compiled.backend().to_string().starts_with("machine code: "), "{}", compiled.backend());
     }
-    let none = Evaluator::new(&robot, Quantity::InverseDynamics, Coordinates::Hamiltonian);
+    let none = JitQuantity::new(&robot, Quantity::InverseDynamics, Coordinates::Hamiltonian);
     assert!(
         none.unwrap_err().to_string().contains("there is no inverse_dynamics in hamiltonian coordinates")
     );

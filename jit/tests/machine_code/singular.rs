@@ -4,7 +4,7 @@
 use costate::EvalError;
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, file};
-use costate_jit::{Compiled, Evaluator};
+use costate_jit::{Compiled, JitQuantity};
 use fastrand::Rng;
 use nalgebra::Matrix3;
 
@@ -38,15 +38,15 @@ fn body() -> LinkInertia {
 }
 
 /// Every quantity that there is, compiled and by the generic code.
-fn both(robot: &Robot) -> Vec<(Quantity, Coordinates, [Evaluator; 2])> {
+fn both(robot: &Robot) -> Vec<(Quantity, Coordinates, [JitQuantity; 2])> {
     let all = [Coordinates::Hamiltonian, Coordinates::Lagrangian].into_iter();
     let all = all.flat_map(|coordinates| Quantity::ALL.map(|quantity| (quantity, coordinates)));
     let make = |(quantity, coordinates)| {
-        let machine = Evaluator::new(robot, quantity, coordinates).ok()?;
+        let machine = JitQuantity::new(robot, quantity, coordinates).ok()?;
         Some((
             quantity,
             coordinates,
-            [machine, Evaluator::with_limit(robot, quantity, coordinates, 0).unwrap()],
+            [machine, JitQuantity::with_limit(robot, quantity, coordinates, 0).unwrap()],
         ))
     };
     all.filter_map(make).collect()

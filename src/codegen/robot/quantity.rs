@@ -22,6 +22,7 @@ use crate::codegen::error::CodegenError;
 /// velocities). f_x, y_f_xx and y_qdd_xx are 2n x 2n, qdd_z is n x 3n with z = (q, v, u), m and y_qdd_uq are
 /// n x n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Quantity {
     /// The state equation F.
     F,

@@ -16,7 +16,7 @@
 //! com = [0.068, 0.006, -0.016]           # m, in the link frame
 //! inertia = { xx = 0.13, yy = 0.524, zz = 0.539, xy = 0.0, xz = 0.0, yz = 0.0 }   # kg m^2
 //! inertia_about = "com"                  # the default, or "frame": the origin of the link frame
-//! armature = 4.71                        # rotor inertia seen at the joint, kg m^2 (kg for a prismatic joint)
+//! armature = 4.71                        # rotor inertia seen at the joint, kg m^2 (prismatic: kg)
 //! spring = { stiffness = 10.0, rest = 0.0 }
 //! friction = { viscous = 0.1, coulomb = 0.5, coulomb_velocity = 0.01 }
 //! limits = { lower = -3.1, upper = 3.1, velocity = 2.0, effort = 97.6 }

@@ -4,8 +4,8 @@ use crate::robot::error::RobotError;
 
 /// Most arrays and tables, up to 2 kB of memory each; 10 000 joints need about 100 000.
 const MOST_BRACKETS: usize = 120_000;
-/// Most entries of arrays and tables, about 300 bytes of memory each. 10 000 joints, or an armature matrix of 700
-/// rows, need about 500 000.
+/// Most entries of arrays and tables, about 300 bytes of memory each. 10 000 joints, or an armature matrix of
+/// 700 rows, need about 500 000.
 const MOST_ENTRIES: usize = 600_000;
 
 /// Refuses texts with very many arrays, tables or entries.

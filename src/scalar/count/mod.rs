@@ -60,7 +60,8 @@ pub enum Constants {
     /// 0, anything between two constants. A division by a constant is a multiplication.
     #[default]
     Folded,
-    /// They count like all others: every operation that the same code executes on `f64`.
+    /// They count like all others: every operation, as scalars without a fused multiply-add execute
+    /// them, one lane at a time.
     Kept,
 }
 

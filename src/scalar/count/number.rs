@@ -2,7 +2,7 @@
 
 use super::{Kind, tally};
 use crate::scalar::number::Scalar;
-use crate::scalar::real::real_tanh_and_slope;
+use crate::scalar::tanh::real_tanh_and_slope;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A value that counts the operations done with it, see [`count`](super::count).
@@ -12,18 +12,19 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 /// dual and hyper-dual numbers over it count the operations of those over `f64`.
 ///
 /// # Rounding
-/// It also carries the variance of its rounding error, to first order and in units of u^2, u = 2^-53. This is the model of
-/// probabilistic error analysis (Hull and Swenson 1966; Higham and Mary 2019): every operation makes an error of its own,
-/// of the size `u |result|`, and all of them are independent. Then variances add, and an error that a later operation
-/// multiplies by c has its variance multiplied by c^2:
+/// It also carries the variance of its rounding error, to first order and in units of u^2, u = 2^-53. This is
+/// the model of probabilistic error analysis (Hull and Swenson 1966; Higham and Mary 2019): every operation
+/// makes an error of its own, of the size `u |result|`, and all of them are independent. Then variances add,
+/// and an error that a later operation multiplies by c has its variance multiplied by c^2:
 ///
 /// ```text
 /// var(a + b) = var a + var b + (a + b)^2      var(a b) = b^2 var a + a^2 var b + (a b)^2
 /// var f(a) = f'(a)^2 var a + f(a)^2
 /// ```
 ///
-/// What is exact in floating-point arithmetic makes no error: sums with 0, products with 0 and with 1/2, 1, 2 and their
-/// negatives. A rotation keeps variances: they do not grow from joint to joint as sums of absolute values do.
+/// What is exact in floating-point arithmetic makes no error: sums with 0, products with 0 and with 1/2, 1, 2
+/// and their negatives. A rotation keeps variances: they do not grow from joint to joint as sums of absolute
+/// values do.
 #[derive(Clone, Copy, Debug)]
 pub struct Count {
     pub(super) value: f64,
@@ -53,8 +54,8 @@ impl Count {
         self.constant
     }
 
-    /// Standard deviation of the rounding error, in units of u = 2^-53; not-a-number after a function whose slope is not
-    /// known here (the pipeline has none).
+    /// Standard deviation of the rounding error, in units of u = 2^-53; not-a-number after a function whose
+    /// slope is not known here (the pipeline has none).
     ///
     /// ```
     /// use costate::scalar::{Count, Scalar};

@@ -10,7 +10,7 @@ mod vector;
 pub use vector::Vector;
 
 use super::number::Scalar;
-use super::real::real_tanh_and_slope;
+use super::tanh::real_tanh_and_slope;
 
 /// One `f64` for each of several states, in the lanes of a vector of the crate `wide`.
 ///

@@ -1,4 +1,5 @@
-//! Properties of inverse and forward dynamics: the Coriolis matrix, energy, derivatives, the change of coordinates.
+//! Properties of inverse and forward dynamics: the Coriolis matrix, energy, derivatives, the change of
+//! coordinates.
 
 mod coordinates;
 mod derivatives;

@@ -1,4 +1,5 @@
-//! Properties of the paper's route: agreement with the other routes. `relations` and `storage` test the coefficients.
+//! Properties of the paper's route: agreement with the other routes. `relations` and `storage` test the
+//! coefficients.
 
 mod bench;
 mod relations;
@@ -103,8 +104,8 @@ impl Function for TensorPhaseVelocity {
 
 /// M, F, F_x and y'F_xx: tensors beside analytic and (hyper-)dual.
 ///
-/// The tensors round M in another way than the other routes, which share theirs, and M^-1 enters y'F_xx three times: that
-/// may differ by `1e-12 max(1, cond(M) / 100)`.
+/// The tensors round M in another way than the other routes, which share theirs, and M^-1 enters y'F_xx three
+/// times: that may differ by `1e-12 max(1, cond(M) / 100)`.
 fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let robot = case.robot();
     let bound = tolerance(&robot, &case.q);

@@ -175,7 +175,8 @@ proptest! {
         }
     }
 
-    /// (45), (59), (60): the independent derivatives, as they are stored, are derivatives of the coefficients.
+    /// (45), (59), (60): the independent derivatives, as they are stored, are derivatives of the
+    /// coefficients.
     #[test]
     fn relation_45_independent_derivatives(case in all_cases(7)) {
         let bench = Bench::new(&case);

@@ -17,8 +17,8 @@ use std::ops::Range;
 
 /// Phi, `Phi_x`, `Phi_u`, `Phi_h`, and the blocks of y'Phi_zz against hyper-dual numbers: the worst of each.
 ///
-/// Natural sizes: `h max |y|` times a thousandth of `max |f_x|` for the blocks of y'Phi_zz, times `max |Phi_u|` for
-/// each u; a thousandth of `max |f_x|` for `Phi_h`.
+/// Natural sizes: `h max |y|` times a thousandth of `max |f_x|` for the blocks of y'Phi_zz, times `max
+/// |Phi_u|` for each u; a thousandth of `max |f_x|` for `Phi_h`.
 pub fn differences<F: ModelFamily + Clone, M: Scheme<F>>(
     family: &F,
     (x, u, y, h): (&[f64], &[f64], &[f64], f64),

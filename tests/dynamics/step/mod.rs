@@ -29,8 +29,8 @@ fn off(found: &[f64], expected: &[f64], natural: f64) -> f64 {
     if worst == 0.0 { 0.0 } else { worst / largest(expected).max(natural) }
 }
 
-/// A step that was made. Where M is nearly singular, forces make steps of 0.01 s too long for Newton's method: such a
-/// case, about one in 100 000, says nothing.
+/// A step that was made. Where M is nearly singular, forces make steps of 0.01 s too long for Newton's
+/// method: such a case, about one in 100 000, says nothing.
 fn made<T, E: std::error::Error>(step: Result<T, StepError<E>>) -> Result<T, TestCaseError> {
     step.map_err(|error| match error {
         StepError::NotConverged { .. } => TestCaseError::reject("a shorter step is needed"),

@@ -131,7 +131,8 @@ fn explicit_schemes_are_not_symplectic() {
     assert!(found > 1e-3, "semi-implicit Euler: {found:.1e}");
 }
 
-/// A robot that its actuation holds against weight stays where it is; Newton's method sees it at once, and looks once more.
+/// A robot that its actuation holds against weight stays where it is; Newton's method sees it at once, and
+/// looks once more.
 #[test]
 fn a_held_robot_stays() {
     for name in ["panda.urdf", "puma560.toml", "manutec_r3.toml"] {
@@ -163,7 +164,8 @@ fn what_is_zero_by_structure_is_not_stored() {
     assert_eq!(second.ux.map(|ux| (ux.rows(), ux.columns())), Some((2, 2)));
 }
 
-/// An arm that is lighter by a factor moves alike, its momenta lighter by the same: small states are solved as far as others.
+/// An arm that is lighter by a factor moves alike, its momenta lighter by the same: small states are solved
+/// as far as others.
 #[test]
 fn steps_do_not_depend_on_the_unit_of_mass() {
     let arm = |scale: f64| {

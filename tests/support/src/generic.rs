@@ -86,7 +86,7 @@ fn in_q_p(
         Quantity::Energy => {
             vec![("kinetic", vec![energy.kinetic], 0.0), ("potential", vec![energy.potential], size)]
         }
-        Quantity::InverseDynamics => panic!("not in (q, p)"),
+        _ => panic!("not in (q, p), or not known here"),
     }
 }
 
@@ -118,7 +118,7 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
             vec![("kinetic", vec![energy.kinetic], 0.0), ("potential", vec![energy.potential], tau_size)]
         }
         Quantity::InverseDynamics => vec![("tau", tau, tau_size)],
-        Quantity::YFX | Quantity::HessianProduct => panic!("not in (q, v)"),
+        _ => panic!("not in (q, v), or not known here"),
     }
 }
 

@@ -1,7 +1,8 @@
-//! What several test targets share: random robots, reference values, and the automatic differentiation that judges.
+//! What several test targets share: random robots, reference values, and the automatic differentiation that
+//! judges.
 //!
-//! It is a crate of its own so that all of this is compiled once. Debug builds share instances of generic code between
-//! crates: an instance that exists here is not compiled again in the targets that use it.
+//! It is a crate of its own so that all of this is compiled once. Debug builds share instances of generic
+//! code between crates: an instance that exists here is not compiled again in the targets that use it.
 
 #![allow(missing_docs, reason = "helpers of tests")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
@@ -16,8 +17,8 @@ use proptest::test_runner::{Config, FileFailurePersistence};
 
 /// Settings of a property test: `cases` random inputs, or as many as the variable `PROPTEST_CASES` asks for.
 ///
-/// The seed of a failure is kept in `NAME.failures.txt` beside the source file `NAME.rs`, together with the smallest
-/// robot that fails, and is tried first by every later run.
+/// The seed of a failure is kept in `NAME.failures.txt` beside the source file `NAME.rs`, together with the
+/// smallest robot that fails, and is tried first by every later run.
 pub fn config(cases: u32) -> Config {
     let default = Config::default(); // reads the variables PROPTEST_*
     let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { cases };

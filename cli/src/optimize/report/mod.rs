@@ -1,5 +1,6 @@
 //! The report of a motion: one HTML file, and its figures as SVG files.
 
+mod motion;
 pub mod numbers;
 mod page;
 mod panels;
@@ -12,20 +13,9 @@ pub mod units;
 mod views;
 
 use super::kinematics::{Skeleton, film};
-use costate_control::{Problem, Solution};
+use motion::FRAMES;
+pub use motion::Motion;
 use strobe::Stage;
-
-/// The contents of a report.
-pub struct Motion<'a> {
-    pub problem: &'a Problem,
-    pub solution: &'a Solution,
-    /// The text of the problem file.
-    pub source: &'a str,
-    pub warnings: &'a [String],
-}
-
-/// Number of poses that are computed along a motion.
-const FRAMES: usize = 133;
 
 /// The page, as one self-contained HTML file.
 pub fn page(motion: &Motion<'_>) -> String {

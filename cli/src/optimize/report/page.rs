@@ -1,10 +1,11 @@
 //! The page: figures, the moving robot, plots, iterations, the problem.
 
+use super::motion::{FRAMES, Motion};
 use super::panels::{self, Panel};
 use super::stage_data::{ROTATED, data};
 use super::strobe::Stage;
 use super::svg::{STYLE, escaped};
-use super::{FRAMES, Motion, views};
+use super::views;
 use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::summary;
 

@@ -1,6 +1,6 @@
 //! The plots of a report.
 
-use super::Motion;
+use super::motion::Motion;
 use super::numbers::short;
 use super::plot::{Curve, Look, Plot};
 use super::svg::cut;

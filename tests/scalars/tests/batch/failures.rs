@@ -6,7 +6,8 @@ use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::{EvalError, LengthError};
 use std::f64::consts::FRAC_PI_2;
 
-/// Bad nodes among good ones: each is named, its outputs are not-a-number, and the others are what they are without it.
+/// Bad nodes among good ones: each is named, its outputs are not-a-number, and the others are what they are
+/// without it.
 fn nothing_is_lost<S: Packed<Lane = f64>>() {
     let robot = gimbal();
     let nodes = 21;

@@ -37,7 +37,8 @@ fn functions_are_evaluated<S: Packed<Lane = f64>>() {
         );
         assert!(difference(node(&f, k, nodes), &expected) < 1e-14);
     }
-    // A function refuses nothing: inputs that are not finite and results that overflow are found by the batch.
+    // A function refuses nothing: inputs that are not finite and results that overflow are found by the
+    // batch.
     x[4 * 5] = f64::NAN;
     x[4 * 6 + 2] = 1e308;
     x[4 * 6 + 1] = 1e-3;

@@ -1,4 +1,5 @@
-//! Numbers that count: the values of every route are those of `f64`, and what is counted is what it should be.
+//! Numbers that count: the values of every route are those of `f64`, and what is counted is what it should
+//! be.
 
 use costate::derivative::{
     CHUNK, Hessian, InnerNumber, Jacobian, NestedHessian, OperationTable, PhaseVelocity,

@@ -96,7 +96,8 @@ fn other_real_part_is_the_result_in_f64<S: Scalar>(name: &str, re: impl Fn(&S) -
     real_parts_agree(name, re, units, (other_pipeline::<f64>, |x| *x), other_pipeline::<S>);
 }
 
-/// Beside `Count`, which takes the same forms of the formulas as numbers that carry derivatives and rounds alike.
+/// Beside `Count`, which takes the same forms of the formulas as numbers that carry derivatives and rounds
+/// alike.
 fn real_part_is_the_counted_one<S: Scalar>(name: &str, re: impl Fn(&S) -> f64) {
     real_parts_agree(name, re, 4.0, (pipeline::<Count>, |x| x.value()), pipeline::<S>);
 }
@@ -105,8 +106,8 @@ fn other_real_part_is_the_counted_one<S: Scalar>(name: &str, re: impl Fn(&S) -> 
     real_parts_agree(name, re, 4.0, (other_pipeline::<Count>, |x| x.value()), other_pipeline::<S>);
 }
 
-/// `f64` and its lanes take other forms of the same formulas ([`Scalar::FUSED`]), which rounds differently; the condition of M
-/// multiplies that.
+/// `f64` and its lanes take other forms of the same formulas ([`Scalar::FUSED`]), which rounds differently;
+/// the condition of M multiplies that.
 const UNITS: f64 = 1000.0;
 
 /// Within `units` of the last place of the largest entry of each quantity.

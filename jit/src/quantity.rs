@@ -16,18 +16,18 @@ use std::fmt;
 /// ```
 /// use costate::codegen::{Coordinates, Quantity};
 /// use costate::robot::Robot;
-/// use costate_jit::Evaluator;
+/// use costate_jit::JitQuantity;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut f_x = Evaluator::new(&robot, Quantity::FX, Coordinates::Hamiltonian)?;
-/// println!("{}", f_x.status()); // machine code or generic code, and why
+/// let mut f_x = JitQuantity::new(&robot, Quantity::FX, Coordinates::Hamiltonian)?;
+/// println!("{}", f_x.backend()); // machine code or generic code, and why
 /// let mut results = vec![0.0; f_x.outputs()];
 /// f_x.evaluate(&[0.3, -0.8, 1.0, 0.5, 0.0, 0.0], &mut results)?; // q, p, u
 /// let (f, f_x) = results.split_at(4);
 /// # assert!(f_x.len() == 16 && f[0] != 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Evaluator {
+pub struct JitQuantity {
     compiled: Result<Machine, JitError>,
     generic: RobotQuantity<f64>,
 }
@@ -39,10 +39,10 @@ struct Machine {
     code: Compiled,
 }
 
-/// How an [`Evaluator`] computes.
+/// How a [`JitQuantity`] computes.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
-pub enum Status<'a> {
+pub enum Backend<'a> {
     /// Machine code.
     Compiled {
         /// Steps of the program.
@@ -57,7 +57,7 @@ pub enum Status<'a> {
     },
 }
 
-impl fmt::Display for Status<'_> {
+impl fmt::Display for Backend<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Compiled { steps, bytes } => write!(f, "machine code: {steps} steps, {bytes} bytes"),
@@ -66,10 +66,10 @@ impl fmt::Display for Status<'_> {
     }
 }
 
-impl Evaluator {
+impl JitQuantity {
     /// Records and compiles a quantity; see [`Quantity`] for arguments and results.
     ///
-    /// A quantity that cannot be compiled is no error: [`status`](Self::status) has the reason.
+    /// A quantity that cannot be compiled is no error: [`backend`](Self::backend) has the reason.
     ///
     /// # Errors
     /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
@@ -96,10 +96,10 @@ impl Evaluator {
     }
 
     /// How it computes.
-    pub fn status(&self) -> Status<'_> {
+    pub fn backend(&self) -> Backend<'_> {
         match &self.compiled {
-            Ok(Machine { steps, code }) => Status::Compiled { steps: *steps, bytes: code.code_len() },
-            Err(reason) => Status::Generic { reason },
+            Ok(Machine { steps, code }) => Backend::Compiled { steps: *steps, bytes: code.code_len() },
+            Err(reason) => Backend::Generic { reason },
         }
     }
 
@@ -166,9 +166,9 @@ impl Machine {
     }
 }
 
-impl fmt::Debug for Evaluator {
+impl fmt::Debug for JitQuantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut f = f.debug_struct("Evaluator");
+        let mut f = f.debug_struct("JitQuantity");
         f.field("arguments", &self.arguments()).field("results", &self.results());
         f.field("compiled", &self.compiled).finish_non_exhaustive()
     }

@@ -1,0 +1,65 @@
+//! The arguments of `costate optimize`.
+
+use super::continuation::ParameterRange;
+use crate::arguments::positive;
+use clap::ValueHint;
+use std::path::PathBuf;
+use std::time::Duration;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Problem file (.toml)
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub problem: PathBuf,
+    /// Print the solution as one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Write the report, a single HTML file
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+    /// Write the figures of the report as SVG files; figures of an earlier run are removed
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub svg: Option<PathBuf>,
+    /// Save the solution, or the best iterate, as JSON; a problem file reads it with [start_from]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub save: Option<PathBuf>,
+    /// Follow the solution while a parameter changes: final_time, gravity, armature, bounds, penalty_weight
+    /// or smoothing
+    #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
+    pub range: Option<ParameterRange>,
+    /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time_limit: Option<Duration>,
+    /// Also print the table of Newton steps
+    #[arg(long)]
+    pub iterations: bool,
+    /// Refuse robots with warnings that suggest a mistake (unknown elements or attributes, massless links,
+    /// missing or swapped limits, inertias that no rigid body has)
+    #[arg(long)]
+    pub strict: bool,
+    /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
+    #[arg(long)]
+    pub friction: bool,
+}
+
+/// Parser of a time limit.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let limit = positive(text)?;
+    Duration::try_from_secs_f64(limit).ok().filter(|limit| !limit.is_zero()).ok_or_else(|| {
+        "must be at least a nanosecond and less than 1e19 s; leave it out for no limit".to_owned()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seconds;
+    use std::time::Duration;
+
+    #[test]
+    fn time_limits_are_positive_and_finite() {
+        assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
+        for text in ["0", "-1", "inf", "nan", "1e300", "1e-12", "soon"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+}
