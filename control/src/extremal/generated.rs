@@ -115,6 +115,17 @@ where
         }
         library.linearise(z, law, g, jacobian)
     }
+
+    fn linearise_exactly(
+        &mut self,
+        library: &mut RobotExtremal,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.linearise(library, z, law, g, jacobian)
+    }
 }
 
 fn all_finite(values: &[f64]) -> bool {

@@ -14,13 +14,17 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Certificate {
-    /// No conjugate time up to T, of any multiplicity: a strict local minimum among all motions between these ends in
-    /// this time.
+    /// No conjugate time up to T, of any multiplicity: a strict local minimum among all motions between these
+    /// ends in this time.
+    ///
+    /// Conjugate times are counted over pieces that are shown to hold no two of them, by a bound on the second
+    /// variation. The bound uses the Jacobian at the points where the integration of the Jacobi fields evaluates
+    /// it. What remains is the assumption that it is not larger between two of them, and that H_yy >= 0.
     LocalMinimum,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
-    /// Not checked: free ends, controls that reach a bound, a motion that is not converged, or rounding that hides the
-    /// answer.
+    /// Not checked: free ends, controls that reach a bound, a smoothed control, a motion that is not converged or
+    /// not verified, or rounding that hides the answer.
     NotChecked,
 }
 
@@ -52,7 +56,7 @@ pub struct Motion {
     pub conjugate_time: Option<f64>,
     /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
     pub conjugate_multiplicity: usize,
-    /// What follows for the motion.
+    /// What the second variation shows.
     pub certificate: Certificate,
     /// Estimated error of each component of z in the coordinates of the search, relative to its largest value.
     pub errors: Vec<f64>,
@@ -165,15 +169,16 @@ impl Solved {
         let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
         let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
         let smoothed = self.relaxation != Relaxation::NONE;
-        let (conjugate, certificate) = if converged && !smoothed {
-            self.second_variation(extremal)
-        } else {
-            (None, Certificate::NotChecked)
-        };
         if converged {
             let end = self.end_defect(extremal, end_state.as_deref());
             self.status = verified(end, smoothed, tolerance);
         }
+        // A motion that is not verified, or belongs to a smoothed problem, gets no certificate.
+        let (conjugate, certificate) = if self.status.is_converged() {
+            self.second_variation(extremal)
+        } else {
+            (None, Certificate::NotChecked)
+        };
         let (hamiltonian, hamiltonian_drift) = self.drift();
         let (nodes, mut switches) = self.nodes(extremal);
         if self.found.arcs.switches.is_empty() {

@@ -4,6 +4,7 @@ use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::{
     Certificate, FinalTime, JacobianRoute, Method, Objective, Problem, Solution, Solver, SolverOptions,
+    Status,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -222,4 +223,13 @@ fn a_motion_that_needs_no_control_costs_nothing() {
             assert!(solution.motion.cost < 1e-20, "{name}: {}", solution.motion.cost);
         }
     }
+}
+
+#[test]
+fn a_motion_that_is_not_verified_gets_no_certificate() {
+    let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
+    let problem = Problem::rest_to_rest(robot, &[3.0], &[PI], 5.0);
+    let motion = Solver::new(&problem, SolverOptions::default()).unwrap().solve().motion;
+    assert_eq!(motion.status, Status::NotVerified);
+    assert_eq!((motion.certificate, motion.conjugate_time), (Certificate::NotChecked, None));
 }
