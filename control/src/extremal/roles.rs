@@ -75,8 +75,8 @@ pub trait BoundaryValueProblem {
         0.0
     }
 
-    /// As [`linearise`](Self::linearise), with all second derivatives. It is used for the second variation, which is
-    /// wrong without them.
+    /// As [`linearise`](Self::linearise), with all second derivatives. It is used for the second variation,
+    /// which is wrong without them.
     ///
     /// Override it where `linearise` writes an approximation. The default is `linearise`.
     ///

@@ -37,8 +37,8 @@ pub trait Hooks<E: Extremal> {
         inner.linearise(z, law, g, jacobian)
     }
 
-    /// In place of [`BoundaryValueProblem::linearise_exactly`]. Hooks that change the equations must replace it
-    /// together with [`linearise`](Self::linearise).
+    /// In place of [`BoundaryValueProblem::linearise_exactly`]. Hooks that change the equations must replace
+    /// it together with [`linearise`](Self::linearise).
     ///
     /// # Errors
     /// The dynamics cannot be evaluated at z.

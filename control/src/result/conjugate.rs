@@ -1,16 +1,16 @@
 //! Conjugate times with their multiplicity, from the Jacobi fields along an extremal.
 //!
-//! Jacobi fields solve $(\delta x, \delta y)' = G (\delta x, \delta y)$ with the Jacobian $G$ of the extremal. A time
-//! $t_c$ is conjugate to the start with multiplicity m when m independent fields with $\delta x(0) = 0$ have
-//! $\delta x(t_c) = 0$ as well. The Morse index of the motion is the number of conjugate times before T, each counted
-//! with its multiplicity. With fields $X, Y$ at $t_i$ that start from $X(0) = 0$, $Y(0) = 1$, and the transition matrix
-//! $[A\ B;\ C\ D]$ from $t_i$ to $t_j$,
+//! Jacobi fields solve $(\delta x, \delta y)' = G (\delta x, \delta y)$ with the Jacobian $G$ of the extremal.
+//! A time $t_c$ is conjugate to the start with multiplicity m when m independent fields with $\delta x(0) = 0$
+//! have $\delta x(t_c) = 0$ as well. The Morse index of the motion is the number of conjugate times before T,
+//! each counted with its multiplicity. With fields $X, Y$ at $t_i$ that start from $X(0) = 0$, $Y(0) = 1$, and
+//! the transition matrix $[A\ B;\ C\ D]$ from $t_i$ to $t_j$,
 //!
 //! $$ X_j = B \thinspace \bigl(B^{-1} A + Y_i X_i^{-1}\bigr) \thinspace X_i , $$
 //!
-//! and both terms in the bracket are symmetric. As long as $[t_i, t_j]$ holds no pair of conjugate times of its
-//! own, the number of conjugate times in $(t_i, t_j]$ is the number of eigenvalues of the bracket that are not
-//! positive. A sign of a determinant would miss those of even multiplicity.
+//! and both terms in the bracket are symmetric. As long as $[t_i, t_j]$ holds no pair of conjugate times of
+//! its own, the number of conjugate times in $(t_i, t_j]$ is the number of eigenvalues of the bracket that
+//! are not positive. A sign of a determinant would miss those of even multiplicity.
 //!
 //! The motion is cut into pieces that are short enough for that by the bound of
 //! [`disconjugate`](crate::result::disconjugate). So there is no conjugate time in the first piece, where
@@ -79,8 +79,8 @@ impl Solved {
             return Err(Undecided);
         }
         let Some(piece) = counts.iter().position(|&count| count > 0) else { return Ok(None) };
-        // Counted from the border before where that is short enough, so that no transition is over a very short
-        // time.
+        // Counted from the border before where that is short enough, so that no transition is over a very
+        // short time.
         let earlier = piece >= 2
             && transitions.is_disconjugate(extremal, &fields, borders[piece - 1]..borders[piece + 1])?;
         let from = borders[if earlier { piece - 1 } else { piece }];

@@ -7,8 +7,8 @@
 //!    \delta x' = A \thinspace \delta x + B w, \quad \delta x(a) = \delta x(b) = 0 $$
 //!
 //! With the Gramian $G' = A G + G A^\top + B$, $G(a) = 0$, the inequality of Cauchy and Schwarz gives
-//! $\delta x \thinspace \delta x^\top \le G \int w^\top B w \thinspace dt$. So $J_2$ is positive, and no two times of
-//! $[a, b]$ are conjugate to each other, if
+//! $\delta x \thinspace \delta x^\top \le G \int w^\top B w \thinspace dt$. So $J_2$ is positive, and no two
+//! times of $[a, b]$ are conjugate to each other, if
 //!
 //! $$ \int_a^b \max \left( 0, \lambda_{\max} (G^{1/2} C G^{1/2}) \right) dt < 1 . $$
 
@@ -75,7 +75,8 @@ impl Reach {
         Self { gramian: DMatrix::zeros(states, states), integral: 0.0, small: NEGLIGIBLE / piece }
     }
 
-    /// Continued over a part of a mesh interval. The integral is over the larger of the two rates between samples.
+    /// Continued over a part of a mesh interval. The integral is over the larger of the two rates between
+    /// samples.
     pub fn over(mut self, samples: &[Sample]) -> Self {
         let pairs = samples.iter().zip(samples.iter().skip(1));
         for (from, to) in pairs.filter(|(from, to)| to.t > from.t) {

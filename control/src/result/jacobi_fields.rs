@@ -1,10 +1,10 @@
-//! Jacobi fields along a motion, and how many of them vanish in each part of it: the inertia of the bracket of
-//! [`conjugate`](crate::result::conjugate).
+//! Jacobi fields along a motion, and how many of them vanish in each part of it: the inertia of the bracket
+//! of [`conjugate`](crate::result::conjugate).
 
 use nalgebra::{DMatrix, DVector};
 
-/// No conjugate time is certain if every eigenvalue exceeds this multiple of the error: the tolerance, or more
-/// where the asymmetry shows more.
+/// No conjugate time is certain if every eigenvalue exceeds this multiple of the error: the tolerance, or
+/// more where the asymmetry shows more.
 const CLEAR: f64 = 100.0;
 /// Relative asymmetry of `B^-1 A` above which rounding decides: nothing is claimed then.
 const MOST_ASYMMETRY: f64 = 1e-4;
@@ -42,7 +42,8 @@ fn bracket(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<Bracket, 
     Ok(Bracket { form: of_fields + of_transition, sizes })
 }
 
-/// Eigenvalues that are not positive, without a margin: to locate a conjugate time, where one of them vanishes.
+/// Eigenvalues that are not positive, without a margin: to locate a conjugate time, where one of them
+/// vanishes.
 pub(crate) fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<usize, Undecided> {
     let Bracket { form, .. } = bracket(fields, transition)?;
     let eigenvalues = (0.5 * (&form + form.transpose())).symmetric_eigenvalues();
@@ -53,8 +54,8 @@ pub(crate) fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<
 /// Conjugate times in a part of the motion, by a margin that covers the error of an integration with this
 /// tolerance.
 ///
-/// The bracket is scaled by the size of the two terms of its diagonal, which makes its eigenvalues comparable:
-/// small ones are differences of large terms.
+/// The bracket is scaled by the size of the two terms of its diagonal, which makes its eigenvalues
+/// comparable: small ones are differences of large terms.
 fn certain_count(
     fields: &DMatrix<f64>,
     transition: &DMatrix<f64>,
@@ -83,8 +84,8 @@ pub(crate) struct Part {
     pub to: f64,
 }
 
-/// The fields and transition matrices of a motion, from cut to cut: the nodes of the mesh, and more where the mesh
-/// is too coarse.
+/// The fields and transition matrices of a motion, from cut to cut: the nodes of the mesh, and more where the
+/// mesh is too coarse.
 pub(crate) struct Fields {
     /// Times of the cuts (s).
     pub times: Vec<f64>,

@@ -7,8 +7,8 @@ use costate_control::{
     solve_extremal,
 };
 
-/// `s' = u_1, x' = u_2, l = (u_1^2 + u_2^2 - k(s) x^2) / 2`, s from 0 to `to`, x from 0 to 0: s = t for T = `to`,
-/// x = 0.
+/// `s' = u_1, x' = u_2, l = (u_1^2 + u_2^2 - k(s) x^2) / 2`, s from 0 to `to`, x from 0 to 0: s = t for T =
+/// `to`, x = 0.
 struct Strip {
     to: f64,
     k: fn(f64) -> f64,
