@@ -3,7 +3,8 @@
 //! Numbers that decide *whether and how* something is tried stand here, grouped by the part that uses them.
 //! Lengths of Newton corrections and errors are relative: component `i` in units of the largest value that it
 //! takes along the motion. Times are in s where nothing else is said. None of these numbers changes what a
-//! converged solution is; they change how soon, and from which of several local minima, one is found.
+//! converged solution is, except `NEGLIGIBLE_CHANGE` and `SMOOTHED_TOLERANCE`, which define
+//! `ConvergedSmoothed`; they change how soon, and from which of several local minima, one is found.
 
 /// Damped Newton steps ([`crate::bvp::newton`]).
 pub(crate) mod newton {
@@ -88,8 +89,10 @@ pub(crate) mod arcs {
 pub(crate) mod free_time {
     /// Most fixed times that are solved before the time becomes an unknown.
     pub const ROUNDS: usize = 12;
-    /// Smallest and largest factor from one fixed time to the next.
-    pub const FACTORS: (f64, f64) = (0.4, 2.5);
+    /// Smallest factor from one fixed time to the next.
+    pub const LEAST_FACTOR: f64 = 0.4;
+    /// Largest factor from one fixed time to the next.
+    pub const LARGEST_FACTOR: f64 = 2.5;
     /// The time is near enough to become an unknown when the next factor differs from 1 by less than this.
     pub const NEAR: f64 = 0.1;
     /// Where all of the cost but `c_t T` falls like `T^-3`, `H* + c_t` falls like `T^-4`: its inverse.
@@ -175,8 +178,12 @@ pub(crate) mod path {
     pub const SUFFICIENT_DECREASE: f64 = 1e-4;
     /// Largest change of log T in a step.
     pub const LARGEST_STRETCH: f64 = 0.7;
-    /// First, smallest and largest damping (Levenberg, Marquardt), as parts of the diagonal of the Hessian.
-    pub const DAMPING: (f64, f64, f64) = (1e-3, 1e-9, 1e12);
+    /// First damping (Levenberg, Marquardt), as a part of the diagonal of the Hessian.
+    pub const FIRST_DAMPING: f64 = 1e-3;
+    /// Smallest damping, likewise.
+    pub const LEAST_DAMPING: f64 = 1e-9;
+    /// Damping at which a descent gives up, likewise.
+    pub const MOST_DAMPING: f64 = 1e12;
     /// Amplitude of the disturbances of further starts, besides the distance from start to end (rad, m).
     pub const AMPLITUDE: f64 = 1.5;
     /// Share of the disturbances with one wave; the others have two.

@@ -8,7 +8,7 @@
 //!
 //! This is a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian contains the contracted Hessian
 //! $y^\top F_{xx}$ ([`RobotExtremal`]). [`Solver`] solves it by Lobatto collocation, or by multiple
-//! [shooting](Method::Shooting) with the variational equations, and Newton's method. In all signs
+//! [shooting](Method::Shooting) with the variational equations, and Newton's method. Sign conventions:
 //! $dJ/dT = -H^\ast$, $y(0) = -dJ/dx(0)$, $u = \mathrm{clip}(R^{-1} B y_p)$.
 //!
 //! | for | use |
@@ -37,7 +37,9 @@ mod solver;
 mod starts;
 mod status;
 
-pub use continuation::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint};
+pub use continuation::{
+    Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
+};
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
@@ -52,6 +54,7 @@ pub use extremal::{
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, JacobianRoute, Method, SolverOptions, Strategy};
 pub use problem::check::CheckedProblem;
+pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};
 #[cfg(feature = "toml")]
 pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
@@ -62,9 +65,9 @@ pub use problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem}
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
-pub use result::solution::{RobotNames, Solution, StartResult};
+pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
 pub use solve_extremal::{solve_dynamics, solve_extremal};
 pub use solver::Solver;
-pub use status::{BoundViolation, EvaluationFailure, Status};
+pub use status::{BoundViolation, EvaluationFailure, Status, UnknownStatus};

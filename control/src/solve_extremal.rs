@@ -13,8 +13,8 @@ use costate::dynamics::{Cost, Dynamics};
 
 /// Solves an extremal from a guess of z at t/T in [0, 1].
 ///
-/// With a free final time, the problem is solved for the fixed time of the guess first: at zero costates H* = 0 does
-/// not determine T.
+/// With a free final time, the problem is solved for the fixed time of the guess first: at zero costates H* =
+/// 0 does not determine T.
 ///
 /// ```
 /// use costate_control::{SolverOptions, FinalTime, solve_extremal};
@@ -23,7 +23,9 @@ use costate::dynamics::{Cost, Dynamics};
 /// # struct Line;
 /// # impl BoundaryValueProblem for Line {
 /// #     fn states(&self) -> usize { 1 }
-/// #     fn evaluate(&mut self, z: &[f64], _: ControlLaw<'_>, g: &mut [f64]) -> Result<HamiltonianTerms, EvalError> {
+/// #     fn evaluate(
+/// #         &mut self, z: &[f64], _: ControlLaw<'_>, g: &mut [f64],
+/// #     ) -> Result<HamiltonianTerms, EvalError> {
 /// #         g.copy_from_slice(&[z[1], 0.0]);
 /// #         let cost = 0.5 * z[1] * z[1];
 /// #         Ok(HamiltonianTerms { hamiltonian: z[1] * z[1] - cost, cost, ..HamiltonianTerms::default() })
@@ -48,7 +50,8 @@ use costate::dynamics::{Cost, Dynamics};
 /// # impl BoundedControls for Line {}
 /// # impl Homotopy for Line {}
 /// // `Line`: dx/dt = u from 0 to 1, l = u^2/2.
-/// let motion = solve_extremal(&mut Line, FinalTime::Fixed(2.0), &SolverOptions::default(), |s, z| z[0] = s).motion;
+/// let options = SolverOptions::default();
+/// let motion = solve_extremal(&mut Line, FinalTime::Fixed(2.0), &options, |s, z| z[0] = s).motion;
 /// assert!(motion.status.is_converged() && (motion.cost - 0.25).abs() < 1e-12);
 /// ```
 pub fn solve_extremal<E: Extremal>(
@@ -63,8 +66,8 @@ pub fn solve_extremal<E: Extremal>(
     found.into_solution(extremal, recorder.iterations, options.tolerance)
 }
 
-/// Solves the problem of `extremal` from a straight line between its ends. Another first guess can be given to
-/// [`solve_extremal`].
+/// Solves the problem of `extremal` from a straight line between its ends. Another first guess can be given
+/// to [`solve_extremal`].
 pub fn solve_dynamics<D: Dynamics<f64>, C: Cost<f64>>(
     extremal: &mut DynamicsExtremal<D, C>,
     options: &SolverOptions,

@@ -77,7 +77,8 @@ impl<'a> Solver<'a> {
         self
     }
 
-    /// Solves. Never fails: [`Motion::status`](crate::Motion::status) says how it ended, and the best iterate is kept.
+    /// Solves. Never fails: [`Motion::status`](crate::Motion::status) says how it ended, and the best iterate
+    /// is kept.
     pub fn solve(self) -> Solution {
         let Self { problem, options, start, listener, cancel } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));

@@ -9,7 +9,7 @@ use crate::problem::check::CheckedProblem;
 use crate::problem::{BoundaryState, Problem};
 use crate::progress::Phase;
 use crate::result::motion::{Certificate, ExtremalSolution, Motion};
-use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
 use crate::result::trajectory::Trajectory;
 use crate::search::Search;
 use crate::search::guess::{RobotGuess, SavedMotion};
@@ -35,35 +35,36 @@ pub(crate) struct Starts<'a> {
 impl Starts<'_> {
     /// The best solution of all starts: the cheapest converged one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
-        let mut best: Option<Solution> = None;
-        let (mut starts, mut steps) = (Vec::new(), 0);
-        for number in 0..self.options.starts {
-            let solution = self
-                .start(number, recorder)
-                .unwrap_or_else(|error| self.missing(Status::EvaluationFailed(error.into())));
-            steps += solution.newton_iterations;
-            let (total, status) = (solution.motion.total(), solution.motion.status.clone());
-            starts.push(StartResult { total, status });
-            let better = best.as_ref().is_none_or(|best| {
-                let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
-                rank(&solution.motion) < rank(&best.motion)
-            });
-            if better {
-                best = Some(solution);
-            }
+        let result = |Solution { motion, .. }: &Solution| StartResult {
+            total: motion.total(),
+            status: motion.status.clone(),
+        };
+        let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
+        let mut best = self.solution_of(0, recorder);
+        let (mut starts, mut steps) = (vec![result(&best)], best.newton_iterations);
+        for number in 1..self.options.starts {
             if recorder.interruption().is_some() {
                 break;
             }
+            let solution = self.solution_of(number, recorder);
+            starts.push(result(&solution));
+            steps += solution.newton_iterations;
+            if rank(&solution.motion) < rank(&best.motion) {
+                best = solution;
+            }
         }
-        let mut best = best.unwrap_or_else(|| self.missing(Status::NewtonFailed));
         best.newton_iterations = steps;
         best.starts = starts;
         best.options = self.options.clone();
         best
     }
 
-    fn missing(&self, status: Status) -> Solution {
-        Solution::missing(&self.problem.robot, status, self.problem.time.value())
+    /// Where a start leads; no motion if the equations of the problem cannot be evaluated.
+    fn solution_of(&self, number: usize, recorder: &mut Recorder<'_>) -> Solution {
+        self.start(number, recorder).unwrap_or_else(|error| {
+            let status = Status::EvaluationFailed(error.into());
+            Solution::missing(&self.problem.robot, status, self.problem.time.value())
+        })
     }
 
     fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
@@ -78,9 +79,9 @@ impl Starts<'_> {
 
     /// The solution for the start that the guess has, if it costs nothing and its costates vanish.
     ///
-    /// If both ends are free, every motion without control may be optimal. Then the start is not determined and the
-    /// equations are singular. A motion with a fixed start whose costates vanish there meets the conditions of the free
-    /// start too.
+    /// If both ends are free, every motion without control may be optimal. Then the start is not determined
+    /// and the equations are singular. A motion with a fixed start whose costates vanish there meets the
+    /// conditions of the free start too.
     fn with_fixed_start(
         &self,
         number: usize,
@@ -91,7 +92,7 @@ impl Starts<'_> {
         let problem = self.problem.problem().clone().with_start(start);
         let Ok(problem) = problem.check() else { return Ok(None) };
         let mut found = Starts { problem, ..*self }.search_from(number, recorder)?;
-        let (y_q, y_p) = found.costate_start();
+        let CostateStart { y_q, y_p } = found.costate_start();
         let vanishes = |value: f64| value.abs() <= self.options.tolerance;
         let all_vanish = y_q.iter().chain(y_p).all(|&y| vanishes(y)) && vanishes(found.motion.total());
         if !(found.motion.status.is_converged() && all_vanish) {
@@ -142,8 +143,8 @@ impl Starts<'_> {
     }
 }
 
-/// The solution of a problem from that of its extremal: adds the velocities at the nodes and the largest error at the
-/// end.
+/// The solution of a problem from that of its extremal: adds the velocities at the nodes and the largest
+/// error at the end.
 pub(crate) fn solution(
     problem: &Problem,
     options: &SolverOptions,

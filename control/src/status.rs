@@ -36,26 +36,28 @@ pub struct BoundViolation {
     pub u: f64,
     /// The bound that it exceeds.
     pub bound: f64,
-    /// Distance from the middle of the bounds, relative to half the distance between them: 1 at a bound, more beyond.
+    /// Distance from the middle of the bounds, relative to half the distance between them: 1 at a bound, more
+    /// beyond.
     pub factor: f64,
 }
 
-/// How a solve ended. [`Converged`](Self::Converged) and [`ConvergedSmoothed`](Self::ConvergedSmoothed) are solutions;
-/// with any other status the motion is the best iterate.
+/// How a solve ended. [`Converged`](Self::Converged) and [`ConvergedSmoothed`](Self::ConvergedSmoothed) are
+/// solutions; with any other status the motion is the best iterate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "String", from = "String")]
+#[serde(into = "String", try_from = "String")]
 #[non_exhaustive]
 pub enum Status {
-    /// The conditions of the problem hold, the estimated error is below the tolerance, and integrating the state equation
-    /// again with the control that was found leads to the same end within the
-    /// [verification bound](crate::Motion::verification_bound).
+    /// The conditions of the problem hold, the estimated error is below the tolerance, and integrating the
+    /// state equation again with the control that was found leads to the same end within the [verification
+    /// bound](crate::Motion::verification_bound).
     Converged,
-    /// As [`Converged`](Self::Converged), but for a smoothed control: the motion has no isolated switching times. Its
-    /// cost is that of the problem itself to a relative 2e-5, and it satisfies the conditions of the smoothed problem
-    /// with the weight [`Motion::smoothing`](crate::Motion::smoothing).
+    /// The same for a smoothed control, with a tolerance of at least 1e-8; the last reduction of the
+    /// smoothing, to about a third, changed the cost by less than a relative 2e-5. The motion has no isolated
+    /// switching times. The weight of the smoothing is [`Motion::smoothing`](crate::Motion::smoothing).
     ConvergedSmoothed,
-    /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end by more than
-    /// the [verification bound](crate::Motion::verification_bound), or the integration stopped. Unstable motions end so.
+    /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end
+    /// by more than the [verification bound](crate::Motion::verification_bound), or the integration stopped.
+    /// This is typical of unstable motions.
     NotVerified,
     /// No damped Newton step reduced the correction.
     NewtonFailed,
@@ -69,10 +71,12 @@ pub enum Status {
     EvaluationFailed(EvaluationFailure),
     /// A homotopy (in the final time, the bounds or the smoothing) stopped before its end.
     ContinuationFailed,
-    /// The switching times belong to a smoothed problem: arcs read off from it did not solve the problem itself.
+    /// The switching times belong to a smoothed problem: arcs read off from it did not solve the problem
+    /// itself.
     SwitchesNotRefined,
     /// A motion was found with wider bounds only: they could not be tightened to those of the problem.
-    /// There is no motion then; [`Motion::bound_violation`](crate::Motion::bound_violation) says how much is missing.
+    /// There is no motion then; [`Motion::bound_violation`](crate::Motion::bound_violation) says how much is
+    /// missing.
     BoundsNotReached,
     /// Cancelled by the caller.
     Cancelled,
@@ -160,35 +164,76 @@ impl fmt::Display for Status {
 impl From<Status> for String {
     fn from(status: Status) -> Self {
         match status {
-            Status::EvaluationFailed(failure) => format!("evaluation_failed: {failure}"),
+            Status::EvaluationFailed(failure) => format!("{EVALUATION_FAILED}{failure}"),
             status => status.name().into(),
         }
     }
 }
 
-impl From<String> for Status {
-    /// An unknown name counts as a failed evaluation with that reason.
-    fn from(name: String) -> Self {
-        let all = [
-            Self::Converged,
-            Self::ConvergedSmoothed,
-            Self::NotVerified,
-            Self::NewtonFailed,
-            Self::IterationLimit,
-            Self::MeshLimit,
-            Self::Singular,
-            Self::ContinuationFailed,
-            Self::SwitchesNotRefined,
-            Self::BoundsNotReached,
-            Self::Cancelled,
-            Self::TimeLimit,
-        ];
-        let reason = name.strip_prefix("evaluation_failed: ").unwrap_or(&name);
-        let reason = escape_hidden(reason).chars().take(LONGEST_REASON).collect();
-        let known = all.into_iter().find(|status| status.name() == name);
-        known.unwrap_or(Self::EvaluationFailed(EvaluationFailure::Saved(reason)))
+/// The statuses without a reason of their own.
+const NAMED: [Status; 12] = [
+    Status::Converged,
+    Status::ConvergedSmoothed,
+    Status::NotVerified,
+    Status::NewtonFailed,
+    Status::IterationLimit,
+    Status::MeshLimit,
+    Status::Singular,
+    Status::ContinuationFailed,
+    Status::SwitchesNotRefined,
+    Status::BoundsNotReached,
+    Status::Cancelled,
+    Status::TimeLimit,
+];
+/// What stands before the reason of a failed evaluation.
+const EVALUATION_FAILED: &str = "evaluation_failed: ";
+/// Longest name or reason that is read from a file (characters).
+const LONGEST: usize = 1000;
+
+/// A name of a status that is not known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownStatus {
+    /// The name, printable, and shortened if it is very long.
+    pub name: String,
+}
+
+impl fmt::Display for UnknownStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let known = NAMED.map(|status| status.name()).join(", ");
+        write!(
+            f,
+            "there is no status '{}': give one of {known}, or '{EVALUATION_FAILED}' and the reason",
+            self.name
+        )
     }
 }
 
-/// Longest reason that is read from a file (characters).
-const LONGEST_REASON: usize = 1000;
+impl std::error::Error for UnknownStatus {}
+
+impl TryFrom<String> for Status {
+    type Error = UnknownStatus;
+
+    fn try_from(name: String) -> Result<Self, UnknownStatus> {
+        let shown = |text: &str| escape_hidden(text).chars().take(LONGEST).collect();
+        if let Some(reason) = name.strip_prefix(EVALUATION_FAILED) {
+            return Ok(Self::EvaluationFailed(EvaluationFailure::Saved(shown(reason))));
+        }
+        let known = NAMED.into_iter().find(|status| status.name() == name);
+        known.ok_or_else(|| UnknownStatus { name: shown(&name) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NAMED, Status};
+
+    #[test]
+    fn each_name_is_read_again_and_others_are_refused() {
+        for status in NAMED {
+            assert_eq!(Status::try_from(String::from(status.clone())), Ok(status));
+        }
+        let error = serde_json::from_str::<Status>(r#""fo\u001bo""#).unwrap_err().to_string();
+        assert!(error.contains(r"no status 'fo\u{1b}o'") && error.contains("not_verified"), "{error}");
+        assert!(error.contains("evaluation_failed"), "{error}");
+    }
+}

@@ -6,7 +6,9 @@ use super::summary::spaced;
 use super::task::Task;
 use crate::interrupt::Interrupt;
 use crate::report::{Table, counted};
-use costate_control::{Branch, BranchEnd, BranchPoint, Continuation, Parameter, Status, TurningPoint};
+use costate_control::{
+    Branch, BranchEnd, BranchPoint, Continuation, Parameter, Status, TurningPoint, UnknownParameter,
+};
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
@@ -31,7 +33,8 @@ impl FromStr for ParameterRange {
         let number = |text: &str| {
             text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number; {}", form()))
         };
-        Ok(Self { parameter: name.trim().parse()?, from: number(from)?, to: number(to)? })
+        let parameter = name.trim().parse().map_err(|error: UnknownParameter| error.to_string())?;
+        Ok(Self { parameter, from: number(from)?, to: number(to)? })
     }
 }
 

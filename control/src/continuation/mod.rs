@@ -18,12 +18,13 @@ mod start;
 mod steps;
 mod walk;
 
-pub use parameter::Parameter;
+pub use parameter::{Parameter, UnknownParameter};
 pub use points::{Branch, BranchEnd, BranchPoint, TurningPoint};
 
 use crate::constants::branch::{FIRST_STEP, LARGEST_STEP, LEAST_STEP, MOST_BEND, MOST_POINTS, STRAIGHT};
 use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
+use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::error::ProblemError;
 use crate::progress::{Cancel, Iteration, Listener, Phase};
 use crate::result::solution::Solution;
@@ -53,7 +54,8 @@ type PointListener<'a> = Box<dyn FnMut(&BranchPoint) -> ControlFlow<()> + Send +
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let branch = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, SolverOptions::default())?.follow();
+/// let options = SolverOptions::default();
+/// let branch = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, options)?.follow();
 /// assert_eq!(branch.end, BranchEnd::Reached);
 /// let (first, last) = (&branch.points[0], &branch.solution);
 /// assert!((first.cost - 6.0 * std::f64::consts::PI.powi(2)).abs() < 1e-7);
@@ -88,8 +90,8 @@ impl<'a> Continuation<'a> {
             parameter.apply(problem, value)?;
         }
         if from == to {
-            let reason = "the last value must be elsewhere than the first".into();
-            return Err(ProblemError::Continuation { parameter: parameter.name(), value: to, reason });
+            let cause = ContinuationCause::SameValue;
+            return Err(ProblemError::Continuation { parameter: parameter.name(), value: to, cause });
         }
         let family = Family { problem, parameter, from, to, jacobian: options.jacobian };
         Ok(Self { family, options, start: None, listener: None, point_listener: None, cancel: None })
@@ -129,23 +131,24 @@ impl<'a> Continuation<'a> {
     /// how it ended.
     pub fn follow(self) -> Branch {
         let Self { family, options, start, listener, point_listener, cancel } = self;
-        let mut branch = Branch {
-            parameter: family.parameter,
+        let (parameter, problem) = (family.parameter, family.problem);
+        let mut walked = Walked {
             points: Vec::new(),
             turning_points: Vec::new(),
             end: BranchEnd::NotStarted,
-            solution: Solution::missing(
-                &family.problem.robot,
-                Status::NewtonFailed,
-                family.problem.time.value(),
-            ),
+            first: None,
         };
         let recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         let run = Run { family, options: &options, start: start.as_ref(), point_listener };
-        if let Err(status) = run.walk(&mut branch, recorder) {
-            branch.solution.motion.status = status;
-        }
-        branch
+        let last = run.walk(&mut walked, recorder);
+        let Walked { points, turning_points, end, first } = walked;
+        let solution = last.unwrap_or_else(|status| {
+            let without = || Solution::missing(&problem.robot, status.clone(), problem.time.value());
+            let mut solution = first.unwrap_or_else(without);
+            solution.motion.status = status;
+            solution
+        });
+        Branch { parameter, points, turning_points, end, solution }
     }
 }
 
@@ -163,6 +166,15 @@ impl fmt::Debug for Continuation<'_> {
     }
 }
 
+/// What is known of a branch while it is followed.
+struct Walked {
+    points: Vec<BranchPoint>,
+    turning_points: Vec<TurningPoint>,
+    end: BranchEnd,
+    /// The solution at the first value, once there is one.
+    first: Option<Solution>,
+}
+
 /// A continuation that runs.
 struct Run<'a> {
     family: Family<'a>,
@@ -172,7 +184,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn walk(mut self, branch: &mut Branch, recorder: Recorder<'_>) -> Result<(), Status> {
+    /// The solution at the last point, or why there is none.
+    fn walk(mut self, branch: &mut Walked, recorder: Recorder<'_>) -> Result<Solution, Status> {
         let collocation = SolverOptions { method: Method::Collocation, ..self.options.clone() };
         let attempt = Attempt::new(&collocation, Phase::Continuation);
         let extremal = self.family.extremal(self.family.from)?;
@@ -224,7 +237,7 @@ impl Run<'_> {
     }
 
     /// A rough solution at the first value.
-    fn first(&self, walker: &mut Walker<'_, '_>, branch: &mut Branch) -> Result<Discretisation, Status> {
+    fn first(&self, walker: &mut Walker<'_, '_>, branch: &mut Walked) -> Result<Discretisation, Status> {
         let first = self.family.problem_at(self.family.from)?;
         if self.family.parameter == Parameter::Smoothing {
             return walker.smoothed(&first);
@@ -237,12 +250,11 @@ impl Run<'_> {
             options: self.options,
             saved: None,
         };
-        branch.solution = starts.solve(&mut walker.recorder);
-        let status = branch.solution.motion.status.clone();
-        if status.is_solved() {
-            Ok(walker.rough(&branch.solution.trajectory, first.time))
+        let solution = branch.first.insert(starts.solve(&mut walker.recorder));
+        if solution.motion.status.is_solved() {
+            Ok(walker.rough(&solution.trajectory, first.time))
         } else {
-            Err(status)
+            Err(solution.motion.status.clone())
         }
     }
 
@@ -251,7 +263,7 @@ impl Run<'_> {
         &mut self,
         walker: &mut Walker<'_, '_>,
         found: &Found,
-        branch: &mut Branch,
+        branch: &mut Walked,
         counted: usize,
     ) -> usize {
         let point = walker.point(found, counted);
@@ -267,11 +279,11 @@ impl Run<'_> {
     /// The solution at the last point.
     fn ended(
         &self,
-        branch: &mut Branch,
+        branch: &mut Walked,
         mut walker: Walker<'_, '_>,
         at: Found,
         end: BranchEnd,
-    ) -> Result<(), Status> {
+    ) -> Result<Solution, Status> {
         let value = self.family.value(at.position);
         let last = self.family.problem_at(value)?;
         let mut extremal = self.family.extremal(value)?;
@@ -288,7 +300,6 @@ impl Run<'_> {
             _ => {}
         }
         branch.end = end;
-        branch.solution = solution(&last, self.options, found, &mut extremal);
-        Ok(())
+        Ok(solution(&last, self.options, found, &mut extremal))
     }
 }

@@ -1,11 +1,13 @@
 //! The parameters of a continuation, by name.
 
+use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::error::ProblemError;
 use crate::problem::{FinalTime, Problem};
-use costate::robot::Robot;
+use costate::robot::{RobotError, printable};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 /// A number on which a [`Problem`] depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,22 +53,22 @@ impl Parameter {
     /// # Errors
     /// [`ProblemError::Continuation`] where the problem has no such parameter or must not have this value.
     pub fn apply(self, problem: &Problem, value: f64) -> Result<Problem, ProblemError> {
-        let refuse = |reason: &str| {
-            Err(ProblemError::Continuation { parameter: self.name(), value, reason: reason.into() })
-        };
+        let refused = |cause| ProblemError::Continuation { parameter: self.name(), value, cause };
+        let refuse = |cause| Err(refused(cause));
+        let refused_robot = |error: RobotError| refused(ContinuationCause::Robot(Arc::new(error)));
         if !value.is_finite() {
-            return refuse("the value must be finite");
+            return refuse(ContinuationCause::NotFinite);
         }
         let mut changed = problem.clone();
         match (self, &mut changed) {
             (Self::PenaltyWeight, Problem { penalty: Some(penalty), .. }) => penalty.weight = value,
-            (Self::PenaltyWeight, _) => return refuse("the problem has no penalties; add [penalty]"),
+            (Self::PenaltyWeight, _) => return refuse(ContinuationCause::NoPenalties),
             (Self::Smoothing, _) if !problem.cost.effort.contains(&0.0) => {
-                return refuse("every control has a weight of its effort: nothing is to be smoothed");
+                return refuse(ContinuationCause::NothingToSmooth);
             }
-            (Self::Smoothing, _) if value <= 0.0 => return refuse("it must be positive"),
+            (Self::Smoothing, _) if value <= 0.0 => return refuse(ContinuationCause::NotPositive),
             (Self::Smoothing, _) => {}
-            (Self::Bounds, _) if value <= 0.0 => return refuse("it must be positive"),
+            (Self::Bounds, _) if value <= 0.0 => return refuse(ContinuationCause::NotPositive),
             (Self::Bounds, Problem { bounds: Some(bounds), .. }) => {
                 let pairs = bounds.u_min.iter_mut().zip(&mut bounds.u_max);
                 for (low, high) in pairs.filter(|(low, high)| low.is_finite() && high.is_finite()) {
@@ -74,27 +76,20 @@ impl Parameter {
                     (*low, *high) = (middle - value * half, middle + value * half);
                 }
             }
-            (Self::Bounds, _) => return refuse("the problem has no bounds; add [bounds]"),
+            (Self::Bounds, _) => return refuse(ContinuationCause::NoBounds),
             (Self::FinalTime, Problem { time: FinalTime::Fixed(time), .. }) => *time = value,
-            (Self::FinalTime, _) => return refuse("the final time is free; give time.final"),
+            (Self::FinalTime, _) => return refuse(ContinuationCause::FreeTime),
             (Self::Gravity, Problem { robot, .. }) => {
                 let gravity = (robot.gravity() * value).into();
-                self.replace(robot, robot.with_gravity(gravity).map_err(|error| error.to_string()), value)?;
+                *robot = robot.with_gravity(gravity).map_err(refused_robot)?;
             }
             (Self::Armature, Problem { robot, .. }) => {
                 let armature = robot.armature_matrix() * value;
-                let new = robot.with_armature(armature).map_err(|error| error.to_string());
-                self.replace(robot, new, value)?;
+                *robot = robot.with_armature(armature).map_err(refused_robot)?;
             }
         }
         changed.check()?;
         Ok(changed)
-    }
-
-    fn replace(self, robot: &mut Robot, new: Result<Robot, String>, value: f64) -> Result<(), ProblemError> {
-        let refused = |reason| ProblemError::Continuation { parameter: self.name(), value, reason };
-        *robot = new.map_err(refused)?;
-        Ok(())
     }
 }
 
@@ -104,13 +99,28 @@ impl fmt::Display for Parameter {
     }
 }
 
-impl FromStr for Parameter {
-    type Err = String;
+/// A name of a parameter that is not known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownParameter {
+    /// The name.
+    pub name: String,
+}
 
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|parameter| parameter.name() == name).ok_or_else(|| {
-            format!("there is no parameter '{name}': give one of {}", Self::ALL.map(Self::name).join(", "))
-        })
+impl fmt::Display for UnknownParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, known) = (printable(&self.name), Parameter::ALL.map(Parameter::name).join(", "));
+        write!(f, "there is no parameter '{name}': give one of {known}")
+    }
+}
+
+impl std::error::Error for UnknownParameter {}
+
+impl FromStr for Parameter {
+    type Err = UnknownParameter;
+
+    fn from_str(name: &str) -> Result<Self, UnknownParameter> {
+        let known = Self::ALL.into_iter().find(|parameter| parameter.name() == name);
+        known.ok_or_else(|| UnknownParameter { name: name.to_owned() })
     }
 }
 
@@ -118,6 +128,7 @@ impl FromStr for Parameter {
 mod tests {
     use super::*;
     use crate::problem::Bounds;
+    use costate::robot::Robot;
 
     #[test]
     fn a_bound_on_one_side_stays_where_it_is() {

@@ -17,7 +17,9 @@ use costate::EvalError;
 /// is not finite. Ends, controls and bounds are those of [`RobotExtremal`].
 ///
 /// ```
-/// use costate_control::{GeneratedExtremal, SolverOptions, Problem, ProgramOf, FinalTime, pontryagin_program, solve_extremal};
+/// use costate_control::{
+///     FinalTime, GeneratedExtremal, Problem, ProgramOf, SolverOptions, pontryagin_program, solve_extremal,
+/// };
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
@@ -25,7 +27,8 @@ use costate::EvalError;
 /// let [rate, linear] = [ProgramOf::Rate, ProgramOf::Jacobian].map(|of| pontryagin_program(&problem, of));
 /// let ((rate, linear), mut work) = ((rate?, linear?), Vec::new());
 /// // Here the programs are interpreted. Use their compiled source instead.
-/// let run = |program: &costate::codegen::Program, z: &[f64], results: &mut [&mut [f64]], work: &mut Vec<f64>| {
+/// # use costate::codegen::Program;
+/// let run = |program: &Program, z: &[f64], results: &mut [&mut [f64]], work: &mut Vec<f64>| {
 ///     let mut all = vec![0.0; program.outputs()];
 ///     program.evaluate(z, &mut all, work).unwrap_or_default();
 ///     let mut rest = all.as_slice();
@@ -41,7 +44,8 @@ use costate::EvalError;
 ///     |z, z_t, l| run(&rate, z, &mut [z_t, l], &mut work),
 ///     |z, z_t, l, z_t_z| run(&linear, z, &mut [z_t, l, z_t_z], &mut other),
 /// )?;
-/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), |s, z| z[0] = s).motion;
+/// let options = SolverOptions::default();
+/// let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &options, |s, z| z[0] = s).motion;
 /// assert!(motion.status.is_converged());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -114,6 +118,17 @@ where
             }
         }
         library.linearise(z, law, g, jacobian)
+    }
+
+    fn linearise_exactly(
+        &mut self,
+        library: &mut RobotExtremal,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.linearise(library, z, law, g, jacobian)
     }
 }
 

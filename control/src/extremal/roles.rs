@@ -75,9 +75,30 @@ pub trait BoundaryValueProblem {
         0.0
     }
 
-    /// Whether the conditions at both ends fix all of x.
+    /// As [`linearise`](Self::linearise), with all second derivatives. It is used for the second variation,
+    /// which is wrong without them.
+    ///
+    /// Override it where `linearise` writes an approximation. The default is `linearise`.
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at z.
+    fn linearise_exactly(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.linearise(z, law, g, jacobian)
+    }
+
+    /// Whether both ends fix all of x, and $H^\ast_{yy}$ is positive semidefinite everywhere.
+    ///
+    /// Override with `true` only if both ends fix all of x and H_yy >= 0; conjugate times are checked only
+    /// then. The default is `false`: [`Motion::certificate`](crate::Motion::certificate) is then
+    /// [`Certificate::NotChecked`](crate::Certificate::NotChecked).
     fn ends_are_fixed(&self) -> bool {
-        true
+        false
     }
 
     /// The group of a component of z. Components of one group have one unit; each is scaled by at least a
@@ -127,7 +148,10 @@ pub trait BoundedControls {
     }
 
     /// $x' = f(x, u)$ for any control, N entries. A solution is verified by integrating it once more with its
-    /// controls. The default writes NaN: [`Motion::end_state`](crate::Motion::end_state) is then `None`.
+    /// controls.
+    ///
+    /// The default writes NaN: the motion cannot be integrated again and ends as
+    /// [`Status::NotVerified`](crate::Status::NotVerified). Implement it for every extremal with controls.
     ///
     /// # Errors
     /// The dynamics cannot be evaluated at x.

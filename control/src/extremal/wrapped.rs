@@ -37,6 +37,22 @@ pub trait Hooks<E: Extremal> {
         inner.linearise(z, law, g, jacobian)
     }
 
+    /// In place of [`BoundaryValueProblem::linearise_exactly`]. Hooks that change the equations must replace
+    /// it together with [`linearise`](Self::linearise).
+    ///
+    /// # Errors
+    /// The dynamics cannot be evaluated at z.
+    fn linearise_exactly(
+        &mut self,
+        inner: &mut E,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        inner.linearise_exactly(z, law, g, jacobian)
+    }
+
     /// In place of [`BoundaryValueProblem::ends_are_fixed`].
     fn ends_are_fixed(&self, inner: &E) -> bool {
         inner.ends_are_fixed()
@@ -85,6 +101,16 @@ impl<E: Extremal, H: Hooks<E>> BoundaryValueProblem for Wrapped<E, H> {
         jacobian: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
         self.hooks.linearise(&mut self.inner, z, law, g, jacobian)
+    }
+
+    fn linearise_exactly(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.hooks.linearise_exactly(&mut self.inner, z, law, g, jacobian)
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {

@@ -57,7 +57,8 @@ impl DormandPrince {
         self.tolerance = tolerance;
     }
 
-    /// Integrates `x' = rate(t, x)` in place from the start to the end of `time`, which may lie before it. NaN and diverging values stop it.
+    /// Integrates `x' = rate(t, x)` in place from the start to the end of `time`, which may lie before it.
+    /// NaN and diverging values stop it.
     pub fn integrate(
         &mut self,
         x: &mut [f64],

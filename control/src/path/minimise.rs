@@ -11,7 +11,9 @@ use super::band::Band;
 use super::coefficients::Unknowns;
 use super::expansion::Expansion;
 use super::objective::Objective;
-use crate::constants::path::{DAMPING, LARGEST_STRETCH, LEAST_GAIN, MOST_STEPS, SUFFICIENT_DECREASE};
+use crate::constants::path::{
+    FIRST_DAMPING, LARGEST_STRETCH, LEAST_DAMPING, LEAST_GAIN, MOST_DAMPING, MOST_STEPS, SUFFICIENT_DECREASE,
+};
 
 /// A path and its cost.
 #[derive(Clone, Debug)]
@@ -43,13 +45,12 @@ pub(crate) fn minimise(
     }
     let (mut exact, mut convex) = (objective.expansion(), objective.expansion());
     let mut solver = StepSolver::new(&exact);
-    let (first_damping, least_damping, most_damping) = DAMPING;
-    let mut damping = first_damping;
+    let mut damping = FIRST_DAMPING;
     for number in 1..=MOST_STEPS {
         objective.expand(&at.at, true, &mut exact).ok()?;
         objective.expand(&at.at, false, &mut convex).ok()?;
         let mut gain = 0.0;
-        while damping < most_damping {
+        while damping < MOST_DAMPING {
             let solved = solver.solve(&exact, &convex, damping, objective.time_is_free)
                 || solver.solve(&convex, &convex, damping, objective.time_is_free);
             if solved {
@@ -66,7 +67,7 @@ pub(crate) fn minimise(
                         } else {
                             2.0
                         })
-                    .max(least_damping);
+                    .max(LEAST_DAMPING);
                     at = Lowest { at: trial, cost };
                     break;
                 }

@@ -1,5 +1,6 @@
 //! Errors of a problem.
 
+use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::key::Key;
 use costate::EvalError;
 use costate::codegen::CodegenError;
@@ -107,7 +108,7 @@ pub enum ProblemError {
         /// The value.
         value: f64,
         /// The cause and its remedy.
-        reason: String,
+        cause: ContinuationCause,
     },
 }
 
@@ -174,8 +175,8 @@ impl ProblemError {
                     .into()
             }
             Self::BadOption { value, remedy, .. } => format!("{remedy}, but is {value}"),
-            Self::Continuation { parameter, value, reason } => {
-                format!("continuation to {parameter} = {value}: {reason}")
+            Self::Continuation { parameter, value, cause } => {
+                format!("continuation to {parameter} = {value}: {cause}")
             }
         }
     }
@@ -190,7 +191,15 @@ impl fmt::Display for ProblemError {
     }
 }
 
-impl std::error::Error for ProblemError {}
+impl std::error::Error for ProblemError {
+    /// The error of the robot that a continuation leads to.
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
+            _ => None,
+        }
+    }
+}
 
 /// The first names of joints, and how many more there are.
 pub(crate) fn listed(joints: &[String]) -> String {

@@ -1,6 +1,7 @@
 //! Optimal-control problems of robots.
 
 pub(crate) mod check;
+pub(crate) mod continuation_cause;
 pub(crate) mod error;
 #[cfg(feature = "toml")]
 pub(crate) mod file;

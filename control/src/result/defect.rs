@@ -11,8 +11,8 @@ const SEGMENTS: usize = 20;
 const TOLERANCE: f64 = 1e-12;
 
 impl Solved {
-    /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives the largest
-    /// mismatch at the next border, in parts of the size of the component.
+    /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives
+    /// the largest mismatch at the next border, in parts of the size of the component.
     pub(crate) fn shooting_defect<E: Extremal>(&self, extremal: &mut E) -> Result<f64, Stopped> {
         let equations = &self.found.equations;
         let mut timed = self.found.timed(extremal);

@@ -11,7 +11,8 @@ fn fixed(x: f64) -> String {
 }
 
 impl Problem {
-    /// Where the motion exceeds the limits of the robot's joints, which the solver does not enforce; one sentence each.
+    /// Where the motion exceeds the limits of the robot's joints, which the solver does not enforce; one
+    /// sentence each.
     pub fn limit_warnings(&self, trajectory: &Trajectory) -> Vec<String> {
         let range = |rows: &[Vec<f64>], i: usize, factor: f64| {
             let values = rows.iter().map(|row| factor * row[i]);

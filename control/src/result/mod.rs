@@ -2,6 +2,8 @@
 
 pub(crate) mod conjugate;
 pub(crate) mod defect;
+pub(crate) mod disconjugate;
+pub(crate) mod jacobi_fields;
 pub(crate) mod limits;
 pub(crate) mod motion;
 pub(crate) mod nodes;

@@ -14,13 +14,20 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Certificate {
-    /// No conjugate time up to T, of any multiplicity: a strict local minimum among all motions between these ends in
-    /// this time.
+    /// No conjugate time up to T, of any multiplicity: a strict local minimum among all motions between these
+    /// ends in this time.
+    ///
+    /// Conjugate times are counted over pieces of the motion. A bound on the second variation shows that no
+    /// piece holds two of them. The bound uses the Jacobian where the integration of the Jacobi fields
+    /// evaluates it, several times in each mesh interval. Two assumptions remain: that y'F_xx - l_xx has no
+    /// peak between these points, and `H_yy >= 0`, which [`ends_are_fixed`] promises.
+    ///
+    /// [`ends_are_fixed`]: crate::BoundaryValueProblem::ends_are_fixed
     LocalMinimum,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
-    /// Not checked: free ends, controls that reach a bound, a motion that is not converged, or rounding that hides the
-    /// answer.
+    /// Not checked: free ends, controls that reach a bound, a smoothed control, a motion that is not
+    /// converged or not verified, or rounding that hides the answer.
     NotChecked,
 }
 
@@ -42,26 +49,27 @@ pub struct Motion {
     pub hamiltonian: f64,
     /// `max |H* - mean| / max (|y'f| + |l|)`: zero for an exact solution.
     pub hamiltonian_drift: f64,
-    /// x at the end when the motion is integrated again from its start with the control that was found; `None` where the
-    /// integration stopped, or for a motion that is not converged.
+    /// x at the end when the motion is integrated again from its start with the control that was found;
+    /// `None` where the integration stopped, or for a motion that is not converged.
     pub end_state: Option<Vec<f64>>,
-    /// Largest relative mismatch when segments of the motion, costates included, are integrated again from their starts;
-    /// infinite where the integration stopped, or for a motion that is not converged.
+    /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
+    /// their starts; infinite where the integration stopped, or for a motion that is not converged.
     pub shooting_defect: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,
     /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
     pub conjugate_multiplicity: usize,
-    /// What follows for the motion.
+    /// What the second variation shows.
     pub certificate: Certificate,
-    /// Estimated error of each component of z in the coordinates of the search, relative to its largest value.
+    /// Estimated error of each component of z in the coordinates of the search, relative to its largest
+    /// value.
     pub errors: Vec<f64>,
     /// Newton steps, those of the path search included.
     pub iterations: Vec<Iteration>,
     /// Times (s) at which a control reaches or leaves a bound.
     pub switches: Vec<f64>,
-    /// With [`Status::BoundsNotReached`]: where the motion with the narrowest bounds that could be solved exceeds the bounds
-    /// of the problem most.
+    /// With [`Status::BoundsNotReached`]: where the motion with the narrowest bounds that could be solved
+    /// exceeds the bounds of the problem most.
     pub bound_violation: Option<BoundViolation>,
 }
 
@@ -93,8 +101,8 @@ impl Motion {
         self.cost + self.penalty_cost
     }
 
-    /// Largest end defect, relative to the size of each component of x, with which a motion that was solved to this
-    /// tolerance counts as verified: `max(100 tolerance, 1e-6)`.
+    /// Largest end defect, relative to the size of each component of x, with which a motion that was solved
+    /// to this tolerance counts as verified: `max(100 tolerance, 1e-6)`.
     pub fn verification_bound(tolerance: f64) -> f64 {
         (100.0 * tolerance).max(1e-6)
     }
@@ -120,8 +128,9 @@ pub(crate) fn verified(defect: f64, smoothed: bool, tolerance: f64) -> Status {
 }
 
 impl ExtremalSolution {
-    /// Changes the coordinates of all values of z and of the end state; what cannot be mapped becomes undefined. The
-    /// polynomial between the nodes belongs to the old coordinates and is dropped when values change.
+    /// Changes the coordinates of all values of z and of the end state; what cannot be mapped becomes
+    /// undefined. The polynomial between the nodes belongs to the old coordinates and is dropped when values
+    /// change.
     pub(crate) fn map<F: FnMut(&mut [f64]) -> Result<(), costate::EvalError>>(&mut self, mut map: F) {
         let before = self.nodes.z.clone();
         for z in self.nodes.z.iter_mut().chain(&mut self.motion.end_state) {
@@ -165,15 +174,16 @@ impl Solved {
         let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
         let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
         let smoothed = self.relaxation != Relaxation::NONE;
-        let (conjugate, certificate) = if converged && !smoothed {
-            self.second_variation(extremal)
-        } else {
-            (None, Certificate::NotChecked)
-        };
         if converged {
             let end = self.end_defect(extremal, end_state.as_deref());
             self.status = verified(end, smoothed, tolerance);
         }
+        // A motion that is not verified, or belongs to a smoothed problem, gets no certificate.
+        let (conjugate, certificate) = if self.status.is_converged() {
+            self.second_variation(extremal)
+        } else {
+            (None, Certificate::NotChecked)
+        };
         let (hamiltonian, hamiltonian_drift) = self.drift();
         let (nodes, mut switches) = self.nodes(extremal);
         if self.found.arcs.switches.is_empty() {

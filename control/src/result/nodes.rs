@@ -18,8 +18,8 @@ pub struct Nodes {
     pub(crate) interpolant: Option<Interpolant>,
 }
 
-/// The collocation polynomial: on each interval the polynomial of degree s that has the slopes `g(z)` at the s points of
-/// Lobatto's quadrature.
+/// The collocation polynomial: on each interval the polynomial of degree s that has the slopes `g(z)` at the
+/// s points of Lobatto's quadrature.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Interpolant {
     points: usize,

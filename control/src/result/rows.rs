@@ -115,9 +115,9 @@ impl Trajectory {
     /// Reads the trajectory of a saved solution, as a warm start for this robot.
     ///
     /// # Errors
-    /// [`TrajectoryError`]: no saved solution, more than 16 MiB or 100 000 nodes, a newer version, a motion of
-    /// another robot (by the names of its joints, where the file holds them), or lists whose lengths do not
-    /// fit.
+    /// [`TrajectoryError`]: no saved solution, more than 16 MiB or 100 000 nodes, a newer version, a motion
+    /// of another robot (by the names of its joints, where the file holds them), or lists whose lengths do
+    /// not fit.
     pub fn from_json(text: &str, robot: &Robot) -> Result<Self, TrajectoryError> {
         if text.len() > Self::MOST_BYTES {
             return Err(TrajectoryError::TooLong { most: Self::MOST_BYTES });

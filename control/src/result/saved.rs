@@ -3,7 +3,7 @@
 use crate::options::SolverOptions;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::rows::Rows;
-use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
 use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
 use crate::status::{BoundViolation, Status};
 use serde::de::Error;
@@ -20,7 +20,7 @@ struct Units {
 const UNITS: Units = Units { time: "s", revolute: "rad, rad/s, N m", prismatic: "m, m/s, N" };
 
 #[derive(Default, Serialize, Deserialize)]
-struct CostateStart {
+struct SavedCostates {
     y_q: Vec<f64>,
     y_p: Vec<f64>,
 }
@@ -65,7 +65,7 @@ struct Document {
     hamiltonian: Option<f64>,
     hamiltonian_drift: Option<f64>,
     #[serde(default)]
-    costate_start: CostateStart,
+    costate_start: SavedCostates,
     end_defect: Option<f64>,
     shooting_defect: Option<f64>,
     #[serde(default)]
@@ -129,7 +129,7 @@ fn finite(x: f64) -> Option<f64> {
 impl From<&Solution> for Document {
     fn from(solution: &Solution) -> Self {
         let motion = &solution.motion;
-        let (y_q, y_p) = solution.costate_start();
+        let CostateStart { y_q, y_p } = solution.costate_start();
         let start =
             |start: &StartResult| SavedStart { total: finite(start.total), status: start.status.clone() };
         Self {
@@ -148,7 +148,7 @@ impl From<&Solution> for Document {
             final_time: finite(motion.final_time),
             hamiltonian: finite(motion.hamiltonian),
             hamiltonian_drift: finite(motion.hamiltonian_drift),
-            costate_start: CostateStart { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
+            costate_start: SavedCostates { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
             end_defect: finite(solution.end_defect),
             shooting_defect: finite(motion.shooting_defect),
             newton_iterations: solution.newton_iterations,

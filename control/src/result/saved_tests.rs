@@ -1,6 +1,7 @@
 //! The JSON form of solutions, and what is refused.
 
 use super::*;
+use crate::result::solution::CostateStart;
 use crate::result::trajectory::Trajectory;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 
@@ -25,7 +26,7 @@ fn what_is_written_is_what_is_read() {
     solution.trajectory = trajectory.clone();
     let again = serde_json::to_string(&solution).unwrap();
     assert_eq!(Trajectory::from_json(&again, &robot).unwrap(), trajectory);
-    assert_eq!(solution.costate_start(), (&[1.0][..], &[2.0][..]));
+    assert_eq!(solution.costate_start(), CostateStart { y_q: &[1.0], y_p: &[2.0] });
     let whole: Solution = serde_json::from_str(&again).unwrap();
     assert_eq!(serde_json::to_string(&whole).unwrap(), again);
     assert_eq!(whole.motion.status, Status::MeshLimit);
@@ -76,6 +77,6 @@ fn names_of_files_are_printable_in_messages() {
     let joints = saved.replacen('{', "{\"robot\":\"\\u001b[31m\",\"joints\":[\"\\u202e\"],", 1);
     let error = Trajectory::from_json(&joints, &sledge("x")).unwrap_err().to_string();
     assert!(error.contains(r"'\u{1b}[31m' with joints '\u{202e}'"), "{error}");
-    let status = Status::from("evaluation_failed: \u{1b}[31m\u{202e}singular".to_owned());
+    let status = Status::try_from("evaluation_failed: \u{1b}[31m\u{202e}singular".to_owned()).unwrap();
     assert_eq!(status.to_string(), r"the dynamics could not be evaluated: \u{1b}[31m\u{202e}singular");
 }

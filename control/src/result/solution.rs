@@ -14,8 +14,8 @@ use costate::robot::Robot;
 pub struct Solution {
     /// Status, cost and all other figures of the motion.
     pub motion: Motion,
-    /// Largest miss of a position or velocity that is fixed at the end, when the motion is integrated again with the
-    /// control that was found (rad, m, rad/s, m/s); infinite where that was not possible.
+    /// Largest miss of a position or velocity that is fixed at the end, when the motion is integrated again
+    /// with the control that was found (rad, m, rad/s, m/s); infinite where that was not possible.
     pub end_defect: f64,
     /// Newton steps on extremals, over all meshes and starts.
     pub newton_iterations: usize,
@@ -57,6 +57,16 @@ impl RobotNames {
     }
 }
 
+/// The costates at the start of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CostateStart<'a> {
+    /// `-dJ/dq(0)` at constant p, one entry for each joint.
+    pub y_q: &'a [f64],
+    /// `-dJ/dp(0)`, one entry for each joint.
+    pub y_p: &'a [f64],
+}
+
 impl Solution {
     /// Cost and penalties together: what was minimised.
     pub fn total(&self) -> f64 {
@@ -68,12 +78,12 @@ impl Solution {
         self.trajectory.t.len()
     }
 
-    /// (y_q, y_p) at the start: `y(0) = -dJ/dx(0)`. Empty for a solution without a motion.
-    pub fn costate_start(&self) -> (&[f64], &[f64]) {
-        (
-            self.trajectory.y_q.first().map_or(&[], Vec::as_slice),
-            self.trajectory.y_p.first().map_or(&[], Vec::as_slice),
-        )
+    /// The costates at the start: `y(0) = -dJ/dx(0)`. Empty for a solution without a motion.
+    pub fn costate_start(&self) -> CostateStart<'_> {
+        CostateStart {
+            y_q: self.trajectory.y_q.first().map_or(&[], Vec::as_slice),
+            y_p: self.trajectory.y_p.first().map_or(&[], Vec::as_slice),
+        }
     }
 
     /// A solution without a motion.

@@ -65,9 +65,10 @@ impl Trajectory {
 
     /// The motion at time t (s); `None` outside of it.
     ///
-    /// By the collocation polynomial, whose error between the nodes is estimated with the solution: q, p and the costates
-    /// are its values, v is its derivative, u the polynomial through the controls at its points. A trajectory that was read
-    /// from a file has its nodes only: then q is the cubic that meets q and v at both nodes, and all else is linear.
+    /// By the collocation polynomial, whose error between the nodes is estimated with the solution: q, p and
+    /// the costates are its values, v is its derivative, u the polynomial through the controls at its points.
+    /// A trajectory that was read from a file has its nodes only: then q is the cubic that meets q and v at
+    /// both nodes, and all else is linear.
     pub fn at(&self, t: f64) -> Option<TrajectoryPoint> {
         let place = place(&self.t, t)?;
         match &self.interpolant {

@@ -2,7 +2,8 @@
 
 use costate::robot::printable;
 
-/// Version of the format of saved solutions. It grows when a key changes its meaning; a new key alone does not change it.
+/// Version of the format of saved solutions. It grows when a key changes its meaning; a new key alone does
+/// not change it.
 pub(crate) const VERSION: u32 = 1;
 
 /// Why a saved trajectory cannot be used.

@@ -10,7 +10,8 @@ use crate::solve::Solved;
 const TOLERANCE: f64 = 1e-12;
 
 impl Solved {
-    /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the costates.
+    /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the
+    /// costates.
     pub(crate) fn integrated_again<E: Extremal>(&self, extremal: &mut E) -> Result<Vec<f64>, Stopped> {
         let (states, m) = (extremal.states(), self.found.equations.m);
         let durations = self.found.durations(2 * states);
@@ -24,7 +25,8 @@ impl Solved {
                 integrator.integrate(&mut x, 0.0..h, |t, x, f| {
                     self.found.equations.polynomial(k, t / h, &mut w);
                     if u.is_empty() {
-                        // Without controls the first half of z' = g(z), with these costates, is the state equation.
+                        // Without controls the first half of z' = g(z), with these costates, is the state
+                        // equation.
                         w[..states].copy_from_slice(x);
                         extremal.evaluate(&w[..2 * states], law, &mut rate)?;
                         f.copy_from_slice(&rate[..states]);
@@ -38,8 +40,8 @@ impl Solved {
         Ok(x)
     }
 
-    /// Largest difference between x(T) of the mesh and `end`, relative to the size of each component; infinite without
-    /// an end.
+    /// Largest difference between x(T) of the mesh and `end`, relative to the size of each component;
+    /// infinite without an end.
     pub(crate) fn end_defect<E: Extremal>(&self, extremal: &E, end: Option<&[f64]>) -> f64 {
         let (states, m, scale) = (extremal.states(), self.found.equations.m, &self.found.equations.scale);
         let last = (self.found.equations.mesh.nodes() - 1) * m;

@@ -8,7 +8,7 @@
 
 use crate::bvp::timed::Clock;
 use crate::bvp::values::Values;
-use crate::constants::free_time::{FACTORS, NEAR, POWER, ROUNDS};
+use crate::constants::free_time::{LARGEST_FACTOR, LEAST_FACTOR, NEAR, POWER, ROUNDS};
 use crate::extremal::Extremal;
 use crate::progress::Phase;
 use crate::solve::{Attempt, Discretisation, Layout, Recorder, Solved};
@@ -29,7 +29,7 @@ pub(crate) fn free_time<E: Extremal>(
         let Clock::Fixed(time) = at.found.clock else { break };
         let energy = at.found.mean_hamiltonian() + price;
         let factor = if price > 0.0 && energy > 0.0 { (energy / price).powf(POWER) } else { 1.0 };
-        let factor = factor.clamp(FACTORS.0, FACTORS.1);
+        let factor = factor.clamp(LEAST_FACTOR, LARGEST_FACTOR);
         if (factor - 1.0).abs() < NEAR {
             break;
         }

@@ -1,9 +1,10 @@
 //! Continuation in a parameter: branches against problems solved directly, and a turning point that exists.
 
-use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate::robot::{JointSpec, LinkInertia, Robot, RobotError};
 use costate_control::{
     Bounds, Branch, BranchEnd, Continuation, FinalTime, Method, Motion, Objective, Parameter, Penalty,
-    Problem, ProblemError, RobotExtremal, Solution, Solver, SolverOptions, Status, solve_extremal,
+    Problem, ProblemError, RobotExtremal, Solution, Solver, SolverOptions, Status, UnknownParameter,
+    solve_extremal,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -65,7 +66,7 @@ fn gravity_leads_to_the_cost_of_the_problem_itself() {
     let branch = reach(&swing_up(1.0), Parameter::Gravity, 0.0, 1.0);
     close(branch.points[0].cost, 6.0 * PI * PI, 1e-9);
     close(branch.solution.motion.cost, 74.061_659_220_2, 1e-10);
-    close(branch.solution.costate_start().0[0], -13.035_958_540_5, 1e-8);
+    close(branch.solution.costate_start().y_q[0], -13.035_958_540_5, 1e-8);
 }
 
 #[test]
@@ -264,8 +265,13 @@ fn parameters_that_a_problem_does_not_have_are_refused() {
         matches!(negative, Err(ProblemError::Continuation { parameter: "armature", .. })),
         "{negative:?}"
     );
+    let negative = negative.unwrap_err();
+    let cause = std::error::Error::source(&negative).unwrap();
+    assert!(cause.is::<RobotError>() && negative.to_string().contains(&cause.to_string()), "{negative}");
     for parameter in Parameter::ALL {
         assert_eq!(parameter.name().parse::<Parameter>(), Ok(parameter));
     }
-    assert!("mass".parse::<Parameter>().unwrap_err().contains("final_time"));
+    let error = "mass".parse::<Parameter>().unwrap_err();
+    assert_eq!(error, UnknownParameter { name: "mass".into() });
+    assert!(error.to_string().contains("final_time"), "{error}");
 }

@@ -4,6 +4,7 @@ use crate::sledge;
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::{
     Certificate, FinalTime, JacobianRoute, Method, Objective, Problem, Solution, Solver, SolverOptions,
+    Status,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -43,8 +44,8 @@ fn close(found: f64, expected: f64, digits: f64) {
 fn a_metre_in_a_second_costs_six() {
     let solution = solve(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0));
     close(solution.motion.cost, 6.0, 1e-12);
-    close(solution.costate_start().0[0], 12.0, 1e-11);
-    close(solution.costate_start().1[0], 6.0, 1e-11);
+    close(solution.costate_start().y_q[0], 12.0, 1e-11);
+    close(solution.costate_start().y_p[0], 6.0, 1e-11);
     assert_eq!(solution.motion.certificate, Certificate::LocalMinimum);
     assert!(
         solution.newton_iterations <= 2,
@@ -57,8 +58,8 @@ fn a_metre_in_a_second_costs_six() {
 fn a_pendulum_swings_up_at_the_known_cost() {
     let solution = solve(&Problem::rest_to_rest(pendulum(), &[0.0], &[PI], 1.0));
     close(solution.motion.cost, 74.061_659_220_2, 1e-11);
-    close(solution.costate_start().0[0], -13.035_958_540_5, 1e-9);
-    close(solution.costate_start().1[0], 18.071_734_530_7, 1e-9);
+    close(solution.costate_start().y_q[0], -13.035_958_540_5, 1e-9);
+    close(solution.costate_start().y_p[0], 18.071_734_530_7, 1e-9);
 }
 
 #[test]
@@ -118,8 +119,8 @@ fn costates_are_the_slopes_of_the_cost() {
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&problem.robot);
     let mass = hamiltonian.mass_matrix(&problem.start.q).unwrap().clone();
     for j in 0..2 {
-        close(cost(&|problem, h| problem.start.q[j] += h), -solution.costate_start().0[j], 1e-6);
-        let expected: f64 = (0..2).map(|k| -solution.costate_start().1[k] * mass[(k, j)]).sum();
+        close(cost(&|problem, h| problem.start.q[j] += h), -solution.costate_start().y_q[j], 1e-6);
+        let expected: f64 = (0..2).map(|k| -solution.costate_start().y_p[k] * mass[(k, j)]).sum();
         close(cost(&|problem, h| problem.start.v[j] += h), expected, 1e-6);
     }
 }
@@ -222,4 +223,13 @@ fn a_motion_that_needs_no_control_costs_nothing() {
             assert!(solution.motion.cost < 1e-20, "{name}: {}", solution.motion.cost);
         }
     }
+}
+
+#[test]
+fn a_motion_that_is_not_verified_gets_no_certificate() {
+    let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
+    let problem = Problem::rest_to_rest(robot, &[3.0], &[PI], 5.0);
+    let motion = Solver::new(&problem, SolverOptions::default()).unwrap().solve().motion;
+    assert_eq!(motion.status, Status::NotVerified);
+    assert_eq!((motion.certificate, motion.conjugate_time), (Certificate::NotChecked, None));
 }

@@ -137,7 +137,8 @@ fn agree(problem: &Problem) -> [Solution; 2] {
     let [a, b] = both(problem);
     assert!((a.total() - b.total()).abs() < 1e-9 * a.total().abs(), "{} {}", a.total(), b.total());
     assert!((a.motion.final_time - b.motion.final_time).abs() < 1e-8 * a.motion.final_time);
-    for (a, b) in [(&a.costate_start().0, &b.costate_start().0), (&a.costate_start().1, &b.costate_start().1)]
+    for (a, b) in
+        [(&a.costate_start().y_q, &b.costate_start().y_q), (&a.costate_start().y_p, &b.costate_start().y_p)]
     {
         let size = a.iter().fold(0.0_f64, |size, y| size.max(y.abs()));
         assert!(a.iter().zip(*b).all(|(a, b)| (a - b).abs() < 1e-7 * size), "{a:?} {b:?}");
@@ -155,7 +156,7 @@ fn both_coordinates_give_an_arm_and_a_pendulum_the_same_motion() {
     let pendulum = Robot::builder("pendulum").joint(joint).build().unwrap();
     let [_, found] = agree(&Problem::rest_to_rest(pendulum, &[0.0], &[PI], 1.0));
     assert!((found.motion.cost - 74.061_659_220_2).abs() < 1e-9, "{}", found.motion.cost);
-    assert!((found.costate_start().0[0] + 13.035_958_540_5).abs() < 1e-7);
+    assert!((found.costate_start().y_q[0] + 13.035_958_540_5).abs() < 1e-7);
 }
 
 #[test]

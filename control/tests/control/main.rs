@@ -16,6 +16,7 @@ mod linear_algebra;
 mod one_state;
 mod problem_file;
 mod problems;
+mod second_variation;
 mod shooting;
 mod source;
 mod stopping;

@@ -55,6 +55,10 @@ impl BoundaryValueProblem for Line {
     fn time_cost(&self) -> f64 {
         self.time_cost
     }
+
+    fn ends_are_fixed(&self) -> bool {
+        true
+    }
 }
 
 impl BoundedControls for Line {
@@ -165,6 +169,10 @@ impl BoundaryValueProblem for Pair {
         residual.copy_from_slice(&[z[0] - 1.0, z[1] - 2.0]);
         jacobian.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
         Ok(())
+    }
+
+    fn ends_are_fixed(&self) -> bool {
+        true
     }
 }
 

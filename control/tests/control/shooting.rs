@@ -53,7 +53,7 @@ fn both(problem: &Problem) -> Solution {
         close(*found, *expected, 1e-8);
     }
     let parts =
-        |solution: &Solution| [solution.costate_start().0.to_vec(), solution.costate_start().1.to_vec()];
+        |solution: &Solution| [solution.costate_start().y_q.to_vec(), solution.costate_start().y_p.to_vec()];
     for (found, expected) in parts(&shooting).iter().zip(&parts(&collocation)) {
         let largest = expected.iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
         found.iter().zip(expected).for_each(|(y, expected)| {
@@ -67,8 +67,8 @@ fn both(problem: &Problem) -> Solution {
 fn a_metre_in_a_second_costs_six() {
     let solution = both(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0));
     close(solution.motion.cost, 6.0, 1e-11);
-    close(solution.costate_start().0[0], 12.0, 1e-11);
-    close(solution.costate_start().1[0], 6.0, 1e-11);
+    close(solution.costate_start().y_q[0], 12.0, 1e-11);
+    close(solution.costate_start().y_p[0], 6.0, 1e-11);
 }
 
 #[test]
@@ -76,8 +76,8 @@ fn a_pendulum_swings_up_at_the_known_cost() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let solution = both(&Problem::rest_to_rest(robot, &[0.0], &[PI], 1.0));
     close(solution.motion.cost, 74.061_659_220_2, 1e-11);
-    close(solution.costate_start().0[0], -13.035_958_540_5, 1e-9);
-    close(solution.costate_start().1[0], 18.071_734_530_7, 1e-9);
+    close(solution.costate_start().y_q[0], -13.035_958_540_5, 1e-9);
+    close(solution.costate_start().y_p[0], 18.071_734_530_7, 1e-9);
 }
 
 #[test]

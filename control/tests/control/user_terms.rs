@@ -45,8 +45,8 @@ fn solve(problem: &Problem) -> Solution {
 
 /// Cost of the double integrator from 0 to a in the time T, rest to rest, with `l = 1/2 (x^2 + v^2 + u^2)`.
 ///
-/// Its extremals obey `x'''' - x'' + x = 0`: four solutions `e^{±αt} cos βt`, `e^{±αt} sin βt` with α + iβ = e^{iπ/6}, four
-/// conditions at the ends. Along them 2 l is the rate of `x'' x' - x''' x + x' x`.
+/// Its extremals obey `x'''' - x'' + x = 0`: four solutions `e^{±αt} cos βt`, `e^{±αt} sin βt` with α + iβ =
+/// e^{iπ/6}, four conditions at the ends. Along them 2 l is the rate of `x'' x' - x''' x + x' x`.
 fn linear_quadratic_cost(a: f64, time: f64) -> f64 {
     let (alpha, beta) = (0.75_f64.sqrt(), 0.5_f64);
     // Derivatives of e^{st}: complex powers of s; real and imaginary part are two solutions.
@@ -212,7 +212,7 @@ fn an_obstacle_is_avoided() {
     let more = cost(&beside);
     beside.start.q[1] -= 2e-4;
     let slope = (more - cost(&beside)) / 2e-4;
-    assert!((slope + around.costate_start().0[1]).abs() < 1e-4 * slope.abs().max(1.0));
+    assert!((slope + around.costate_start().y_q[1]).abs() < 1e-4 * slope.abs().max(1.0));
 }
 
 /// A cost of time.

@@ -6,8 +6,9 @@ use costate::dynamics::{Cost, Dynamics};
 use costate::matrix::{Block, dot};
 
 impl<D: Dynamics<f64>, C: Cost<f64>> DynamicsExtremal<D, C> {
-    /// z on the straight line between the ends at s = t/T. Controls follow the line in the sense of least squares, and the
-    /// costate is the smallest one that gives these controls: `f_u'y = R u`. Zero costates where `f_u` lacks rank.
+    /// z on the straight line between the ends at s = t/T. Controls follow the line in the sense of least
+    /// squares, and the costate is the smallest one that gives these controls: `f_u'y = R u`. Zero costates
+    /// where `f_u` lacks rank.
     pub(crate) fn straight_line(&mut self, s: f64, z: &mut [f64]) {
         let (from, to, time) = (&self.problem.start.x, &self.problem.end.x, self.problem.time.value());
         z.fill(0.0);

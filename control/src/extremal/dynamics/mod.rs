@@ -34,7 +34,9 @@ use costate::matrix::add_scaled;
 /// use costate::derivative::Function;
 /// use costate::dynamics::Automatic;
 /// use costate::scalar::Scalar;
-/// use costate_control::{DynamicsExtremal, DynamicsProblem, EndState, FinalTime, SolverOptions, solve_dynamics};
+/// use costate_control::{
+///     DynamicsExtremal, DynamicsProblem, EndState, FinalTime, SolverOptions, solve_dynamics,
+/// };
 ///
 /// /// A cart: x = (position, rate), u = force per mass.
 /// #[derive(Clone)]

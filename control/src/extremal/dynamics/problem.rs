@@ -27,7 +27,8 @@ impl EndState {
 
 /// Find u(t) that moves a model $x' = f(x, u)$, affine in u, from its start to its end and minimises
 ///
-/// $$ J = c_t T + \int_0^T \left( \tfrac12 \sum_i r_i u_i^2 + l(x) \right) dt, \qquad u_{min} \le u \le u_{max} $$
+/// $$ J = c_t T + \int_0^T \left( \tfrac12 \sum_i r_i u_i^2 + l(x) \right) dt, \qquad
+///    u_{min} \le u \le u_{max} $$
 ///
 /// The model and the further running cost l(x) are given to
 /// [`DynamicsExtremal`](crate::DynamicsExtremal).

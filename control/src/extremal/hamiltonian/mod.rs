@@ -74,6 +74,22 @@ impl RobotExtremal {
     }
 }
 
+impl RobotExtremal {
+    /// g(z) and its Jacobian, with the blocks y'F_xx if `hessian` is true.
+    fn linearise_with(
+        &mut self,
+        hessian: bool,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        Outputs { g, jacobian }: Outputs<'_, f64>,
+    ) -> Result<HamiltonianTerms, EvalError> {
+        let actuation = &self.actuation;
+        let control = |i, y_p| actuation.control(i, y_p, law);
+        let l = self.equations.linearise(z, control, hessian, Outputs { g: &mut *g, jacobian })?;
+        Ok(with_hamiltonian(z, g, l))
+    }
+}
+
 impl Differenced for RobotExtremal {
     fn differences(&mut self) -> &mut Differences {
         &mut self.differences
@@ -108,10 +124,17 @@ impl BoundaryValueProblem for RobotExtremal {
             return self.evaluate(z, law, g);
         }
         let hessian = self.jacobian == JacobianRoute::Exact;
-        let actuation = &self.actuation;
-        let control = |i, y_p| actuation.control(i, y_p, law);
-        let l = self.equations.linearise(z, control, hessian, Outputs { g, jacobian })?;
-        Ok(with_hamiltonian(z, g, l))
+        self.linearise_with(hessian, z, law, Outputs { g, jacobian })
+    }
+
+    fn linearise_exactly(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        self.linearise_with(true, z, law, Outputs { g, jacobian })
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {

@@ -1,21 +1,26 @@
 //! The Jacobian of the extremals of a robot in Lagrangian coordinates.
 
 use crate::extremal::lagrangian::LagrangianExtremal;
-use crate::options::JacobianRoute;
 use costate::EvalError;
 use costate::matrix::Block;
 
 impl LagrangianExtremal {
-    /// g and its Jacobian from f_x, and from the second derivatives unless the route omits them.
-    pub(crate) fn exact(&mut self, z: &[f64], g: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
+    /// g and its Jacobian from f_x, and from the second derivatives if `hessian` is true.
+    pub(crate) fn analytic(
+        &mut self,
+        z: &[f64],
+        g: &mut [f64],
+        jacobian: &mut [f64],
+        hessian: bool,
+    ) -> Result<(), EvalError> {
         let n = self.force.len();
         let m = 4 * n;
         let (q, v, y_q, y_v) = (&z[..n], &z[n..2 * n], &z[2 * n..3 * n], &z[3 * n..]);
-        let (linear, hessian) = if self.jacobian == JacobianRoute::WithoutHessian {
-            (self.second.first().linearise_forward_dynamics(q, v, &self.force)?, None)
-        } else {
+        let (linear, hessian) = if hessian {
             let all = self.second.contract_forward_dynamics(q, v, &self.force, y_v)?;
             (all.forward_dynamics(), Some((all.xx(), all.uq())))
+        } else {
+            (self.second.first().linearise_forward_dynamics(q, v, &self.force)?, None)
         };
         g[..n].copy_from_slice(v);
         g[n..2 * n].copy_from_slice(linear.acceleration());

@@ -45,7 +45,7 @@ pub struct LagrangianExtremal {
     ends: ComponentEnds,
     /// c_t.
     time_cost: f64,
-    pub(crate) jacobian: JacobianRoute,
+    jacobian: JacobianRoute,
     /// w.
     pub(crate) pull: Vec<f64>,
     /// B u.
@@ -181,7 +181,19 @@ impl BoundaryValueProblem for LagrangianExtremal {
             return self.evaluate(z, law, g);
         }
         let l = self.prepare(z, law, true)?;
-        self.exact(z, g, jacobian)?;
+        self.analytic(z, g, jacobian, self.jacobian == JacobianRoute::Exact)?;
+        Ok(with_hamiltonian(z, g, l))
+    }
+
+    fn linearise_exactly(
+        &mut self,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        g: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> Result<HamiltonianTerms, EvalError> {
+        let l = self.prepare(z, law, true)?;
+        self.analytic(z, g, jacobian, true)?;
         Ok(with_hamiltonian(z, g, l))
     }
 

@@ -50,7 +50,8 @@ fn full_key(text: &str, place: Range<usize>) -> String {
     header.map_or_else(|| name.into(), |table| format!("{table}.{name}"))
 }
 
-/// Longest text (bytes). Reading one takes up to a hundred times as much memory; ten lists of 10 000 numbers fit.
+/// Longest text (bytes). Reading one takes up to a hundred times as much memory; ten lists of 10 000 numbers
+/// fit.
 pub(crate) const MOST_BYTES: usize = 1 << 20;
 
 /// The whole text.

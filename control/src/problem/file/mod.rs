@@ -47,8 +47,8 @@ impl ProblemFile {
     /// Reads a problem file and the robot that it names. Paths in the file are relative to its folder.
     ///
     /// # Errors
-    /// A file that cannot be read, text of more than 1 MiB, text that is not TOML, an unknown or missing key, a value of the
-    /// wrong type, an invalid robot or problem.
+    /// A file that cannot be read, text of more than 1 MiB, text that is not TOML, an unknown or missing key,
+    /// a value of the wrong type, an invalid robot or problem.
     pub fn read(path: impl AsRef<Path>, load: LoadOptions) -> Result<Self, ProblemFileError> {
         let path = path.as_ref();
         let at = |fault: Fault| fault.in_file(Some(path));

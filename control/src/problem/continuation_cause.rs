@@ -1,0 +1,62 @@
+//! Why a parameter of a continuation cannot have a value.
+
+use costate::robot::RobotError;
+use std::fmt;
+use std::sync::Arc;
+
+/// Why a problem was refused for a continuation. Prints with its remedy.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum ContinuationCause {
+    /// The first value is also the last one.
+    SameValue,
+    /// An infinite or undefined value.
+    NotFinite,
+    /// A value that must be positive.
+    NotPositive,
+    /// A weight of penalties, where there are none.
+    NoPenalties,
+    /// A smoothing, where every control has a weight of its effort.
+    NothingToSmooth,
+    /// A factor of bounds, where there are none.
+    NoBounds,
+    /// A final time, where it is free.
+    FreeTime,
+    /// The robot that would have this value is refused.
+    Robot(Arc<RobotError>),
+}
+
+impl fmt::Display for ContinuationCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SameValue => "the last value must be elsewhere than the first",
+            Self::NotFinite => "the value must be finite",
+            Self::NotPositive => "it must be positive",
+            Self::NoPenalties => "the problem has no penalties; add [penalty]",
+            Self::NothingToSmooth => "every control has a weight of its effort: nothing is to be smoothed",
+            Self::NoBounds => "the problem has no bounds; add [bounds]",
+            Self::FreeTime => "the final time is free; give time.final",
+            Self::Robot(error) => return error.fmt(f),
+        })
+    }
+}
+
+impl std::error::Error for ContinuationCause {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            // Its message is this one.
+            Self::Robot(error) => error.source(),
+            _ => None,
+        }
+    }
+}
+
+/// Errors of robots are equal if their messages are.
+impl PartialEq for ContinuationCause {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Robot(a), Self::Robot(b)) => a.to_string() == b.to_string(),
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+}
