@@ -1,8 +1,10 @@
-# Prints one circle of imports between the files of a crate, if there is any. Usage: awk -v root=SRC -f .ci/circles.awk FILES
+# Prints one circle of imports between the files of a crate, if there is any.
+# Usage: awk -v root=FOLDER_OF_THE_ROOT -f .ci/circles.awk FILES; with -v all=1 it prints all imports that remain.
 #
-# A file imports another if a path that begins with `crate`, `self`, `super` or a module of its own leads there, in a `use`
-# or in an expression. `mod` imports nothing, and neither does `pub use` of what the file itself does not
-# use: names are followed to the file that defines them. Tests and comments are skipped, and modules in other folders (`#[path = ...]`).
+# A file imports another if a path that begins with `crate`, `self`, `super` or a module of its own leads there, in a
+# `use` or in an expression. `mod` imports nothing, and neither does `pub use` of what the file itself does not use:
+# names are followed to the file that defines them. Skipped are tests, comments, and modules in other folders
+# (`#[path = ...]`).
 
 # The module of a file: `a::b` for `a/b.rs` and `a/b/mod.rs`, the empty name for the root.
 function module_of(file) {

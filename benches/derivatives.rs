@@ -1,4 +1,4 @@
-//! Times of F, F_x and y'F_xx by every route, as ratios to F: `cargo bench -p costate-benches --bench
+//! Times of F, F_x and y'F_xx by every method, as ratios to F: `cargo bench -p costate-benches --bench
 //! derivatives`. With `COSTATE_WRITE=1` in the environment the table is also written to `docs/times.md`.
 //!
 //! Inside the timed region: one call on a built workspace, from q, p, u (y) to the filled arrays; one state,
@@ -32,7 +32,7 @@ fn main() {
     report();
 }
 
-/// One route: its name in the table and the file name of its samples.
+/// One method: its name in the table and the file name of its samples.
 const ROUTES: [(&str, &str); 17] = [
     ("F", "f"),
     ("F, F_x: analytic", "f_x analytic"),
@@ -169,7 +169,7 @@ fn report() {
         if cfg!(target_feature = "avx2") { "AVX2 and above" } else { "baseline instructions of the target" };
     let names = ROBOTS.map(|file| file.split('.').next().unwrap_or(file));
     let mut table = format!("CPU {model}; one core, f64, {flags}, {LTO}; medians, ns and (ratio to F)\n\n");
-    table += &format!("| quantity: route | {} |\n|---|---|---|---|\n", names.join(" | "));
+    table += &format!("| quantity: method | {} |\n|---|---|---|---|\n", names.join(" | "));
     for (title, route) in ROUTES {
         let cell = |robot: &str| match (median(robot, route), median(robot, "f")) {
             (Some(time), Some(f)) => format!("{time:.0} ({:.1})", time / f),

@@ -1,4 +1,4 @@
-//! Operations of M, F, F_x and y'F_xx by every route, compared with the figures of the paper.
+//! Operations of M, F, F_x and y'F_xx by every method, compared with the figures of the paper.
 //!
 //! `cargo bench -p costate-benches --bench operations` prints the table, with `-- --write` it also writes it
 //! into `docs/operations.md`; `cargo test -p costate-benches --bench operations` fails if the table there is
@@ -68,7 +68,7 @@ fn table() -> String {
     let mut text = format!("{BEGIN}\nMultiplications / additions, constants folded.\n\n");
     let robots = all();
     let names: Vec<&str> = robots.iter().map(|(name, ..)| *name).collect();
-    writeln!(text, "| quantity: route | {} |\n|---|{}", names.join(" | "), "---|".repeat(names.len()))
+    writeln!(text, "| quantity: method | {} |\n|---|{}", names.join(" | "), "---|".repeat(names.len()))
         .unwrap();
     let mut line =
         |title: &str, cells: Vec<String>| writeln!(text, "| {title} | {} |", cells.join(" | ")).unwrap();

@@ -1,4 +1,4 @@
-//! `costate count`: operations of each quantity by each route.
+//! `costate count`: operations of each quantity by each method.
 
 use crate::report::{Table, title};
 use crate::work::refuse_excessive;
@@ -71,7 +71,7 @@ fn print(
     };
     writeln!(out, "{}: operations of one evaluation,\n{how}\n", title(robot))?;
     let mut printed = Table::new(
-        &["quantity", "route", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
+        &["quantity", "method", "mul", "add", "div", "sqrt", "sincos", "exp", "less", "mul / F"],
         2,
     );
     let f = table.get("f", "analytic").unwrap_or_default().mul.max(1) as f64;

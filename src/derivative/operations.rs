@@ -1,4 +1,4 @@
-//! How many operations each quantity takes by each route.
+//! How many operations each quantity takes by each method.
 
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
 // by everyone who builds the library.
@@ -13,16 +13,16 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::{Constants, Count, Operations, count_with};
 use crate::tensors::Christoffel;
 
-/// Operations of M, F, F_x and y'F_xx of one robot, each with all that it needs, by every route.
+/// Operations of M, F, F_x and y'F_xx of one robot, each with all that it needs, by every method.
 ///
 /// | quantity | what is evaluated | tensors, analytic | dual | hyperdual |
 /// |---|---|---|---|---|
-/// | `mass_matrix` | M(q) | by that route | as analytic | as analytic |
-/// | `f` | F | by that route | as analytic | as analytic |
+/// | `mass_matrix` | M(q) | by that method | as analytic | as analytic |
+/// | `f` | F | by that method | as analytic | as analytic |
 /// | `f_x` | F and F_x | by hand | [`Jacobian`] of F | [`Hessian`] of F, which gives all second derivatives |
 /// | `y_f_xx` | F, F_x and y'F_xx | one dual pass through F_x; 2n+1 rule | and [`NestedHessian`] of F | and contracted with y |
 ///
-/// After these come quantities of some routes only, see [`MORE`](Self::MORE).
+/// After these come quantities of some methods only, see [`MORE`](Self::MORE).
 ///
 /// The pipeline itself runs on [`Count`] numbers; q, p and y are variables. So is u in what is derived by
 /// hand; automatic differentiation lifts it as a constant like any other number, which is the same but where
@@ -42,13 +42,13 @@ use crate::tensors::Christoffel;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OperationTable {
-    /// By quantity, then by route.
+    /// By quantity, then by method.
     counts: [[Operations; 4]; 4],
     /// In the order of [`Self::MORE`].
     more: [Operations; 5],
 }
 
-/// One quantity by one route, see [`OperationTable`].
+/// One quantity by one method, see [`OperationTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct OperationRow {
@@ -82,10 +82,10 @@ impl OperationTable {
     /// The quantities, in the order of the rows.
     pub const QUANTITIES: [&'static str; 4] = ["mass_matrix", "f", "f_x", "y_f_xx"];
 
-    /// The routes, in the order of the rows of one quantity.
+    /// The methods, in the order of the rows of one quantity.
     pub const ROUTES: [&'static str; 4] = ["tensors", "analytic", "dual", "hyperdual"];
 
-    /// Quantities of some routes only, as (quantity, route): `y_f_x` is F and y'F_x, `y_f_xx_d` a product
+    /// Quantities of some methods only, as (quantity, method): `y_f_x` is F and y'F_x, `y_f_xx_d` a product
     /// y'F_xx d, both without the matrix; `f_xx` F_x and the whole tensor; `dual pass` the one dual number
     /// through the analytic F_x.
     pub const MORE: [(&'static str, &'static str); 5] = [
@@ -139,7 +139,7 @@ impl OperationTable {
         })
     }
 
-    /// Every quantity by every route, then [`MORE`](Self::MORE).
+    /// Every quantity by every method, then [`MORE`](Self::MORE).
     pub fn rows(&self) -> impl Iterator<Item = OperationRow> {
         let every = Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
             let row = move |(route, operations)| OperationRow { quantity, route, operations };
@@ -149,13 +149,13 @@ impl OperationTable {
         every.chain(more.map(|((quantity, route), operations)| OperationRow { quantity, route, operations }))
     }
 
-    /// One quantity by one route, `None` if there is no such name.
+    /// One quantity by one method, `None` if there is no such name.
     pub fn get(&self, quantity: &str, route: &str) -> Option<Operations> {
         self.rows().find(|row| row.quantity == quantity && row.route == route).map(|row| row.operations)
     }
 }
 
-/// Every quantity by a route through a Hessian of the Lagrangian, y'F_xx by one dual pass.
+/// Every quantity by a method through a Hessian of the Lagrangian, y'F_xx by one dual pass.
 fn by_dual_pass<R: Route>(
     tree: &Tree,
     route: R,

@@ -1,4 +1,4 @@
-//! One call of one route, for the runner of gungraun.
+//! One call of one method, for the runner of gungraun.
 
 use crate::selected;
 use costate_routes::cases::Case;
@@ -6,7 +6,7 @@ use costate_routes::routes::Call;
 use gungraun::{library_benchmark, library_benchmark_group};
 
 /// The call in this place of all that are counted, made ready and called once; None where there is no such
-/// route.
+/// method.
 fn ready([case, route]: [usize; 2]) -> Option<Call<'static>> {
     let case: &Case = Box::leak(Box::new(Case::files().unwrap().swap_remove(case)));
     let (_, candidate) = selected::counted(case, |place| place == route).unwrap().pop()?;

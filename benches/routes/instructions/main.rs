@@ -77,7 +77,7 @@ fn call_once(cases: &[Case]) -> Result<(), Failure> {
         for (_, candidate) in &mut list {
             (candidate.work)(None)?;
         }
-        println!("{}: {} routes run", case.title, list.len());
+        println!("{}: {} methods run", case.title, list.len());
     }
     Ok(())
 }

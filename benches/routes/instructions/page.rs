@@ -27,11 +27,11 @@ fn instructions(case: &Case, route: usize) -> Result<u64, Failure> {
     Ok(first.ok_or_else(|| format!("{}: no totals", path.display()))?.parse()?)
 }
 
-/// Routes down, robots across.
+/// Methods down, robots across.
 pub fn table(cases: &[Case], valgrind: &str) -> Result<String, Failure> {
     let titles: Vec<&str> = cases.iter().map(|case| case.title.as_str()).collect();
     let mut text = format!(
-        "{valgrind}; rustc as `rust-toolchain.toml` says, link-time optimisation, {} without extensions.\n\n| quantity | route | {} |\n|---|---|{}\n",
+        "{valgrind}; rustc as `rust-toolchain.toml` says, link-time optimisation, {} without extensions.\n\n| quantity | method | {} |\n|---|---|{}\n",
         std::env::consts::ARCH,
         titles.join(" | "),
         "---|".repeat(titles.len())

@@ -18,7 +18,7 @@ pub const COUNTED: [(&str, &str); 10] = [
     (SECOND, "machine code (jit)"),
 ];
 
-/// The routes of a case that are counted, each with its place in [`COUNTED`], as far as that place is asked
+/// The methods of a case that are counted, each with its place in [`COUNTED`], as far as that place is asked
 /// for.
 pub fn counted(case: &Case, places: impl Fn(usize) -> bool) -> Result<Vec<(usize, Candidate<'_>)>, Failure> {
     let place = |quantity: &str, route: &str| {

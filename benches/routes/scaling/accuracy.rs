@@ -1,12 +1,12 @@
-//! Relative error of every route, block by block: `max |a - b| / max |b|` over a block, b by numbers that are
-//! exact to rounding.
+//! Relative error of every method, block by block: `max |a - b| / max |b|` over a block, b by numbers that
+//! are exact to rounding.
 
 use costate_routes::cases::Case;
 use costate_routes::numbers::GRADIENT;
 use costate_routes::routes::{Candidate, Failure};
 use costate_routes::{FIRST, FUNCTION};
 
-/// Exact routes must agree to this much at a state where M is well conditioned.
+/// Exact methods must agree to this much at a state where M is well conditioned.
 const EXACT: f64 = 1e-9;
 
 /// Central differences lose half of the digits, more where second derivatives are large.
@@ -24,7 +24,7 @@ pub fn judge(quantity: &str) -> &'static str {
     }
 }
 
-/// The largest error of a route, and in which block.
+/// The largest error of a method, and in which block.
 #[derive(Clone, Copy)]
 pub struct Error {
     pub relative: f64,

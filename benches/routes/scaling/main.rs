@@ -1,13 +1,13 @@
-//! Time and accuracy of every route to F, F_x and y'F_xx, from 2 to 48 joints.
+//! Time and accuracy of every method for F, F_x and y'F_xx, from 2 to 48 joints.
 //!
 //! `cargo bench -p costate-routes --bench scaling` measures and prints the tables; with `COSTATE_WRITE=1` in
 //! the environment they also go to `docs/scaling.md`, and the plots beside it. `cargo test -p costate-routes
-//! --bench scaling` only checks, on robots of up to 12 joints, that all routes agree. Arguments of criterion
+//! --bench scaling` only checks, on robots of up to 12 joints, that all methods agree. Arguments of criterion
 //! make a run short: `-- --warm-up-time 0.01 --measurement-time 0.05`.
 //!
-//! The routes are those of `costate bench` (one list, so that both time the same calls) and a few more.
+//! The methods are those of `costate bench` (one list, so that both time the same calls) and a few more.
 //! Criterion times them here, since it keeps the figures and tells what changed since the last run; `costate
-//! bench` has a clock of its own, which takes all routes to one robot in turn, and is the one to ask where
+//! bench` has a clock of its own, which takes all methods for one robot in turn, and is the one to ask where
 //! two of them are close.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench may stop on what a library may not")]
 
@@ -52,7 +52,7 @@ fn main() -> Result<(), Failure> {
         }));
     }
     if !timing {
-        println!("all {} routes agree on {} robots", rows.len(), cases.len());
+        println!("all {} methods agree on {} robots", rows.len(), cases.len());
         return Ok(());
     }
     criterion.final_summary();
@@ -65,7 +65,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Criterion over all routes to one robot, one group each.
+/// Criterion over all methods for one robot, one group each.
 fn measure(case: &Case, list: &mut [Candidate<'_>], criterion: &mut Criterion) -> Result<(), Failure> {
     let mut group = criterion.benchmark_group(group(case));
     group.sampling_mode(SamplingMode::Flat);

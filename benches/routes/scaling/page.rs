@@ -12,7 +12,7 @@ pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// Batches of which the median is taken.
 pub const BATCHES: usize = 31;
 
-/// What is known of one route to one quantity of one robot.
+/// What is known of one method for one quantity of one robot.
 pub struct Row {
     pub case: String,
     pub quantity: &'static str,
@@ -40,7 +40,7 @@ pub const INSTRUCTIONS: &str = if cfg!(target_feature = "avx512f") {
 pub const BASELINE: bool = !cfg!(target_feature = "avx2");
 const SECTION: &str = if BASELINE { "any processor" } else { "this processor" };
 
-/// The route that others are compared with: what a user of the library gets.
+/// The method that others are compared with: what a user of the library gets.
 fn first_choice(quantity: &str) -> &'static str {
     if quantity == SECOND { RULE } else { "analytic" }
 }
@@ -64,7 +64,7 @@ pub fn tables(cases: &[Case], rows: &[Row]) -> Result<String, Failure> {
         let first = first_choice(quantity);
         write!(
             text,
-            "\n### {title}\n\nTime of one state, and in brackets as a multiple of the route \"{first}\".\n\n"
+            "\n### {title}\n\nTime of one state, and in brackets as a multiple of the method \"{first}\".\n\n"
         )?;
         table(&mut text, cases, rows, quantity, |row| {
             let base = find(rows, &row.case, quantity, first)?.time?.median;
@@ -86,7 +86,7 @@ fn find<'a>(rows: &'a [Row], case: &str, quantity: &str, route: &str) -> Option<
     rows.iter().find(|row| row.case == case && row.quantity == quantity && row.route == route)
 }
 
-/// Routes to a quantity, in the order in which they first appear.
+/// Methods for a quantity, in the order in which they first appear.
 pub fn routes(rows: &[Row], quantity: &str) -> Vec<&'static str> {
     let mut routes = Vec::new();
     for row in rows.iter().filter(|row| row.quantity == quantity) {
@@ -104,7 +104,7 @@ fn table(
     quantity: &str,
     cell: impl Fn(&Row) -> Option<String>,
 ) -> std::fmt::Result {
-    header(text, "route", cases)?;
+    header(text, "method", cases)?;
     for route in routes(rows, quantity) {
         write!(text, "| {route} |")?;
         for case in cases {

@@ -1,4 +1,4 @@
-//! Time against the number of joints, both axes logarithmic, one line a route, each labelled at its end.
+//! Time against the number of joints, both axes logarithmic, one line a method, each labelled at its end.
 //!
 //! Colour and mark tell the lines apart; those of several states at once are dashed.
 
@@ -29,7 +29,7 @@ pub fn draw(cases: &[Case], rows: &[Row]) -> Result<(), Failure> {
     draw_quantity("y'F_xx (with F and F_x where they come on the way)", SECOND, "scaling_y_f_xx", cases, rows)
 }
 
-/// A route and its points (n, ns).
+/// A method and its points (n, ns).
 type Line = (&'static str, Vec<(f64, f64)>);
 
 fn lines(quantity: &str, cases: &[Case], rows: &[Row]) -> Vec<Line> {

@@ -31,7 +31,7 @@ const JIT_LANES: &str = "machine code, 4 states at once: one of them";
 const BATCH_4: &str = "batch of 16 states over F64x4: one of them";
 const BATCH_8: &str = "batch of 16 states over F64x8: one of them";
 
-/// States that one call of a route computes, where it is one of these.
+/// States that one call of a method computes, where it is one of these.
 pub fn states(route: &str) -> Option<usize> {
     match route {
         JIT_LANES => Some(4),
@@ -40,7 +40,7 @@ pub fn states(route: &str) -> Option<usize> {
     }
 }
 
-/// A route is left out where the program is above its limit, or the processor has no machine code.
+/// A method is left out where the program is above its limit, or the processor has no machine code.
 fn machine_code<'a>(
     case: &'a Case,
     label: &'static str,
@@ -91,7 +91,7 @@ fn entries(label: &str, n: usize) -> usize {
     if label == FUNCTION { 2 * n } else { 4 * n * n }
 }
 
-/// [`NODES`] states from node-major arrays to node-major arrays; the first is that of all other routes.
+/// [`NODES`] states from node-major arrays to node-major arrays; the first is that of all other methods.
 fn lanes<'a, S: Packed<Lane = f64> + 'a>(
     case: &'a Case,
     [quantity, route]: [&'static str; 2],

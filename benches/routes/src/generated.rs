@@ -11,7 +11,7 @@ const ONE: &str = "generated Rust";
 const FOUR: &str = "generated Rust over F64x4: one of 4 states";
 const EIGHT: &str = "generated Rust over F64x8: one of 8 states";
 
-/// States that one call of a route computes, where it is one of these.
+/// States that one call of a method computes, where it is one of these.
 pub fn states(route: &str) -> Option<usize> {
     [(ONE, 1), (FOUR, 4), (EIGHT, 8)].into_iter().find_map(|(name, states)| (name == route).then_some(states))
 }
@@ -26,7 +26,7 @@ pub fn candidates<'a>(case: &'a Case, list: &mut Vec<Candidate<'a>>) {
     }
 }
 
-/// The first lane holds the state of all other routes.
+/// The first lane holds the state of all other methods.
 fn lanes<'a, V: Vector + 'a>(
     names: [&'static str; 2],
     case: &'a Case,

@@ -1,4 +1,4 @@
-//! Every route to F, F_x and y'F_xx of a few robots, as the benches `scaling` and `instructions` call them.
+//! Every method for F, F_x and y'F_xx of a few robots, as the benches `scaling` and `instructions` call them.
 
 #![allow(missing_docs, reason = "two benches are all that uses it")]
 
@@ -19,12 +19,12 @@ use cases::Case;
 pub use names::{FIRST, FUNCTION, NODES, SECOND};
 use routes::{Candidate, Failure};
 
-/// All routes to the three quantities, those of `costate bench` first.
+/// All methods for the three quantities, those of `costate bench` first.
 pub fn candidates(case: &Case) -> Result<Vec<Candidate<'_>>, Failure> {
     wanted(case, &|_, _| true)
 }
 
-/// The same, only those routes to a quantity that are wanted: no other is compiled.
+/// The same, only those methods for a quantity that are wanted: no other is compiled.
 pub fn wanted<'a>(
     case: &'a Case,
     wanted: &dyn Fn(&str, &str) -> bool,
@@ -39,7 +39,7 @@ pub fn wanted<'a>(
     Ok(list)
 }
 
-/// States that one call of a route computes: what its time is divided by.
+/// States that one call of a method computes: what its time is divided by.
 pub fn states(route: &str) -> usize {
     generated::states(route).or(compiled::states(route)).unwrap_or(1)
 }

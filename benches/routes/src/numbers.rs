@@ -1,4 +1,4 @@
-//! Routes of automatic differentiation that `costate bench` leaves out: F from H, other chunks, vectors of
+//! Methods of automatic differentiation that `costate bench` leaves out: F from H, other chunks, vectors of
 //! second derivatives.
 
 use crate::cases::Case;

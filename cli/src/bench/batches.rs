@@ -32,7 +32,7 @@ fn over_threads(robot: &Robot, quantity: &'static str, state: &State) -> Candida
     candidate([quantity, super::names::THREADS], batch, state)
 }
 
-/// As many states as one call of the route computes; the first is the state of all other routes.
+/// As many states as one call of the method computes; the first is the state of all other methods.
 fn candidate<S: Packed<Lane = f64>>(
     [quantity, route]: [&'static str; 2],
     mut batch: Batch<S, Model<HamiltonianSecondOrder<S>>>,

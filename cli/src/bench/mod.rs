@@ -1,4 +1,4 @@
-//! `costate bench`: the time of each quantity by each route on this machine.
+//! `costate bench`: the time of each quantity by each method on this machine.
 
 mod batches;
 mod clock;
@@ -41,7 +41,7 @@ struct Row {
     /// States computed by one call; the time is per state.
     states: usize,
     time: Spread,
-    /// Largest difference from the first route to the quantity, relative to its largest entry.
+    /// Largest difference from the first method for the quantity, relative to its largest entry.
     error: f64,
 }
 
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// All candidates, grouped by quantity, and notes on missing routes.
+/// All candidates, grouped by quantity, and notes on missing methods.
 fn all<'a>(robot: &Robot, state: &'a State) -> Result<(Vec<Candidate<'a>>, Vec<String>), Failure> {
     let mut notes = Vec::new();
     let mut list = candidates(robot, state, &mut notes);
@@ -143,12 +143,12 @@ fn print(
 ) -> std::io::Result<()> {
     writeln!(
         out,
-        "{}: time per state in f64, on one thread unless stated; medians of {} batches, routes alternating;\ncompiled for {}\n",
+        "{}: time per state in f64, on one thread unless stated; medians of {} batches, methods alternating;\ncompiled for {}\n",
         title(robot),
         arguments.batches,
         instructions()
     )?;
-    let header = ["quantity", "route", "ns", "quartiles", "/ F", "relative error"];
+    let header = ["quantity", "method", "ns", "quartiles", "/ F", "relative error"];
     let mut table = Table::new(&header, 2);
     let f = rows.first().map_or(f64::NAN, |row| row.time.median);
     let mut above = "";
@@ -171,7 +171,7 @@ fn print(
     )?;
     writeln!(
         out,
-        "  Relative error: max |a - b| / max |b|, where b is the result of the first route to the same quantity."
+        "  Relative error: max |a - b| / max |b|, where b is the result of the first method for the same quantity."
     )?;
     writeln!(
         out,

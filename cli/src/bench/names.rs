@@ -8,7 +8,7 @@ pub const LANES_8: &str = "batch over F64x8";
 /// Batches over the widest lanes that pay on this processor, and over all threads.
 pub const THREADS: &str = "batch over lanes and threads";
 
-/// States computed by one call of a route.
+/// States computed by one call of a method.
 pub fn states(route: &str) -> usize {
     match route {
         FOUR => 4,

@@ -1,4 +1,4 @@
-//! The quantities that are timed, and the routes to them.
+//! The quantities that are timed, and the methods for them.
 
 use crate::work::{Method, Work};
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
@@ -9,7 +9,7 @@ use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
 use std::hint::black_box;
 
-/// Quantities that more than one route computes.
+/// Quantities that more than one method computes.
 pub const F: &str = "F";
 pub const FIRST: &str = "F, F_x";
 pub const ADJOINT: &str = "F, y'F_x";
@@ -21,7 +21,7 @@ pub type Failure = Box<dyn std::error::Error>;
 /// One call. It appends its figures to the list if one is given.
 pub type Call<'a> = Box<dyn FnMut(Option<&mut Vec<f64>>) -> Result<(), Failure> + 'a>;
 
-/// A quantity, a route to it, and the call that is timed.
+/// A quantity, a method for it, and the call that is timed.
 pub struct Candidate<'a> {
     pub quantity: &'static str,
     pub route: &'static str,
@@ -69,7 +69,7 @@ fn give_slice(to: Option<&mut Vec<f64>>, figures: &[f64]) {
     black_box(figures[0]);
 }
 
-/// All candidates, grouped by quantity; other routes are compared with the first one to the same quantity.
+/// All candidates, grouped by quantity; other methods are compared with the first one for the same quantity.
 pub fn candidates<'a>(robot: &Robot, state: &'a State, notes: &mut Vec<String>) -> Vec<Candidate<'a>> {
     let mut list = Vec::new();
     first_order(robot, state, &mut list);

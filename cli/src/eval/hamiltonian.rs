@@ -14,7 +14,7 @@ use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::tensors::Christoffel;
 
-/// The workspaces of one route.
+/// The workspaces of one method.
 enum Workspace {
     Analytic(Box<HamiltonianSecondOrder<f64>>),
     Tensors(Box<DualPass<f64, Christoffel>>),

@@ -12,7 +12,7 @@ use costate::robot::Robot;
 #[cfg(feature = "jit")]
 use costate::{codegen, lagrangian::whole_hessian};
 
-/// The workspaces of one route.
+/// The workspaces of one method.
 enum Workspace {
     Analytic(Box<LagrangianSecondOrder<f64>>),
     Dual(Box<Jacobian<ByCalls<ForwardDynamics>>>, Box<NestedHessian<ByCalls<ForwardDynamics>>>),

@@ -49,7 +49,7 @@ pub struct Arguments {
 const COORDINATES: [&str; 2] =
     ["x = (q, p): f, f_x, y_f_xx", "x = (q, v): qdd, qdd_z, yv_qdd_zz with z = (q, v, u)"];
 
-/// The workspaces of the coordinates and the route; an error if the route does not offer the coordinates.
+/// The workspaces of the coordinates and the method; an error if the method does not offer the coordinates.
 fn evaluator(robot: &Robot, arguments: &Arguments) -> Result<Box<dyn Evaluator>, String> {
     Ok(match arguments.coordinates {
         Coordinates::Hamiltonian => Box::new(hamiltonian::Hamiltonian::new(robot, arguments.route)),

@@ -18,7 +18,7 @@ pub enum Route {
     Jit,
 }
 
-/// What computes the answers, for one choice of coordinates and route.
+/// What computes the answers, for one choice of coordinates and method.
 pub trait Evaluator {
     /// The answer to a state of the right lengths.
     fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn Error>>;
