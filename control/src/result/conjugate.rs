@@ -1,10 +1,10 @@
 //! Conjugate times with their multiplicity, from the Jacobi fields along an extremal.
 //!
-//! Jacobi fields solve $(\delta x, \delta y)' = G (\delta x, \delta y)$ with the Jacobian $G$ of the extremal.
-//! A time $t_c$ is conjugate to the start with multiplicity m when m independent fields with $\delta x(0) = 0$
-//! have $\delta x(t_c) = 0$ as well. The Morse index of the motion is the number of conjugate times before T,
-//! each counted with its multiplicity. With fields $X, Y$ at $t_i$ that start from $X(0) = 0$, $Y(0) = 1$, and
-//! the transition matrix $[A\ B;\ C\ D]$ from $t_i$ to $t_j$,
+//! Jacobi fields solve $(\delta x, \delta y)' = G (\delta x, \delta y)$ with the Jacobian $G$ of the
+//! extremal. A time $t_c$ is conjugate to the start with multiplicity m when m independent fields with
+//! $\delta x(0) = 0$ have $\delta x(t_c) = 0$ as well. The Morse index of the motion is the number of
+//! conjugate times before T, each counted with its multiplicity. With fields $X, Y$ at $t_i$ that start from
+//! $X(0) = 0$, $Y(0) = 1$, and the transition matrix $[A\ B;\ C\ D]$ from $t_i$ to $t_j$,
 //!
 //! $$ X_j = B \thinspace \bigl(B^{-1} A + Y_i X_i^{-1}\bigr) \thinspace X_i , $$
 //!
