@@ -1,7 +1,7 @@
 //! `costate count`: operations of each quantity by each method.
 
 use crate::report::{Table, title};
-use crate::work::refuse_excessive;
+use crate::work::refuse_excessive_count;
 use crate::{Outcome, RobotArguments};
 use costate::derivative::{OperationRow, OperationTable};
 use costate::robot::Robot;
@@ -29,7 +29,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
-    refuse_excessive(&robot, arguments.force)?;
+    refuse_excessive_count(&robot, arguments.force)?;
     let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
     let table = operation_table(&robot, constants)?;
     let mut out = std::io::stdout().lock();

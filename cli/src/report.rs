@@ -1,6 +1,9 @@
 //! Tables and phrases of reports.
 
-use costate::robot::{Robot, escape_hidden};
+use costate::robot::{Robot, escape_hidden, printable};
+
+/// Widest cell of a table (characters).
+const WIDEST: usize = 40;
 
 /// `1 joint`, `6 joints`.
 pub fn counted(count: usize, noun: &str) -> String {
@@ -14,7 +17,7 @@ pub fn joints(robot: &Robot) -> String {
 
 /// The name of the robot and the number of its joints, to start a report.
 pub fn title(robot: &Robot) -> String {
-    format!("{}, {}", escape_hidden(robot.name()), joints(robot))
+    format!("{}, {}", printable(robot.name()), joints(robot))
 }
 
 /// A number with a fixed count of decimals; zero has no sign.
@@ -27,7 +30,7 @@ pub fn fixed(x: f64, decimals: usize) -> String {
 }
 
 /// A table with a header and columns as wide as their widest cell. The first columns hold text, the others
-/// numbers. Control characters in cells are escaped.
+/// numbers. Hidden characters in cells are escaped, and cells of more than 40 characters end in an ellipsis.
 pub struct Table {
     text_columns: usize,
     rows: Vec<Vec<String>>,
@@ -41,7 +44,15 @@ impl Table {
 
     /// Adds a row.
     pub fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells.iter().map(|cell| escape_hidden(cell).into_owned()).collect());
+        self.rows.push(cells.iter().map(|cell| cut(&escape_hidden(cell))).collect());
+    }
+}
+
+/// At most [`WIDEST`] characters, the last an ellipsis where some are left out.
+fn cut(cell: &str) -> String {
+    match cell.char_indices().nth(WIDEST) {
+        None => cell.to_owned(),
+        Some(_) => cell.chars().take(WIDEST - 1).chain(['\u{2026}']).collect(),
     }
 }
 
@@ -86,5 +97,14 @@ mod tests {
         let mut table = Table::new(&["a", "value"], 1);
         table.row(vec!["longer".into(), "1".into()]);
         assert_eq!(table.to_string(), "  a       value\n  -------------\n  longer      1\n");
+    }
+
+    /// The formatter panics beyond 65 535 columns.
+    #[test]
+    fn long_cells_end_in_an_ellipsis() {
+        let mut table = Table::new(&["name", "value"], 1);
+        table.row(vec!["\u{e9}".repeat(70_000), "1".into()]);
+        let row = format!("  {}\u{2026}      1\n", "\u{e9}".repeat(39));
+        assert!(table.to_string().ends_with(&row), "{table}");
     }
 }

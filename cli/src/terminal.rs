@@ -47,9 +47,12 @@ pub fn note(message: impl Display) {
 
 /// If standard error is closed, there is nobody to tell: the failure to write is ignored.
 fn labelled(style: Style, label: &str, message: impl Display) {
-    let message = message.to_string();
-    let lines: Vec<_> = message.split('\n').map(escape_hidden).collect();
-    let _ = writeln!(anstream::stderr().lock(), "{style}{label}:{style:#} {}", lines.join("\n"));
+    let _ = writeln!(anstream::stderr().lock(), "{style}{label}:{style:#} {}", one_line(message));
+}
+
+/// The message on one line: a name in it may hold line ends and other hidden characters, which become escapes.
+pub fn one_line(message: impl Display) -> String {
+    escape_hidden(&message.to_string()).into_owned()
 }
 
 /// A progress bar on standard error, counting `unit`s; shown only if standard error is a terminal.
@@ -59,5 +62,15 @@ pub fn progress_bar(length: u64, unit: &str) -> ProgressBar {
     match ProgressStyle::with_template(&template) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    #[test]
+    fn messages_have_one_line_whatever_the_names_in_them_hold() {
+        assert_eq!(one_line("joint 'e\0l\nbow' \u{202e}"), r"joint 'e\u{0}l\nbow' \u{202e}");
     }
 }

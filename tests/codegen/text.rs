@@ -181,7 +181,7 @@ fn compiled_c_agrees_with_the_interpreter_at_the_edges() {
 /// Names of robots and joints may hold anything; none of it may leave the comment at the head.
 #[test]
 fn no_name_leaves_the_head() {
-    let nasty = "arm\nstd::compile_error!(\"out\");\u{2028}*\\\r\n/ int evil; /* */ int bad; //";
+    let nasty = "arm\nstd::compile_error!(\"out\");\u{2028}\u{202e}*\\\r\n/ int evil; /* */ int bad; //";
     let text =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/two_link.toml")).unwrap();
     let line = text.lines().find(|line| line.starts_with("name = ")).unwrap();
@@ -190,6 +190,7 @@ fn no_name_leaves_the_head() {
     let program =
         robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &ProgramOptions::default()).unwrap();
     let rust = program.to_rust(&RustOptions::default()).unwrap();
+    assert!(rust.contains(r"\u{2028}\u{202e}*") && !rust.contains('\u{202e}'), "{rust}");
     let code = rust.lines().filter(|line| !line.trim_start().starts_with("//"));
     assert!(
         code.clone().all(|line| !line.contains("compile_error!") && !line.contains("int evil;")),
@@ -199,6 +200,7 @@ fn no_name_leaves_the_head() {
     let (head, code) = c.split_once("*/").unwrap();
     assert!(head.contains("int evil;") && !code.contains("int evil;") && !code.contains("int bad;"), "{c}");
     assert!(!head.lines().any(|line| line.ends_with('\\')), "{head}");
+    assert!(head.contains(r"\u{2028}\u{202e}*") && !c.contains('\u{202e}'), "{c}");
 }
 
 /// On many processors the outcome of 0 / 0 has its sign bit set.

@@ -1,6 +1,7 @@
 //! The quantities that are timed, and the methods for them.
 
-use crate::work::{Method, Work};
+use crate::work::{Method, Order, Work};
+use costate::Coordinates;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
@@ -183,9 +184,9 @@ fn automatic_second_order<'a>(
 ) {
     let State { x, u, y, .. } = state;
     let mut is_feasible = |route: &str, method| {
-        let work = Work::hamiltonian(robot, method);
+        let work = Work::of_state(robot, Coordinates::Hamiltonian, method, Order::Second);
         if work.is_excessive() {
-            notes.push(format!("No figures for {route}: {work}."));
+            notes.push(format!("No figures for {route}: {work} for each state."));
         }
         !work.is_excessive()
     };

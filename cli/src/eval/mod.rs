@@ -13,7 +13,7 @@ mod units;
 use crate::arguments::{RobotArguments, coordinates};
 use crate::interrupt::{EXIT_CODE, Interrupt};
 use crate::output::is_standard;
-use crate::work::{Method, Work};
+use crate::work::{Method, Order, Work};
 use crate::{Outcome, terminal};
 use clap::ValueHint;
 use costate::Coordinates;
@@ -40,7 +40,7 @@ pub struct Arguments {
     /// State variables
     #[arg(long, value_parser = coordinates(COORDINATES), default_value = "hamiltonian")]
     coordinates: Coordinates,
-    /// Compute automatic second derivatives of long chains even if that takes minutes or gigabytes
+    /// Evaluate long chains even if that takes minutes or gigabytes
     #[arg(long)]
     force: bool,
 }
@@ -63,10 +63,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
         return Err("the robot is read from standard input; give the states by --states FILE".into());
     }
     let robot = arguments.robot.load_and_warn()?;
-    let excessive = excessive_work(&robot, arguments);
-    if let (Some(reason), Route::Hyperdual) = (&excessive, arguments.route) {
-        return Err(reason.clone().into());
-    }
+    refuse_excessive(&robot, arguments, Order::First)?;
+    // Refused at the first state that asks for them.
+    let second_order = refuse_excessive(&robot, arguments, Order::Second);
     let mut evaluator = evaluator(&robot, arguments)?;
     let lines = match states {
         Some(path) => Lines::of_file(path)?,
@@ -89,12 +88,14 @@ pub fn run(arguments: &Arguments) -> Outcome {
         if line.iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        let answer = State::parse(&line, robot.dof(), arguments.coordinates).and_then(|state| {
+        let state = State::parse(&line, robot.dof(), arguments.coordinates);
+        if let (Ok(State { y: Some(_), .. }), Err(reason)) = (&state, &second_order) {
+            out.flush()?;
+            return Err(reason.clone().into());
+        }
+        let answer = state.and_then(|state| {
             units.check(number, &state.q);
-            match &excessive {
-                Some(reason) if state.y.is_some() => Err(reason.clone()),
-                _ => evaluator.answer(&state).map_err(|error| error.to_string())?.finite(),
-            }
+            evaluator.answer(&state).map_err(|error| error.to_string())?.finite()
         });
         match answer {
             Ok(answer) => writeln!(out, "{answer}")?,
@@ -113,22 +114,31 @@ pub fn run(arguments: &Arguments) -> Outcome {
     Ok(if bad == 0 { ExitCode::SUCCESS } else { ExitCode::from(2) })
 }
 
-/// Why second derivatives by dual or hyper-dual numbers are refused for this robot; `None` if they are not.
-fn excessive_work(robot: &Robot, arguments: &Arguments) -> Option<String> {
+/// Refuses a robot for which the derivatives of this order take too much time or memory.
+///
+/// # Errors
+/// A message with the estimate, unless the user forces it.
+fn refuse_excessive(robot: &Robot, arguments: &Arguments, order: Order) -> Result<(), String> {
     let (method, name) = match arguments.route {
+        Route::Analytic => (Method::Analytic, "analytic"),
         Route::Dual => (Method::Nested, "dual"),
         Route::Hyperdual => (Method::HyperDual, "hyperdual"),
-        _ => return None,
+        Route::Tensors => (Method::Tensors, "tensors"),
+        #[cfg(feature = "jit")]
+        Route::Jit => (Method::Analytic, "jit"),
     };
-    let work = match arguments.coordinates {
-        Coordinates::Hamiltonian => Work::hamiltonian(robot, method),
-        Coordinates::Lagrangian => Work::lagrangian(robot, method),
-    };
-    (work.is_excessive() && !arguments.force).then(|| {
-        let n = robot.dof();
-        format!(
-            "second derivatives of {n} joints by --route {name} take {work}; use --route analytic, or --force to \
-             compute them all the same"
-        )
-    })
+    if arguments.force {
+        return Ok(());
+    }
+    let work = Work::of_state(robot, arguments.coordinates, method, order);
+    if !work.is_excessive() {
+        return Ok(());
+    }
+    let derivatives = if order == Order::First { "derivatives" } else { "second derivatives" };
+    let other = if method == Method::Analytic { "a smaller robot" } else { "--route analytic" };
+    Err(format!(
+        "{derivatives} of {} joints by --route {name} take {work} for each state; use {other}, or --force to compute \
+         them all the same",
+        robot.dof()
+    ))
 }

@@ -2,7 +2,7 @@
 
 use crate::problem::Problem;
 use crate::problem::key::Key;
-use costate::robot::JointKind;
+use costate::robot::{JointKind, printable};
 use std::fmt;
 
 /// Angles beyond this size (rad) are probably degrees: two turns.
@@ -37,9 +37,10 @@ impl fmt::Display for ProblemWarning {
         match self {
             Self::LargeAngle { key, joint, value } => write!(
                 f,
-                "{}: the angle {value} of joint '{joint}' is more than two turns; angles are in rad, and {value} \
+                "{}: the angle {value} of joint '{}' is more than two turns; angles are in rad, and {value} \
                  degrees are {:.4} rad",
                 key.field(),
+                printable(joint),
                 value.to_radians()
             ),
         }

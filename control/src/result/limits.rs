@@ -2,7 +2,7 @@
 
 use crate::problem::Problem;
 use crate::result::trajectory::Trajectory;
-use costate::robot::JointKind;
+use costate::robot::{JointKind, printable};
 
 /// Four decimals; zero has no sign.
 fn fixed(x: f64) -> String {
@@ -33,7 +33,7 @@ impl Problem {
             for ((what, (low, high), (least, most)), unit) in ranges.into_iter().zip(units) {
                 let slack = 1e-9 * (high - low).abs().max(high.abs());
                 if low < least - slack || high > most + slack {
-                    let (name, low, high) = (&joint.name, fixed(low), fixed(high));
+                    let (name, low, high) = (printable(&joint.name), fixed(low), fixed(high));
                     warnings.push(format!(
                         "{what} of joint '{name}' runs from {low} to {high} {unit}; its limits are {least} and {most}"
                     ));

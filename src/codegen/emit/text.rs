@@ -2,6 +2,7 @@
 
 use crate::codegen::program::Program;
 use crate::codegen::record::{Id, Node};
+use crate::robot::escape_hidden;
 
 /// Default limit of steps for source text: docs/codegen.md has the times that compilers take.
 pub const DEFAULT_LIMIT: usize = 25_000;
@@ -51,13 +52,8 @@ pub(super) fn head(program: &Program) -> Vec<String> {
         };
         lines.push(format!("  {}[{shape}]{}", result.name, meaning(&result.meaning)));
     }
-    lines.iter().map(|line| one_line(line)).collect()
-}
-
-/// The text without characters that could end a comment line: names of robots and joints are arbitrary.
-fn one_line(text: &str) -> String {
-    let ends = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
-    text.chars().map(|c| if ends(c) { ' ' } else { c }).collect()
+    // Names of robots and joints are arbitrary: none may end a comment line, or look like other text than it is.
+    lines.iter().map(|line| escape_hidden(line).into_owned()).collect()
 }
 
 /// The names of the nodes of a program in its text, and the results that each node is.

@@ -129,7 +129,7 @@ impl Plot {
         let named: Vec<&Curve> =
             self.curves.iter().filter(|c| !matches!(c.look, Look::Bound | Look::Limit)).collect();
         let legend = named.len() > 1;
-        let letters = named.iter().map(|curve| curve.name.chars().count().min(LETTERS)).max().unwrap_or(0);
+        let letters = named.iter().map(|curve| cut(&curve.name, LETTERS).chars().count()).max().unwrap_or(0);
         let room = if legend { 40.0 + LETTER * letters as f64 } else { 0.0 };
         let (width, height) = self.size;
         let right = width - RIGHT - room;

@@ -1,9 +1,12 @@
 //! SVG text: escaping, grid lines, and figures as files.
 
+use costate::robot::escape_hidden;
+
 /// Colours and line styles of all figures, light and dark.
 pub const STYLE: &str = include_str!("figure.css");
 
-/// Text that is safe between tags and in attributes.
+/// Text that is safe between tags and in attributes. Hidden characters other than line ends and tabs become
+/// escapes: marks of direction would turn around what surrounds a name.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -13,17 +16,18 @@ pub fn escaped(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            c if c.is_control() && c != '\n' && c != '\t' => out.push(' '),
-            c => out.push(c),
+            '\n' | '\t' => out.push(c),
+            c => out.push_str(&escape_hidden(c.encode_utf8(&mut [0; 4]))),
         }
     }
     out
 }
 
-/// The first `most` characters, with an ellipsis in place of the others.
+/// The first `most` characters, with an ellipsis in place of the others; hidden characters become escapes.
 pub fn cut(text: &str, most: usize) -> String {
+    let text = escape_hidden(text);
     if text.chars().count() <= most {
-        return text.into();
+        return text.into_owned();
     }
     text.chars().take(most - 1).chain(['\u{2026}']).collect()
 }
@@ -84,7 +88,9 @@ mod tests {
 
     #[test]
     fn names_are_escaped_and_shortened() {
-        assert_eq!(escaped("a<b>\"c\" & 'd'\u{7}"), "a&lt;b&gt;&quot;c&quot; &amp; &#39;d&#39; ");
+        assert_eq!(escaped("a<b>\"c\" & 'd'\u{7}"), "a&lt;b&gt;&quot;c&quot; &amp; &#39;d&#39;\\u{7}");
+        assert_eq!(escaped("a\u{202e}\n\tb"), "a\\u{202e}\n\tb");
+        assert_eq!(cut("a\u{202e}\nb", 40), "a\\u{202e}\\nb");
         assert_eq!((cut("short", 5), cut("shoulder_lift", 6)), ("short".into(), "shoul\u{2026}".into()));
     }
 
