@@ -50,7 +50,8 @@ fn labelled(style: Style, label: &str, message: impl Display) {
     let _ = writeln!(anstream::stderr().lock(), "{style}{label}:{style:#} {}", one_line(message));
 }
 
-/// The message on one line: a name in it may hold line ends and other hidden characters, which become escapes.
+/// The message on one line: a name in it may hold line ends and other hidden characters, which become
+/// escapes.
 pub fn one_line(message: impl Display) -> String {
     escape_hidden(&message.to_string()).into_owned()
 }

@@ -1,4 +1,5 @@
-//! Estimates of the work of long chains of joints, to refuse what takes minutes or gigabytes before it starts.
+//! Estimates of the work of long chains of joints, to refuse what takes minutes or gigabytes before it
+//! starts.
 //!
 //! The factors were measured on chains of 50 to 1000 revolute joints; the memory fits within a factor of two.
 
@@ -40,8 +41,8 @@ const NESTED_SUM: f64 = 2.0 * (CHUNK as f64 + 1.0);
 /// sum.
 const NESTED_PRODUCT: f64 = 3.0 * (3.0 * CHUNK as f64 + 1.0) + CHUNK as f64 + 1.0;
 
-/// Memory of the Christoffel coefficients and their derivatives, in f64 and in one dual number (bytes), for each
-/// cube of the depth of a joint.
+/// Memory of the Christoffel coefficients and their derivatives, in f64 and in one dual number (bytes), for
+/// each cube of the depth of a joint.
 const TENSOR_BYTES: f64 = 25.0;
 
 /// Time of an operation on such numbers in Lagrangian coordinates, relative to Hamiltonian ones.
@@ -114,11 +115,13 @@ impl Work {
         }
     }
 
-    /// That of comparing all methods in both coordinates at one state, with counting numbers to bound their rounding.
+    /// That of comparing all methods in both coordinates at one state, with counting numbers to bound their
+    /// rounding.
     pub fn of_check(robot: &Robot) -> Self {
         let methods = [Method::Analytic, Method::HyperDual, Method::Nested];
         let all = Coordinates::ALL.into_iter().flat_map(|coordinates| methods.map(|m| (coordinates, m)));
-        let works = all.map(|(coordinates, method)| Self::of_state(robot, coordinates, method, Order::Second));
+        let works =
+            all.map(|(coordinates, method)| Self::of_state(robot, coordinates, method, Order::Second));
         let start = Self { operations: 0.0, bytes: tensor_bytes(robot) };
         let sum = works.fold(start, |sum, work| Self {
             operations: sum.operations + work.operations,
@@ -127,7 +130,8 @@ impl Work {
         Self { operations: COUNTING * sum.operations, bytes: COMPARING_SIZE * sum.bytes }
     }
 
-    /// Scales the operations of one evaluation of the function; the memory is that of what grows faster than n^2.
+    /// Scales the operations of one evaluation of the function; the memory is that of what grows faster than
+    /// n^2.
     fn automatic(function: &impl Function, robot: &Robot, method: Method, order: Order) -> Self {
         let (inputs, outputs) = (function.inputs() as f64, function.outputs() as f64);
         let pairs = inputs * (inputs + 1.0) / 2.0;
@@ -147,10 +151,7 @@ impl Work {
             Method::Nested => {
                 let [products, sums] = of_evaluation();
                 let evaluations = inputs * (inputs / CHUNK as f64).ceil();
-                Self {
-                    operations: evaluations * (NESTED_PRODUCT * products + NESTED_SUM * sums),
-                    bytes: 0.0,
-                }
+                Self { operations: evaluations * (NESTED_PRODUCT * products + NESTED_SUM * sums), bytes: 0.0 }
             }
         }
     }

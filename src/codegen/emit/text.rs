@@ -52,7 +52,8 @@ pub(super) fn head(program: &Program) -> Vec<String> {
         };
         lines.push(format!("  {}[{shape}]{}", result.name, meaning(&result.meaning)));
     }
-    // Names of robots and joints are arbitrary: none may end a comment line, or look like other text than it is.
+    // Names of robots and joints are arbitrary: none may end a comment line, or look like other text than it
+    // is.
     lines.iter().map(|line| escape_hidden(line).into_owned()).collect()
 }
 
