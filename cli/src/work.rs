@@ -118,7 +118,8 @@ impl Work {
     pub fn of_check(robot: &Robot) -> Self {
         let methods = [Method::Analytic, Method::HyperDual, Method::Nested];
         let all = Coordinates::ALL.into_iter().flat_map(|coordinates| methods.map(|m| (coordinates, m)));
-        let works = all.map(|(coordinates, method)| Self::of_state(robot, coordinates, method, Order::Second));
+        let works =
+            all.map(|(coordinates, method)| Self::of_state(robot, coordinates, method, Order::Second));
         let start = Self { operations: 0.0, bytes: tensor_bytes(robot) };
         let sum = works.fold(start, |sum, work| Self {
             operations: sum.operations + work.operations,
@@ -147,10 +148,7 @@ impl Work {
             Method::Nested => {
                 let [products, sums] = of_evaluation();
                 let evaluations = inputs * (inputs / CHUNK as f64).ceil();
-                Self {
-                    operations: evaluations * (NESTED_PRODUCT * products + NESTED_SUM * sums),
-                    bytes: 0.0,
-                }
+                Self { operations: evaluations * (NESTED_PRODUCT * products + NESTED_SUM * sums), bytes: 0.0 }
             }
         }
     }
