@@ -104,6 +104,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parser of arguments that are whole numbers, 0 included.
+///
+/// # Errors
+/// A message that says what is expected.
+pub fn whole(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("must be a whole number from 0 to {}", usize::MAX))
+}
+
 /// Parser of coordinates; `help` says what Hamiltonian and Lagrangian coordinates mean to the command.
 pub fn coordinates(help: [&'static str; 2]) -> impl TypedValueParser<Value = Coordinates> {
     let named = |(coordinates, help): (Coordinates, _)| PossibleValue::new(coordinates.name()).help(help);
@@ -113,13 +121,17 @@ pub fn coordinates(help: [&'static str; 2]) -> impl TypedValueParser<Value = Coo
 
 #[cfg(test)]
 mod tests {
-    use super::positive;
+    use super::{positive, whole};
 
     #[test]
     fn only_finite_positive_numbers_are_taken() {
         assert_eq!(positive("1e-12"), Ok(1e-12));
         for text in ["0", "-1", "nan", "inf", "1e999", "soon", ""] {
             assert!(positive(text).is_err(), "{text}");
+        }
+        assert_eq!((whole("3"), whole("0")), (Ok(3), Ok(0)));
+        for text in ["-1", "1.5", "q", ""] {
+            assert!(whole(text).is_err_and(|reason| reason.starts_with("must be a whole number")), "{text}");
         }
     }
 }

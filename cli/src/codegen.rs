@@ -1,6 +1,6 @@
 //! `costate codegen`: straight-line source code of a quantity.
 
-use crate::arguments::coordinates;
+use crate::arguments::{coordinates, whole};
 use crate::output::{Output, STANDARD};
 use crate::{Outcome, RobotArguments};
 use clap::ValueEnum;
@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PATH")]
     number: Option<String>,
     /// Most steps of the program; recording stops early where there would be more
-    #[arg(long, default_value_t = DEFAULT_LIMIT)]
+    #[arg(long, default_value_t = DEFAULT_LIMIT, value_parser = whole)]
     limit: usize,
     /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
@@ -63,14 +63,18 @@ enum Computed {
 }
 
 fn quantities() -> String {
+    format!("Quantity: {}", names())
+}
+
+fn names() -> String {
     let names = Quantity::ALL.into_iter().map(Quantity::name).chain(ProgramOf::ALL.map(ProgramOf::name));
-    format!("Quantity: {}", names.collect::<Vec<_>>().join(", "))
+    names.collect::<Vec<_>>().join(", ")
 }
 
 fn quantity(name: &str) -> Result<Computed, String> {
     let model = Quantity::ALL.into_iter().find(|quantity| quantity.name() == name).map(Computed::Model);
     let extremal = || ProgramOf::ALL.into_iter().find(|of| of.name() == name).map(Computed::Extremal);
-    model.or_else(extremal).ok_or_else(quantities)
+    model.or_else(extremal).ok_or_else(|| format!("unknown quantity; give one of {}", names()))
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {

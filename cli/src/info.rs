@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{Joint, Robot, escape_hidden};
+use costate::robot::{Joint, Robot};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -19,7 +19,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let robot = arguments.robot.load()?;
+    let robot = arguments.robot.load_and_warn()?;
     if arguments.json {
         writeln!(std::io::stdout().lock(), "{}", as_json(&robot))?;
     } else {
@@ -121,12 +121,7 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
         "  Mass in kg; revolute joints: limits in rad, armature in kg m^2; prismatic joints: in m and kg."
-    )?;
-    if !robot.warnings().is_empty() {
-        writeln!(out)?;
-    }
-    let mut warnings = robot.warnings().iter().map(ToString::to_string);
-    warnings.try_for_each(|warning| writeln!(out, "warning: {}", escape_hidden(&warning)))
+    )
 }
 
 /// A component of an axis: whole numbers without decimals.

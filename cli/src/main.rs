@@ -64,7 +64,7 @@ enum Command {
     /// Each output line is an object with `q`, `v`, the mass matrix `M` and `energy` (kinetic, potential).
     /// Hamiltonian coordinates add `p`, `f`, `f_x` and, for a given `y`, `y_f_xx`. Lagrangian coordinates add
     /// `qdd`, `qdd_z` and, for a given `y`, `yv_qdd_zz`; here z = (q, v, u), and the last n numbers of `y`
-    /// are used. An output line can serve as an input line: its results are ignored. All other keys are
+    /// are used. A result line can serve as an input line: its results are ignored. All other keys are
     /// errors.
     ///
     /// For a bad line the output is {"line": K, "error": "..."}. The other lines are still evaluated, and the

@@ -52,7 +52,9 @@ impl Output {
         }
         let failed = |error: io::Error| unwritable(path, &error);
         let target = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
+            Ok(found) if found.is_dir() => {
+                return Err(format!("{}: is a folder; give a file", path.display()));
+            }
             Ok(found) if !found.is_file() => Target::Direct(path.to_owned()),
             Ok(_) => {
                 OpenOptions::new().append(true).open(path).map_err(failed)?;
@@ -100,6 +102,9 @@ impl OutputFolder {
     /// A message that names the folder.
     pub fn prepare(path: &Path) -> Result<Self, String> {
         let failed = |error: io::Error| unwritable(path, &error);
+        if path.is_file() {
+            return Err(format!("{}: is a file; give a folder", path.display()));
+        }
         fs::create_dir_all(path).map_err(failed)?;
         let temporary = Temporary::beside(&path.join("costate")).map_err(failed)?;
         drop(temporary);
@@ -235,13 +240,13 @@ mod tests {
         let input = folder.join("input.toml");
         fs::write(&input, "x = 1").unwrap();
         let refused = |path: PathBuf| Output::prepare(&path, &[&input]).unwrap_err();
-        assert!(refused(folder.clone()).contains("cannot be written"));
+        assert!(refused(folder.clone()).contains("is a folder; give a file"));
         assert!(refused(folder.join("none/a.txt")).contains("cannot be written"));
         assert!(
             refused(folder.join("../").join(folder.file_name().unwrap()).join("input.toml"))
                 .contains("input")
         );
-        assert!(OutputFolder::prepare(&input).unwrap_err().contains("input.toml"));
+        assert!(OutputFolder::prepare(&input).unwrap_err().ends_with("input.toml: is a file; give a folder"));
         let inside = OutputFolder::prepare(&folder.join("new/inside")).unwrap();
         inside.file("b.txt", &[&input]).unwrap().write("b").unwrap();
         assert_eq!(fs::read_to_string(folder.join("new/inside/b.txt")).unwrap(), "b");

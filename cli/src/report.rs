@@ -20,8 +20,11 @@ pub fn title(robot: &Robot) -> String {
     format!("{}, {}", printable(robot.name()), joints(robot))
 }
 
-/// A number with a fixed count of decimals; zero has no sign.
+/// A number with a fixed count of decimals, from a million on with an exponent; zero has no sign.
 pub fn fixed(x: f64, decimals: usize) -> String {
+    if x.abs() >= 1e6 && x.is_finite() {
+        return format!("{x:.decimals$e}");
+    }
     let text = format!("{x:.decimals$}");
     match text.strip_prefix('-') {
         Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.into(),
@@ -89,7 +92,10 @@ mod tests {
     #[test]
     fn numbers_and_nouns() {
         assert_eq!((counted(1, "joint"), counted(2, "joint")), ("1 joint".into(), "2 joints".into()));
-        assert_eq!([fixed(-0.00001, 3), fixed(-0.0, 0), fixed(-0.05, 1)], ["0.000", "0", "-0.1"]);
+        assert_eq!(
+            [fixed(-0.00001, 3), fixed(-0.0, 0), fixed(-0.05, 1), fixed(1e308, 1)],
+            ["0.000", "0", "-0.1", "1.0e308"]
+        );
     }
 
     #[test]

@@ -9,6 +9,16 @@ use super::warning::Warning;
 /// Relative rounding that published figures are allowed.
 const ROUNDING: f64 = 1e-9;
 
+/// Least and largest size of a mass or inertia (kg, kg m^2) that is not zero: products of two of them with
+/// velocities and lengths neither vanish nor overflow.
+const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
+
+/// Largest position limit of a revolute joint that passes without a warning (rad): two turns.
+const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
+
+/// Larger limits (rad) mean that there is none.
+const UNLIMITED: f64 = 3600.0;
+
 /// Mass, centre of mass and inertia of one link; `link` names it in the error.
 pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
     let not_finite = |what| RobotError::NonFiniteInertia { link: link.into(), what };
@@ -23,6 +33,15 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
     }
     if inertia.mass < 0.0 {
         return Err(RobotError::NegativeMass { link: link.into(), mass: inertia.mass });
+    }
+    let about_origin = inertia.inertia_about_origin();
+    let sizes = [
+        ("the mass", inertia.mass),
+        ("the largest entry of the inertia", inertia.inertia.amax()),
+        ("the largest entry of the inertia about the joint frame", about_origin.amax()),
+    ];
+    if let Some((what, value)) = sizes.into_iter().find(|(_, size)| *size != 0.0 && !RANGE.contains(size)) {
+        return Err(RobotError::OutOfRange { link: link.into(), what, value });
     }
     let [smallest, _, largest] = inertia.principal_moments();
     if smallest < -ROUNDING * largest.abs().max(smallest.abs()) {
@@ -74,6 +93,17 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
     }
 }
 
+/// One warning about limits that look like degrees.
+fn large_limits(joints: &[Joint]) -> Option<Warning> {
+    let large = |joint: &Joint| {
+        let limits = [joint.limits.lower, joint.limits.upper];
+        let mut large = limits.into_iter().filter(|limit| (TWO_TURNS..=UNLIMITED).contains(&limit.abs()));
+        large.next().filter(|_| joint.kind == JointKind::Revolute).map(|limit| (joint.name.clone(), limit))
+    };
+    let (joints, limits): (Vec<String>, Vec<f64>) = joints.iter().filter_map(large).unzip();
+    limits.first().map(|&limit| Warning::LargeLimits { joints, limit })
+}
+
 /// What needs the whole tree: joints that move nothing, massless links, impossible inertias.
 pub(super) fn robot(
     joints: &[Joint],
@@ -84,6 +114,7 @@ pub(super) fn robot(
     let n = joints.len();
     let mut moves_mass: Vec<bool> = joints.iter().map(|j| !j.inertia.is_massless()).collect();
     let mut is_last = vec![true; n];
+    warnings.extend(large_limits(joints));
     for i in (0..n).rev() {
         if let Some(parent) = joints[i].parent {
             moves_mass[parent] |= moves_mass[i];

@@ -35,6 +35,23 @@ impl RobotFormat {
         }
     }
 
+    /// Refuses a text without content and one that is of the other format.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(super) fn check_text(self, text: &str) -> Result<(), RobotError> {
+        let is_blank = |c: char| c == '\u{feff}' || c.is_whitespace();
+        let refuse = |message: &str| Err(RobotError::malformed(message).at(1));
+        match (self, Self::of_text(text)) {
+            _ if text.chars().all(is_blank) => refuse("the file is empty; describe a robot in it"),
+            (Self::Toml, Self::Urdf) => {
+                refuse("this looks like URDF, not TOML; name the file .urdf, or give --format urdf")
+            }
+            (Self::Urdf, Self::Toml) if text.contains("[[joint]]") => {
+                refuse("this looks like TOML, not URDF; name the file .toml, or give --format toml")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The format of a text, by its first character that is not blank: `<` begins a URDF.
     pub fn of_text(text: &str) -> Self {
         let text = text.trim_start_matches(|c: char| c == '\u{feff}' || c.is_whitespace());

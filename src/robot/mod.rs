@@ -37,6 +37,6 @@ pub use joint_frame::JointFrame;
 pub use link::{LinkInertia, Placement};
 pub use model::Robot;
 pub use options::LoadOptions;
-pub use printable::{Printable, escape_hidden, printable};
+pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub use tree::Tree;
 pub use warning::Warning;

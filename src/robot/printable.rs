@@ -40,6 +40,18 @@ pub fn escape_hidden(text: &str) -> Cow<'_, str> {
     Printable { text, longest: usize::MAX }.to_string().into()
 }
 
+/// A number as a message shows it: with an exponent from a million on and below 1e-4.
+///
+/// ```
+/// use costate::robot::printable_number;
+/// assert_eq!([0.5, -2.0, 1e308, 2.5e-7].map(printable_number), ["0.5", "-2", "1e308", "2.5e-7"]);
+/// ```
+pub fn printable_number(number: f64) -> String {
+    let size = number.abs();
+    let is_short = size == 0.0 || !size.is_finite() || (1e-4..1e6).contains(&size);
+    if is_short { number.to_string() } else { format!("{number:e}") }
+}
+
 /// A whole message that quotes a file.
 pub(crate) fn sentence(text: &str) -> Printable<'_> {
     Printable { text, longest: LONGEST_SENTENCE }

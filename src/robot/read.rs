@@ -4,7 +4,7 @@ use super::error::RobotError;
 use super::format::RobotFormat;
 use super::model::Robot;
 use super::options::LoadOptions;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 impl Robot {
@@ -20,12 +20,17 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::InFile`] with the path and, where it is known, the line. In it:
-    /// [`RobotError::UnknownFormat`] for another extension, and the errors of [`read`](Self::read).
+    /// [`RobotError::Unreadable`], [`RobotError::UnknownFormat`] for another extension, and the errors of
+    /// [`read`](Self::read).
     pub fn from_file_with(path: impl AsRef<Path>, options: LoadOptions) -> Result<Self, RobotError> {
         let path = path.as_ref();
         let read = || {
+            let unreadable = |source| RobotError::Unreadable { source };
+            if std::fs::metadata(path).map_err(unreadable)?.is_dir() {
+                return Err(unreadable(ErrorKind::IsADirectory.into()));
+            }
             let format = RobotFormat::of_path(path)?;
-            let file = std::fs::File::open(path).map_err(|source| RobotError::Unreadable { source })?;
+            let file = std::fs::File::open(path).map_err(unreadable)?;
             Self::read(file, format, options)
         };
         read().map_err(|error| match error {
@@ -36,12 +41,10 @@ impl Robot {
 
     /// Reads a robot from a stream, such as standard input.
     ///
-    /// A URDF may contain bytes that are not UTF-8, since old files have comments in other encodings; outside
-    /// comments they cause a [`Warning::NotUtf8`](super::Warning::NotUtf8).
-    ///
     /// # Errors
     /// [`RobotError::Unreadable`], [`RobotError::TooLong`] for more than [`RobotFormat::most_bytes`],
-    /// and the errors of [`from_urdf_str`](Self::from_urdf_str) or [`from_toml_str`](Self::from_toml_str).
+    /// [`RobotError::NotUtf8`] with the line, and the errors of [`from_urdf_str`](Self::from_urdf_str) or
+    /// [`from_toml_str`](Self::from_toml_str).
     pub fn read(source: impl Read, format: RobotFormat, options: LoadOptions) -> Result<Self, RobotError> {
         let mut bytes = Vec::new();
         let most = format.most_bytes();
@@ -52,9 +55,14 @@ impl Robot {
         if bytes.len() > most {
             return Err(RobotError::TooLong { most });
         }
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+            RobotError::InFile { path: "".into(), line: Some(line), error: Box::new(RobotError::NotUtf8) }
+        })?;
         match format {
-            RobotFormat::Urdf => from_urdf_bytes(&bytes, options),
-            RobotFormat::Toml => from_toml_bytes(&bytes, options),
+            RobotFormat::Urdf => from_urdf(text, options),
+            RobotFormat::Toml => from_toml(text, options),
         }
     }
 
@@ -80,32 +88,21 @@ impl Robot {
 }
 
 #[cfg(feature = "urdf")]
-fn from_urdf_bytes(bytes: &[u8], options: LoadOptions) -> Result<Robot, RobotError> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => super::urdf::parse(text, options),
-        // A byte order mark of UTF-16.
-        Err(_) if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) => {
-            Err(RobotError::NotUtf8.at(1))
-        }
-        Err(_) => super::urdf::parse_replaced(&String::from_utf8_lossy(bytes), options),
-    }
+fn from_urdf(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
+    super::urdf::parse(text, options)
 }
 
 #[cfg(not(feature = "urdf"))]
-fn from_urdf_bytes(_: &[u8], _: LoadOptions) -> Result<Robot, RobotError> {
+fn from_urdf(_: &str, _: LoadOptions) -> Result<Robot, RobotError> {
     Err(RobotError::ReaderMissing { feature: "urdf" })
 }
 
 #[cfg(feature = "toml")]
-fn from_toml_bytes(bytes: &[u8], options: LoadOptions) -> Result<Robot, RobotError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
-        RobotError::NotUtf8.at(1 + valid.iter().filter(|&&byte| byte == b'\n').count())
-    })?;
+fn from_toml(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     super::file::parse(text, options)
 }
 
 #[cfg(not(feature = "toml"))]
-fn from_toml_bytes(_: &[u8], _: LoadOptions) -> Result<Robot, RobotError> {
+fn from_toml(_: &str, _: LoadOptions) -> Result<Robot, RobotError> {
     Err(RobotError::ReaderMissing { feature: "toml" })
 }

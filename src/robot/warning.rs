@@ -1,6 +1,6 @@
 //! What is unusual about the description of a robot.
 
-use super::printable::{joints, printable, sentence};
+use super::printable::{joints, printable, printable_number, sentence};
 use std::fmt;
 
 /// Something unusual that does not stop the computation.
@@ -74,10 +74,12 @@ pub enum Warning {
         /// Its line, from 1.
         line: usize,
     },
-    /// Bytes that are not UTF-8, outside comments; each became U+FFFD.
-    NotUtf8 {
-        /// Line of the first one, from 1.
-        line: usize,
+    /// Limits of revolute joints beyond two turns: they may be degrees.
+    LargeLimits {
+        /// The joints.
+        joints: Vec<String>,
+        /// The limit of the first one (rad).
+        limit: f64,
     },
     /// Damping and friction in `<dynamics>` of a URDF that were not loaded.
     FrictionIgnored {
@@ -112,8 +114,7 @@ impl Warning {
             | Self::WithoutLimit { line, .. }
             | Self::SwappedLimits { line, .. }
             | Self::NegativeLimit { line, .. }
-            | Self::FixedBase { line, .. }
-            | Self::NotUtf8 { line } => Some(*line),
+            | Self::FixedBase { line, .. } => Some(*line),
             _ => None,
         }
     }
@@ -173,16 +174,17 @@ impl fmt::Display for Warning {
             ),
             Self::FixedBase { link, mass, line } => write!(
                 f,
-                "the root link '{}' (line {line}) has a mass of {mass} kg, which is not used: the base is held fixed; \
+                "the root link '{}' (line {line}) has a mass of {} kg, which is not used: the base is held fixed; \
                  for a free base, attach it to a massless root link by a floating joint",
-                printable(link)
+                printable(link),
+                printable_number(*mass)
             ),
-            Self::NotUtf8 { line } => {
-                write!(
-                    f,
-                    "line {line} is not UTF-8; what cannot be read became U+FFFD: save the file as UTF-8"
-                )
-            }
+            Self::LargeLimits { joints: names, limit } => write!(
+                f,
+                "position limits beyond two turns (the first is {} rad): {}; are they degrees? Limits are in rad",
+                printable_number(*limit),
+                joints(names)
+            ),
             Self::FrictionIgnored { joints: names } => write!(
                 f,
                 "<dynamics> was not loaded, request it by --friction (LoadOptions::friction): {}",

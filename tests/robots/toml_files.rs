@@ -79,9 +79,63 @@ refuses! {
 #[test]
 fn a_missing_file_and_an_unknown_extension_are_named() {
     let error = Robot::from_file("robots/nowhere.toml").unwrap_err();
-    assert!(error.to_string().starts_with("robots/nowhere.toml: cannot be read"), "{error}");
-    let error = Robot::from_file("robots/arm.xacro").unwrap_err();
-    assert!(error.to_string().contains(".urdf or .toml"), "{error}");
+    assert!(error.to_string().starts_with("robots/nowhere.toml: does not exist"), "{error}");
+    for (path, reason) in [
+        ("LICENSE-MIT", ".urdf or .toml"),
+        ("LICENSE-MIT", "--format"),
+        ("robots", "is a folder"),
+        ("robots/none", "does not exist"),
+    ] {
+        let error = Robot::from_file(path).unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
+    }
+    for (text, format, reason) in [
+        ("<robot/>", RobotFormat::Toml, "looks like URDF"),
+        ("name = 'a'\n[[joint]]", RobotFormat::Urdf, "looks like TOML"),
+        (" \n", RobotFormat::Toml, "line 1: the file is empty"),
+        ("\u{feff}", RobotFormat::Urdf, "line 1: the file is empty"),
+    ] {
+        let error = Robot::read(text.as_bytes(), format, LoadOptions::default()).unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
+    }
+}
+
+/// Products of such numbers overflow or vanish in the middle of a computation.
+#[test]
+fn masses_and_inertias_of_extreme_size_are_refused_by_link() {
+    let load = |numbers: &str| {
+        let text = format!("name = 'a'\n[[joint]]\nname = 'elbow'\n{numbers}");
+        Robot::from_toml_str(&text, LoadOptions::default())
+    };
+    for numbers in [
+        "mass = 1e-150",
+        "mass = 1e150",
+        "mass = 1.0\ncom = [1e50, 0.0, 0.0]",
+        "mass = 1.0\ninertia = { xx = 1e-80, yy = 1e-80, zz = 1e-80 }",
+    ] {
+        let message = load(numbers).unwrap_err().to_string();
+        assert!(message.contains("link 'elbow'") && message.contains("between 1e-75 and 1e75"), "{message}");
+        assert!(message.len() < 250, "{message}");
+    }
+    assert!(load("mass = 1e75\ncom = [0.1, 0.0, 0.0]").is_ok());
+}
+
+#[test]
+fn limits_that_look_like_degrees_are_a_warning() {
+    let load = |kind: &str| {
+        let text = format!(
+            "name = 'a'\n[[joint]]\nname = 'elbow'\ntype = '{kind}'\nmass = 1.0\ncom = [1.0, 0.0, 0.0]\n\
+             limits = {{ lower = -180.0, upper = 1.0 }}"
+        );
+        let robot = Robot::from_toml_str(&text, LoadOptions::default()).unwrap();
+        robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert!(
+        load("revolute")[0].contains("-180 rad): joint elbow; are they degrees?"),
+        "{:?}",
+        load("revolute")
+    );
+    assert!(load("prismatic").is_empty());
 }
 
 #[test]

@@ -30,7 +30,7 @@ macro_rules! refuses {
 
 refuses! {
     // The text.
-    no_text: "", line 1, E::Malformed { .. }, ["XML"];
+    no_text: "", line 1, E::Malformed { .. }, ["empty"];
     not_xml: "<robot name='r'>\n<link name='a'>\n</lin>\n</robot>", line 3, E::Malformed { .. }, ["'lin'", "'link'"];
     cut_off: "<robot name='r'>\n<link name='a'/>\n", line 3, E::Malformed { .. }, ["complete the file"];
     other_root: "<!-- no robot -->\n<sdf/>", line 2, E::Malformed { .. }, ["<sdf>", "<robot>"];

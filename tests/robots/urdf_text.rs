@@ -2,7 +2,7 @@
 
 use crate::texts::*;
 use costate::robot::RobotError as E;
-use costate::robot::{LoadOptions, Robot, RobotFormat, Warning};
+use costate::robot::{LoadOptions, Robot, RobotFormat};
 
 #[test]
 fn what_is_not_dynamics_is_not_read() {
@@ -48,18 +48,20 @@ fn read(bytes: &[u8]) -> Result<Robot, E> {
     Robot::read(bytes, RobotFormat::Urdf, LoadOptions::default())
 }
 
-/// Bytes that are not UTF-8 do no harm in comments; elsewhere they are replaced, with a warning.
+/// Bytes that are not UTF-8 are refused with their line, in comments too.
 #[test]
 fn other_encodings() {
     let text = more("");
-    let latin = read(&[b"<!-- 90\xb0 -->".as_slice(), text.as_bytes()].concat()).unwrap();
-    assert_eq!((names(&latin), latin.warnings()), (vec!["elbow"], &[][..]));
+    let not_utf8 = |bytes: &[u8], at: usize| {
+        let error = read(bytes).unwrap_err();
+        assert!(
+            matches!(&error, E::InFile { line, error, .. } if *line == Some(at) && matches!(**error, E::NotUtf8)),
+            "{error}"
+        );
+    };
+    not_utf8(&[b"<!--\n90\xb0 -->".as_slice(), text.as_bytes()].concat(), 2);
     let (start, end) = text.split_once("elbow").unwrap();
-    let replaced = read(&[start.as_bytes(), b"\xe9paule", end.as_bytes()].concat()).unwrap();
-    assert_eq!(
-        (names(&replaced), replaced.warnings()),
-        (vec!["\u{fffd}paule"], &[Warning::NotUtf8 { line: 6 }][..])
-    );
+    not_utf8(&[start.as_bytes(), b"\xe9paule", end.as_bytes()].concat(), 6);
     let utf16: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
     let error = read(&utf16).unwrap_err();
     assert!(

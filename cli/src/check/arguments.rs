@@ -1,14 +1,14 @@
 //! Arguments of `costate check`.
 
 use crate::RobotArguments;
-use crate::arguments::positive;
+use crate::arguments::{positive, whole};
 
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
     pub robot: RobotArguments,
     /// Number of random states, besides q = 0
-    #[arg(long, default_value_t = 100)]
+    #[arg(long, default_value = "100", value_parser = whole)]
     pub samples: usize,
     /// Seed of the random states
     #[arg(long, default_value_t = 1)]

@@ -1,7 +1,7 @@
 //! A warning about angles that look like degrees.
 
 use crate::terminal;
-use costate::robot::{JointKind, Robot, escape_hidden};
+use costate::robot::{JointKind, Robot, printable, printable_number};
 
 /// Largest |q| of a revolute joint that passes without a warning (rad): two turns.
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
@@ -27,9 +27,10 @@ impl<'a> UnitCheck<'a> {
         if let Some((joint, q)) = joints.into_iter().find(|(joint, q)| is_suspicious(joint.kind, **q)) {
             self.warned = true;
             terminal::warning(format!(
-                "line {line}: revolute joint '{}' is at q = {q} rad, more than two turns; angles are in radians, not \
+                "line {line}: revolute joint '{}' is at q = {} rad, more than two turns; angles are in radians, not \
                  degrees (said once)",
-                escape_hidden(&joint.name)
+                printable(&joint.name),
+                printable_number(*q)
             ));
         }
     }

@@ -1,7 +1,8 @@
 //! A problem file and the saved motion that it names.
 
-use costate::robot::{LoadOptions, Robot};
-use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory};
+use crate::terminal;
+use costate::robot::{LoadOptions, Robot, printable};
+use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory, TrajectoryError};
 use std::error::Error;
 use std::fs::File;
 use std::io::Read;
@@ -41,7 +42,19 @@ fn read_start(path: &Path, robot: &Robot) -> Result<Trajectory, String> {
     File::open(path)
         .and_then(|file| file.take(Trajectory::MOST_BYTES as u64 + 1).read_to_string(&mut text))
         .map_err(|error| format!("{}: cannot be read ({error}); check the path", path.display()))?;
-    Trajectory::from_json(&text, robot).map_err(|error| {
-        format!("{}: {error}; give a file that `costate optimize --save` wrote", path.display())
-    })
+    let trajectory = Trajectory::from_json(&text, robot).map_err(|error| match error {
+        TrajectoryError::NotASolution { .. } | TrajectoryError::NoMotion { .. } => {
+            format!("{}: {error}", path.display())
+        }
+        error => format!("{}: {error}; give a file that `costate optimize --save` wrote", path.display()),
+    })?;
+    if let Some(name) = Trajectory::saved_robot(&text).filter(|name| name != robot.name()) {
+        terminal::warning(format!(
+            "{}: a motion of robot '{}', and this is '{}'; their joints have the same names",
+            path.display(),
+            printable(&name),
+            printable(robot.name())
+        ));
+    }
+    Ok(trajectory)
 }

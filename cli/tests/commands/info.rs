@@ -1,6 +1,6 @@
 //! `costate info`: masses, inertias and limits.
 
-use crate::child::{costate, flat, stdout};
+use crate::child::{costate, flat, stderr, stdout};
 use serde_json::{Value, json};
 
 const ROBOT: &str = "name = 'arm'\ngravity = [0.0, 0.0, -0.0]\n[[joint]]\nname = 'slide'\ntype = 'prismatic'\n\
@@ -37,4 +37,18 @@ fn joints_are_numbered_from_zero() {
     assert!(row("shoulder_pan_joint").starts_with("0 ") && row("wrist_3_joint").starts_with("5 "), "{table}");
     let table = stdout(&costate(&["info", "-"], ROBOT.as_bytes()));
     assert!(table.starts_with("arm, 1 joint, moving mass 2.0000 kg, gravity (0, 0, 0) m/s^2"), "{table}");
+}
+
+/// Warnings go where those of all commands go; names of any length fit the table.
+#[test]
+fn long_names_are_cut_and_warnings_go_to_standard_error() {
+    let limits = "limits = { lower = -180.0 }\n[[joint]]\n";
+    let robot = ROBOT.replace("slide", &"x".repeat(70_000)).replace("prismatic", "revolute") + limits;
+    let robot = robot + "name = 'last'\nmass = 1.0\ncom = [1.0, 0.0, 0.0]\n";
+    let info = costate(&["info", "-"], robot.as_bytes());
+    assert!(info.status.success(), "{}", stderr(&info));
+    assert!(stdout(&info).contains("xxx\u{2026}") && stdout(&info).len() < 2000, "{}", stdout(&info));
+    assert!(
+        !stdout(&info).contains("warning") && stderr(&info).starts_with("warning: position limits beyond")
+    );
 }

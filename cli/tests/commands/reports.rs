@@ -141,7 +141,7 @@ fn robots_are_refused_with_path_line_and_reason() {
     let output = costate(&["info", "robots/nowhere.urdf"], b"");
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        output.stdout.is_empty() && stderr(&output).starts_with("error: robots/nowhere.urdf: cannot be read")
+        output.stdout.is_empty() && stderr(&output).starts_with("error: robots/nowhere.urdf: does not exist")
     );
     assert!(stderr(&costate(&["info", "README.md"], b"")).contains(".urdf or .toml"));
     let strict = costate(&["info", "robots/puma560.toml", "--strict"], b"");

@@ -4,7 +4,7 @@ use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::key::Key;
 use costate::EvalError;
 use costate::codegen::CodegenError;
-use costate::robot::printable;
+use costate::robot::{printable, printable_number as number};
 use std::fmt;
 
 /// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
@@ -148,11 +148,11 @@ impl ProblemError {
                 let names = listed(joints);
                 format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}", joint = printable(joint))
             }
-            Self::NotPositive { value, .. } => format!("must be positive and finite, but is {value}"),
+            Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
             Self::Negative { joint, value, .. } => {
                 let entry =
                     joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' ", joint = printable(joint)));
-                format!("{entry}must be neither negative nor infinite, but is {value}")
+                format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
             }
             Self::FreeTimeWithoutCost => {
                 "a free final time needs cost.time > 0, or a term of the running cost: otherwise the slowest motion \
@@ -161,10 +161,10 @@ impl ProblemError {
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
             Self::EmptyBounds { joint, u_min, u_max } => {
-                format!("the lower bound {u_min} of joint '{joint}' must be less than bounds.u_max = {u_max}", joint = printable(joint))
+                format!("the lower bound {} of joint '{joint}' must be less than bounds.u_max = {}", number(*u_min), number(*u_max), joint = printable(joint))
             }
             Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {q_min} of joint '{joint}' must be less than penalty.q_max = {q_max}", joint = printable(joint))
+                format!("the lower limit {} of joint '{joint}' must be less than penalty.q_max = {}", number(*q_min), number(*q_max), joint = printable(joint))
             }
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
@@ -174,9 +174,9 @@ impl ProblemError {
                  the time"
                     .into()
             }
-            Self::BadOption { value, remedy, .. } => format!("{remedy}, but is {value}"),
+            Self::BadOption { value, remedy, .. } => format!("{remedy}, but is {}", number(*value)),
             Self::Continuation { parameter, value, cause } => {
-                format!("continuation to {parameter} = {value}: {cause}")
+                format!("continuation to {parameter} = {}: {cause}", number(*value))
             }
         }
     }
@@ -210,8 +210,8 @@ pub(crate) fn listed(joints: &[String]) -> String {
 }
 
 /// "1 joint", "2 joints".
-fn count(number: usize, one: &str, more: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { more })
+fn count(amount: usize, one: &str, more: &str) -> String {
+    format!("{amount} {}", if amount == 1 { one } else { more })
 }
 
 /// Why the equations of a problem were not recorded, or not replaced by generated code.

@@ -2,7 +2,7 @@
 
 use crate::problem::Problem;
 use crate::problem::key::Key;
-use costate::robot::{JointKind, printable};
+use costate::robot::{JointKind, printable, printable_number};
 use std::fmt;
 
 /// Angles beyond this size (rad) are probably degrees: two turns.
@@ -37,14 +37,21 @@ impl fmt::Display for ProblemWarning {
         match self {
             Self::LargeAngle { key, joint, value } => write!(
                 f,
-                "{}: the angle {value} of joint '{}' is more than two turns; angles are in rad, and {value} \
-                 degrees are {:.4} rad",
+                "{}: the angle {} of joint '{}' is more than two turns; angles are in rad, and {} \
+                 degrees are {} rad",
                 key.field(),
+                printable_number(*value),
                 printable(joint),
-                value.to_radians()
+                printable_number(*value),
+                shown(value.to_radians())
             ),
         }
     }
+}
+
+/// Four decimals, or an exponent.
+fn shown(angle: f64) -> String {
+    if angle.abs() < 1e6 { format!("{angle:.4}") } else { format!("{angle:.4e}") }
 }
 
 impl Problem {

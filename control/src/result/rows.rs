@@ -3,6 +3,7 @@
 use crate::result::solution::RobotNames;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::{TrajectoryError, check_version};
+use crate::status::Status;
 use costate::robot::Robot;
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -59,6 +60,7 @@ struct StartDocument {
     format: Option<u32>,
     robot: Option<String>,
     joints: Option<Vec<String>>,
+    status: Option<Status>,
     trajectory: Rows,
 }
 
@@ -115,22 +117,40 @@ impl Trajectory {
     /// Reads the trajectory of a saved solution, as a warm start for this robot.
     ///
     /// # Errors
-    /// [`TrajectoryError`]: no saved solution, more than 16 MiB or 100 000 nodes, a newer version, a motion
-    /// of another robot (by the names of its joints, where the file holds them), or lists whose lengths do
-    /// not fit.
+    /// [`TrajectoryError`]: no saved solution, one without a motion, more than 16 MiB or 100 000 nodes, a
+    /// newer version, a motion of another robot (by the names of its joints, where the file holds them), or
+    /// lists whose lengths do not fit.
     pub fn from_json(text: &str, robot: &Robot) -> Result<Self, TrajectoryError> {
         if text.len() > Self::MOST_BYTES {
             return Err(TrajectoryError::TooLong { most: Self::MOST_BYTES });
         }
-        let read: StartDocument = serde_json::from_str(text).map_err(TrajectoryError::NotASolution)?;
-        check_version(read.format.unwrap_or(0))?;
+        let read: StartDocument =
+            serde_json::from_str(text).map_err(|error| TrajectoryError::unreadable(text, error))?;
+        let missing =
+            || TrajectoryError::NotASolution { problem: "the key `format` is missing".into(), source: None };
+        check_version(read.format.ok_or_else(missing)?)?;
         let names = RobotNames::of(robot);
         if let Some(found_joints) = read.joints.filter(|found| *found != names.joints) {
             let found = read.robot.unwrap_or_default();
             return Err(TrajectoryError::OtherRobot { found, found_joints, joints: names.joints });
         }
+        if read.trajectory.is_empty() {
+            let status = read.status.map_or("unknown".into(), |status| status.name().to_owned());
+            return Err(TrajectoryError::NoMotion { status });
+        }
         read.trajectory.check(names.joints.len())?;
         Ok(read.trajectory.into_trajectory(names.joints.len()))
+    }
+
+    /// The name of the robot in a saved solution, where it holds one.
+    ///
+    /// Joints of the same names do not make the same robot: a caller can warn about another name.
+    pub fn saved_robot(text: &str) -> Option<String> {
+        #[derive(Deserialize)]
+        struct Named {
+            robot: Option<String>,
+        }
+        serde_json::from_str::<Named>(text).ok()?.robot
     }
 
     /// Whether the trajectory can be a warm start for this robot.

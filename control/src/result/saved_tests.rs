@@ -13,7 +13,9 @@ fn sledge(joint: &str) -> Robot {
 /// A saved motion of two nodes.
 fn text(t: &str, q: &str, y: &str) -> String {
     let rest = "\"v\":[[0],[0.1]],\"p\":[[0],[0.1]],\"u\":[[1],[-1]]";
-    format!("{{\"status\":\"mesh_limit\",\"trajectory\":{{\"t\":{t},\"q\":{q},\"y\":{y},{rest}}}}}")
+    format!(
+        "{{\"format\":1,\"status\":\"mesh_limit\",\"trajectory\":{{\"t\":{t},\"q\":{q},\"y\":{y},{rest}}}}}"
+    )
 }
 
 #[test]
@@ -38,8 +40,16 @@ fn what_is_written_is_what_is_read() {
 fn what_is_no_motion_of_the_robot_is_refused_with_the_reason() {
     let (t, q, y) = ("[0,1]", "[[0],[1]]", "[[1,2],[3,4]]");
     for (text, reason) in [
-        ("cost: 1".into(), "not a saved solution"),
-        ("{\"format\":99,".to_owned() + &text(t, q, y)[1..], "update costate"),
+        ("cost: 1".into(), "`costate optimize --save` wrote: not JSON (line 1, column 1)"),
+        ("{\"format\":1".into(), "the text ends too early (line 1"),
+        ("{\"format\":1}".into(), "the key `trajectory` is missing"),
+        (text(t, q, y).replace("\"format\":1,", ""), "the key `format` is missing"),
+        (text(t, "[[0],[null]]", y), "`q` holds null, not a number (line 1, column"),
+        (
+            text("[]", "[]", "[]").replace("[[0],[0.1]]", "[]").replace("[[1],[-1]]", "[]"),
+            "no motion (status mesh_limit)",
+        ),
+        (text(t, q, y).replace("\"format\":1,", "\"format\":99,"), "update costate"),
         (text("[0]", q, y), "two finite times"),
         (text("[1,0]", q, y), "two finite times"),
         (text(t, "[[0]]", y), "`q` has 1 rows, and `t` has 2"),

@@ -1,6 +1,7 @@
 //! Why a saved trajectory cannot be used.
 
 use costate::robot::printable;
+use serde_json::error::Category;
 
 /// Version of the format of saved solutions. It grows when a key changes its meaning; a new key alone does
 /// not change it.
@@ -11,8 +12,19 @@ pub(crate) const VERSION: u32 = 1;
 #[non_exhaustive]
 pub enum TrajectoryError {
     /// The text is not a saved solution.
-    #[error("not a saved solution: {0}")]
-    NotASolution(#[source] serde_json::Error),
+    #[error("not a file that `costate optimize --save` wrote: {problem}")]
+    NotASolution {
+        /// What is wrong, with the key where it is known, line and column.
+        problem: String,
+        /// The parser's error; `None` for a missing version.
+        source: Option<serde_json::Error>,
+    },
+    /// The solution has no motion.
+    #[error("this file holds no motion (status {}); solve the problem first", printable(status))]
+    NoMotion {
+        /// The status of the solution.
+        status: String,
+    },
     /// A version that this library does not read.
     #[error(
         "saved with version {found} of the format, and this program reads up to {VERSION}; update costate"
@@ -83,6 +95,56 @@ pub enum TrajectoryError {
         /// The row, from 0.
         row: usize,
     },
+}
+
+impl TrajectoryError {
+    /// The parser's error in words of the file.
+    pub(crate) fn unreadable(text: &str, error: serde_json::Error) -> Self {
+        let (line, column) = (error.line(), error.column());
+        let place = if line == 0 { String::new() } else { format!(" (line {line}, column {column})") };
+        let whole = error.to_string();
+        let reason = whole.split(" at line ").next().unwrap_or_default();
+        let key = || key_before(text, line, column).map_or("a value".into(), |key| format!("`{key}`"));
+        let problem = match error.classify() {
+            Category::Eof => "the text ends too early".into(),
+            Category::Data => {
+                match (reason.strip_prefix("missing field "), reason.rsplit_once(", expected ")) {
+                    (Some(name), _) => format!("the key {name} is missing"),
+                    (_, Some((found, expected))) => {
+                        let found = found.split_once(": ").map_or(found, |(_, found)| found);
+                        let found = match found.strip_prefix("invalid length ") {
+                            Some(length) => format!("{length} entries"),
+                            None => printable(found).to_string(),
+                        };
+                        format!("{} holds {found}, not {}", key(), plain(expected))
+                    }
+                    _ => format!("{}: {}", key(), printable(reason)),
+                }
+            }
+            _ => "not JSON".into(),
+        };
+        Self::NotASolution { problem: problem + &place, source: Some(error) }
+    }
+}
+
+/// What the parser expected, without names of types.
+fn plain(expected: &str) -> &str {
+    match expected {
+        "f64" => "a number",
+        "u32" | "usize" => "a whole number",
+        "a sequence" => "a list",
+        expected if expected.starts_with("struct ") => "an object",
+        expected => expected,
+    }
+}
+
+/// The last key before a line and column, from 1.
+fn key_before(text: &str, line: usize, column: usize) -> Option<String> {
+    let start: usize = text.split_inclusive('\n').take(line.checked_sub(1)?).map(str::len).sum();
+    let before = text.as_bytes().get(..(start + column).min(text.len()))?;
+    let end = before.windows(2).rposition(|pair| pair == b"\":")?;
+    let name = before[..end].iter().rposition(|&byte| byte == b'"')? + 1;
+    Some(printable(&String::from_utf8_lossy(&before[name..end])).to_string())
 }
 
 /// Refuses a version that this library does not read.

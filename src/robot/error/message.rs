@@ -1,20 +1,28 @@
 //! What each error says.
 
 use super::RobotError;
-use crate::robot::printable::{list, printable, sentence};
+use crate::robot::printable::{list, printable, printable_number, sentence};
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::Path;
 
 impl fmt::Display for RobotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::InFile { path, line, error } => write!(f, "{}{error}", position(path, *line)),
-            Self::Unreadable { source } => {
-                write!(f, "cannot be read ({source}); check the path and the permissions")
+            Self::InFile { path, line, error } => {
+                // Each warning names its own line.
+                let line = line.filter(|_| !matches!(**error, Self::Strict { .. }));
+                write!(f, "{}{error}", position(path, line))
             }
-            Self::UnknownFormat => {
-                f.write_str("unknown kind of robot file; use a name that ends in .urdf or .toml")
-            }
+            Self::Unreadable { source } => match source.kind() {
+                ErrorKind::NotFound => f.write_str("does not exist; check the path"),
+                ErrorKind::IsADirectory => f.write_str("is a folder; give a robot file, .urdf or .toml"),
+                _ => write!(f, "cannot be read ({source}); check the path and the permissions"),
+            },
+            Self::UnknownFormat => f.write_str(
+                "unknown kind of robot file; use a name that ends in .urdf or .toml, or give the format by --format \
+                 (Robot::read)",
+            ),
             Self::ReaderMissing { feature } => write!(
                 f,
                 "this program was built without the reader of this format; build `costate` with the feature `{feature}`"
@@ -93,19 +101,28 @@ impl fmt::Display for RobotError {
                 printable(joint)
             ),
             Self::BadValue { joint, what, value, rule } => {
-                write!(f, "{what} of joint '{}' is {value}; {rule}", printable(joint))
+                write!(f, "{what} of joint '{}' is {}; {rule}", printable(joint), printable_number(*value))
             }
             Self::NonFiniteInertia { link, what } => {
                 write!(f, "{what} of link '{}' is not finite; correct it", printable(link))
             }
             Self::NegativeMass { link, mass } => {
+                let mass = printable_number(*mass);
                 write!(f, "the mass of link '{}' is {mass} kg; a mass is zero or positive", printable(link))
             }
+            Self::OutOfRange { link, what, value } => write!(
+                f,
+                "{what} of link '{}' is {}; what is not zero must lie between 1e-75 and 1e75, for products to stay \
+                 finite: check the units",
+                printable(link),
+                printable_number(*value)
+            ),
             Self::IndefiniteInertia { link, moment } => write!(
                 f,
-                "the inertia of link '{}' about its centre of mass has the negative principal moment {moment} kg m^2; \
+                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
                  check signs and reference point of the matrix",
-                printable(link)
+                printable(link),
+                printable_number(*moment)
             ),
             Self::MovesNothing { joint } => write!(
                 f,

@@ -148,6 +148,16 @@ pub enum RobotError {
         /// The mass (kg).
         mass: f64,
     },
+    /// A mass or inertia so small or large that products of it are zero or infinite: neither zero nor between
+    /// 1e-75 and 1e75.
+    OutOfRange {
+        /// The link.
+        link: String,
+        /// Which figure.
+        what: &'static str,
+        /// Its value (kg, kg m^2).
+        value: f64,
+    },
     /// An inertia matrix that is not positive semidefinite.
     IndefiniteInertia {
         /// The link.
@@ -220,6 +230,7 @@ impl RobotError {
             Self::SeveralRoots { second, .. } => Some(second),
             Self::NonFiniteInertia { link, .. }
             | Self::NegativeMass { link, .. }
+            | Self::OutOfRange { link, .. }
             | Self::IndefiniteInertia { link, .. } => Some(link),
             Self::DuplicateName { name, .. } => Some(name),
             _ => None,

@@ -58,6 +58,7 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     if text.len() > most {
         return Err(RobotError::TooLong { most });
     }
+    RobotFormat::Toml.check_text(text)?;
     size::check(text)?;
     let file: RobotFile = toml::from_str(text).map_err(|error| explain::refusal(error, text))?;
     let line_of = |offset: usize| explain::line(text, offset);

@@ -47,13 +47,6 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     built(source::read(text)?, options)
 }
 
-/// As [`parse`], for a text in which U+FFFD replaces what was not UTF-8.
-pub(super) fn parse_replaced(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
-    let mut source = source::read(text)?;
-    source.warnings.extend(xml::replaced_line(text).map(|line| Warning::NotUtf8 { line }));
-    built(source, options)
-}
-
 fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {
     let mut warnings = std::mem::take(&mut source.warnings);
     let attached = tree::attachments(&source)?;

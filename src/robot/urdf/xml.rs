@@ -58,14 +58,10 @@ pub(super) fn prepared(text: &str) -> Result<String, RobotError> {
     if text.len() > most {
         return Err(RobotError::TooLong { most });
     }
+    RobotFormat::Urdf.check_text(text)?;
     let text = without_comments(text);
     check_size(&text)?;
     Ok(with_prefixes_declared(text))
-}
-
-/// The first line, from 1, that contains U+FFFD outside comments.
-pub(super) fn replaced_line(text: &str) -> Option<usize> {
-    without_comments(text).lines().position(|line| line.contains('\u{fffd}')).map(|line| line + 1)
 }
 
 /// The document of a text.
@@ -89,7 +85,11 @@ fn refusal(error: Error, text: &str, lines: &Lines) -> RobotError {
         Error::NodesLimitReached => {
             (1, format!("the file has more than {MOST_NODES} elements and texts; remove visual models"))
         }
-        error => (error.pos().row as usize, format!("not well-formed XML: {error}; correct it")),
+        error => {
+            let (at, whole) = (error.pos(), error.to_string());
+            let problem = whole.strip_suffix(&format!(" at {at}")).unwrap_or(&whole);
+            (at.row as usize, format!("not well-formed XML: {problem} (column {}); correct it", at.col))
+        }
     };
     RobotError::Malformed { message, source: Some(Box::new(error)) }.at(line)
 }

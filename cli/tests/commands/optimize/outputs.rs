@@ -18,8 +18,8 @@ fn outputs_are_checked_before_the_problem_is_solved() {
         (&["-o", problem][..], "is the input file"),
         (&["--save", arm], "is the input file"),
         (&["-o", nowhere], "cannot be written"),
-        (&["--save", folder.to_str().unwrap()], "cannot be written"),
-        (&["--svg", arm], "cannot be written"),
+        (&["--save", folder.to_str().unwrap()], "is a folder; give a file"),
+        (&["--svg", arm], "is a file; give a folder"),
         (&["-o", page, "--save", page], "both -o and --save"),
         (&["--json", "-o", "-"], "standard output"),
     ] {
