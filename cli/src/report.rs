@@ -32,6 +32,11 @@ pub fn fixed(x: f64, decimals: usize) -> String {
     }
 }
 
+/// Two digits and an exponent, for a number that should be zero; an exact zero as such.
+pub fn scientific(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}
+
 /// A table with a header and columns as wide as their widest cell. The first columns hold text, the others
 /// numbers. Hidden characters in cells are escaped, and cells of more than 40 characters end in an ellipsis.
 pub struct Table {

@@ -42,22 +42,6 @@ impl Routes {
     ) -> Result<StateReport, DerivativeError<EvalError>> {
         self.0.compare(x, u, y)
     }
-
-    /// [`derivative::Routes::undetected`].
-    ///
-    /// # Errors
-    /// Those of [`derivative::Routes::compare`].
-    #[doc(hidden)]
-    #[inline(never)]
-    pub fn undetected(
-        &mut self,
-        x: &[f64],
-        u: &[f64],
-        y: &[f64],
-        change: f64,
-    ) -> Result<Vec<[&'static str; 2]>, DerivativeError<EvalError>> {
-        self.0.undetected(x, u, y, change)
-    }
 }
 
 /// [`step::StepRoutes`], compiled here.
@@ -91,23 +75,6 @@ impl StepRoutes {
         figures: &mut Vec<derivative::Figure>,
     ) -> Result<(), StepError<EvalError>> {
         self.0.compare(x, u, h, y, figures)
-    }
-
-    /// [`step::StepRoutes::undetected`].
-    ///
-    /// # Errors
-    /// Those of [`step::StepRoutes::compare`].
-    #[doc(hidden)]
-    #[inline(never)]
-    pub fn undetected(
-        &mut self,
-        x: &[f64],
-        u: &[f64],
-        h: f64,
-        y: &[f64],
-        change: f64,
-    ) -> Result<Vec<[&'static str; 2]>, StepError<EvalError>> {
-        self.0.undetected(x, u, h, y, change)
     }
 }
 

@@ -16,7 +16,7 @@ use costate::step::StepError;
 use costate_comparison::{Routes, StepRoutes};
 use fastrand::Rng;
 use findings::Findings;
-use report::{as_json, error_as_json, print};
+use report::{Report, error_as_json};
 use sample::{Sample, random_sample};
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,11 +39,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
         return Err(reason.into());
     }
     let failures = findings.failures(arguments.tolerance);
+    let report = Report { robot: &robot, arguments, findings: &findings, failures: &failures };
     let mut out = terminal::stdout();
     if arguments.json {
-        writeln!(out, "{}", as_json(&robot, arguments, &findings, &failures))?;
+        writeln!(out, "{}", report.as_json())?;
     } else {
-        print(&robot, arguments, &findings, &failures, &mut out)?;
+        report.print(&mut out)?;
     }
     Ok(if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

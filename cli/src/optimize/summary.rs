@@ -2,7 +2,7 @@
 
 use super::report::numbers::short;
 use super::report::units;
-use crate::report::{Table, title};
+use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
 use costate_control::{Certificate, FinalTime, Iteration, Motion, Problem, Solution, StartResult, Status};
 use std::io::Write;
@@ -115,13 +115,13 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         figures.push(("cost of penalties", short(motion.penalty_cost, 6)));
     }
     if motion.smoothing > 0.0 {
-        figures.push(("smoothing left", small(motion.smoothing)));
+        figures.push(("smoothing left", scientific(motion.smoothing)));
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.extend([
         ("final time", format!("{} s", short(motion.final_time, 10))),
         ("H*", format!("{} cost/s", short(motion.hamiltonian, 10))),
-        ("drift of H*", format!("{} relative", small(motion.hamiltonian_drift))),
+        ("drift of H*", format!("{} relative", scientific(motion.hamiltonian_drift))),
         ("end defect", defect(solution.end_defect, &motion.status, &format!("{position}, {rate}"))),
         ("shooting defect", defect(motion.shooting_defect, &motion.status, "relative")),
         iterations,
@@ -137,7 +137,7 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
 /// A defect with its unit; it is not finite if there was no integration or if the integration stopped.
 fn defect(value: f64, status: &Status, unit: &str) -> String {
     match status {
-        _ if value.is_finite() => format!("{} {unit}", small(value)),
+        _ if value.is_finite() => format!("{} {unit}", scientific(value)),
         Status::NotVerified | Status::SwitchesNotRefined => "the integration stopped".into(),
         _ => "not checked".into(),
     }
@@ -163,11 +163,6 @@ pub fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// Two digits of a number that should be zero.
-fn small(x: f64) -> String {
-    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
-}
-
 /// Header of the table of iterations.
 pub const ITERATION_HEADER: [&str; 7] =
     ["phase", "nodes", "iteration", "residual", "step", "final time (s)", "cost"];
@@ -178,7 +173,7 @@ pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
         iteration.phase.to_string(),
         iteration.nodes.to_string(),
         iteration.number.to_string(),
-        small(iteration.residual),
+        scientific(iteration.residual),
         short(iteration.step, 3),
         short(iteration.final_time, 7),
         short(iteration.cost, 9),

@@ -7,23 +7,30 @@ use costate_control::{
     solve_extremal,
 };
 
-/// `s' = u_1, x' = u_2, l = (u_1^2 + u_2^2 - k(s) x^2) / 2`, s from 0 to `to`, x from 0 to 0: s = t for T =
-/// `to`, x = 0.
-struct Strip {
-    to: f64,
-    k: fn(f64) -> f64,
+/// `x_i' = u_i, l = sum (u_i^2 - k_i x_i^2) / 2` from 0 to `to`: two states that know nothing of each other
+/// where k is constant.
+struct Plane {
+    to: [f64; 2],
+    /// k at a position; constant in parts wherever the state that it multiplies is not zero.
+    k: fn([f64; 2]) -> [f64; 2],
     /// Whether `linearise` leaves out the second derivatives of l.
     without_hessian: bool,
     ends_are_fixed: bool,
 }
 
-impl Strip {
-    fn new(to: f64, k: fn(f64) -> f64) -> Self {
+impl Plane {
+    fn new(to: [f64; 2], k: fn([f64; 2]) -> [f64; 2]) -> Self {
         Self { to, k, without_hessian: false, ends_are_fixed: true }
     }
 
+    /// From 0 to (`to`, 0) with k_1 = 0: x_1 = t for T = `to`, x_2 = 0.
+    fn strip(to: f64, k: fn([f64; 2]) -> [f64; 2]) -> Self {
+        Self::new([to, 0.0], k)
+    }
+
+    /// The motion of a [`strip`](Self::strip).
     fn solve(mut self) -> ExtremalSolution {
-        let (time, to) = (FinalTime::Fixed(self.to), self.to);
+        let (time, to) = (FinalTime::Fixed(self.to[0]), self.to[0]);
         let solution = solve_extremal(&mut self, time, &SolverOptions::default(), |s, z| {
             z.copy_from_slice(&[s * to, 0.0, 1.0, 0.0]);
         });
@@ -32,7 +39,7 @@ impl Strip {
     }
 }
 
-impl BoundaryValueProblem for Strip {
+impl BoundaryValueProblem for Plane {
     fn states(&self) -> usize {
         2
     }
@@ -43,11 +50,10 @@ impl BoundaryValueProblem for Strip {
         _: ControlLaw<'_>,
         g: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
-        // k is constant where x is not zero.
-        let k = (self.k)(z[0]);
-        g.copy_from_slice(&[z[2], z[3], 0.0, -k * z[1]]);
-        let (square, cost) = (z[2] * z[2] + z[3] * z[3], -0.5 * k * z[1] * z[1]);
-        let cost = 0.5 * square + cost;
+        let k = (self.k)([z[0], z[1]]);
+        g.copy_from_slice(&[z[2], z[3], -k[0] * z[0], -k[1] * z[1]]);
+        let square = z[2] * z[2] + z[3] * z[3];
+        let cost = 0.5 * (square - k[0] * z[0] * z[0] - k[1] * z[1] * z[1]);
         Ok(HamiltonianTerms { hamiltonian: square - cost, cost, ..HamiltonianTerms::default() })
     }
 
@@ -60,7 +66,7 @@ impl BoundaryValueProblem for Strip {
     ) -> Result<HamiltonianTerms, EvalError> {
         let terms = self.linearise_exactly(z, law, g, j)?;
         if self.without_hessian {
-            j[13] = 0.0;
+            (j[8], j[13]) = (0.0, 0.0);
         }
         Ok(terms)
     }
@@ -72,8 +78,9 @@ impl BoundaryValueProblem for Strip {
         g: &mut [f64],
         j: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
+        let k = (self.k)([z[0], z[1]]);
         j.fill(0.0);
-        (j[2], j[7], j[13]) = (1.0, 1.0, -(self.k)(z[0]));
+        (j[2], j[7], j[8], j[13]) = (1.0, 1.0, -k[0], -k[1]);
         self.evaluate(z, law, g)
     }
 
@@ -84,7 +91,7 @@ impl BoundaryValueProblem for Strip {
     }
 
     fn end(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
-        residual.copy_from_slice(&[z[0] - self.to, z[1]]);
+        residual.copy_from_slice(&[z[0] - self.to[0], z[1] - self.to[1]]);
         jacobian.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
         Ok(())
     }
@@ -94,7 +101,7 @@ impl BoundaryValueProblem for Strip {
     }
 }
 
-impl BoundedControls for Strip {
+impl BoundedControls for Plane {
     fn controls(&self) -> usize {
         2
     }
@@ -109,26 +116,47 @@ impl BoundedControls for Strip {
     }
 }
 
-impl Homotopy for Strip {}
+impl Homotopy for Plane {}
+
+/// Each conjugate time has the multiplicity two.
+#[test]
+fn conjugate_times_of_even_multiplicity_are_counted() {
+    use std::f64::consts::PI;
+    for (time, expected) in [(3.0, None), (4.0, Some(PI)), (7.0, Some(PI)), (40.0, Some(PI))] {
+        let guess = |s: f64, z: &mut [f64]| z[..2].copy_from_slice(&[s, 2.0 * s]);
+        let mut plane = Plane::new([1.0, 2.0], |_| [1.0, 1.0]);
+        let options = SolverOptions::default();
+        let motion = solve_extremal(&mut plane, FinalTime::Fixed(time), &options, guess).motion;
+        assert!(motion.status.is_converged(), "{}", motion.status);
+        match (motion.conjugate_time, expected) {
+            (Some(found), Some(expected)) => {
+                assert!((found - expected).abs() < 1e-8, "{found}");
+                assert_eq!((motion.conjugate_multiplicity, motion.certificate), (2, Certificate::NotMinimal));
+            }
+            (None, None) => assert_eq!(motion.certificate, Certificate::LocalMinimum),
+            other => panic!("T = {time}: {other:?}"),
+        }
+    }
+}
 
 /// `x'' = -k x` up to 0.03 s, a straight line afterwards, which does not come back to zero within 1 s.
 #[test]
 fn a_conjugate_time_within_the_first_mesh_interval_is_found() {
-    let k = |s: f64| if s < 0.03 { 15_555.0 } else { 0.0 };
-    let motion = Strip::new(1.0, k).solve().motion;
+    let k = |[s, _]: [f64; 2]| [0.0, if s < 0.03 { 15_555.0 } else { 0.0 }];
+    let motion = Plane::strip(1.0, k).solve().motion;
     let expected = std::f64::consts::PI / 15_555.0_f64.sqrt();
     assert!((motion.conjugate_time.unwrap() - expected).abs() < 1e-8, "{:?}", motion.conjugate_time);
     assert_eq!((motion.conjugate_multiplicity, motion.certificate), (1, Certificate::NotMinimal));
     // Less than half a period: the straight line that follows leads away.
-    let k = |s: f64| if s < 0.01 { 15_555.0 } else { 0.0 };
-    assert_eq!(Strip::new(1.0, k).solve().motion.certificate, Certificate::LocalMinimum);
+    let k = |[s, _]: [f64; 2]| [0.0, if s < 0.01 { 15_555.0 } else { 0.0 }];
+    assert_eq!(Plane::strip(1.0, k).solve().motion.certificate, Certificate::LocalMinimum);
 }
 
 /// The field turns back within 0.03 s wherever they are.
 #[test]
 fn a_conjugate_time_within_any_mesh_interval_is_found() {
-    let k = |s: f64| if (s - 0.515).abs() < 0.015 { 15_555.0 } else { 0.0 };
-    let motion = Strip::new(1.0, k).solve().motion;
+    let k = |[s, _]: [f64; 2]| [0.0, if (s - 0.515).abs() < 0.015 { 15_555.0 } else { 0.0 }];
+    let motion = Plane::strip(1.0, k).solve().motion;
     assert_eq!(motion.certificate, Certificate::NotMinimal);
     let w = 15_555.0_f64.sqrt();
     // x = t up to 0.5 s; then 0.5 cos w s + sin w s / w vanishes at tan w s = -w / 2.
@@ -138,7 +166,7 @@ fn a_conjugate_time_within_any_mesh_interval_is_found() {
 
 #[test]
 fn jacobi_fields_have_the_second_derivatives_that_newton_may_leave_out() {
-    let strip = Strip { without_hessian: true, ..Strip::new(4.0, |_| 1.0) };
+    let strip = Plane { without_hessian: true, ..Plane::strip(4.0, |_| [0.0, 1.0]) };
     let motion = strip.solve().motion;
     assert_eq!(motion.certificate, Certificate::NotMinimal);
     assert!((motion.conjugate_time.unwrap() - std::f64::consts::PI).abs() < 1e-8);
@@ -168,8 +196,8 @@ fn robots_have_an_exact_jacobian_on_every_route() {
 
 #[test]
 fn nothing_is_claimed_unless_the_extremal_says_that_its_ends_are_fixed() {
-    /// A strip that leaves everything to its defaults.
-    struct Plain(Strip);
+    /// A plane that leaves everything to its defaults.
+    struct Plain(Plane);
     impl BoundaryValueProblem for Plain {
         fn states(&self) -> usize {
             2
@@ -200,12 +228,12 @@ fn nothing_is_claimed_unless_the_extremal_says_that_its_ends_are_fixed() {
     }
     impl BoundedControls for Plain {}
     impl Homotopy for Plain {}
-    let mut plain = Plain(Strip::new(1.0, |_| 0.0));
+    let mut plain = Plain(Plane::strip(1.0, |_| [0.0, 0.0]));
     let guess = |s: f64, z: &mut [f64]| z.copy_from_slice(&[s, 0.0, 1.0, 0.0]);
     let options = SolverOptions::default();
     let motion = solve_extremal(&mut plain, FinalTime::Fixed(1.0), &options, guess).motion;
     assert!(motion.status.is_converged(), "{}", motion.status);
     assert_eq!(motion.certificate, Certificate::NotChecked);
-    let motion = Strip { ends_are_fixed: false, ..Strip::new(4.0, |_| 1.0) }.solve().motion;
+    let motion = Plane { ends_are_fixed: false, ..Plane::strip(4.0, |_| [0.0, 1.0]) }.solve().motion;
     assert_eq!((motion.certificate, motion.conjugate_time), (Certificate::NotChecked, None));
 }

@@ -1,18 +1,22 @@
 //! The Jacobian of the extremals of a robot in Lagrangian coordinates.
 
+use crate::extremal::hamiltonian::equations::Outputs;
+use crate::extremal::hamiltonian::with_hamiltonian;
 use crate::extremal::lagrangian::LagrangianExtremal;
+use crate::extremal::{ControlLaw, HamiltonianTerms};
 use costate::EvalError;
 use costate::matrix::Block;
 
 impl LagrangianExtremal {
     /// g and its Jacobian from f_x, and from the second derivatives if `hessian` is true.
-    pub(crate) fn analytic(
+    pub(crate) fn linearise_with(
         &mut self,
-        z: &[f64],
-        g: &mut [f64],
-        jacobian: &mut [f64],
         hessian: bool,
-    ) -> Result<(), EvalError> {
+        z: &[f64],
+        law: ControlLaw<'_>,
+        Outputs { g, jacobian }: Outputs<'_, f64>,
+    ) -> Result<HamiltonianTerms, EvalError> {
+        let l = self.prepare(z, law, true)?;
         let n = self.force.len();
         let m = 4 * n;
         let (q, v, y_q, y_v) = (&z[..n], &z[n..2 * n], &z[2 * n..3 * n], &z[3 * n..]);
@@ -64,7 +68,7 @@ impl LagrangianExtremal {
                 );
             }
         }
-        Ok(())
+        Ok(with_hamiltonian(z, g, l))
     }
 }
 

@@ -5,7 +5,7 @@ pub(crate) mod jacobian;
 use crate::extremal::actuation::{Actuation, Switching};
 use crate::extremal::component_ends::{ComponentEnds, GivenComponents};
 use crate::extremal::differences::{Differenced, Differences};
-use crate::extremal::hamiltonian::equations::Running;
+use crate::extremal::hamiltonian::equations::{Outputs, Running};
 use crate::extremal::hamiltonian::{stretch, with_hamiltonian};
 use crate::extremal::penalty::Penalties;
 use crate::extremal::relaxable::{Relaxable, RelaxedParts};
@@ -180,9 +180,8 @@ impl BoundaryValueProblem for LagrangianExtremal {
             self.by_differences(z, law, jacobian)?;
             return self.evaluate(z, law, g);
         }
-        let l = self.prepare(z, law, true)?;
-        self.analytic(z, g, jacobian, self.jacobian == JacobianRoute::Exact)?;
-        Ok(with_hamiltonian(z, g, l))
+        let hessian = self.jacobian == JacobianRoute::Exact;
+        self.linearise_with(hessian, z, law, Outputs { g, jacobian })
     }
 
     fn linearise_exactly(
@@ -192,9 +191,7 @@ impl BoundaryValueProblem for LagrangianExtremal {
         g: &mut [f64],
         jacobian: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
-        let l = self.prepare(z, law, true)?;
-        self.analytic(z, g, jacobian, true)?;
-        Ok(with_hamiltonian(z, g, l))
+        self.linearise_with(true, z, law, Outputs { g, jacobian })
     }
 
     fn start(&mut self, z: &[f64], residual: &mut [f64], jacobian: &mut [f64]) -> Result<(), EvalError> {
