@@ -69,6 +69,7 @@ impl<S: Scalar> Scalar for Called<S> {
     const ORDER: usize = S::ORDER;
     const CHECKED: bool = S::CHECKED;
     const FUSED: bool = S::FUSED;
+    const INLINED: bool = false;
 
     #[inline(never)]
     fn from_f64(value: f64) -> Self {

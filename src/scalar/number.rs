@@ -62,6 +62,10 @@ pub trait Scalar:
     /// chains, not for few products.
     const FUSED: bool = false;
 
+    /// Whether operations are a few instructions. Operations of numbers that are made of others, as
+    /// [`Tangent`](super::Tangent), are inlined then; otherwise they are calls, which compile much faster.
+    const INLINED: bool = true;
+
     /// The constant `value`, with derivatives zero.
     fn from_f64(value: f64) -> Self;
 

@@ -24,11 +24,36 @@ impl<S: Scalar> Tangent<S> {
     }
 }
 
+#[inline(always)]
+fn add<S: Scalar>(a: Tangent<S>, b: Tangent<S>) -> Tangent<S> {
+    Tangent::new(a.re + b.re, a.eps + b.eps)
+}
+
+#[inline(always)]
+fn sub<S: Scalar>(a: Tangent<S>, b: Tangent<S>) -> Tangent<S> {
+    Tangent::new(a.re - b.re, a.eps - b.eps)
+}
+
+#[inline(always)]
+fn mul<S: Scalar>(a: Tangent<S>, b: Tangent<S>) -> Tangent<S> {
+    Tangent::new(a.re * b.re, a.eps * b.re + a.re * b.eps)
+}
+
+/// An operation that is not inlined, see [`Scalar::INLINED`].
+#[inline(never)]
+fn called<S: Scalar>(
+    a: Tangent<S>,
+    b: Tangent<S>,
+    operation: impl Fn(Tangent<S>, Tangent<S>) -> Tangent<S>,
+) -> Tangent<S> {
+    operation(a, b)
+}
+
 impl<S: Scalar> Add for Tangent<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::new(self.re + other.re, self.eps + other.eps)
+        if S::INLINED { add(self, other) } else { called(self, other, add) }
     }
 }
 
@@ -36,7 +61,7 @@ impl<S: Scalar> Sub for Tangent<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self::new(self.re - other.re, self.eps - other.eps)
+        if S::INLINED { sub(self, other) } else { called(self, other, sub) }
     }
 }
 
@@ -52,7 +77,7 @@ impl<S: Scalar> Mul for Tangent<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self::new(self.re * other.re, self.eps * other.re + self.re * other.eps)
+        if S::INLINED { mul(self, other) } else { called(self, other, mul) }
     }
 }
 
@@ -92,6 +117,7 @@ impl<S: Scalar> Scalar for Tangent<S> {
     const EPSILON: f64 = S::EPSILON;
     const ORDER: usize = S::ORDER + 1;
     const CHECKED: bool = S::CHECKED;
+    const INLINED: bool = S::INLINED;
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {

@@ -6,8 +6,8 @@ use costate::codegen::{
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
-use costate_test_support::config;
 use costate_test_support::generic::{State, expected, judge};
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
 use proptest::prelude::*;
 use std::path::Path;
@@ -75,8 +75,8 @@ fn programs_of_every_robot_file_agree_with_the_generic_code() {
     }
 }
 
-proptest! {
-    #![proptest_config(config(48))]
+properties! {
+    48;
 
     #[test]
     fn programs_of_random_robots_agree_with_the_generic_code(case in cases(7)) {
@@ -104,8 +104,8 @@ fn varied(case: &Case, factor: f64) -> Case {
     other
 }
 
-proptest! {
-    #![proptest_config(config(64))]
+properties! {
+    64;
 
     /// A program recorded from one robot, with the parameters of another one.
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::expr::{at, recorded};
 use costate::scalar::Scalar;
-use costate_test_support::config;
+use costate_test_support::properties;
 use proptest::prelude::*;
 
 /// A random straight-line computation: pairs of operands and their operations.
@@ -40,8 +40,8 @@ fn near_a_selection(x: &[f64; 3], values: &[f64], steps: &[(u8, usize, usize, f6
     unsure.split_off(3)
 }
 
-proptest! {
-    #![proptest_config(config(300))]
+properties! {
+    300;
 
     /// Simplification changes nothing but rounding.
     #[test]

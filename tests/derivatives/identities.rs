@@ -4,7 +4,7 @@ use costate::derivative::largest;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{all_cases, cases, tolerance};
 use nalgebra::{DMatrix, DVector, Vector3};
 use num_dual::Dual64;
@@ -76,8 +76,8 @@ fn flow_derivative(robot: &Robot, x: &[f64], d: &[f64], h: f64) -> Vec<f64> {
 /// Robots a property.
 const CASES: u32 = 160;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     /// `M_ij`, i <= j in tree order, depends on the joints beyond i alone; on different branches it is
     /// constant.

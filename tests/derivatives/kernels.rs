@@ -4,7 +4,7 @@ use costate::kernels::{KernelOne, KernelTwo};
 use costate::matrix::Matrix;
 use costate::robot::Tree;
 use costate::scalar::{Count, Operations, Scalar, Tangent, count};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases};
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -24,8 +24,8 @@ fn apart(a: &Matrix<f64>, b: &Matrix<Dual64>) -> f64 {
     pairs().fold(0.0_f64, |worst, (a, b)| worst.max((a - b.eps).abs())) / size.max(f64::MIN_POSITIVE)
 }
 
-proptest! {
-    #![proptest_config(config(256))]
+properties! {
+    256;
 
     /// D M, D P and D L_qq by hand and by a dual number through kernel one.
     #[test]

@@ -7,7 +7,7 @@ use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::Matrix;
 use costate::robot::Robot;
 use costate::{EvalError, LengthError};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
@@ -25,8 +25,8 @@ fn natural(case: &Case, second: &mut HamiltonianSecondOrder<f64>, x: &[f64]) -> 
     largest(&case.y) * largest(linear.matrix().to_nalgebra().as_slice()).max(1.0)
 }
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn contracted_hessian_is_symmetric_and_linear_in_y(case in cases(10)) {

@@ -5,7 +5,7 @@ use costate::derivative::{Jacobian, PhaseVelocity, largest};
 use costate::hamiltonian::Hamiltonian;
 use costate::kernels::KernelOne;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree, dh};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, cases, condition, difference, tolerance};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use proptest::prelude::*;
@@ -31,8 +31,8 @@ fn mass_matrix_rate(case: &Case) -> DMatrix<f64> {
 /// Robots a property.
 const CASES: u32 = 192;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn mass_matrix_is_symmetric_and_positive_semidefinite(case in all_cases(12)) {

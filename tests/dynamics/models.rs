@@ -8,7 +8,7 @@ use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, condition};
 use proptest::prelude::*;
 use std::convert::Infallible;
@@ -133,8 +133,8 @@ fn models_agree(
     Ok(())
 }
 
-proptest! {
-    #![proptest_config(config(128))]
+properties! {
+    128;
 
     #[test]
     fn robots_are_the_automatic_models_of_their_equations(case in cases(6)) {

@@ -3,7 +3,7 @@
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::urdf::parse;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot, dh};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
@@ -118,8 +118,8 @@ fn angle() -> impl Strategy<Value = f64> {
     ]
 }
 
-proptest! {
-    #![proptest_config(config(160))]
+properties! {
+    160;
 
     #[test]
     fn a_denavit_hartenberg_table_and_a_urdf_give_the_same_numbers(

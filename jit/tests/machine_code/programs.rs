@@ -3,7 +3,7 @@
 use costate::codegen::{Expr, Id, Node, Program, RecordedResult};
 use costate::scalar::Scalar;
 use costate_jit::{Compiled, JitError, JitNumber};
-use costate_test_support::config;
+use costate_test_support::properties;
 use proptest::prelude::*;
 
 /// One random step: its operation and its operands among the values so far (counted from the last, modulo
@@ -124,8 +124,8 @@ fn special() -> impl Strategy<Value = f64> {
     prop_oneof![6 => -2.0..2.0, 1 => prop::sample::select(odd)]
 }
 
-proptest! {
-    #![proptest_config(config(400))]
+properties! {
+    400;
 
     #[test]
     fn random_programs_agree_bit_by_bit(

@@ -4,8 +4,8 @@ use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
 use costate_jit::{Backend, Compiled, DEFAULT_LIMIT, JitError, JitQuantity};
-use costate_test_support::config;
 use costate_test_support::generic::{State, expected, judge};
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
 use proptest::prelude::*;
 use std::path::Path;
@@ -107,8 +107,8 @@ fn every_quantity_of_every_robot_file_agrees_with_the_generic_code() {
     }
 }
 
-proptest! {
-    #![proptest_config(config(64))]
+properties! {
+    64;
 
     #[test]
     fn every_quantity_of_random_robots_agrees_with_the_generic_code(case in cases(8)) {

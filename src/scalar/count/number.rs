@@ -205,6 +205,7 @@ impl Scalar for Count {
     const EPSILON: f64 = f64::EPSILON;
     const ORDER: usize = 0;
     const CHECKED: bool = false;
+    const INLINED: bool = false;
 
     fn from_f64(value: f64) -> Self {
         Self::constant(value)

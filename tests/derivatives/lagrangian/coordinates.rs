@@ -3,13 +3,13 @@
 use super::{CASES, dense, flat, force, off};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LegendreTransform};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{cases, difference, tolerance};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn state_equation_is_velocity_and_acceleration(case in cases(8)) {

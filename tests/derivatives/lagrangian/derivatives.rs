@@ -4,14 +4,14 @@ use super::{CASES, acceleration, dense, flat, force, off, torques};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, largest};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{all_cases, cases, difference, tolerance};
 use nalgebra::DMatrix;
 use num_dual::Dual64;
 use proptest::prelude::*;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn jacobian_of_inverse_dynamics_is_that_of_dual_numbers(case in all_cases(8)) {

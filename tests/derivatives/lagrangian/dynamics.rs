@@ -4,14 +4,14 @@ use super::{CASES, acceleration, column, dense, force, off, smooth, torques};
 use costate::derivative::largest;
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::Lagrangian;
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{all_cases, cases, tolerance};
 use nalgebra::DMatrix;
 use num_dual::Dual64;
 use proptest::prelude::*;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn mass_matrix_rate_minus_twice_coriolis_is_skew(case in all_cases(10)) {

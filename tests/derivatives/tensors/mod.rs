@@ -14,7 +14,7 @@ use costate::matrix::{Block, Matrix};
 use costate::robot::Tree;
 use costate::scalar::Scalar;
 use costate::tensors::{Christoffel, ChristoffelKernel};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, cases, condition, tolerance};
 use proptest::prelude::*;
 
@@ -148,8 +148,8 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     within(bound, "y'F_xx, hyperdual", ours.matrix(), by_hyperdual.view(), natural)
 }
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn tensors_agree_with_analytic_and_dual_on_random_trees(case in cases(12)) {

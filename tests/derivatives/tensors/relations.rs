@@ -3,12 +3,12 @@
 use super::CASES;
 use super::bench::{Bench, quadruples, revolute, serial, triples};
 use costate::tensors::{IndexSets, MassMatrixDerivatives};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::all_cases;
 use proptest::prelude::*;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     /// (28b) Gamma_{i,jk} = -Gamma_{k,ji} for j <= min(i, k).
     #[test]

@@ -4,7 +4,7 @@ use super::CASES;
 use super::bench::{Bench, quadruples, revolute, serial, triples};
 use costate::robot::Tree;
 use costate::tensors::{IndexSets, MassMatrixDerivatives};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::all_cases;
 use proptest::prelude::*;
 
@@ -13,8 +13,8 @@ fn computed(stored: &[f64]) -> usize {
     stored.iter().filter(|x| !x.is_nan()).count()
 }
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     /// N1, N2 and (46), counted: slots that hold a number, and indices that are listed.
     #[test]

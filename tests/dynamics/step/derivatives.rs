@@ -9,7 +9,7 @@ use costate::step::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, OneStep, Scheme, SemiImplicit, Step,
     StepError, Verlet,
 };
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, condition};
 use proptest::prelude::*;
 use std::any::type_name;
@@ -72,8 +72,8 @@ fn derivatives_agree<F: ModelFamily + Clone, M: Scheme<F>>(
 /// Robots a property.
 const CASES: u32 = 64;
 
-proptest! {
-    #![proptest_config(config(CASES))]
+properties! {
+    CASES;
 
     #[test]
     fn derivatives_agree_with_hyper_dual_numbers_in_hamiltonian_coordinates(case in cases(6)) {

@@ -10,7 +10,7 @@ use costate::step::{
     HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, Midpoint, ModelFamily, RungeKutta4, Scheme,
     SemiImplicitEuler, Step, StoermerVerlet, Verlet,
 };
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, condition};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -54,8 +54,8 @@ fn is_symmetric<F: ModelFamily, M: Scheme<F>>(
     Ok(())
 }
 
-proptest! {
-    #![proptest_config(config(64))]
+properties! {
+    64;
 
     #[test]
     fn verlet_and_midpoint_are_symplectic(case in cases(6).prop_map(without_friction)) {

@@ -13,19 +13,87 @@ pub mod random_robot;
 pub mod reference;
 pub mod robots;
 
-use proptest::test_runner::{Config, FileFailurePersistence};
+// A crate that is not named is not searched for instances.
+use costate_comparison as _;
+pub use proptest;
 
-/// Settings of a property test: `cases` random inputs, or as many as the variable `PROPTEST_CASES` asks for.
+use proptest::prelude::{BoxedStrategy, TestCaseError};
+use proptest::test_runner::{Config, FileFailurePersistence, TestRunner};
+use std::fmt::Debug;
+
+/// Property tests, `cases` random inputs each: as by `proptest!`, but the runner is compiled once for each type of
+/// input, not for each test.
+///
+/// ```text
+/// properties! {
+///     64;
+///
+///     #[test]
+///     fn name(case in cases(5)) { prop_assert!(..) }
+/// }
+/// ```
+#[macro_export]
+macro_rules! properties {
+    ($cases:expr; $($(#[$meta:meta])* fn $name:ident($($input:pat in $inputs:expr),+ $(,)?) $body:block)*) => {$(
+        $(#[$meta])*
+        fn $name() {
+            let place = $crate::Place {
+                source: file!(),
+                test: concat!(module_path!(), "::", stringify!($name)),
+            };
+            let inputs = $crate::proptest::strategy::Strategy::boxed(($($inputs,)+));
+            $crate::property($cases, place, inputs, &|($($input,)+)| {
+                let () = $body;
+                Ok(())
+            });
+        }
+    )*};
+}
+
+/// Where a property stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Source file.
+    pub source: &'static str,
+    /// Path of the test.
+    pub test: &'static str,
+}
+
+/// Tests a property on `cases` random inputs, or as many as the variable `PROPTEST_CASES` asks for.
 ///
 /// The seed of a failure is kept in `NAME.failures.txt` beside the source file `NAME.rs`, together with the
-/// smallest robot that fails, and is tried first by every later run.
-pub fn config(cases: u32) -> Config {
+/// smallest input that fails, and is tried first by every later run.
+pub fn property<T: Debug>(
+    cases: u32,
+    place: Place,
+    inputs: BoxedStrategy<T>,
+    test: &dyn Fn(T) -> Result<(), TestCaseError>,
+) {
+    let mut runner = TestRunner::new(config(cases, place));
+    if let Err(error) = runner.run(&inputs, test) {
+        panic!("{error}\n{runner}");
+    }
+}
+
+/// The runner for random robots, compiled here for all targets.
+pub fn property_of_robots(
+    cases: u32,
+    place: Place,
+    inputs: BoxedStrategy<(random_robot::Case,)>,
+    test: &dyn Fn((random_robot::Case,)) -> Result<(), TestCaseError>,
+) {
+    property(cases, place, inputs, test);
+}
+
+fn config(cases: u32, place: Place) -> Config {
     let default = Config::default(); // reads the variables PROPTEST_*
     let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { cases };
     Config {
         cases,
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("failures.txt"))),
         max_global_rejects: default.max_global_rejects.max(cases),
+        source_file: Some(place.source),
+        test_name: Some(place.test),
         ..default
     }
 }

@@ -8,9 +8,8 @@ use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 use costate::scalar::{Scalar, Tangent};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, difference, tolerance};
-use proptest::prelude::*;
 
 /// Any number of nodes, in both coordinates.
 fn every_number_of_nodes<S: Packed<Lane = f64>>(allowed: f64) {
@@ -63,8 +62,8 @@ fn random_nodes<S: Packed<Lane = f64>>(case: &Case) {
     agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, allowed);
 }
 
-proptest! {
-    #![proptest_config(config(48))]
+properties! {
+    48;
 
     #[test]
     fn nodes_of_any_tree_are_evaluated_as_if_alone(case in cases(6)) {

@@ -7,7 +7,7 @@ use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::{Lanes, Scalar, Tangent, Vector};
 use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StoermerVerlet};
-use costate_test_support::config;
+use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
 use num_dual::Dual;
 use proptest::prelude::*;
@@ -168,8 +168,8 @@ fn cases() -> impl Strategy<Value = Case> {
     all_cases(7).prop_filter("M is regular", |case| (0.0..1e9).contains(&condition(&case.robot(), &case.q)))
 }
 
-proptest! {
-    #![proptest_config(config(48))]
+properties! {
+    48;
 
     #[test]
     fn four_lanes_are_four_states(case in cases()) {
