@@ -8,7 +8,7 @@ use super::velocity::AxisRate;
 use crate::error::{EvalError, check_length};
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::{Pack, Scalar, inlined};
 use crate::spatial::{Force, Inertia, Motion, Symmetric3, Vec3};
 use std::ops::Add;
 
@@ -53,54 +53,58 @@ pub(super) struct Change<S> {
 /// `f + (S dq) x* g`.
 #[inline(always)]
 pub(super) fn moved<S: Scalar>(kind: JointKind, f: Force<S>, g: &Force<S>, dq: S) -> Force<S> {
-    let Force { moment: n, force: p } = across_joint(kind, g);
-    let mut sum = f;
-    sum.moment.x = n.x.mul_add(dq, f.moment.x);
-    sum.moment.y = n.y.mul_add(dq, f.moment.y);
-    if kind == JointKind::Revolute {
-        sum.force.x = p.x.mul_add(dq, f.force.x);
-        sum.force.y = p.y.mul_add(dq, f.force.y);
-    }
-    sum
+    inlined!(S, {
+        let Force { moment: n, force: p } = across_joint(kind, g);
+        let mut sum = f;
+        sum.moment.x = n.x.mul_add(dq, f.moment.x);
+        sum.moment.y = n.y.mul_add(dq, f.moment.y);
+        if kind == JointKind::Revolute {
+            sum.force.x = p.x.mul_add(dq, f.force.x);
+            sum.force.y = p.y.mul_add(dq, f.force.y);
+        }
+        sum
+    })
 }
 
 /// `D + S dq x* I - I S dq x`: the change of an inertia whose frame moves by -S dq.
 #[inline(always)]
 fn moved_inertia<S: Scalar>(kind: JointKind, change: &Inertia<S>, body: &Inertia<S>, dq: S) -> Inertia<S> {
-    let (h, j) = (&body.first_moment, &body.matrix);
-    let Inertia { mass, first_moment: dh, matrix: d } = *change;
-    let double = |a: S| a + a;
-    match kind {
-        JointKind::Revolute => {
-            let twist = double(j.xy * dq);
-            Inertia {
-                mass,
-                first_moment: Vec3::new(h.y.mul_add(-dq, dh.x), h.x.mul_add(dq, dh.y), dh.z),
-                matrix: Symmetric3 {
-                    xx: d.xx - twist,
-                    yy: d.yy + twist,
-                    xy: (j.xx - j.yy).mul_add(dq, d.xy),
-                    xz: j.yz.mul_add(-dq, d.xz),
-                    yz: j.xz.mul_add(dq, d.yz),
-                    ..d
-                },
+    inlined!(S, {
+        let (h, j) = (&body.first_moment, &body.matrix);
+        let Inertia { mass, first_moment: dh, matrix: d } = *change;
+        let double = |a: S| a + a;
+        match kind {
+            JointKind::Revolute => {
+                let twist = double(j.xy * dq);
+                Inertia {
+                    mass,
+                    first_moment: Vec3::new(h.y.mul_add(-dq, dh.x), h.x.mul_add(dq, dh.y), dh.z),
+                    matrix: Symmetric3 {
+                        xx: d.xx - twist,
+                        yy: d.yy + twist,
+                        xy: (j.xx - j.yy).mul_add(dq, d.xy),
+                        xz: j.yz.mul_add(-dq, d.xz),
+                        yz: j.xz.mul_add(dq, d.yz),
+                        ..d
+                    },
+                }
+            }
+            JointKind::Prismatic => {
+                let spread = double(h.z * dq);
+                Inertia {
+                    mass,
+                    first_moment: Vec3::new(dh.x, dh.y, dh.z + dq.times(body.mass)),
+                    matrix: Symmetric3 {
+                        xx: d.xx + spread,
+                        yy: d.yy + spread,
+                        xz: h.x.mul_add(-dq, d.xz),
+                        yz: h.y.mul_add(-dq, d.yz),
+                        ..d
+                    },
+                }
             }
         }
-        JointKind::Prismatic => {
-            let spread = double(h.z * dq);
-            Inertia {
-                mass,
-                first_moment: Vec3::new(dh.x, dh.y, dh.z + dq.times(body.mass)),
-                matrix: Symmetric3 {
-                    xx: d.xx + spread,
-                    yy: d.yy + spread,
-                    xz: h.x.mul_add(-dq, d.xz),
-                    yz: h.y.mul_add(-dq, d.yz),
-                    ..d
-                },
-            }
-        }
-    }
+    })
 }
 
 impl<S: Scalar> KernelTwo<S> {

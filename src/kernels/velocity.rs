@@ -5,7 +5,7 @@ use super::pass::{Inward, Outward};
 use super::position::along_joint;
 use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::{Pack, Scalar, inlined};
 use crate::spatial::{Force, Inertia, Motion, Vec3};
 use std::ops::Add;
 
@@ -44,36 +44,41 @@ impl<S: Scalar> AxisRate<S> {
     /// `I psi`: momentum of a body with velocity psi.
     #[inline(always)]
     pub fn momentum(&self, body: &Inertia<S>) -> Force<S> {
-        let (h, i, mass) = (body.first_moment, &body.matrix, body.mass);
-        match *self {
-            Self::Revolute { angular: [a, b], linear: [c, d] } => Force {
-                moment: Vec3::new(
-                    i.xx.mul_add(a, i.xy.mul_add(b, -(h.z * d))),
-                    i.xy.mul_add(a, i.yy.mul_add(b, h.z * c)),
-                    i.xz.mul_add(a, i.yz * b) + h.x.mul_add(d, -(h.y * c)),
-                ),
-                force: Vec3::new(
-                    h.z.mul_add(b, c.times(mass)),
-                    (-h.z).mul_add(a, d.times(mass)),
-                    h.y.mul_add(a, -(h.x * b)),
-                ),
-            },
-            Self::Prismatic { linear: [c, d] } => Force {
-                moment: Vec3::new(-(h.z * d), h.z * c, h.x.mul_add(d, -(h.y * c))),
-                force: Vec3::new(c.times(mass), d.times(mass), S::zero()),
-            },
-        }
+        inlined!(S, {
+            let (h, i, mass) = (body.first_moment, &body.matrix, body.mass);
+            match *self {
+                Self::Revolute { angular: [a, b], linear: [c, d] } => Force {
+                    moment: Vec3::new(
+                        i.xx.mul_add(a, i.xy.mul_add(b, -(h.z * d))),
+                        i.xy.mul_add(a, i.yy.mul_add(b, h.z * c)),
+                        i.xz.mul_add(a, i.yz * b) + h.x.mul_add(d, -(h.y * c)),
+                    ),
+                    force: Vec3::new(
+                        h.z.mul_add(b, c.times(mass)),
+                        (-h.z).mul_add(a, d.times(mass)),
+                        h.y.mul_add(a, -(h.x * b)),
+                    ),
+                },
+                Self::Prismatic { linear: [c, d] } => Force {
+                    moment: Vec3::new(-(h.z * d), h.z * c, h.x.mul_add(d, -(h.y * c))),
+                    force: Vec3::new(c.times(mass), d.times(mass), S::zero()),
+                },
+            }
+        })
     }
 
     /// `psi . f`.
     #[inline(always)]
     pub fn power(&self, f: &Force<S>) -> S {
-        match *self {
-            Self::Revolute { angular: [a, b], linear: [c, d] } => {
-                a.mul_add(f.moment.x, b * f.moment.y) + c.mul_add(f.force.x, d * f.force.y)
+        inlined!(
+            S,
+            match *self {
+                Self::Revolute { angular: [a, b], linear: [c, d] } => {
+                    a.mul_add(f.moment.x, b * f.moment.y) + c.mul_add(f.force.x, d * f.force.y)
+                }
+                Self::Prismatic { linear: [c, d] } => c.mul_add(f.force.x, d * f.force.y),
             }
-            Self::Prismatic { linear: [c, d] } => c.mul_add(f.force.x, d * f.force.y),
-        }
+        )
     }
 }
 

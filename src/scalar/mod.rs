@@ -9,6 +9,7 @@
 mod count;
 mod dual;
 mod dual_num;
+pub(crate) mod inlined;
 #[cfg(feature = "wide")]
 mod lanes;
 mod number;
@@ -20,6 +21,7 @@ mod tanh;
 mod tests;
 
 pub use count::{Constants, Count, Operations, count, count_with};
+pub(crate) use inlined::inlined;
 #[cfg(feature = "wide")]
 pub use lanes::{F64x4, F64x8, LaneMask, Lanes, Vector};
 pub use number::{Pack, Scalar};

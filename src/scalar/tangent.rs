@@ -1,5 +1,6 @@
 //! A value with one directional derivative, over any scalar.
 
+use super::inlined::inlined;
 use super::number::Scalar;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -24,36 +25,11 @@ impl<S: Scalar> Tangent<S> {
     }
 }
 
-#[inline(always)]
-fn add<S: Scalar>(a: Tangent<S>, b: Tangent<S>) -> Tangent<S> {
-    Tangent::new(a.re + b.re, a.eps + b.eps)
-}
-
-#[inline(always)]
-fn sub<S: Scalar>(a: Tangent<S>, b: Tangent<S>) -> Tangent<S> {
-    Tangent::new(a.re - b.re, a.eps - b.eps)
-}
-
-#[inline(always)]
-fn mul<S: Scalar>(a: Tangent<S>, b: Tangent<S>) -> Tangent<S> {
-    Tangent::new(a.re * b.re, a.eps * b.re + a.re * b.eps)
-}
-
-/// An operation that is not inlined, see [`Scalar::INLINED`].
-#[inline(never)]
-fn called<S: Scalar>(
-    a: Tangent<S>,
-    b: Tangent<S>,
-    operation: impl Fn(Tangent<S>, Tangent<S>) -> Tangent<S>,
-) -> Tangent<S> {
-    operation(a, b)
-}
-
 impl<S: Scalar> Add for Tangent<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        if S::INLINED { add(self, other) } else { called(self, other, add) }
+        inlined!(S, Self::new(self.re + other.re, self.eps + other.eps))
     }
 }
 
@@ -61,7 +37,7 @@ impl<S: Scalar> Sub for Tangent<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        if S::INLINED { sub(self, other) } else { called(self, other, sub) }
+        inlined!(S, Self::new(self.re - other.re, self.eps - other.eps))
     }
 }
 
@@ -77,7 +53,7 @@ impl<S: Scalar> Mul for Tangent<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        if S::INLINED { mul(self, other) } else { called(self, other, mul) }
+        inlined!(S, Self::new(self.re * other.re, self.eps * other.re + self.re * other.eps))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::turn::{FixedTurn, Turn};
 use super::vector::{Force, Motion, Vec3};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, inlined};
 use std::ops::AddAssign;
 
 /// A symmetric 3 x 3 matrix.
@@ -33,35 +33,44 @@ impl<S: Scalar> Symmetric3<S> {
     /// Matrix times vector.
     #[inline(always)]
     pub fn apply(&self, a: Vec3<S>) -> Vec3<S> {
-        Vec3::new(
-            self.xx.mul_add(a.x, self.xy.mul_add(a.y, self.xz * a.z)),
-            self.xy.mul_add(a.x, self.yy.mul_add(a.y, self.yz * a.z)),
-            self.xz.mul_add(a.x, self.yz.mul_add(a.y, self.zz * a.z)),
+        inlined!(
+            S,
+            Vec3::new(
+                self.xx.mul_add(a.x, self.xy.mul_add(a.y, self.xz * a.z)),
+                self.xy.mul_add(a.x, self.yy.mul_add(a.y, self.yz * a.z)),
+                self.xz.mul_add(a.x, self.yz.mul_add(a.y, self.zz * a.z)),
+            )
         )
     }
 
     /// `Rz J Rz'` for a rotation about z.
     #[inline(always)]
     pub fn rotated_about_z(&self, turn: &Turn<S>) -> Self {
-        let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
-        let [xz, yz] = turn.apply([self.xz, self.yz]);
-        Self { xx, yy, zz: self.zz, xy, xz, yz }
+        inlined!(S, {
+            let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
+            let [xz, yz] = turn.apply([self.xz, self.yz]);
+            Self { xx, yy, zz: self.zz, xy, xz, yz }
+        })
     }
 
     /// As [`rotated_about_z`](Self::rotated_about_z), by a constant angle.
     #[inline(always)]
     pub fn rotated_about_z_constant(&self, turn: &FixedTurn) -> Self {
-        let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
-        let [xz, yz] = turn.apply([self.xz, self.yz]);
-        Self { xx, yy, zz: self.zz, xy, xz, yz }
+        inlined!(S, {
+            let [xx, yy, xy] = turn.congruence([self.xx, self.yy, self.xy]);
+            let [xz, yz] = turn.apply([self.xz, self.yz]);
+            Self { xx, yy, zz: self.zz, xy, xz, yz }
+        })
     }
 
     /// `Rx J Rx'` for a rotation about x by a constant angle.
     #[inline(always)]
     pub fn rotated_about_x_constant(&self, turn: &FixedTurn) -> Self {
-        let [yy, zz, yz] = turn.congruence([self.yy, self.zz, self.yz]);
-        let [xy, xz] = turn.apply([self.xy, self.xz]);
-        Self { xx: self.xx, yy, zz, xy, xz, yz }
+        inlined!(S, {
+            let [yy, zz, yz] = turn.congruence([self.yy, self.zz, self.yz]);
+            let [xy, xz] = turn.apply([self.xy, self.xz]);
+            Self { xx: self.xx, yy, zz, xy, xz, yz }
+        })
     }
 }
 
@@ -93,16 +102,20 @@ impl<S: Scalar> Inertia<S> {
     /// Momentum of the body in the motion: `(J w + h x v; m v - h x w)`.
     #[inline(always)]
     pub fn apply(&self, motion: Motion<S>) -> Force<S> {
-        let (w, v, h) = (motion.angular, motion.linear, self.first_moment);
-        Force { moment: self.matrix.apply(w) + h.cross(v), force: v.times(self.mass) - h.cross(w) }
+        inlined!(S, {
+            let (w, v, h) = (motion.angular, motion.linear, self.first_moment);
+            Force { moment: self.matrix.apply(w) + h.cross(v), force: v.times(self.mass) - h.cross(w) }
+        })
     }
 
     /// The sum with another body in the same frame, except that the mass is left as it is.
     #[inline(always)]
     pub fn with_moments(mut self, other: Self) -> Self {
-        self.first_moment = self.first_moment + other.first_moment;
-        self.matrix += other.matrix;
-        self
+        inlined!(S, {
+            self.first_moment = self.first_moment + other.first_moment;
+            self.matrix += other.matrix;
+            self
+        })
     }
 }
 
@@ -121,26 +134,30 @@ impl ConstantInertia {
     /// The same as scalars.
     #[inline(always)]
     pub fn lift<S: Scalar>(&self) -> Inertia<S> {
-        let [xx, yy, zz, xy, xz, yz] = self.matrix.map(S::from_f64);
-        Inertia {
-            mass: self.mass,
-            first_moment: Vec3::constant(self.first_moment),
-            matrix: Symmetric3 { xx, yy, zz, xy, xz, yz },
-        }
+        inlined!(S, {
+            let [xx, yy, zz, xy, xz, yz] = self.matrix.map(S::from_f64);
+            Inertia {
+                mass: self.mass,
+                first_moment: Vec3::constant(self.first_moment),
+                matrix: Symmetric3 { xx, yy, zz, xy, xz, yz },
+            }
+        })
     }
 
     /// Momentum of the link, as [`Inertia::apply`].
     #[inline(always)]
     pub fn apply<S: Scalar>(&self, motion: Motion<S>) -> Force<S> {
-        let [xx, yy, zz, xy, xz, yz] = self.matrix;
-        let (w, v, h) = (motion.angular, motion.linear, self.first_moment);
-        let turned = Vec3::new(
-            w.dot_constant([xx, xy, xz]),
-            w.dot_constant([xy, yy, yz]),
-            w.dot_constant([xz, yz, zz]),
-        );
-        let [x, y, z] = h;
-        Force { moment: turned.plus_cross(v, [-x, -y, -z]), force: v.times(self.mass).plus_cross(w, h) }
+        inlined!(S, {
+            let [xx, yy, zz, xy, xz, yz] = self.matrix;
+            let (w, v, h) = (motion.angular, motion.linear, self.first_moment);
+            let turned = Vec3::new(
+                w.dot_constant([xx, xy, xz]),
+                w.dot_constant([xy, yy, yz]),
+                w.dot_constant([xz, yz, zz]),
+            );
+            let [x, y, z] = h;
+            Force { moment: turned.plus_cross(v, [-x, -y, -z]), force: v.times(self.mass).plus_cross(w, h) }
+        })
     }
 }
 

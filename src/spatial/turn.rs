@@ -3,7 +3,7 @@
 //! `(a, b) -> (c a - s b, s a + c b)` takes three products: with `k = c (a + b)` it is `(k - (c + s) b, k +
 //! (s - c) a)`. Where a product costs no more than a sum ([`Scalar::FUSED`]), the first formula is faster.
 
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::{Pack, Scalar, inlined};
 
 /// A rotation by a joint angle.
 #[derive(Clone, Copy, Debug)]
@@ -40,21 +40,25 @@ impl<S: Scalar> Turn<S> {
     /// `(c a - s b, s a + c b)`.
     #[inline(always)]
     pub fn apply(&self, [a, b]: [S; 2]) -> [S; 2] {
-        if S::FUSED {
-            return [self.cos.mul_add(a, -(self.sin * b)), self.sin.mul_add(a, self.cos * b)];
-        }
-        let k = self.cos * (a + b);
-        [k - self.sum * b, k + self.difference * a]
+        inlined!(S, {
+            if S::FUSED {
+                return [self.cos.mul_add(a, -(self.sin * b)), self.sin.mul_add(a, self.cos * b)];
+            }
+            let k = self.cos * (a + b);
+            [k - self.sum * b, k + self.difference * a]
+        })
     }
 
     /// `(c a + s b, c b - s a)`.
     #[inline(always)]
     pub fn undo(&self, [a, b]: [S; 2]) -> [S; 2] {
-        if S::FUSED {
-            return [self.cos.mul_add(a, self.sin * b), self.cos.mul_add(b, -(self.sin * a))];
-        }
-        let k = self.cos * (a + b);
-        [k + self.difference * b, k - self.sum * a]
+        inlined!(S, {
+            if S::FUSED {
+                return [self.cos.mul_add(a, self.sin * b), self.cos.mul_add(b, -(self.sin * a))];
+            }
+            let k = self.cos * (a + b);
+            [k + self.difference * b, k - self.sum * a]
+        })
     }
 
     /// `R A R'` for a symmetric 2 x 2 matrix A, given and returned as (xx, yy, xy).
@@ -62,12 +66,14 @@ impl<S: Scalar> Turn<S> {
     /// With `e = s (xx - yy) + 2 c xy`: `xx - s e`, `yy + s e`, `c e - xy`.
     #[inline(always)]
     pub fn congruence(&self, [xx, yy, xy]: [S; 3]) -> [S; 3] {
-        let e = self.sin.mul_add(xx - yy, self.cos * (xy + xy));
-        if S::FUSED {
-            return [(-self.sin).mul_add(e, xx), self.sin.mul_add(e, yy), self.cos.mul_add(e, -xy)];
-        }
-        let moved = self.sin * e;
-        [xx - moved, yy + moved, self.cos * e - xy]
+        inlined!(S, {
+            let e = self.sin.mul_add(xx - yy, self.cos * (xy + xy));
+            if S::FUSED {
+                return [(-self.sin).mul_add(e, xx), self.sin.mul_add(e, yy), self.cos.mul_add(e, -xy)];
+            }
+            let moved = self.sin * e;
+            [xx - moved, yy + moved, self.cos * e - xy]
+        })
     }
 }
 
@@ -118,58 +124,67 @@ impl FixedTurn {
     /// `(c a - s b, s a + c b)`.
     #[inline(always)]
     pub fn apply<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        match self.quarters {
-            Some(Quarters::None) => [a, b],
-            Some(Quarters::One) => [-b, a],
-            Some(Quarters::Two) => [-a, -b],
-            Some(Quarters::Three) => [b, -a],
-            None if S::FUSED => {
-                [a.times(self.cos).plus_times(b, -self.sin), a.times(self.sin).plus_times(b, self.cos)]
+        inlined!(
+            S,
+            match self.quarters {
+                Some(Quarters::None) => [a, b],
+                Some(Quarters::One) => [-b, a],
+                Some(Quarters::Two) => [-a, -b],
+                Some(Quarters::Three) => [b, -a],
+                None if S::FUSED => {
+                    [a.times(self.cos).plus_times(b, -self.sin), a.times(self.sin).plus_times(b, self.cos)]
+                }
+                None => {
+                    let k = (a + b).times(self.cos);
+                    [k - b.times(self.sum), k + a.times(self.difference)]
+                }
             }
-            None => {
-                let k = (a + b).times(self.cos);
-                [k - b.times(self.sum), k + a.times(self.difference)]
-            }
-        }
+        )
     }
 
     /// `(c a + s b, c b - s a)`.
     #[inline(always)]
     pub fn undo<S: Scalar>(&self, [a, b]: [S; 2]) -> [S; 2] {
-        match self.quarters {
-            Some(Quarters::None) => [a, b],
-            Some(Quarters::One) => [b, -a],
-            Some(Quarters::Two) => [-a, -b],
-            Some(Quarters::Three) => [-b, a],
-            None if S::FUSED => {
-                [a.times(self.cos).plus_times(b, self.sin), b.times(self.cos).plus_times(a, -self.sin)]
+        inlined!(
+            S,
+            match self.quarters {
+                Some(Quarters::None) => [a, b],
+                Some(Quarters::One) => [b, -a],
+                Some(Quarters::Two) => [-a, -b],
+                Some(Quarters::Three) => [-b, a],
+                None if S::FUSED => {
+                    [a.times(self.cos).plus_times(b, self.sin), b.times(self.cos).plus_times(a, -self.sin)]
+                }
+                None => {
+                    let k = (a + b).times(self.cos);
+                    [k + b.times(self.difference), k - a.times(self.sum)]
+                }
             }
-            None => {
-                let k = (a + b).times(self.cos);
-                [k + b.times(self.difference), k - a.times(self.sum)]
-            }
-        }
+        )
     }
 
     /// As [`Turn::congruence`].
     #[inline(always)]
     pub fn congruence<S: Scalar>(&self, [xx, yy, xy]: [S; 3]) -> [S; 3] {
-        match self.quarters {
-            Some(Quarters::None | Quarters::Two) => [xx, yy, xy],
-            Some(Quarters::One | Quarters::Three) => [yy, xx, -xy],
-            None => {
-                let e = (xx - yy).times(self.sin).plus_times(xy, 2.0 * self.cos);
-                if S::FUSED {
-                    return [
-                        xx.plus_times(e, -self.sin),
-                        yy.plus_times(e, self.sin),
-                        (-xy).plus_times(e, self.cos),
-                    ];
+        inlined!(
+            S,
+            match self.quarters {
+                Some(Quarters::None | Quarters::Two) => [xx, yy, xy],
+                Some(Quarters::One | Quarters::Three) => [yy, xx, -xy],
+                None => {
+                    let e = (xx - yy).times(self.sin).plus_times(xy, 2.0 * self.cos);
+                    if S::FUSED {
+                        return [
+                            xx.plus_times(e, -self.sin),
+                            yy.plus_times(e, self.sin),
+                            (-xy).plus_times(e, self.cos),
+                        ];
+                    }
+                    let moved = e.times(self.sin);
+                    [xx - moved, yy + moved, e.times(self.cos) - xy]
                 }
-                let moved = e.times(self.sin);
-                [xx - moved, yy + moved, e.times(self.cos) - xy]
             }
-        }
+        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! Three-vectors over any scalar, spatial motion and force vectors.
 
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::{Pack, Scalar, inlined};
 use std::ops::{Add, Neg, Sub};
 
 /// A vector of three scalars.
@@ -36,42 +36,51 @@ impl<S: Scalar> Vec3<S> {
     /// `self . other`.
     #[inline(always)]
     pub fn dot(self, other: Self) -> S {
-        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
+        inlined!(S, self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z)))
     }
 
     /// `self . constant`.
     #[inline(always)]
     pub fn dot_constant(self, [x, y, z]: [f64; 3]) -> S {
-        self.x.times(x).plus_times(self.y, y).plus_times(self.z, z)
+        inlined!(S, self.x.times(x).plus_times(self.y, y).plus_times(self.z, z))
     }
 
     /// `self x other`.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
-        Self::new(
-            self.y.mul_add(other.z, -(self.z * other.y)),
-            self.z.mul_add(other.x, -(self.x * other.z)),
-            self.x.mul_add(other.y, -(self.y * other.x)),
+        inlined!(
+            S,
+            Self::new(
+                self.y.mul_add(other.z, -(self.z * other.y)),
+                self.z.mul_add(other.x, -(self.x * other.z)),
+                self.x.mul_add(other.y, -(self.y * other.x)),
+            )
         )
     }
 
     /// `self x constant`.
     #[inline(always)]
     pub fn cross_constant(self, [x, y, z]: [f64; 3]) -> Self {
-        Self::new(
-            self.y.times(z).plus_times(self.z, -y),
-            self.z.times(x).plus_times(self.x, -z),
-            self.x.times(y).plus_times(self.y, -x),
+        inlined!(
+            S,
+            Self::new(
+                self.y.times(z).plus_times(self.z, -y),
+                self.z.times(x).plus_times(self.x, -z),
+                self.x.times(y).plus_times(self.y, -x),
+            )
         )
     }
 
     /// `self + a x constant`.
     #[inline(always)]
     pub fn plus_cross(self, a: Self, [x, y, z]: [f64; 3]) -> Self {
-        Self::new(
-            self.x.plus_times(a.y, z).plus_times(a.z, -y),
-            self.y.plus_times(a.z, x).plus_times(a.x, -z),
-            self.z.plus_times(a.x, y).plus_times(a.y, -x),
+        inlined!(
+            S,
+            Self::new(
+                self.x.plus_times(a.y, z).plus_times(a.z, -y),
+                self.y.plus_times(a.z, x).plus_times(a.x, -z),
+                self.z.plus_times(a.x, y).plus_times(a.y, -x),
+            )
         )
     }
 
@@ -160,7 +169,7 @@ impl<S: Scalar> Force<S> {
     /// Power of the force in the motion: the scalar product of the two kinds of vectors.
     #[inline(always)]
     pub fn dot(self, motion: Motion<S>) -> S {
-        self.moment.dot(motion.angular) + self.force.dot(motion.linear)
+        inlined!(S, self.moment.dot(motion.angular) + self.force.dot(motion.linear))
     }
 }
 
