@@ -12,7 +12,7 @@ use std::mem::MaybeUninit;
 
 /// Default limit of steps for one state: longer straight-line code is slower than the loops of the generic
 /// code, see docs/jit.md.
-pub const DEFAULT_LIMIT: usize = 25_000;
+pub const DEFAULT_LIMIT: usize = 18_000;
 
 /// Default limit of steps for four states at once, which do four times the work with the code that is read.
 pub const LANES_LIMIT: usize = 100_000;
