@@ -188,7 +188,8 @@ fn report() {
 }
 
 /// The optimisation of this build as far as known, and the place of its table in the document.
-const LTO: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() { "16 units per crate" } else { "fat LTO" };
+const LTO: &str =
+    if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() { "16 units per crate" } else { "fat LTO" };
 const BEGIN: &str = if option_env!("CARGO_PROFILE_BENCH_LTO").is_some() {
     "<!-- plain: begin -->"
 } else {

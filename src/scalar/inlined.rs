@@ -1,7 +1,7 @@
 //! Operations that are inlined for short numbers only.
 
-/// An expression of scalars of type `$S`: inlined where their operations are short ([`Scalar::INLINED`]), else
-/// a function of its own, which all places of one such expression share.
+/// An expression of scalars of type `$S`: inlined where their operations are short ([`Scalar::INLINED`]),
+/// else a function of its own, which all places of one such expression share.
 ///
 /// The pipeline is written for `f64`: its small functions are always inlined. Inlined for a number whose
 /// operations are calls, they are only more code, several times as long to compile, not faster.

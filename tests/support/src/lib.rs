@@ -21,8 +21,8 @@ use proptest::prelude::{BoxedStrategy, TestCaseError};
 use proptest::test_runner::{Config, FileFailurePersistence, TestRunner};
 use std::fmt::Debug;
 
-/// Property tests, `cases` random inputs each: as by `proptest!`, but the runner is compiled once for each type of
-/// input, not for each test.
+/// Property tests, `cases` random inputs each: as by `proptest!`, but the runner is compiled once for each
+/// type of input, not for each test.
 ///
 /// ```text
 /// properties! {
