@@ -47,15 +47,18 @@ fn quantities() -> impl Iterator<Item = (Quantity, Coordinates)> {
     Quantity::ALL.into_iter().flat_map(|quantity| ALL_COORDINATES.map(|coordinates| (quantity, coordinates)))
 }
 
+/// Steps of the longest program, and the guard of a [`JitQuantity`].
+const LIMIT: usize = 30_000;
+
 /// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.
 fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
     for (quantity, coordinates) in quantities() {
         let Ok(program) = robot_program(robot, quantity, coordinates, &ProgramOptions::default()) else {
             continue;
         };
-        let compiled = Compiled::new(&program).map_err(|error| error.to_string())?;
+        let compiled = Compiled::<f64>::with_limit(&program, LIMIT).map_err(|error| error.to_string())?;
         let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
-        let mut evaluator = JitQuantity::new(robot, quantity, coordinates).unwrap();
+        let mut evaluator = JitQuantity::with_limit(robot, quantity, coordinates, LIMIT).unwrap();
         let mut fallback = JitQuantity::with_limit(robot, quantity, coordinates, 0).unwrap();
         for [q, v, u, y] in states {
             let p = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
