@@ -6,6 +6,9 @@
 /// The pipeline is written for `f64`: its small functions are always inlined. Inlined for a number whose
 /// operations are calls, they are only more code, several times as long to compile, not faster.
 ///
+/// The expression must be the whole value of its function: a `return` or `?` in it leaves only a closure
+/// where `INLINED` is false.
+///
 /// [`Scalar::INLINED`]: crate::scalar::Scalar::INLINED
 macro_rules! inlined {
     ($S:ty, $expression:expr) => {

@@ -62,8 +62,9 @@ pub trait Scalar:
     /// chains, not for few products.
     const FUSED: bool = false;
 
-    /// Whether operations are a few instructions. Operations of numbers that are made of others, as
-    /// [`Tangent`](super::Tangent), are inlined then; otherwise they are calls, which compile much faster.
+    /// Whether operations are a few instructions. If so, the small functions of the pipeline, and sums and
+    /// products of a [`Tangent`](super::Tangent), are inlined; if not, they are calls, which compile much
+    /// faster.
     const INLINED: bool = true;
 
     /// The constant `value`, with derivatives zero.

@@ -47,7 +47,7 @@ fn quantities() -> impl Iterator<Item = (Quantity, Coordinates)> {
     Quantity::ALL.into_iter().flat_map(|quantity| ALL_COORDINATES.map(|coordinates| (quantity, coordinates)))
 }
 
-/// Steps of the longest program, and the guard of a [`JitQuantity`].
+/// Above the steps of every program here with the guard of a [`JitQuantity`]; the default limit refuses some.
 const LIMIT: usize = 30_000;
 
 /// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.

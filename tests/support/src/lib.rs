@@ -13,7 +13,7 @@ pub mod random_robot;
 pub mod reference;
 pub mod robots;
 
-// A crate that is not named is not searched for instances.
+// Named, though not used, so that rustc takes the instances of generic code that it has compiled.
 use costate_comparison as _;
 pub use proptest;
 
@@ -75,7 +75,8 @@ pub fn property<T: Debug>(
     }
 }
 
-/// The runner for random robots, compiled here for all targets.
+/// Never called: this crate compiles the runner for random robots here, which all test targets then share.
+#[doc(hidden)]
 pub fn property_of_robots(
     cases: u32,
     place: Place,
