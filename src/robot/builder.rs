@@ -3,13 +3,15 @@
 use super::armature::Armature;
 use super::checks;
 use super::error::RobotError;
+use super::frame::{Frame, FrameKind, FrameList, FrameSpec};
 use super::joint::{Joint, JointSpec};
+use super::link::Placement;
 use super::model::Robot;
 use super::options::LoadOptions;
 use super::warning::Warning;
 use nalgebra::{DMatrix, Vector3};
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BinaryHeap, HashMap, HashSet};
 
 /// Collects joints and builds a [`Robot`], see [`Robot::builder`].
 #[derive(Clone, Debug)]
@@ -19,6 +21,7 @@ pub struct RobotBuilder {
     gravity: Vector3<f64>,
     joints: Vec<JointSpec>,
     armature: Option<DMatrix<f64>>,
+    frames: Vec<FrameSpec>,
     options: LoadOptions,
     warnings: Vec<Warning>,
 }
@@ -37,6 +40,7 @@ impl RobotBuilder {
             gravity: Vector3::new(0.0, 0.0, -9.81),
             joints: Vec::new(),
             armature: None,
+            frames: Vec::new(),
             options: LoadOptions::default(),
             warnings: Vec::new(),
         }
@@ -59,6 +63,12 @@ impl RobotBuilder {
     /// joints were added; added to the joints' own armature.
     pub fn armature_matrix(mut self, armature: DMatrix<f64>) -> Self {
         self.armature = Some(armature);
+        self
+    }
+
+    /// Adds a frame on a link, a joint, or a frame added before.
+    pub fn frame(mut self, frame: FrameSpec) -> Self {
+        self.frames.push(frame);
         self
     }
 
@@ -125,7 +135,8 @@ impl RobotBuilder {
                 return Err(RobotError::Strict { warnings: refused });
             }
         }
-        Ok(Robot { name: self.name, gravity: self.gravity, joints, armature, warnings })
+        let frames = frames(&joints, self.frames)?;
+        Ok(Robot { name: self.name, gravity: self.gravity, joints, armature, frames, warnings })
     }
 
     /// Indices of the joints in the order given, except that parents come before their children.
@@ -183,6 +194,22 @@ impl RobotBuilder {
         }
         RobotError::Cycle { joints: walk.iter().map(|&i| self.joints[i].name.clone()).collect() }
     }
+}
+
+/// The frames of the world, of joints, of links that the description names, and the given ones.
+fn frames(joints: &[Joint], given: Vec<FrameSpec>) -> Result<Vec<Frame>, RobotError> {
+    let mut frames = FrameList::of_joints(joints.iter().map(|joint| joint.name.as_str()));
+    let is_link = |frame: &&FrameSpec| frame.kind == FrameKind::Link;
+    let given_links: HashSet<&str> = given.iter().filter(is_link).map(|frame| frame.name.as_str()).collect();
+    for joint in joints.iter().filter(|joint| joint.link != joint.name) {
+        if !given_links.contains(joint.link.as_str()) {
+            let place = Placement::identity();
+            frames.add(FrameSpec::described(&joint.link, FrameKind::Link, Some(&joint.name), place))?;
+        }
+    }
+    drop(given_links);
+    given.into_iter().try_for_each(|frame| frames.add(frame))?;
+    Ok(frames.into_frames())
 }
 
 /// The armature matrix with rows and columns in the final order of the joints.

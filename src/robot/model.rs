@@ -3,6 +3,7 @@
 use super::armature::Armature;
 use super::checks;
 use super::error::RobotError;
+use super::frame::Frame;
 use super::joint::{Friction, Joint};
 use super::warning::Warning;
 use nalgebra::{DMatrix, Vector3};
@@ -25,6 +26,7 @@ pub struct Robot {
     pub(super) gravity: Vector3<f64>,
     pub(super) joints: Vec<Joint>,
     pub(super) armature: Armature,
+    pub(super) frames: Vec<Frame>,
     pub(super) warnings: Vec<Warning>,
 }
 

@@ -52,6 +52,14 @@ impl fmt::Display for RobotError {
                 printable(joint),
                 printable(parent)
             ),
+            Self::UnknownFrame { frame, nearest } => {
+                write!(f, "there is no frame '{}'{}", printable(frame), offer(nearest))
+            }
+            Self::BadFramePlacement { frame } => write!(
+                f,
+                "the placement of frame '{}' is not a finite right-handed rotation and translation; correct it",
+                printable(frame)
+            ),
             Self::UnknownChild { joint, child } => write!(
                 f,
                 "joint '{}' moves link '{}', which does not exist; correct the name or add the missing link",
@@ -147,6 +155,14 @@ impl fmt::Display for RobotError {
                 write!(f, "refused by strict loading: {}", sentence(&all.join("; ")))
             }
         }
+    }
+}
+
+/// Names to use instead of an unknown one.
+fn offer(nearest: &[String]) -> String {
+    match nearest {
+        [] => "; `costate info --frames` lists the names".into(),
+        nearest => format!("; did you mean '{}'?", list(nearest, "' or '")),
     }
 }
 

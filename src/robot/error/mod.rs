@@ -71,6 +71,18 @@ pub enum RobotError {
         /// `"joint"` or `"link"`.
         kind: &'static str,
     },
+    /// There is no such frame.
+    UnknownFrame {
+        /// Its name.
+        frame: String,
+        /// Names of frames that resemble it, the most similar first.
+        nearest: Vec<String>,
+    },
+    /// The placement of a frame is not a rigid motion.
+    BadFramePlacement {
+        /// The frame.
+        frame: String,
+    },
     /// The child link does not exist.
     UnknownChild {
         /// The joint.
@@ -233,6 +245,7 @@ impl RobotError {
             | Self::OutOfRange { link, .. }
             | Self::IndefiniteInertia { link, .. } => Some(link),
             Self::DuplicateName { name, .. } => Some(name),
+            Self::UnknownFrame { frame, .. } | Self::BadFramePlacement { frame } => Some(frame),
             _ => None,
         }
     }

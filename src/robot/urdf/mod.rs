@@ -22,6 +22,7 @@ use self::source::{JointType, Source, SourceJoint};
 use self::tree::{Attachment, Attachments};
 use super::checks;
 use super::error::RobotError;
+use super::frame::{FrameKind, FrameSpec};
 use super::joint::{Friction, JointKind, JointSpec};
 use super::link::LinkInertia;
 use super::model::Robot;
@@ -57,6 +58,9 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
     }
     let mut lines = HashMap::new();
     let mut builder = Robot::builder(&source.name).options(options);
+    for frame in frames(&source, &attached) {
+        builder = builder.frame(frame);
+    }
     for (spec, line) in joints(&source, &attached, bodies, options, &mut warnings) {
         lines.insert(spec.name.clone(), line);
         builder = builder.joint(spec);
@@ -107,6 +111,23 @@ fn bodies(
         warnings.extend(checks::triangle_inequality(link, inertia));
     }
     Ok(bodies)
+}
+
+/// The frames of all links, and of the joints that are merged.
+fn frames(source: &Source, attached: &Attachments) -> Vec<FrameSpec> {
+    let mover = |attachment: &Attachment| {
+        // Of several joints that one becomes, the last moves the link.
+        attachment.carrier.and_then(|carrier| expanded(&source.joints[carrier]).pop()).map(|last| last.name)
+    };
+    let frame = |name: &str, kind, attachment: &Attachment| {
+        FrameSpec::described(name, kind, mover(attachment).as_deref(), attachment.placement)
+    };
+    let links = source.links.iter().zip(&attached.links);
+    let links = links.map(|(link, attachment)| frame(&link.name, FrameKind::Link, attachment));
+    let merged =
+        source.joints.iter().zip(&attached.joints).filter(|(joint, _)| joint.kind == JointType::Fixed);
+    let merged = merged.map(|(joint, attachment)| frame(&joint.name, FrameKind::Joint, attachment));
+    links.chain(merged).collect()
 }
 
 /// The joints of the robot in the order of the file, each with the line of the joint that it comes from.

@@ -3,6 +3,7 @@
 //! Elements of a namespace, and what is inside extensions of simulators and controllers, are not checked.
 
 use super::xml::Lines;
+use crate::robot::nearest::nearest;
 use crate::robot::printable::printable;
 use crate::robot::warning::Warning;
 use roxmltree::Node;
@@ -102,8 +103,6 @@ const EXTENSIONS: [&str; 27] = [
 
 /// Kinds of unknown names that are reported one by one; the others are counted.
 const REPORTED: usize = 8;
-/// Longest name that is compared with the known ones.
-const LONGEST_COMPARED: usize = 24;
 
 /// Collects unknown names, those of the same kind in one warning.
 #[derive(Default)]
@@ -176,35 +175,6 @@ impl Unknown {
     }
 }
 
-/// The known name that differs by the fewest letters, if it differs by few.
-fn nearest(name: &str, known: &[&'static str]) -> Option<&'static str> {
-    if name.len() > LONGEST_COMPARED {
-        return None;
-    }
-    let name = name.to_lowercase();
-    let best = known.iter().map(|known| (distance(&name, known), *known)).min()?;
-    (best.0 <= 1 + name.chars().count() / 4).then_some(best.1)
-}
-
-/// Letters to insert, delete, replace, or exchange with their neighbour, to turn one word into the other.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = replaced.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,7 +196,6 @@ mod tests {
         }
         assert_eq!(nearest("xzy", &["xyz", "rpy", "quat_xyzw"]), Some("xyz"));
         assert_eq!(nearest("ryp", &["xyz", "rpy", "quat_xyzw"]), Some("rpy"));
-        assert_eq!((distance("", "abc"), distance("ca", "abc"), distance("same", "same")), (3, 3, 0));
     }
 
     #[test]
