@@ -2,7 +2,6 @@
 
 use super::error::RobotError;
 use super::link::Placement;
-use super::model::Robot;
 use super::nearest::resembling;
 use std::collections::HashMap;
 
@@ -29,12 +28,12 @@ pub struct Frame {
     pub kind: FrameKind,
     /// Index of the joint that moves it; `None` if it is fixed to the world.
     pub joint: Option<usize>,
-    /// The frame in the frame of that joint, as in [`Robot::joints`], or in the world.
+    /// The frame in the frame of that joint, as in [`Robot::joints`](super::Robot::joints), or in the world.
     pub placement: Placement,
 }
 
 /// Description of a frame, for [`RobotBuilder::frame`](super::RobotBuilder::frame) and
-/// [`Robot::with_frame`].
+/// [`Robot::with_frame`](super::Robot::with_frame).
 ///
 /// Starts at the origin of the world, along its axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,49 +82,6 @@ impl FrameSpec {
     }
 }
 
-impl Robot {
-    /// The frames: the world, then those of the joints, of links and of merged joints, and added ones.
-    ///
-    /// ```
-    /// use costate::robot::{FrameSpec, Placement, Robot};
-    ///
-    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
-    /// let arm = Robot::from_file("robots/ur5.urdf")?;
-    /// let tip = Placement::from_xyz_rpy([0.0, 0.0, 0.12], [0.0; 3]);
-    /// let arm = arm.with_frame(FrameSpec::new("tip").on("tool0").placed(tip))?;
-    /// assert_eq!(arm.frame("tip")?.joint, Some(5));
-    /// let error = arm.frame("tol0").unwrap_err();
-    /// assert!(error.to_string().contains("'tool0'"));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn frames(&self) -> &[Frame] {
-        &self.frames
-    }
-
-    /// The frame of this name: of an added frame, else of a link, else of a joint, else the world.
-    ///
-    /// In a URDF a link and a joint can have the same name; the frame of the joint is then found by
-    /// [`frames`](Self::frames) alone.
-    ///
-    /// # Errors
-    /// [`RobotError::UnknownFrame`], with the names that resemble it.
-    pub fn frame(&self, name: &str) -> Result<&Frame, RobotError> {
-        let named = self.frames.iter().filter(|frame| frame.name == name);
-        preferred(named).ok_or_else(|| unknown(&self.frames, name))
-    }
-
-    /// The same robot with one more frame.
-    ///
-    /// # Errors
-    /// [`RobotError::UnknownFrame`] for the frame that it is placed in, [`RobotError::DuplicateName`],
-    /// [`RobotError::BadFramePlacement`].
-    pub fn with_frame(&self, frame: FrameSpec) -> Result<Self, RobotError> {
-        let mut frames = FrameList::from(self.frames.clone());
-        frames.add(frame)?;
-        Ok(Self { frames: frames.into_frames(), ..self.clone() })
-    }
-}
-
 /// Frames while they are collected, with their positions by name.
 pub(super) struct FrameList {
     frames: Vec<Frame>,
@@ -170,6 +126,12 @@ impl FrameList {
         Ok(())
     }
 
+    /// The frame of this name.
+    pub(super) fn find<'a>(frames: &'a [Frame], name: &str) -> Result<&'a Frame, RobotError> {
+        let named = frames.iter().filter(|frame| frame.name == name);
+        preferred(named).ok_or_else(|| unknown(frames, name))
+    }
+
     fn named(&self, name: &str) -> impl Iterator<Item = &Frame> {
         self.index.get(name).into_iter().flatten().map(|&k| &self.frames[k])
     }
@@ -190,7 +152,7 @@ impl From<Vec<Frame>> for FrameList {
     }
 }
 
-/// Of several frames with one name: see [`Robot::frame`].
+/// Of several frames with one name: see `Robot::frame`.
 fn preferred<'a>(named: impl Iterator<Item = &'a Frame>) -> Option<&'a Frame> {
     named.min_by_key(|frame| match frame.kind {
         FrameKind::Added => 0,
@@ -208,7 +170,7 @@ fn unknown(frames: &[Frame], name: &str) -> RobotError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::{JointSpec, LinkInertia};
+    use crate::robot::{JointSpec, LinkInertia, Robot};
     use nalgebra::Vector3;
 
     fn arm() -> Robot {

@@ -3,7 +3,7 @@
 use super::armature::Armature;
 use super::checks;
 use super::error::RobotError;
-use super::frame::Frame;
+use super::frame::{Frame, FrameList, FrameSpec};
 use super::joint::{Friction, Joint};
 use super::warning::Warning;
 use nalgebra::{DMatrix, Vector3};
@@ -66,6 +66,46 @@ impl Robot {
     /// The armature matrix, n x n; it is made by this call, and takes 8 n^2 bytes.
     pub fn armature_matrix(&self) -> DMatrix<f64> {
         self.armature.matrix()
+    }
+
+    /// The frames: the world, then those of the joints, of links and of merged joints, and added ones.
+    ///
+    /// ```
+    /// use costate::robot::{FrameSpec, Placement, Robot};
+    ///
+    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    /// let arm = Robot::from_file("robots/ur5.urdf")?;
+    /// let tip = Placement::from_xyz_rpy([0.0, 0.0, 0.12], [0.0; 3]);
+    /// let arm = arm.with_frame(FrameSpec::new("tip").on("tool0").placed(tip))?;
+    /// assert_eq!(arm.frame("tip")?.joint, Some(5));
+    /// let error = arm.frame("tol0").unwrap_err();
+    /// assert!(error.to_string().contains("'tool0'"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The frame of this name: of an added frame, else of a link, else of a joint, else the world.
+    ///
+    /// In a URDF a link and a joint can have the same name; the frame of the joint is then found by
+    /// [`frames`](Self::frames) alone.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFrame`], with the names that resemble it.
+    pub fn frame(&self, name: &str) -> Result<&Frame, RobotError> {
+        FrameList::find(&self.frames, name)
+    }
+
+    /// The same robot with one more frame.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFrame`] for the frame that it is placed in, [`RobotError::DuplicateName`],
+    /// [`RobotError::BadFramePlacement`].
+    pub fn with_frame(&self, frame: FrameSpec) -> Result<Self, RobotError> {
+        let mut frames = FrameList::from(self.frames.clone());
+        frames.add(frame)?;
+        Ok(Self { frames: frames.into_frames(), ..self.clone() })
     }
 
     /// What is unusual about it.
