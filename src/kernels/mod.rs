@@ -2,6 +2,7 @@
 
 mod blocks;
 mod congruence;
+mod coupling;
 mod dissipation;
 mod factor;
 mod hessian;
@@ -13,6 +14,8 @@ mod two;
 mod two_pairs;
 mod velocity;
 
+pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
+pub(crate) use dissipation::friction_of;
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
 pub(crate) use position::along_joint;
@@ -43,7 +46,8 @@ use blocks::Blocks;
 /// All is computed in body frames with the joint axis along z, where S is a unit vector and most products
 /// vanish; `docs/frames.md` compares this with one common frame. The F_j and G_j beyond a joint are
 /// transformed together. For a joint on the fixed base, its S and gamma are transformed outward instead.
-/// Armature is added to M and p, springs to L_q and L_qq.
+/// Armature is added to M and p, springs to L_q and L_qq. All of this is of the N joints of the tree; where
+/// some mimic others, rows and columns are summed into those of the n coordinates at the end of each stage.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S: Scalar> {
     bodies: Vec<Body<S>>,
@@ -52,13 +56,14 @@ pub struct KernelOne<S: Scalar> {
     carried: Vec<Force<S::Pack>>,
     /// G_j in frame i, likewise.
     rates: Vec<Force<S::Pack>>,
+    /// Positions and velocities of all joints.
     q: Vec<S>,
     v: Vec<S>,
-    mass_matrix: Matrix<S>,
-    momentum: Vec<S>,
-    l_q: Vec<S>,
-    l_vq: Matrix<S>,
-    l_qq: Matrix<S>,
+    mass_matrix: Coupled<Matrix<S>>,
+    momentum: Coupled<Vec<S>>,
+    l_q: Coupled<Vec<S>>,
+    l_vq: Coupled<Matrix<S>>,
+    l_qq: Coupled<Matrix<S>>,
 }
 
 /// Quantities of one joint, in its frame.
@@ -109,7 +114,7 @@ impl<S: Scalar> KernelOne<S> {
     /// Buffers for a tree.
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
         Self {
             bodies: tree.joints().iter().map(|joint| Body::at_rest(joint.position(S::zero()))).collect(),
@@ -118,24 +123,29 @@ impl<S: Scalar> KernelOne<S> {
             blocks,
             q: vec![S::zero(); n],
             v: vec![S::zero(); n],
-            mass_matrix: Matrix::zeros(n, n),
-            momentum: vec![S::zero(); n],
-            l_q: vec![S::zero(); n],
-            l_vq: Matrix::zeros(n, n),
-            l_qq: Matrix::zeros(n, n),
+            mass_matrix: Coupled::square(tree),
+            momentum: Coupled::row(tree),
+            l_q: Coupled::row(tree),
+            l_vq: Coupled::square(tree),
+            l_qq: Coupled::square(tree),
         }
     }
 
     /// Mass matrix M, armature included, n x n, symmetric (kg m^2, kg m, kg).
     pub fn mass_matrix(&self) -> &Matrix<S> {
-        &self.mass_matrix
+        self.mass_matrix.get()
     }
 
     /// The scale of the rounding error of `M_kk`. For a revolute joint it is the largest inertia of the
     /// composite body about any axis through the joint origin, since M_kk may result from a rotation of it.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
+        size_of_sum(tree, k, |joint| self.size_of_joint(tree, joint))
+    }
+
+    /// The same for joint k of all joints.
+    fn size_of_joint(&self, tree: &Tree, k: usize) -> S {
         let joints = tree.joints();
-        let entry = self.mass_matrix[(k, k)];
+        let entry = self.mass_matrix.all[(k, k)];
         if joints[k].kind == JointKind::Prismatic {
             return entry;
         }
@@ -152,21 +162,21 @@ impl<S: Scalar> KernelOne<S> {
 
     /// Conjugate momentum p = M v, n.
     pub fn momentum(&self) -> &[S] {
-        &self.momentum
+        self.momentum.get()
     }
 
     /// `L_q = 1/2 v' M,q v - V,q` at fixed v, n.
     pub fn l_q(&self) -> &[S] {
-        &self.l_q
+        self.l_q.get()
     }
 
     /// `P = d(M v)/dq` at fixed v, n x n: `P_ij = sum_l M_il,j v_l` (21a).
     pub fn l_vq(&self) -> &Matrix<S> {
-        &self.l_vq
+        self.l_vq.get()
     }
 
     /// `L_qq = 1/2 v' M,ij v - V,ij`, n x n, symmetric (21c).
     pub fn l_qq(&self) -> &Matrix<S> {
-        &self.l_qq
+        self.l_qq.get()
     }
 }

@@ -3,7 +3,7 @@
 use super::Lagrangian;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::friction;
+use crate::kernels::friction_of;
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
@@ -47,7 +47,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub fn gravity(&mut self, q: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q)])?;
         self.newton_euler.solve(&self.tree, q, &self.zero, &self.zero);
-        Ok(&self.newton_euler.tau)
+        Ok(self.newton_euler.tau())
     }
 
     /// Mass matrix M(q), armature included, n x n, symmetric (kg m^2, kg m, kg).
@@ -79,11 +79,9 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// tau from the last sweep, with friction subtracted.
     pub(super) fn subtract_friction(&mut self, v: &[S]) {
-        self.tau.copy_from_slice(&self.newton_euler.tau);
-        for ((tau, joint), &v) in self.tau.iter_mut().zip(self.tree.joints()).zip(v) {
-            if !joint.friction.is_none() {
-                *tau -= friction(&joint.friction, v).value;
-            }
+        self.tau.copy_from_slice(self.newton_euler.tau());
+        for &i in self.tree.with_friction() {
+            self.tau[i] -= friction_of(&self.tree, i, v[i]).value;
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::Lagrangian;
 use crate::error::EvalError;
-use crate::kernels::{KernelOne, KernelTwo, friction};
+use crate::kernels::{KernelOne, KernelTwo, friction_of};
 use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -32,14 +32,14 @@ pub(super) fn torque_jacobian<S: Scalar, T: Scalar>(
     (tau_q, tau_v): (&mut Matrix<S>, &mut Matrix<S>),
 ) {
     let (p, l_qq, m_rate, p_rate) = (kernel.l_vq(), kernel.l_qq(), along.mass_matrix(), along.l_vq());
-    for (i, joint) in tree.joints().iter().enumerate() {
+    for i in 0..tree.dof() {
         for j in 0..tree.dof() {
             tau_q[(i, j)] = value(p_rate[(i, j)] - l_qq[(i, j)]);
             tau_v[(i, j)] = value(m_rate[(i, j)] + p[(i, j)] - p[(j, i)]);
         }
-        if !joint.friction.is_none() {
-            tau_v[(i, i)] -= friction(&joint.friction, v[i]).first;
-        }
+    }
+    for &i in tree.with_friction() {
+        tau_v[(i, i)] -= friction_of(tree, i, v[i]).first;
     }
 }
 

@@ -4,7 +4,7 @@ use super::inverse::torque_jacobian;
 use super::{ForwardDynamicsLinearisation, Lagrangian, StateLinearisation};
 use crate::error::EvalError;
 use crate::hamiltonian::check;
-use crate::kernels::{KernelOne, KernelTwo, friction};
+use crate::kernels::{KernelOne, KernelTwo, friction_of};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -232,9 +232,10 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
                 h[(j, 2 * n + i)] = p[(i, j)].eps;
             }
         }
-        for (i, joint) in self.first.tree.joints().iter().enumerate() {
-            if joint.friction.coulomb != 0.0 {
-                h[(n + i, n + i)] -= self.w[i] * friction(&joint.friction, v[i]).second;
+        let tree = &self.first.tree;
+        for &i in tree.with_friction() {
+            if tree.has_coulomb_friction(i) {
+                h[(n + i, n + i)] -= self.w[i] * friction_of(tree, i, v[i]).second;
             }
         }
     }

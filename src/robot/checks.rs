@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Least and largest size of a mass or inertia (kg, kg m^2) that is not zero: products of two of them with
 /// velocities and lengths neither vanish nor overflow.
-const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
+pub(super) const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
 
 /// Largest position limit of a revolute joint that passes without a warning (rad): two turns.
 const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
@@ -121,9 +121,17 @@ pub(super) fn robot(
             is_last[parent] = false;
         }
     }
+    // Of independent joints: whether they, or joints that mimic them, move something; whether any mimics
+    // them.
+    let mut has_inertia: Vec<bool> = (0..n).map(|i| moves_mass[i] || armature.entry(i, i) != 0.0).collect();
+    let mut is_mimicked = vec![false; n];
+    for (i, mimic) in joints.iter().enumerate().filter_map(|(i, joint)| Some((i, joint.mimic?))) {
+        has_inertia[mimic.joint] |= has_inertia[i];
+        (is_mimicked[mimic.joint], is_mimicked[i]) = (true, true);
+    }
     for (i, joint) in joints.iter().enumerate() {
         let link = &joint.inertia;
-        if !moves_mass[i] && armature.entry(i, i) == 0.0 {
+        if joint.mimic.is_none() && !has_inertia[i] {
             return Err(RobotError::MovesNothing { joint: joint.name.clone() });
         }
         if link.is_massless() && !virtual_links[i] {
@@ -132,6 +140,7 @@ pub(super) fn robot(
         warnings.extend(triangle_inequality(&joint.link, link));
         let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));
         if is_last[i]
+            && !is_mimicked[i]
             && joint.kind == JointKind::Revolute
             && armature.entry(i, i) == 0.0
             && about_axis <= 1e-14 * link.inertia_about_origin().amax()

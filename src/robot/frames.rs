@@ -27,7 +27,7 @@ pub(super) struct AlignedFrames<'a> {
 
 impl<'a> AlignedFrames<'a> {
     pub(super) fn new(robot: &'a Robot) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let is_fixed = robot.joints().iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
         Self {
             robot,
@@ -45,7 +45,11 @@ impl<'a> AlignedFrames<'a> {
 
     /// Frames that are only rotated, independently of all lengths: each origin remains where it is.
     pub(super) fn rotated_only(robot: &'a Robot) -> Self {
-        Self { moves_origins: false, origins: vec![Vector3::zeros(); robot.dof()], ..Self::new(robot) }
+        Self {
+            moves_origins: false,
+            origins: vec![Vector3::zeros(); robot.joints().len()],
+            ..Self::new(robot)
+        }
     }
 
     /// The rotations of the frame of joint `i` and of the translation to it.

@@ -10,6 +10,7 @@
 use super::frames::AlignedFrames;
 use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
+use super::joint_map::JointMap;
 use super::model::Robot;
 use super::regroup::regroup;
 use std::ops::Range;
@@ -32,22 +33,28 @@ pub struct Tree {
     prismatic: Vec<usize>,
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
+    joint_map: Option<JointMap>,
 }
 
 impl Tree {
-    /// Number of joints and degrees of freedom, n.
+    /// Number of degrees of freedom, n.
     pub fn dof(&self) -> usize {
-        self.joints.len()
+        self.names.len()
     }
 
-    /// The joints, parents before children.
+    /// All joints, parents before children, with those that mimic others.
     pub fn joints(&self) -> &[JointFrame] {
         &self.joints
     }
 
-    /// Name of joint `i`.
+    /// Name of the independent joint of coordinate `i`.
     pub fn name(&self, i: usize) -> &str {
         &self.names[i]
+    }
+
+    /// The positions of all joints from the coordinates; `None` if every joint is independent.
+    pub(crate) fn joint_map(&self) -> Option<&JointMap> {
+        self.joint_map.as_ref()
     }
 
     /// Gravity acceleration in the aligned world frame (m/s^2).
@@ -96,12 +103,18 @@ impl Tree {
         &self.with_spring
     }
 
-    /// The joints with friction.
+    /// The coordinates with friction.
     pub(crate) fn with_friction(&self) -> &[usize] {
         &self.with_friction
     }
 
-    /// Number of pairs `i <= j` in tree order.
+    /// Whether a joint of coordinate `i` has Coulomb friction.
+    pub(crate) fn has_coulomb_friction(&self, i: usize) -> bool {
+        let has = |joint: usize| self.joints[joint].friction.coulomb != 0.0;
+        self.joint_map.as_ref().map_or_else(|| has(i), |map| map.joints_of(i).iter().any(|&joint| has(joint)))
+    }
+
+    /// Number of pairs `i <= j` of joints in tree order.
     pub fn pairs(&self) -> usize {
         self.subtree_starts.last().copied().unwrap_or(0)
     }
@@ -115,13 +128,14 @@ impl Tree {
     pub fn without_friction(&self) -> Self {
         let mut tree = self.clone();
         tree.joints.iter_mut().for_each(|joint| joint.friction = Friction::none());
+        tree.with_friction.clear();
         tree
     }
 }
 
 impl From<&Robot> for Tree {
     fn from(robot: &Robot) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let mut aligned = AlignedFrames::new(robot);
         for i in 0..n {
             aligned.place(i);
@@ -147,7 +161,7 @@ impl Tree {
         gravity: [f64; 3],
         armature: Vec<(usize, usize, f64)>,
     ) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let mut children = vec![Vec::new(); n];
         let mut size = vec![1; n];
         for (j, joint) in robot.joints().iter().enumerate() {
@@ -168,16 +182,30 @@ impl Tree {
             depth_first.push(i);
             next.extend(children[i].iter().rev());
         }
-        let those = |has: fn(&JointFrame) -> bool| (0..joints.len()).filter(|&i| has(&joints[i])).collect();
-        let (with_spring, with_friction) =
-            (those(|joint| joint.spring.stiffness != 0.0), those(|joint| !joint.friction.is_none()));
+        let those = |has: fn(&JointFrame) -> bool| -> Vec<usize> {
+            (0..joints.len()).filter(|&i| has(&joints[i])).collect()
+        };
+        let with_spring = those(|joint| joint.spring.stiffness != 0.0);
+        let mut with_friction = those(|joint| !joint.friction.is_none());
+        let on_one_branch = (0..n).flat_map(|i| {
+            let start = depth_first_position[i];
+            depth_first[start..start + size[i]].iter().map(move |&k| (k, i))
+        });
+        let joint_map =
+            JointMap::new(robot.joints(), on_one_branch.chain(armature.iter().map(|&(i, j, _)| (i, j))));
+        if let Some(map) = &joint_map {
+            with_friction.iter_mut().for_each(|joint| *joint = map.rows()[*joint].coordinate);
+            with_friction.sort_unstable();
+            with_friction.dedup();
+        }
         let (revolute, prismatic) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
             revolute,
             prismatic,
             with_spring,
             with_friction,
-            names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            names: robot.independent_joints().map(|joint| joint.name.clone()).collect(),
+            joint_map,
             joints,
             gravity,
             fixed_potential: 0.0,

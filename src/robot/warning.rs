@@ -74,6 +74,14 @@ pub enum Warning {
         /// Its line, from 1.
         line: usize,
     },
+    /// No position of a joint is within both its limits and those of a joint that mimics it, which are
+    /// ignored.
+    MimicLimits {
+        /// The joint that mimics.
+        joint: String,
+        /// The independent joint.
+        master: String,
+    },
     /// Limits of revolute joints beyond two turns: they may be degrees.
     LargeLimits {
         /// The joints.
@@ -178,6 +186,13 @@ impl fmt::Display for Warning {
                  for a free base, attach it to a massless root link by a floating joint",
                 printable(link),
                 printable_number(*mass)
+            ),
+            Self::MimicLimits { joint, master } => write!(
+                f,
+                "no position of joint '{}' is within its limits and those of '{}', which mimics it; the latter \
+                 are not used: correct one of them",
+                printable(master),
+                printable(joint)
             ),
             Self::LargeLimits { joints: names, limit } => write!(
                 f,

@@ -6,6 +6,7 @@ mod identities;
 mod inputs;
 mod kernels;
 mod lagrangian;
+mod mimics;
 mod rounding_scan;
 mod routes;
 mod second_order;

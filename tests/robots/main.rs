@@ -4,6 +4,7 @@
 
 mod descriptions;
 mod known_robots;
+mod mimics;
 mod texts;
 mod toml_files;
 mod urdf;

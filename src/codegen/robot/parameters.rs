@@ -9,7 +9,7 @@
 use crate::codegen::error::CodegenError;
 use crate::codegen::record::{Expr, replace_labels};
 use crate::robot::parameters::{Directions, Group, groups};
-use crate::robot::{Robot, Tree};
+use crate::robot::{JointMap, Robot, Tree};
 use crate::scalar::Scalar;
 use nalgebra::Matrix3;
 
@@ -153,6 +153,9 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
             labels.product(0.5 * label * length, (mass * r).times(0.5));
         }
     }
+    let tree = Tree::from_parts(robot, joints, gravity, armature);
+    // Ratios and offsets of mimic joints are no parameters.
+    numbers.extend(tree.joint_map().into_iter().flat_map(JointMap::constants));
     replace_labels(labels.table, numbers)?;
-    Ok(Tree::from_parts(robot, joints, gravity, armature))
+    Ok(tree)
 }

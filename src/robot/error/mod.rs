@@ -111,12 +111,30 @@ pub enum RobotError {
         /// Another one.
         second: String,
     },
-    /// A joint that copies another one.
-    Mimic {
+    /// A joint mimics one that does not exist.
+    UnknownMimic {
         /// The joint.
         joint: String,
-        /// The joint it copies.
+        /// The joint it mimics.
         master: String,
+        /// Names of joints that resemble it, the most similar first.
+        nearest: Vec<String>,
+    },
+    /// Joints that mimic each other in a loop.
+    MimicCycle {
+        /// The joints, each a mimic of the next, the last of the first.
+        joints: Vec<String>,
+    },
+    /// A joint of several degrees of freedom that mimics another one, or is mimicked.
+    UnsupportedMimic {
+        /// The joint with the mimicry.
+        joint: String,
+        /// The joint it mimics.
+        master: String,
+        /// Which of the two has several degrees of freedom.
+        several: String,
+        /// Its type.
+        kind: &'static str,
     },
     /// An unsupported type of joint.
     UnsupportedJoint {
@@ -230,7 +248,8 @@ impl RobotError {
             Self::InFile { error, .. } => error.culprit(),
             Self::UnknownParent { joint, .. }
             | Self::UnknownChild { joint, .. }
-            | Self::Mimic { joint, .. }
+            | Self::UnknownMimic { joint, .. }
+            | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
@@ -238,7 +257,7 @@ impl RobotError {
             | Self::MovesNothing { joint }
             | Self::KinematicsOnly { joint } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
-            Self::Cycle { joints } => joints.first().map(String::as_str),
+            Self::Cycle { joints } | Self::MimicCycle { joints } => joints.first().map(String::as_str),
             Self::SeveralRoots { second, .. } => Some(second),
             Self::NonFiniteInertia { link, .. }
             | Self::NegativeMass { link, .. }
