@@ -26,6 +26,7 @@ mod origins;
 pub(crate) mod parameters;
 mod pattern;
 mod poses;
+mod positive;
 mod printable;
 mod read;
 mod regroup;

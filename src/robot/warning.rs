@@ -19,6 +19,13 @@ pub enum Warning {
         /// Principal moments (kg m^2), rising.
         moments: [f64; 3],
     },
+    /// A negative principal moment of a link; the mass matrix was positive wherever it was tried.
+    NegativeMoment {
+        /// The link.
+        link: String,
+        /// The moment (kg m^2).
+        moment: f64,
+    },
     /// All mass that the last joint moves lies on its axis: M is singular in every pose.
     OnAxis {
         /// The joint.
@@ -134,6 +141,13 @@ impl fmt::Display for Warning {
             Self::MasslessLink { link } => {
                 write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
             }
+            Self::NegativeMoment { link, moment } => write!(
+                f,
+                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
+                 M is positive where it was tried, and may be singular elsewhere: check the matrix",
+                printable(link),
+                printable_number(*moment)
+            ),
             Self::TriangleInequality { link, moments: [a, b, c] } => write!(
                 f,
                 "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \

@@ -188,7 +188,8 @@ pub enum RobotError {
         /// Its value (kg, kg m^2).
         value: f64,
     },
-    /// An inertia matrix that is not positive semidefinite.
+    /// An inertia matrix that is not positive semidefinite, by so much that M is not positive or cannot be
+    /// trusted.
     IndefiniteInertia {
         /// The link.
         link: String,

@@ -111,7 +111,7 @@ fn bodies(
         }
     }
     for (link, inertia) in parts.iter().filter(|parts| parts.len() > 1).flatten() {
-        warnings.extend(checks::triangle_inequality(link, inertia));
+        warnings.extend(checks::principal_moments(link, inertia));
     }
     Ok(bodies)
 }
