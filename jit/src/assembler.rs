@@ -1,13 +1,15 @@
 //! The few AVX and FMA instructions that compiled programs are made of, as bytes.
 //!
-//! All of them have a target register, a first source register and a last operand, register or memory (Intel 64
-//! and IA-32 Architectures Software Developer's Manual, volume 2, section 2.3).
+//! All of them have a target register, a first source register and a last operand, register or memory (Intel
+//! 64 and IA-32 Architectures Software Developer's Manual, volume 2, section 2.3).
 
 mod encode;
 
 use crate::place::{Base, Place, SLOTS, STRIDE};
 use encode::{Instruction, Last, Map, PREFIX_66, PREFIX_F2};
 use std::ops::Range;
+
+pub use encode::Width;
 
 /// A vector register, 0 to 15.
 pub(crate) type Register = u8;
@@ -17,15 +19,6 @@ pub(crate) type Register = u8;
 pub(crate) enum Operand {
     Register(Register),
     Memory(Place),
-}
-
-/// The content of a register.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Width {
-    /// One double.
-    One,
-    /// Four doubles with the same operations.
-    Four,
 }
 
 /// `target = source op operand`; the value is the opcode.

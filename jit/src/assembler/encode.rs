@@ -1,6 +1,13 @@
 //! The encoding of an instruction: VEX prefix, opcode, ModRM, displacement.
 
-use super::Width;
+/// The content of a register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    /// One double.
+    One,
+    /// Four doubles with the same operations.
+    Four,
+}
 
 /// The opcode maps.
 #[derive(Clone, Copy)]

@@ -80,7 +80,10 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
         let line = match &error {
             RobotError::NoJoints { .. } => Some(source.line),
             RobotError::Strict { warnings } => warnings.iter().find_map(Warning::line),
-            error => error.culprit().and_then(|joint| lines.get(joint)).copied(),
+            error => error.culprit().and_then(|name| {
+                let link = || source.links.iter().find(|link| link.name == name).map(|link| link.line);
+                lines.get(name).copied().or_else(link)
+            }),
         };
         if line.is_some() { error.at(line) } else { error }
     })
