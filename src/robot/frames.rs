@@ -2,8 +2,7 @@
 
 use super::joint::JointKind;
 use super::joint_frame::JointFrame;
-use super::link::LinkInertia;
-use super::link::snap;
+use super::link::{LinkInertia, Placement, snap};
 use super::model::Robot;
 use super::origins::{LEAST_SINE, origins};
 use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
@@ -51,6 +50,13 @@ impl<'a> AlignedFrames<'a> {
     /// The rotations of the frame of joint `i` and of the translation to it.
     pub(super) fn rotation_and_arm(&self, i: usize) -> [Matrix3<f64>; 2] {
         [self.rotations[i].map(snap), self.arms[i].map(snap)]
+    }
+
+    /// The original frame of joint `i` in the aligned one, after all frames are placed.
+    pub(super) fn original(&self, i: usize) -> Placement {
+        let rotation = self.rotations[i].map(snap);
+        let moved = -(rotation * self.origins[i]);
+        Placement { rotation, translation: without_rounding(&moved, self.origins[i].norm()) }
     }
 
     /// Aligns frame `i`, after all frames before it.

@@ -10,8 +10,10 @@
 use super::frames::AlignedFrames;
 use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
+use super::link::{Placement, snap};
 use super::model::Robot;
 use super::regroup::regroup;
+use nalgebra::Matrix3;
 use std::ops::Range;
 
 /// The model that the kernels run on; built from a [`Robot`] once.
@@ -32,6 +34,8 @@ pub struct Tree {
     prismatic: Vec<usize>,
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
+    originals: Vec<Placement>,
+    world: Matrix3<f64>,
 }
 
 impl Tree {
@@ -48,6 +52,16 @@ impl Tree {
     /// Name of joint `i`.
     pub fn name(&self, i: usize) -> &str {
         &self.names[i]
+    }
+
+    /// The frame of joint `i` as in [`Robot::joints`], placed in the aligned frame of the joint (m): constant.
+    pub fn original_frame(&self, i: usize) -> &Placement {
+        &self.originals[i]
+    }
+
+    /// The rotation from the world of the robot to the aligned world: `x_aligned = R x`. Both have one origin.
+    pub fn world_rotation(&self) -> &Matrix3<f64> {
+        &self.world
     }
 
     /// Gravity acceleration in the aligned world frame (m/s^2).
@@ -135,12 +149,15 @@ impl From<&Robot> for Tree {
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
         let armature = robot.armature().to_vec();
-        Self { fixed_potential, ..Self::from_parts(robot, joints, gravity, armature) }
+        let originals = (0..n).map(|i| aligned.original(i)).collect();
+        let world = aligned.world.map(snap);
+        Self { fixed_potential, originals, world, ..Self::from_parts(robot, joints, gravity, armature) }
     }
 }
 
 impl Tree {
-    /// From given constants of the joints of this robot; V of what does not move is zero.
+    /// From given constants of the joints of this robot; V of what does not move is zero, and the original
+    /// frames are taken for the aligned ones.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
@@ -186,6 +203,8 @@ impl Tree {
             subtree_starts: std::iter::once(0).chain(ends).collect(),
             depth_first,
             depth_first_position,
+            originals: vec![Placement::identity(); n],
+            world: Matrix3::identity(),
         }
     }
 }
