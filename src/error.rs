@@ -55,6 +55,19 @@ pub enum EvalError {
         /// The joint whose pivot vanished.
         joint: String,
     },
+    /// There is no frame of this number.
+    #[error(
+        "there is no frame {frame}: the robot has frames 0 to {last}; `Robot::frame_index` finds them by name"
+    )]
+    NoFrame {
+        /// The number given.
+        frame: usize,
+        /// The largest number of a frame.
+        last: usize,
+    },
+    /// The centre of mass of a robot whose links have no mass.
+    #[error("no link that moves has a mass, so that there is no centre of mass; give one of them a mass")]
+    Massless,
     /// A model of a user cannot be evaluated.
     #[error("the model cannot be evaluated: {reason}")]
     Model {

@@ -37,7 +37,8 @@ pub use linearisation::HamiltonianLinearisation;
 pub use second_order::HamiltonianSecondOrder;
 pub use tensor::HessianTensor;
 
-use crate::error::{EvalError, check_length};
+use crate::error::EvalError;
+pub(crate) use crate::kernels::check;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
@@ -217,19 +218,5 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// Every argument has n finite entries.
     fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
         arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
-    }
-}
-
-/// `values` must have `expected` finite entries; entry i belongs to joint i mod n.
-pub(crate) fn check<S: Scalar>(
-    tree: &Tree,
-    what: &'static str,
-    values: &[S],
-    expected: usize,
-) -> Result<(), EvalError> {
-    check_length(what, values, expected)?;
-    match values.iter().position(|value| S::CHECKED && !value.is_finite()) {
-        Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.dof()).into() }),
-        None => Ok(()),
     }
 }

@@ -27,6 +27,7 @@ mod printable;
 mod read;
 mod regroup;
 mod tree;
+mod tree_frame;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 mod warning;
@@ -42,4 +43,5 @@ pub use model::Robot;
 pub use options::LoadOptions;
 pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub use tree::Tree;
+pub use tree_frame::TreeFrame;
 pub use warning::Warning;

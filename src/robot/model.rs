@@ -97,6 +97,16 @@ impl Robot {
         FrameList::find(&self.frames, name)
     }
 
+    /// The position of the frame of this name in [`frames`](Self::frames), found as by
+    /// [`frame`](Self::frame).
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFrame`], with the names that resemble it.
+    pub fn frame_index(&self, name: &str) -> Result<usize, RobotError> {
+        let frame = self.frame(name)?;
+        Ok(self.frames.iter().position(|other| std::ptr::eq(other, frame)).unwrap_or_default())
+    }
+
     /// The same robot with one more frame.
     ///
     /// # Errors

@@ -10,9 +10,10 @@
 use super::frames::AlignedFrames;
 use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
-use super::link::{Placement, snap};
+use super::link::snap;
 use super::model::Robot;
 use super::regroup::regroup;
+use super::tree_frame::TreeFrame;
 use nalgebra::Matrix3;
 use std::ops::Range;
 
@@ -34,7 +35,7 @@ pub struct Tree {
     prismatic: Vec<usize>,
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
-    originals: Vec<Placement>,
+    frames: Vec<TreeFrame>,
     world: Matrix3<f64>,
 }
 
@@ -54,12 +55,19 @@ impl Tree {
         &self.names[i]
     }
 
-    /// The frame of joint `i` as in [`Robot::joints`], placed in the aligned frame of the joint (m): constant.
-    pub fn original_frame(&self, i: usize) -> &Placement {
-        &self.originals[i]
+    /// The frames of [`Robot::frames`], in its order, placed in the aligned frames. After that of the world
+    /// come those of the joints, so that number `1 + i` is the frame of joint `i` as in [`Robot::joints`].
+    pub fn frames(&self) -> &[TreeFrame] {
+        &self.frames
     }
 
-    /// The rotation from the world of the robot to the aligned world: `x_aligned = R x`. Both have one origin.
+    /// The joints that move joint `i`, itself first, then its parent, to the base; none for `None`.
+    pub fn path(&self, i: Option<usize>) -> impl Iterator<Item = usize> {
+        std::iter::successors(i, |&i| self.joints[i].parent)
+    }
+
+    /// The rotation from the world of the robot to the aligned world: `x_aligned = R x`. Both have one
+    /// origin.
     pub fn world_rotation(&self) -> &Matrix3<f64> {
         &self.world
     }
@@ -149,15 +157,15 @@ impl From<&Robot> for Tree {
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
         let armature = robot.armature().to_vec();
-        let originals = (0..n).map(|i| aligned.original(i)).collect();
+        let frames = aligned.frames();
         let world = aligned.world.map(snap);
-        Self { fixed_potential, originals, world, ..Self::from_parts(robot, joints, gravity, armature) }
+        Self { fixed_potential, frames, world, ..Self::from_parts(robot, joints, gravity, armature) }
     }
 }
 
 impl Tree {
-    /// From given constants of the joints of this robot; V of what does not move is zero, and the original
-    /// frames are taken for the aligned ones.
+    /// From given constants of the joints of this robot; V of what does not move is zero, and the tree has
+    /// no frames.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
@@ -203,7 +211,7 @@ impl Tree {
             subtree_starts: std::iter::once(0).chain(ends).collect(),
             depth_first,
             depth_first_position,
-            originals: vec![Placement::identity(); n],
+            frames: Vec::new(),
             world: Matrix3::identity(),
         }
     }

@@ -174,8 +174,8 @@ impl<S: Scalar> Motion<S> {
         Self { angular: self.angular.scaled(factor), linear: self.linear.scaled(factor) }
     }
 
-    /// `self x other = (w x w' ; w x v' + v x w')`: the rate of `other` if it is fixed to a body that moves by
-    /// `self`.
+    /// `self x other = (w x w' ; w x v' + v x w')`: the rate of `other` if it is fixed to a body that moves
+    /// by `self`.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         inlined!(

@@ -5,6 +5,7 @@
 mod identities;
 mod inputs;
 mod kernels;
+mod kinematics;
 mod lagrangian;
 mod rounding_scan;
 mod routes;
