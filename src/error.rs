@@ -65,6 +65,20 @@ pub enum EvalError {
         /// The largest number of a frame.
         last: usize,
     },
+    /// There is no wrench of this number.
+    #[error("there is no wrench {wrench}: the robot has {count}, counted from 0 in `Robot::wrenches`")]
+    NoWrench {
+        /// The number given.
+        wrench: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A wrench has a number that is not finite.
+    #[error("the moment or force of wrench {wrench} is not finite; check the computation that produced it")]
+    BadWrench {
+        /// Its number.
+        wrench: usize,
+    },
     /// The centre of mass of a robot whose links have no mass.
     #[error("no link that moves has a mass, so that there is no centre of mass; give one of them a mass")]
     Massless,

@@ -12,7 +12,7 @@ use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecond
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
-use costate::robot::{Robot, Tree};
+use costate::robot::{Robot, Tree, Wrench, WrenchAxes};
 use costate::spatial::Force;
 use costate::step::{
     AutomaticStep, HamiltonianRobot, ImplicitMidpoint, OneStep, RungeKutta4, SemiImplicitEuler, Step,
@@ -66,6 +66,26 @@ fn kinematics_do_not_allocate() {
         });
         assert_eq!(count, 0, "{name}");
     }
+}
+
+#[test]
+fn wrenches_do_not_allocate() {
+    let robot = robot("panda.urdf");
+    let pull = Wrench { force: [1.0, 2.0, -3.0], axes: WrenchAxes::World, ..Wrench::default() };
+    let robot = robot.with_wrench("panda_link8", pull).unwrap();
+    let (q, v, u, y) = ([0.3; 7], [0.7; 7], [0.1; 7], [0.4; 14]);
+    let mut hamiltonian = HamiltonianSecondOrder::<f64>::new(&robot);
+    let mut lagrangian = LagrangianSecondOrder::<f64>::new(&robot);
+    let count = allocations(|| {
+        hamiltonian.set_wrench(0, &[0.1; 3], &[2.0; 3]).unwrap();
+        hamiltonian.contract(&q, &v, &u, &y).unwrap();
+        hamiltonian.hessian_product(&q, &v, &y, &y).unwrap();
+        hamiltonian.first().adjoint(&q, &v, &u, &y).unwrap();
+        lagrangian.set_wrench(0, &[0.1; 3], &[2.0; 3]).unwrap();
+        lagrangian.contract(&q, &v, &u, &y).unwrap();
+        lagrangian.first().inverse_dynamics(&q, &v, &u).unwrap();
+    });
+    assert_eq!(count, 0);
 }
 
 #[test]

@@ -27,6 +27,7 @@ mod linearisation;
 mod second_order;
 mod state;
 mod tensor;
+mod wrenches;
 
 pub use adjoint::AdjointProduct;
 pub use contraction::HamiltonianContraction;
@@ -56,6 +57,9 @@ use state::StateEquation;
 /// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
 /// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
 /// product overflows, they are infinite.
+///
+/// The generalised forces of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains tau(q),
+/// F_x and y'F_xx its derivatives.
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,
@@ -128,6 +132,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        self.state.add_wrenches(q);
         Ok(&self.state.f)
     }
 
@@ -145,7 +150,10 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
-        Ok(self.assembled())
+        self.state.add_wrenches(q);
+        self.state.assemble(&self.tree, &self.flow);
+        self.state.add_wrench_slopes(q);
+        Ok(self.state.linearisation(self.flow.kernel.mass_matrix()))
     }
 
     /// Assembles F_x from the blocks of the conservative part.

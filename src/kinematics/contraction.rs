@@ -7,6 +7,7 @@ use super::term::Term;
 use super::{Kinematics, ReferenceFrame, put};
 use crate::error::{EvalError, check_length};
 use crate::matrix::Matrix;
+use crate::robot::TreeFrame;
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Motion, Vec3};
 
@@ -73,14 +74,25 @@ impl<S: Scalar> Kinematics<S> {
     ///
     /// # Errors
     /// See [`Kinematics`].
-    #[inline(never)]
     pub fn contract_jacobian(
         &mut self,
         frame: usize,
         axes: ReferenceFrame,
         weight: &Force<S>,
     ) -> Result<&Matrix<S>, EvalError> {
-        let k = self.take_terms(frame, axes, weight)?;
+        let frame = self.frame(frame)?;
+        Ok(self.contract_columns(&frame, axes, weight))
+    }
+
+    /// The same for a frame of the tree.
+    #[inline(never)]
+    pub(super) fn contract_columns(
+        &mut self,
+        frame: &TreeFrame,
+        axes: ReferenceFrame,
+        weight: &Force<S>,
+    ) -> &Matrix<S> {
+        let k = self.take_terms(frame, axes, weight);
         self.square.fill_zero();
         for j in self.tree.path(k) {
             for i in self.tree.path(Some(j)) {
@@ -89,7 +101,7 @@ impl<S: Scalar> Kinematics<S> {
                 self.square[(i, j)] = inner_moved;
             }
         }
-        Ok(&self.square)
+        &self.square
     }
 
     /// The second derivatives of `W . V` in x = (q, v), V the [`twist`](Self::twist), for a weight W that is
@@ -97,14 +109,25 @@ impl<S: Scalar> Kinematics<S> {
     ///
     /// # Errors
     /// See [`Kinematics`].
-    #[inline(never)]
     pub fn contract_twist(
         &mut self,
         frame: usize,
         axes: ReferenceFrame,
         weight: &Force<S>,
     ) -> Result<&Matrix<S>, EvalError> {
-        let (k, n) = (self.take_terms(frame, axes, weight)?, self.dof());
+        let frame = self.frame(frame)?;
+        Ok(self.contract_power(&frame, axes, weight))
+    }
+
+    /// The same for a frame of the tree.
+    #[inline(never)]
+    pub(super) fn contract_power(
+        &mut self,
+        frame: &TreeFrame,
+        axes: ReferenceFrame,
+        weight: &Force<S>,
+    ) -> &Matrix<S> {
+        let (k, n) = (self.take_terms(frame, axes, weight), self.dof());
         self.whole.fill_zero();
         for j in self.tree.path(k) {
             for i in self.tree.path(Some(j)) {
@@ -115,7 +138,7 @@ impl<S: Scalar> Kinematics<S> {
                 }
             }
         }
-        Ok(&self.whole)
+        &self.whole
     }
 
     /// `a_i = w x w_i`, `b_j = c_j`.
@@ -132,20 +155,9 @@ impl<S: Scalar> Kinematics<S> {
 
     /// Columns and terms of the joints on the path of a frame, and its joint. The axes of the convention
     /// `Local` are those of the world turned with the frame: all vectors and W have axes of the world.
-    fn take_terms(
-        &mut self,
-        frame: usize,
-        axes: ReferenceFrame,
-        weight: &Force<S>,
-    ) -> Result<Option<usize>, EvalError> {
-        let (frame, placed) = self.see(frame, axes)?;
-        let weight = match axes {
-            ReferenceFrame::Local => Force {
-                moment: placed.frame.in_world(weight.moment),
-                force: placed.frame.in_world(weight.force),
-            },
-            ReferenceFrame::World | ReferenceFrame::LocalWorldAligned => *weight,
-        };
+    fn take_terms(&mut self, frame: &TreeFrame, axes: ReferenceFrame, weight: &Force<S>) -> Option<usize> {
+        let placed = self.look(frame, axes);
+        let weight = placed.seen_from_world(axes, weight);
         let Self { tree, columns, bodies, terms, .. } = self;
         for j in tree.path(frame.joint) {
             let column = &columns[j];
@@ -163,7 +175,7 @@ impl<S: Scalar> Kinematics<S> {
             };
             terms[j] = Term { twist, weighted, weighted_rate };
         }
-        Ok(frame.joint)
+        frame.joint
     }
 
     /// `dV/dq_j` in axes of the world.

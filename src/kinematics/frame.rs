@@ -7,7 +7,7 @@ use crate::error::EvalError;
 use crate::matrix::Matrix;
 use crate::robot::TreeFrame;
 use crate::scalar::Scalar;
-use crate::spatial::{Motion, Vec3};
+use crate::spatial::{Force, Motion, Vec3};
 
 /// Orientation and position of a frame in the world.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,12 @@ impl<S: Scalar> Kinematics<S> {
     /// A frame, its axes and its origin; the position and motion of the body are those of its link.
     pub(super) fn placed(&self, frame: usize) -> Result<(TreeFrame, Placed<S>), EvalError> {
         let frame = self.frame(frame)?;
-        let body = self.carrier(&frame).copied().unwrap_or_else(Body::still);
+        Ok((frame, self.locate(&frame)))
+    }
+
+    /// The same of a frame of the tree.
+    fn locate(&self, frame: &TreeFrame) -> Placed<S> {
+        let body = self.carrier(frame).copied().unwrap_or_else(Body::still);
         let (rotation, translation) = (&frame.placement.rotation, frame.placement.translation);
         let axes = [0, 1, 2].map(|k| [rotation[(0, k)], rotation[(1, k)], rotation[(2, k)]]);
         let rows = body.rows.map(|row| {
@@ -37,7 +42,7 @@ impl<S: Scalar> Kinematics<S> {
             Vec3::new(x, y, z)
         });
         let point = Point::on(&body, body.constant_in_world(translation.into()));
-        Ok((frame, Placed { frame: Body { rows, ..body }, point }))
+        Placed { frame: Body { rows, ..body }, point }
     }
 
     /// Orientation and position of a frame in the world.
@@ -134,13 +139,31 @@ impl<S: Scalar> Kinematics<S> {
         frame: usize,
         axes: ReferenceFrame,
     ) -> Result<(TreeFrame, Placed<S>), EvalError> {
-        let (frame, placed) = self.placed(frame)?;
+        let frame = self.frame(frame)?;
+        Ok((frame, self.look(&frame, axes)))
+    }
+
+    /// The same of a frame of the tree.
+    pub(super) fn look(&mut self, frame: &TreeFrame, axes: ReferenceFrame) -> Placed<S> {
+        let placed = self.locate(frame);
         let point = match axes {
             ReferenceFrame::World => Point::origin(),
             ReferenceFrame::Local | ReferenceFrame::LocalWorldAligned => placed.point,
         };
         self.fill_columns(frame.joint, &point);
-        Ok((frame, placed))
+        placed
+    }
+}
+
+impl<S: Scalar> Placed<S> {
+    /// A wrench in the axes of the convention, now in those of the world.
+    pub fn seen_from_world(&self, axes: ReferenceFrame, wrench: &Force<S>) -> Force<S> {
+        match axes {
+            ReferenceFrame::Local => {
+                Force { moment: self.frame.in_world(wrench.moment), force: self.frame.in_world(wrench.force) }
+            }
+            ReferenceFrame::World | ReferenceFrame::LocalWorldAligned => *wrench,
+        }
     }
 }
 

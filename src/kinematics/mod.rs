@@ -22,6 +22,7 @@ mod body;
 mod centroidal;
 mod columns;
 mod contraction;
+mod external;
 mod frame;
 mod logarithm;
 mod moment;
@@ -35,6 +36,7 @@ mod sweep;
 mod term;
 
 pub use centroidal::CentreOfMass;
+pub use external::ExternalForces;
 pub use frame::Pose;
 pub use momentum::Momentum;
 pub use orientation::{OrientationContraction, OrientationError};
@@ -155,9 +157,7 @@ impl<S: Scalar> Kinematics<S> {
     /// See [`Kinematics`].
     pub fn set_position(&mut self, q: &[S]) -> Result<(), EvalError> {
         self.check(&[("q", q)])?;
-        let zero = std::mem::take(&mut self.zero);
-        self.place(q, &zero, &zero);
-        self.zero = zero;
+        self.place_still(q);
         Ok(())
     }
 
@@ -168,9 +168,7 @@ impl<S: Scalar> Kinematics<S> {
     /// See [`Kinematics`].
     pub fn set_state(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         self.check(&[("q", q), ("v", v)])?;
-        let zero = std::mem::take(&mut self.zero);
-        self.place(q, v, &zero);
-        self.zero = zero;
+        self.place_moving(q, v);
         Ok(())
     }
 
@@ -182,6 +180,20 @@ impl<S: Scalar> Kinematics<S> {
         self.check(&[("q", q), ("v", v), ("a", a)])?;
         self.place(q, v, a);
         Ok(())
+    }
+
+    /// As [`set_position`](Self::set_position), without a check.
+    fn place_still(&mut self, q: &[S]) {
+        let zero = std::mem::take(&mut self.zero);
+        self.place(q, &zero, &zero);
+        self.zero = zero;
+    }
+
+    /// As [`set_state`](Self::set_state), without a check.
+    fn place_moving(&mut self, q: &[S], v: &[S]) {
+        let zero = std::mem::take(&mut self.zero);
+        self.place(q, v, &zero);
+        self.zero = zero;
     }
 
     /// The frame of this number.

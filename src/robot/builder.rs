@@ -136,7 +136,15 @@ impl RobotBuilder {
             }
         }
         let frames = frames(&joints, self.frames)?;
-        Ok(Robot { name: self.name, gravity: self.gravity, joints, armature, frames, warnings })
+        Ok(Robot {
+            name: self.name,
+            gravity: self.gravity,
+            joints,
+            armature,
+            frames,
+            wrenches: Vec::new(),
+            warnings,
+        })
     }
 
     /// Indices of the joints in the order given, except that parents come before their children.

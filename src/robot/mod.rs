@@ -31,6 +31,8 @@ mod tree_frame;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 mod warning;
+mod with_wrench;
+mod wrench;
 
 pub use builder::RobotBuilder;
 pub use error::RobotError;
@@ -45,3 +47,4 @@ pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub use tree::Tree;
 pub use tree_frame::TreeFrame;
 pub use warning::Warning;
+pub use wrench::{AppliedWrench, Wrench, WrenchAxes};

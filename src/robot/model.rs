@@ -6,6 +6,7 @@ use super::error::RobotError;
 use super::frame::{Frame, FrameList, FrameSpec};
 use super::joint::{Friction, Joint};
 use super::warning::Warning;
+use super::wrench::AppliedWrench;
 use nalgebra::{DMatrix, Vector3};
 
 /// A robot: a tree of one-degree-of-freedom joints with rigid links, on a base that does not move.
@@ -27,6 +28,7 @@ pub struct Robot {
     pub(super) joints: Vec<Joint>,
     pub(super) armature: Armature,
     pub(super) frames: Vec<Frame>,
+    pub(super) wrenches: Vec<AppliedWrench>,
     pub(super) warnings: Vec<Warning>,
 }
 

@@ -14,6 +14,7 @@ use super::link::snap;
 use super::model::Robot;
 use super::regroup::regroup;
 use super::tree_frame::TreeFrame;
+use super::wrench::AppliedWrench;
 use nalgebra::Matrix3;
 use std::ops::Range;
 
@@ -36,6 +37,7 @@ pub struct Tree {
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
     frames: Vec<TreeFrame>,
+    wrenches: Vec<AppliedWrench>,
     world: Matrix3<f64>,
 }
 
@@ -59,6 +61,11 @@ impl Tree {
     /// come those of the joints, so that number `1 + i` is the frame of joint `i` as in [`Robot::joints`].
     pub fn frames(&self) -> &[TreeFrame] {
         &self.frames
+    }
+
+    /// The wrenches from outside, as in [`Robot::wrenches`].
+    pub fn wrenches(&self) -> &[AppliedWrench] {
+        &self.wrenches
     }
 
     /// The joints that move joint `i`, itself first, then its parent, to the base; none for `None`.
@@ -157,15 +164,21 @@ impl From<&Robot> for Tree {
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
         let armature = robot.armature().to_vec();
-        let frames = aligned.frames();
+        let (frames, wrenches) = (aligned.frames(), robot.wrenches().to_vec());
         let world = aligned.world.map(snap);
-        Self { fixed_potential, frames, world, ..Self::from_parts(robot, joints, gravity, armature) }
+        Self {
+            fixed_potential,
+            frames,
+            wrenches,
+            world,
+            ..Self::from_parts(robot, joints, gravity, armature)
+        }
     }
 }
 
 impl Tree {
     /// From given constants of the joints of this robot; V of what does not move is zero, and the tree has
-    /// no frames.
+    /// neither frames nor wrenches.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
@@ -212,6 +225,7 @@ impl Tree {
             depth_first,
             depth_first_position,
             frames: Vec::new(),
+            wrenches: Vec::new(),
             world: Matrix3::identity(),
         }
     }

@@ -13,3 +13,4 @@ mod second_order;
 mod singular;
 mod structure;
 mod tensors;
+mod wrenches;

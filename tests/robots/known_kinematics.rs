@@ -2,9 +2,10 @@
 //! (`tests/fixtures/README.md`).
 
 use costate::kinematics::{Kinematics, ReferenceFrame};
-use costate::robot::Robot;
+use costate::lagrangian::Lagrangian;
+use costate::robot::{Robot, Wrench, WrenchAxes};
 use costate::spatial::{Motion, Vec3};
-use costate_test_support::reference::Reference;
+use costate_test_support::reference::{Reference, flat};
 use std::path::Path;
 
 const CONVENTIONS: [(&str, ReferenceFrame); 3] = [
@@ -60,6 +61,42 @@ fn check(file: &str, name: &str) {
         reference.agrees("momentum_rate", &[momentum.angular_rate, momentum.linear_rate].concat(), &context);
         reference.agrees("momentum_matrix", momentum.matrix.as_slice(), &context);
     }
+}
+
+/// Inverse and forward dynamics with a wrench at the frame, given in its axes or in those of the world.
+fn check_wrenches(file: &str, name: &str) {
+    let (robot, references) = read(file, name);
+    for (number, reference) in references.iter().enumerate() {
+        let frame = reference.line["frame"].as_str().unwrap();
+        let context = format!("{name} line {}", number + 1);
+        let [q, v, a] = ["q", "v", "a"].map(|key| reference.numbers(key));
+        let tau = Lagrangian::<f64>::new(&robot).inverse_dynamics(&q, &v, &a).unwrap().to_vec();
+        reference.agrees("tau", &tau, &context);
+        let wrench = reference.numbers("wrench");
+        let three = |start: usize| [wrench[start], wrench[start + 1], wrench[start + 2]];
+        for (key, axes) in [("local", WrenchAxes::Frame), ("aligned", WrenchAxes::World)] {
+            let wrench = Wrench { moment: three(0), force: three(3), axes };
+            let mut lagrangian = Lagrangian::<f64>::new(&robot.with_wrench(frame, wrench).unwrap());
+            let agrees =
+                |what: &str, found: &[f64]| reference.agrees(&format!("{what}.{key}"), found, &context);
+            agrees("tau", lagrangian.inverse_dynamics(&q, &v, &a).unwrap());
+            agrees("qdd", lagrangian.forward_dynamics(&q, &v, &a).unwrap());
+            if axes == WrenchAxes::Frame {
+                let inverse = lagrangian.linearise_inverse_dynamics(&q, &v, &a).unwrap();
+                agrees("tau_q", inverse.tau_q.as_slice());
+                let forward = lagrangian.linearise_forward_dynamics(&q, &v, &a).unwrap();
+                agrees("qdd_q", &flat(forward.a_q()));
+                agrees("qdd_v", &flat(forward.a_v()));
+            }
+        }
+    }
+}
+
+#[test]
+fn wrenches_at_links() {
+    check_wrenches("robots/ur5.urdf", "ur5");
+    check_wrenches("robots/panda.urdf", "panda");
+    check_wrenches("tests/fixtures/mixed_tree.urdf", "mixed_tree");
 }
 
 #[test]
