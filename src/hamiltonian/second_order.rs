@@ -91,8 +91,9 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.first.linearise(q, p, u)?;
         self.differentiate(y)?;
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
-        let Hamiltonian { tree, flow, state, .. } = &self.first;
+        let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
+        state.add_wrench_curvature(q, &y[tree.dof()..], &mut self.y_f_xx);
         let linearisation = state.linearisation(flow.kernel.mass_matrix());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
@@ -136,6 +137,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
             add_scaled(product_q, -self.change[k], b.row(k));
             add_scaled(product_q, self.pull[k], flow.kernel.l_vq().row(k));
         }
+        self.first.state.add_wrench_product(q, &y[n..], d_q, &mut self.product);
         Ok(&self.product)
     }
 

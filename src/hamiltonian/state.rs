@@ -3,6 +3,7 @@
 use super::HamiltonianLinearisation;
 use super::conservative::Conservative;
 use crate::kernels::{FrictionDerivatives, friction_of};
+use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -17,6 +18,8 @@ pub(super) struct StateEquation<S: Scalar> {
     f_u: Matrix<S>,
     /// `W'`.
     across: Panel<S>,
+    /// Wrenches from outside, if the robot has any.
+    pub external: Option<Box<ExternalForces<S>>>,
 }
 
 impl<S: Scalar> StateEquation<S> {
@@ -32,6 +35,7 @@ impl<S: Scalar> StateEquation<S> {
             f_x: Matrix::zeros(2 * n, 2 * n),
             f_u,
             across: Panel::zeros(n, n),
+            external: ExternalForces::new(tree),
         }
     }
 

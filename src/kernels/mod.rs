@@ -1,5 +1,6 @@
 //! The numerical kernels: the Hessian of the Lagrangian and the factorisation of the mass matrix.
 
+mod arguments;
 mod blocks;
 mod congruence;
 mod coupling;
@@ -16,9 +17,10 @@ mod velocity;
 
 pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
 pub(crate) use dissipation::friction_of;
+pub(crate) use arguments::check;
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
-pub(crate) use position::along_joint;
+pub(crate) use position::{along_joint, unit_momentum};
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
 

@@ -11,7 +11,7 @@ use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Turn, Vec
 
 /// `F = IC S`: momentum of the composite body at unit joint velocity.
 #[inline(always)]
-pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) -> Force<S> {
+pub(crate) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) -> Force<S> {
     let (h, j) = (composite.first_moment, &composite.matrix);
     match kind {
         JointKind::Revolute => {

@@ -37,6 +37,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.accelerate_factored(q, v, u);
         self.differentiate_flow()?;
         self.take_torque_jacobian(v);
+        self.subtract_wrench_slopes(q);
         f.copy_from_slice(&self.rate);
         let (in_q, in_v) = y_a_x.split_at_mut(v.len());
         in_q.fill(S::zero());

@@ -17,6 +17,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.check(&[("q", q), ("v", v), ("a", a)])?;
         self.newton_euler.solve(&self.tree, q, v, a);
         self.subtract_friction(v);
+        self.subtract_wrenches(q);
         Ok(&self.tau)
     }
 
@@ -106,6 +107,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn accelerate_factored(&mut self, q: &[S], v: &[S], u: &[S]) {
         self.newton_euler.solve(&self.tree, q, v, &self.zero);
         self.subtract_friction(v);
+        self.subtract_wrenches(q);
         let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.dof());
         rate_q.copy_from_slice(v);
         for ((a, &u), &tau) in rate_v.iter_mut().zip(u).zip(&self.tau) {

@@ -76,6 +76,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.accelerate(q, v, u)?;
         self.differentiate_flow()?;
         self.take_torque_jacobian(v);
+        self.subtract_wrench_slopes(q);
         self.solve_jacobian();
         Ok(self.forward_jacobian())
     }

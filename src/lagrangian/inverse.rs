@@ -57,6 +57,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.inverse_dynamics(q, v, a)?;
         self.differentiate(q, v, a)?;
         self.take_torque_jacobian(v);
+        self.subtract_wrench_slopes(q);
         Ok(InverseDynamicsLinearisation {
             tau: &self.tau,
             tau_q: &self.tau_q,

@@ -23,6 +23,7 @@ mod inverse;
 mod legendre_transform;
 mod newton_euler;
 mod second_order;
+mod wrenches;
 
 pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
 pub use inverse::InverseDynamicsLinearisation;
@@ -32,6 +33,7 @@ pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessi
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{Factor, KernelOne, KernelTwo};
+use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -43,6 +45,9 @@ use newton_euler::NewtonEuler;
 /// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
 /// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
 /// product overflows, they are infinite.
+///
+/// The generalised forces of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all their
+/// derivatives: inverse dynamics subtracts them, forward dynamics adds them.
 ///
 /// ```
 /// use costate::lagrangian::Lagrangian;
@@ -82,6 +87,8 @@ pub struct Lagrangian<S: Scalar> {
     f_x: Matrix<S>,
     /// `[0 ; M^-1]`, 2n x n.
     f_u: Matrix<S>,
+    /// Wrenches from outside, if the robot has any.
+    external: Option<Box<ExternalForces<S>>>,
 }
 
 impl<S: Scalar> Lagrangian<S> {
@@ -114,6 +121,7 @@ impl<S: Scalar> Lagrangian<S> {
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),
+            external: ExternalForces::new(&tree),
             tree,
         }
     }

@@ -173,6 +173,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.differentiate(q, v)?;
         let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
         torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
+        self.first.subtract_wrench_slopes(q);
         self.first.solve_jacobian();
         self.first.assemble();
         self.transform();
@@ -212,6 +213,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.kernel.second_order(tree);
         self.along.differentiate(tree, &self.kernel, &self.direction_q, &self.direction_v)?;
         self.fill_torque_hessian(v);
+        self.first.subtract_wrench_curvature(q, &self.w, &mut self.w_tau_zz);
         Ok(())
     }
 

@@ -143,7 +143,16 @@ impl RobotBuilder {
         }
         let frames = frames(&joints, self.frames)?;
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
-        Ok(Robot { name: self.name, gravity: self.gravity, joints, independent, armature, frames, warnings })
+        Ok(Robot {
+            name: self.name,
+            gravity: self.gravity,
+            joints,
+            independent,
+            armature,
+            frames,
+            wrenches: Vec::new(),
+            warnings,
+        })
     }
 
     /// Indices of the joints in the order given, except that parents come before their children.

@@ -31,9 +31,12 @@ mod printable;
 mod read;
 mod regroup;
 mod tree;
+mod tree_frame;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 mod warning;
+mod with_wrench;
+mod wrench;
 
 pub use builder::RobotBuilder;
 pub use error::RobotError;
@@ -47,4 +50,6 @@ pub use model::Robot;
 pub use options::LoadOptions;
 pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub use tree::Tree;
+pub use tree_frame::TreeFrame;
 pub use warning::Warning;
+pub use wrench::{AppliedWrench, Wrench, WrenchAxes};

@@ -9,6 +9,7 @@ use super::joint_map;
 use super::warning::Warning;
 use crate::EvalError;
 use crate::error::check_length;
+use super::wrench::AppliedWrench;
 use nalgebra::{DMatrix, Vector3};
 
 /// A robot: a tree of one-degree-of-freedom joints with rigid links, on a base that does not move.
@@ -32,6 +33,7 @@ pub struct Robot {
     pub(super) independent: Vec<usize>,
     pub(super) armature: Armature,
     pub(super) frames: Vec<Frame>,
+    pub(super) wrenches: Vec<AppliedWrench>,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -125,6 +127,16 @@ impl Robot {
     /// [`RobotError::UnknownFrame`], with the names that resemble it.
     pub fn frame(&self, name: &str) -> Result<&Frame, RobotError> {
         FrameList::find(&self.frames, name)
+    }
+
+    /// The position of the frame of this name in [`frames`](Self::frames), found as by
+    /// [`frame`](Self::frame).
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFrame`], with the names that resemble it.
+    pub fn frame_index(&self, name: &str) -> Result<usize, RobotError> {
+        let frame = self.frame(name)?;
+        Ok(self.frames.iter().position(|other| std::ptr::eq(other, frame)).unwrap_or_default())
     }
 
     /// The same robot with one more frame.

@@ -11,8 +11,12 @@ use super::frames::AlignedFrames;
 use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
 use super::joint_map::JointMap;
+use super::link::snap;
 use super::model::Robot;
 use super::regroup::regroup;
+use super::tree_frame::TreeFrame;
+use super::wrench::AppliedWrench;
+use nalgebra::Matrix3;
 use std::ops::Range;
 
 /// The model that the kernels run on; built from a [`Robot`] once.
@@ -34,6 +38,9 @@ pub struct Tree {
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
     joint_map: Option<JointMap>,
+    frames: Vec<TreeFrame>,
+    wrenches: Vec<AppliedWrench>,
+    world: Matrix3<f64>,
 }
 
 impl Tree {
@@ -55,6 +62,28 @@ impl Tree {
     /// The positions of all joints from the coordinates; `None` if every joint is independent.
     pub(crate) fn joint_map(&self) -> Option<&JointMap> {
         self.joint_map.as_ref()
+    }
+
+    /// The frames of [`Robot::frames`], in its order, placed in the aligned frames. After that of the world
+    /// come those of the joints, so that number `1 + i` is the frame of joint `i` as in [`Robot::joints`].
+    pub fn frames(&self) -> &[TreeFrame] {
+        &self.frames
+    }
+
+    /// The wrenches from outside, as in [`Robot::wrenches`].
+    pub fn wrenches(&self) -> &[AppliedWrench] {
+        &self.wrenches
+    }
+
+    /// The joints that move joint `i`, itself first, then its parent, to the base; none for `None`.
+    pub fn path(&self, i: Option<usize>) -> impl Iterator<Item = usize> {
+        std::iter::successors(i, |&i| self.joints[i].parent)
+    }
+
+    /// The rotation from the world of the robot to the aligned world: `x_aligned = R x`. Both have one
+    /// origin.
+    pub fn world_rotation(&self) -> &Matrix3<f64> {
+        &self.world
     }
 
     /// Gravity acceleration in the aligned world frame (m/s^2).
@@ -149,12 +178,21 @@ impl From<&Robot> for Tree {
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
         let armature = robot.armature().to_vec();
-        Self { fixed_potential, ..Self::from_parts(robot, joints, gravity, armature) }
+        let (frames, wrenches) = (aligned.frames(), robot.wrenches().to_vec());
+        let world = aligned.world.map(snap);
+        Self {
+            fixed_potential,
+            frames,
+            wrenches,
+            world,
+            ..Self::from_parts(robot, joints, gravity, armature)
+        }
     }
 }
 
 impl Tree {
-    /// From given constants of the joints of this robot; V of what does not move is zero.
+    /// From given constants of the joints of this robot; V of what does not move is zero, and the tree has
+    /// neither frames nor wrenches.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
@@ -214,6 +252,9 @@ impl Tree {
             subtree_starts: std::iter::once(0).chain(ends).collect(),
             depth_first,
             depth_first_position,
+            frames: Vec::new(),
+            wrenches: Vec::new(),
+            world: Matrix3::identity(),
         }
     }
 }

@@ -5,6 +5,7 @@
 mod identities;
 mod inputs;
 mod kernels;
+mod kinematics;
 mod lagrangian;
 mod mimics;
 mod rounding_scan;
@@ -13,3 +14,4 @@ mod second_order;
 mod singular;
 mod structure;
 mod tensors;
+mod wrenches;

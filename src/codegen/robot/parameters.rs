@@ -91,6 +91,9 @@ fn turned_matrix(turn: &Matrix3<f64>, [xx, yy, zz, xy, xz, yz]: [Expr; 6]) -> [E
 
 /// The model whose constants are labels of these parameters, for the recording that runs.
 pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, CodegenError> {
+    if !robot.wrenches().is_empty() {
+        return Err(CodegenError::Wrenches { count: robot.wrenches().len() });
+    }
     let Directions { mut joints, turns, arms, world, mut armature } = Directions::from(robot);
     let mut rest = parameters.iter().copied();
     let mut next = || rest.next().unwrap_or(Expr::zero());

@@ -60,6 +60,11 @@ impl fmt::Display for RobotError {
                 "the placement of frame '{}' is not a finite right-handed rotation and translation; correct it",
                 printable(frame)
             ),
+            Self::BadWrench { frame } => write!(
+                f,
+                "the wrench at frame '{}' has a number that is not finite; give finite moments and forces",
+                printable(frame)
+            ),
             Self::UnknownChild { joint, child } => write!(
                 f,
                 "joint '{}' moves link '{}', which does not exist; correct the name or add the missing link",

@@ -83,6 +83,11 @@ pub enum RobotError {
         /// The frame.
         frame: String,
     },
+    /// A wrench has a number that is not finite.
+    BadWrench {
+        /// The frame that it acts on.
+        frame: String,
+    },
     /// The child link does not exist.
     UnknownChild {
         /// The joint.
@@ -265,7 +270,9 @@ impl RobotError {
             | Self::OutOfRange { link, .. }
             | Self::IndefiniteInertia { link, .. } => Some(link),
             Self::DuplicateName { name, .. } => Some(name),
-            Self::UnknownFrame { frame, .. } | Self::BadFramePlacement { frame } => Some(frame),
+            Self::UnknownFrame { frame, .. }
+            | Self::BadFramePlacement { frame }
+            | Self::BadWrench { frame } => Some(frame),
             _ => None,
         }
     }
