@@ -52,7 +52,33 @@ impl<S: Scalar> Coupled<Matrix<S>> {
         Self::new(tree, |n| Matrix::zeros(n, n))
     }
 
-    /// `G' A G`.
+    /// A matrix of zeros with a column for each joint, and this many rows.
+    pub fn columns(tree: &Tree, rows: usize) -> Self {
+        Self::new(tree, |n| Matrix::zeros(rows, n))
+    }
+
+    /// A matrix of zeros with four square blocks.
+    pub fn blocks(tree: &Tree) -> Self {
+        Self::new(tree, |n| Matrix::zeros(2 * n, 2 * n))
+    }
+
+    /// `J G`.
+    #[inline(always)]
+    pub fn sum_columns(&mut self, tree: &Tree) {
+        if let Some(sums) = &mut self.sums {
+            sum_columns(tree, &self.all, sums);
+        }
+    }
+
+    /// `G' A G` for each of the four blocks A, which may be full.
+    #[inline(always)]
+    pub fn sum_blocks(&mut self, tree: &Tree) {
+        if let Some(sums) = &mut self.sums {
+            sum_blocks(tree, &self.all, sums);
+        }
+    }
+
+    /// `G' A G` for a matrix whose entries are zero where those of M are by the tree.
     #[inline(always)]
     pub fn sum(&mut self, tree: &Tree) {
         if let Some(sums) = &mut self.sums {
@@ -60,7 +86,7 @@ impl<S: Scalar> Coupled<Matrix<S>> {
         }
     }
 
-    /// `G' A G` for a symmetric matrix.
+    /// The same for a symmetric matrix.
     #[inline(always)]
     pub fn sum_symmetric(&mut self, tree: &Tree) {
         if let Some(sums) = &mut self.sums {
@@ -97,6 +123,29 @@ fn sum_symmetric<S: Scalar>(tree: &Tree, all: &Matrix<S>, sums: &mut Matrix<S>) 
         let entry = entry.unwrap_or(S::zero());
         sums[(r, s)] = entry;
         sums[(s, r)] = entry;
+    }
+}
+
+#[inline(never)]
+fn sum_columns<S: Scalar>(tree: &Tree, all: &Matrix<S>, sums: &mut Matrix<S>) {
+    for i in 0..sums.rows() {
+        tree.joint_map().into_iter().for_each(|map| map.sum(all.row(i), sums.row_mut(i)));
+    }
+}
+
+#[inline(never)]
+fn sum_blocks<S: Scalar>(tree: &Tree, all: &Matrix<S>, sums: &mut Matrix<S>) {
+    let Some(map) = tree.joint_map() else { return };
+    let (all_half, half) = (all.rows() / 2, sums.rows() / 2);
+    sums.fill_zero();
+    for [top, left] in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+        for (i, row) in map.rows().iter().enumerate() {
+            for (j, column) in map.rows().iter().enumerate() {
+                let entry = all[(top * all_half + i, left * all_half + j)];
+                let at = (top * half + row.coordinate, left * half + column.coordinate);
+                sums[at] += scaled(row.ratio * column.ratio, entry);
+            }
+        }
     }
 }
 

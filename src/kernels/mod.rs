@@ -15,9 +15,9 @@ mod two;
 mod two_pairs;
 mod velocity;
 
+pub(crate) use arguments::check;
 pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
 pub(crate) use dissipation::friction_of;
-pub(crate) use arguments::check;
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
 pub(crate) use position::{along_joint, unit_momentum};

@@ -36,13 +36,15 @@ impl<S: Scalar> Kinematics<S> {
     #[inline(never)]
     pub fn centre_of_mass(&mut self) -> Result<CentreOfMass<'_, S>, EvalError> {
         let (mass, total) = self.sum_moments()?;
-        for j in 0..self.dof() {
+        for j in 0..self.tree.joints().len() {
             let [motion, rate] = self.moment_column(j).map(|column| column.times(mass.recip()));
-            put(&mut self.rows, 0, j, motion);
-            put(&mut self.rows_rate, 0, j, rate);
+            put(&mut self.rows.all, 0, j, motion);
+            put(&mut self.rows_rate.all, 0, j, rate);
         }
+        self.rows.sum_columns(&self.tree);
+        self.rows_rate.sum_columns(&self.tree);
         let [position, velocity, acceleration] = total.centre(mass).map(Vec3::to_array);
-        let (jacobian, jacobian_rate) = (&self.rows, &self.rows_rate);
+        let (jacobian, jacobian_rate) = (self.rows.get(), self.rows_rate.get());
         Ok(CentreOfMass { mass, position, velocity, acceleration, jacobian, jacobian_rate })
     }
 
@@ -53,8 +55,7 @@ impl<S: Scalar> Kinematics<S> {
     /// [`EvalError::Massless`].
     pub fn centre_of_mass_hessian(&mut self, w: &[S; 3]) -> Result<&Matrix<S>, EvalError> {
         self.pair_moments(w)?;
-        self.pairs.fill(&self.tree, &mut self.square);
-        Ok(&self.square)
+        Ok(self.fill_pairs())
     }
 
     /// `(w'c_qq) d` for d of length n, to `product` (n): O(n), without the matrix.
@@ -70,7 +71,7 @@ impl<S: Scalar> Kinematics<S> {
         self.check(&[("d", d)])?;
         check_length("product", product, self.dof())?;
         self.pair_moments(w)?;
-        self.pairs.multiply(&self.tree, d, product);
+        self.multiply_pairs(d, product);
         Ok(())
     }
 
@@ -79,7 +80,7 @@ impl<S: Scalar> Kinematics<S> {
         let (mass, _) = self.sum_moments()?;
         self.pairs.take_all(&self.tree);
         let w = Vec3::from(*w);
-        for j in 0..self.dof() {
+        for j in 0..self.tree.joints().len() {
             let [motion, _] = self.moment_column(j);
             self.pairs.inner[j] = match self.tree.joints()[j].kind {
                 JointKind::Revolute => w.cross(self.bodies[j].axis()),

@@ -29,8 +29,7 @@ impl<S: Scalar> Kinematics<S> {
     /// See [`Kinematics`].
     pub fn position_hessian(&mut self, frame: usize, w: &[S; 3]) -> Result<&Matrix<S>, EvalError> {
         self.pair_positions(frame, w)?;
-        self.pairs.fill(&self.tree, &mut self.square);
-        Ok(&self.square)
+        Ok(self.fill_pairs())
     }
 
     /// `(w'x_qq) d` for d of length n, to `product` (n): O(d), without the matrix.
@@ -47,7 +46,7 @@ impl<S: Scalar> Kinematics<S> {
         self.check(&[("d", d)])?;
         check_length("product", product, self.dof())?;
         self.pair_positions(frame, w)?;
-        self.pairs.multiply(&self.tree, d, product);
+        self.multiply_pairs(d, product);
         Ok(())
     }
 
@@ -58,15 +57,16 @@ impl<S: Scalar> Kinematics<S> {
     #[inline(never)]
     pub fn twist_jacobian(&mut self, frame: usize, axes: ReferenceFrame) -> Result<&Matrix<S>, EvalError> {
         let (frame, placed) = self.see(frame, axes)?;
-        self.jacobian_rate.fill_zero();
+        self.jacobian_rate.all.fill_zero();
         for j in self.tree.path(frame.joint) {
             let Motion { angular, linear } = self.twist_slope(j, axes, &placed);
             let local = axes == ReferenceFrame::Local;
             let seen = |a: Vec3<S>| if local { placed.frame.in_frame(a) } else { a };
-            put(&mut self.jacobian_rate, 0, j, seen(angular));
-            put(&mut self.jacobian_rate, 3, j, seen(linear));
+            put(&mut self.jacobian_rate.all, 0, j, seen(angular));
+            put(&mut self.jacobian_rate.all, 3, j, seen(linear));
         }
-        Ok(&self.jacobian_rate)
+        self.jacobian_rate.sum_columns(&self.tree);
+        Ok(self.jacobian_rate.get())
     }
 
     /// `(J'W)_q`, n x n, for a weight W = (moment; force) that is constant in the axes of the convention: row
@@ -93,15 +93,16 @@ impl<S: Scalar> Kinematics<S> {
         weight: &Force<S>,
     ) -> &Matrix<S> {
         let k = self.take_terms(frame, axes, weight);
-        self.square.fill_zero();
+        self.square.all.fill_zero();
         for j in self.tree.path(k) {
             for i in self.tree.path(Some(j)) {
                 let Pair { outer_moved, inner_moved, .. } = self.pair(i, j, axes);
-                self.square[(j, i)] = outer_moved;
-                self.square[(i, j)] = inner_moved;
+                self.square.all[(j, i)] = outer_moved;
+                self.square.all[(i, j)] = inner_moved;
             }
         }
-        &self.square
+        self.square.sum(&self.tree);
+        self.square.get()
     }
 
     /// The second derivatives of `W . V` in x = (q, v), V the [`twist`](Self::twist), for a weight W that is
@@ -127,18 +128,19 @@ impl<S: Scalar> Kinematics<S> {
         axes: ReferenceFrame,
         weight: &Force<S>,
     ) -> &Matrix<S> {
-        let (k, n) = (self.take_terms(frame, axes, weight), self.dof());
-        self.whole.fill_zero();
+        let (k, n) = (self.take_terms(frame, axes, weight), self.tree.joints().len());
+        self.whole.all.fill_zero();
         for j in self.tree.path(k) {
             for i in self.tree.path(Some(j)) {
                 let Pair { qq, outer_moved, inner_moved } = self.pair(i, j, axes);
                 for (row, column, entry) in [(i, j, qq), (n + j, i, outer_moved), (n + i, j, inner_moved)] {
-                    self.whole[(row, column)] = entry;
-                    self.whole[(column, row)] = entry;
+                    self.whole.all[(row, column)] = entry;
+                    self.whole.all[(column, row)] = entry;
                 }
             }
         }
-        &self.whole
+        self.whole.sum_blocks(&self.tree);
+        self.whole.get()
     }
 
     /// `a_i = w x w_i`, `b_j = c_j`.

@@ -6,6 +6,7 @@
 
 use super::{Kinematics, ReferenceFrame};
 use crate::error::EvalError;
+use crate::kernels::Coupled;
 use crate::matrix::Matrix;
 use crate::robot::{Tree, TreeFrame, WrenchAxes};
 use crate::scalar::Scalar;
@@ -16,7 +17,7 @@ use crate::spatial::{Force, Vec3};
 pub struct ExternalForces<S: Scalar> {
     kinematics: Kinematics<S>,
     wrenches: Vec<Applied<S>>,
-    tau: Vec<S>,
+    tau: Coupled<Vec<S>>,
     tau_q: Matrix<S>,
     y_tau_qq: Matrix<S>,
 }
@@ -50,7 +51,7 @@ impl<S: Scalar> ExternalForces<S> {
             Box::new(Self {
                 wrenches: applied,
                 kinematics: Kinematics::from_tree(tree.clone()),
-                tau: vec![S::zero(); n],
+                tau: Coupled::row(tree),
                 tau_q: Matrix::zeros(n, n),
                 y_tau_qq: Matrix::zeros(n, n),
             })
@@ -77,15 +78,16 @@ impl<S: Scalar> ExternalForces<S> {
     pub fn evaluate(&mut self, q: &[S]) -> &[S] {
         let Self { kinematics, wrenches, tau, .. } = self;
         kinematics.place_still(q);
-        tau.fill(S::zero());
+        tau.all.fill(S::zero());
         for Applied { frame, axes, wrench } in wrenches {
             let placed = kinematics.look(frame, *axes);
             let seen = placed.seen_from_world(*axes, wrench);
             for j in kinematics.tree.path(frame.joint) {
-                tau[j] += seen.dot(kinematics.columns[j].motion);
+                tau.all[j] += seen.dot(kinematics.columns[j].motion);
             }
         }
-        &self.tau
+        tau.sum(&kinematics.tree);
+        self.tau.get()
     }
 
     /// `tau_q = sum of (J'W)_q`, n x n: row j belongs to joint j. Values are not checked here.

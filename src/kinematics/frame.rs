@@ -100,13 +100,14 @@ impl<S: Scalar> Kinematics<S> {
     #[inline(never)]
     pub fn jacobian(&mut self, frame: usize, axes: ReferenceFrame) -> Result<&Matrix<S>, EvalError> {
         let (placed, frame) = self.see(frame, axes)?;
-        self.jacobian.fill_zero();
+        self.jacobian.all.fill_zero();
         for j in self.tree.path(placed.joint) {
             let Motion { angular, linear } = seen(&self.columns[j], axes, &frame).motion;
-            put(&mut self.jacobian, 0, j, angular);
-            put(&mut self.jacobian, 3, j, linear);
+            put(&mut self.jacobian.all, 0, j, angular);
+            put(&mut self.jacobian.all, 3, j, linear);
         }
-        Ok(&self.jacobian)
+        self.jacobian.sum_columns(&self.tree);
+        Ok(self.jacobian.get())
     }
 
     /// The derivative of J in time, 6 x n.
@@ -116,13 +117,14 @@ impl<S: Scalar> Kinematics<S> {
     #[inline(never)]
     pub fn jacobian_rate(&mut self, frame: usize, axes: ReferenceFrame) -> Result<&Matrix<S>, EvalError> {
         let (placed, frame) = self.see(frame, axes)?;
-        self.jacobian_rate.fill_zero();
+        self.jacobian_rate.all.fill_zero();
         for j in self.tree.path(placed.joint) {
             let Motion { angular, linear } = seen(&self.columns[j], axes, &frame).rate;
-            put(&mut self.jacobian_rate, 0, j, angular);
-            put(&mut self.jacobian_rate, 3, j, linear);
+            put(&mut self.jacobian_rate.all, 0, j, angular);
+            put(&mut self.jacobian_rate.all, 3, j, linear);
         }
-        Ok(&self.jacobian_rate)
+        self.jacobian_rate.sum_columns(&self.tree);
+        Ok(self.jacobian_rate.get())
     }
 
     /// Fills the columns of the joints that move link `k`, for this point.

@@ -43,7 +43,7 @@ pub use orientation::{OrientationContraction, OrientationError};
 pub use reference_frame::ReferenceFrame;
 
 use crate::error::EvalError;
-use crate::kernels::check;
+use crate::kernels::{Coupled, check, rates};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree, TreeFrame};
 use crate::scalar::Scalar;
@@ -94,18 +94,23 @@ pub struct Kinematics<S: Scalar> {
     momentum_terms: Vec<MomentumTerm<S>>,
     composites: Vec<Inertia<S>>,
     zero: Vec<S>,
+    /// Positions, velocities and accelerations of all joints.
+    all: [Vec<S>; 3],
+    /// A direction and a product with it.
+    direction: Vec<S>,
+    product: Coupled<Vec<S>>,
     /// 6 x n.
-    jacobian: Matrix<S>,
+    jacobian: Coupled<Matrix<S>>,
     /// 6 x n.
-    jacobian_rate: Matrix<S>,
+    jacobian_rate: Coupled<Matrix<S>>,
     /// 3 x n.
-    rows: Matrix<S>,
+    rows: Coupled<Matrix<S>>,
     /// 3 x n.
-    rows_rate: Matrix<S>,
+    rows_rate: Coupled<Matrix<S>>,
     /// n x n.
-    square: Matrix<S>,
+    square: Coupled<Matrix<S>>,
     /// 2n x 2n.
-    whole: Matrix<S>,
+    whole: Coupled<Matrix<S>>,
 }
 
 impl<S: Scalar> Kinematics<S> {
@@ -117,7 +122,7 @@ impl<S: Scalar> Kinematics<S> {
     /// As [`new`](Self::new), from an existing [`Tree`].
     #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         let mut kinematics = Self {
             bodies: vec![Body::still(); n],
             columns: vec![Column::zero(); n],
@@ -126,13 +131,16 @@ impl<S: Scalar> Kinematics<S> {
             moments: vec![Moment::zero(); n],
             momentum_terms: vec![MomentumTerm::zero(); n],
             composites: tree.joints().iter().map(|joint| joint.inertia.lift()).collect(),
-            zero: vec![S::zero(); n],
-            jacobian: Matrix::zeros(6, n),
-            jacobian_rate: Matrix::zeros(6, n),
-            rows: Matrix::zeros(3, n),
-            rows_rate: Matrix::zeros(3, n),
-            square: Matrix::zeros(n, n),
-            whole: Matrix::zeros(2 * n, 2 * n),
+            zero: vec![S::zero(); tree.dof()],
+            all: [(); 3].map(|()| vec![S::zero(); n]),
+            direction: vec![S::zero(); n],
+            product: Coupled::row(&tree),
+            jacobian: Coupled::columns(&tree, 6),
+            jacobian_rate: Coupled::columns(&tree, 6),
+            rows: Coupled::columns(&tree, 3),
+            rows_rate: Coupled::columns(&tree, 3),
+            square: Coupled::square(&tree),
+            whole: Coupled::blocks(&tree),
             tree,
         };
         let zero = std::mem::take(&mut kinematics.zero);
@@ -141,7 +149,7 @@ impl<S: Scalar> Kinematics<S> {
         kinematics
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.tree.dof()
     }
@@ -194,6 +202,21 @@ impl<S: Scalar> Kinematics<S> {
         let zero = std::mem::take(&mut self.zero);
         self.place(q, v, &zero);
         self.zero = zero;
+    }
+
+    /// The matrix of the pairs.
+    fn fill_pairs(&mut self) -> &Matrix<S> {
+        self.pairs.fill(&self.tree, &mut self.square.all);
+        self.square.sum_symmetric(&self.tree);
+        self.square.get()
+    }
+
+    /// The product of that matrix with d, n.
+    fn multiply_pairs(&mut self, d: &[S], product: &mut [S]) {
+        rates(&self.tree, d, &mut self.direction);
+        self.pairs.multiply(&self.tree, &self.direction, &mut self.product.all);
+        self.product.sum(&self.tree);
+        product.copy_from_slice(self.product.get());
     }
 
     /// The frame of this number.

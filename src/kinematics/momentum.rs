@@ -40,16 +40,17 @@ impl<S: Scalar> Kinematics<S> {
             let body = &self.bodies[j];
             let own = unit_momentum(joint.kind, &self.composites[j]);
             let (moment, force) = (body.in_world(own.moment), body.in_world(own.force));
-            put(&mut self.jacobian, 0, j, moment + (body.position - centre).cross(force));
-            put(&mut self.jacobian, 3, j, force);
+            put(&mut self.jacobian.all, 0, j, moment + (body.position - centre).cross(force));
+            put(&mut self.jacobian.all, 3, j, force);
         }
+        self.jacobian.sum_columns(&self.tree);
         let (momentum, rate) = self.sum_momenta(centre);
         Ok(Momentum {
             linear: momentum.force.to_array(),
             angular: momentum.moment.to_array(),
             linear_rate: rate.force.to_array(),
             angular_rate: rate.moment.to_array(),
-            matrix: &self.jacobian,
+            matrix: self.jacobian.get(),
         })
     }
 

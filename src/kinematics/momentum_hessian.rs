@@ -37,19 +37,19 @@ impl<S: Scalar> Kinematics<S> {
             mass,
             Motion { angular: k, linear: l },
         );
-        let n = self.dof();
+        let n = self.tree.joints().len();
         let turned = linear.cross(k);
-        self.whole.fill_zero();
+        self.whole.all.fill_zero();
         for j in 0..n {
             let outer = self.momentum_terms[j];
             for i in self.tree.path(Some(j)) {
                 let inner = self.momentum_terms[i];
                 let moved = turned.dot(inner.unit.angular.cross(outer.centre));
                 let qq = outer.slope.dot(inner.weighted) + outer.pull.dot(inner.rate) - moved;
-                self.whole[(i, j)] = qq;
-                self.whole[(j, i)] = qq;
-                self.whole[(n + i, j)] = outer.pull.dot(inner.unit);
-                self.whole[(n + j, i)] = outer.momentum.dot(inner.weighted);
+                self.whole.all[(i, j)] = qq;
+                self.whole.all[(j, i)] = qq;
+                self.whole.all[(n + i, j)] = outer.pull.dot(inner.unit);
+                self.whole.all[(n + j, i)] = outer.momentum.dot(inner.weighted);
             }
         }
         for i in 0..n {
@@ -59,17 +59,18 @@ impl<S: Scalar> Kinematics<S> {
                 let across = k.cross(centre);
                 let qq = across.dot(self.momentum_terms[j].linear_slope)
                     + k.cross(self.momentum_terms[j].centre).dot(linear_slope);
-                self.whole[(i, j)] -= qq;
+                self.whole.all[(i, j)] -= qq;
                 let vq = across.dot(self.momentum_terms[j].centre).times(mass);
-                self.whole[(n + j, i)] -= vq;
+                self.whole.all[(n + j, i)] -= vq;
             }
         }
         for i in 0..n {
             for j in 0..n {
-                self.whole[(i, n + j)] = self.whole[(n + j, i)];
+                self.whole.all[(i, n + j)] = self.whole.all[(n + j, i)];
             }
         }
-        Ok(&self.whole)
+        self.whole.sum_blocks(&self.tree);
+        Ok(self.whole.get())
     }
 
     /// The terms of all joints about a point that stays where `centre` is; the linear momentum of all.

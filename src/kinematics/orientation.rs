@@ -108,7 +108,7 @@ impl<S: Scalar> Kinematics<S> {
         desired: &Rotation3<f64>,
     ) -> Result<(OrientationError<S>, &Matrix<S>), EvalError> {
         let error = self.differentiate_orientation(frame, desired, &[S::zero(); 3])?;
-        Ok((error, &self.rows))
+        Ok((error, self.rows.get()))
     }
 
     /// e, e_q and `w'e_qq`, n x n, symmetric: one product for each pair of joints on the path of the frame.
@@ -122,8 +122,8 @@ impl<S: Scalar> Kinematics<S> {
         w: &[S; 3],
     ) -> Result<OrientationContraction<'_, S>, EvalError> {
         let error = self.differentiate_orientation(frame, desired, w)?;
-        self.pairs.fill(&self.tree, &mut self.square);
-        Ok(OrientationContraction { error, jacobian: &self.rows, hessian: &self.square })
+        self.fill_pairs();
+        Ok(OrientationContraction { error, jacobian: self.rows.get(), hessian: self.square.get() })
     }
 
     /// `(w'e_qq) d` for d of length n, to `product` (n), without the matrix.
@@ -141,7 +141,7 @@ impl<S: Scalar> Kinematics<S> {
         self.check(&[("d", d)])?;
         check_length("product", product, self.dof())?;
         self.differentiate_orientation(frame, desired, w)?;
-        self.pairs.multiply(&self.tree, d, product);
+        self.multiply_pairs(d, product);
         Ok(())
     }
 
@@ -156,14 +156,15 @@ impl<S: Scalar> Kinematics<S> {
     ) -> Result<OrientationError<S>, EvalError> {
         let (frame, placed) = self.see(frame, ReferenceFrame::LocalWorldAligned)?;
         let (error, w) = (Error::new(desired, &placed), Vec3::from(*w));
-        self.rows.fill_zero();
+        self.rows.all.fill_zero();
         self.pairs.take_path(&self.tree, frame.joint);
         for j in self.tree.path(frame.joint) {
             let b = placed.frame.in_frame(self.columns[j].motion.angular);
             let change = error.derivative(b);
-            put(&mut self.rows, 0, j, change);
+            put(&mut self.rows.all, 0, j, change);
             (self.pairs.inner[j], self.pairs.outer[j]) = (error.second(w, change), b);
         }
+        self.rows.sum_columns(&self.tree);
         Ok(error.value())
     }
 }

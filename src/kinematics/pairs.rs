@@ -41,7 +41,7 @@ impl<S: Scalar> OrderedPairs<S> {
     /// Takes all joints.
     pub fn take_all(&mut self, tree: &Tree) {
         self.members.clear();
-        self.members.extend(0..tree.dof());
+        self.members.extend(0..tree.joints().len());
     }
 
     /// The matrix, both triangles, n x n.

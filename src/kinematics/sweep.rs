@@ -2,6 +2,7 @@
 
 use super::Kinematics;
 use super::body::Body;
+use crate::kernels::{positions, rates};
 use crate::robot::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
@@ -19,17 +20,21 @@ impl<S: Scalar> Kinematics<S> {
     /// prismatic one.
     #[inline(never)]
     pub(super) fn place(&mut self, q: &[S], v: &[S], a: &[S]) {
+        let Self { tree, all: [all_q, all_v, all_a], .. } = self;
+        positions(tree, q, all_q);
+        rates(tree, v, all_v);
+        rates(tree, a, all_a);
         let world = Body { rows: self.world_axes(), ..Body::still() };
         for (i, joint) in self.tree.joints().iter().enumerate() {
             let parent = joint.parent.map_or(world, |p| self.bodies[p]);
-            let transform = joint.transform(q[i]);
+            let transform = joint.transform(self.all[0][i]);
             let [(x, along_x), (y, along_y), (z, along_z)] =
                 parent.rows.map(|row| transform.vector_down_with_arm(row));
             let (rows, arm) = ([x, y, z], Vec3::new(along_x, along_y, along_z));
             let position = parent.position + arm;
             let mut body = Body { joint: transform.joint, rows, position, ..parent };
             let axis = body.axis();
-            let (rate, rate_of_rate) = (axis.scaled(v[i]), axis.scaled(a[i]));
+            let (rate, rate_of_rate) = (axis.scaled(self.all[1][i]), axis.scaled(self.all[2][i]));
             let turned = parent.angular.cross(rate) + rate_of_rate;
             let carried = parent.angular.cross(arm);
             body.linear = parent.linear + carried;

@@ -7,9 +7,9 @@ use super::frame::{Frame, FrameList, FrameSpec};
 use super::joint::{Friction, Joint};
 use super::joint_map;
 use super::warning::Warning;
+use super::wrench::AppliedWrench;
 use crate::EvalError;
 use crate::error::check_length;
-use super::wrench::AppliedWrench;
 use nalgebra::{DMatrix, Vector3};
 
 /// A robot: a tree of one-degree-of-freedom joints with rigid links, on a base that does not move.
