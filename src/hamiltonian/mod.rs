@@ -16,6 +16,7 @@
 //! F as a function for automatic differentiation.
 
 mod adjoint;
+mod blocked;
 mod congruence;
 mod conservative;
 mod contraction;

@@ -55,10 +55,11 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
+        let first = Hamiltonian::from_tree(tree);
         Self {
-            along: KernelTwo::new(&tree),
-            congruence: Congruence::new(n),
-            first: Hamiltonian::from_tree(tree),
+            along: KernelTwo::new(first.tree()),
+            congruence: Congruence::new(&first.flow.factor),
+            first,
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
             change: vec![S::zero(); n],
             pull: vec![S::zero(); n],

@@ -1,5 +1,6 @@
 //! The numerical kernels: the Hessian of the Lagrangian and the factorisation of the mass matrix.
 
+mod blocked;
 mod blocks;
 mod congruence;
 mod dissipation;

@@ -1,6 +1,6 @@
 //! A unit lower triangular matrix with the pattern of a tree.
 
-use crate::matrix::{Panel, add_rows, sum_rows};
+use crate::matrix::{Panel, Pattern, add_rows, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
@@ -10,8 +10,8 @@ use crate::scalar::{Pack, Scalar};
 /// Const parameters W of the methods: the number of packs per row if known at compile time, else 0.
 #[derive(Clone, Debug)]
 pub(super) struct Triangle<S: Scalar> {
-    rows: Pattern,
-    columns: Pattern,
+    rows: Lists,
+    columns: Lists,
     /// Whether every entry below the diagonal is in the pattern.
     full: bool,
     /// Entries below the diagonal.
@@ -20,12 +20,12 @@ pub(super) struct Triangle<S: Scalar> {
 
 /// Positions of the off-diagonal entries by row (or column).
 #[derive(Clone, Debug)]
-struct Pattern {
+struct Lists {
     starts: Vec<usize>,
     entries: Vec<usize>,
 }
 
-impl Pattern {
+impl Lists {
     fn new(n: usize, has: impl Fn(usize, usize) -> bool) -> Self {
         let (mut starts, mut entries) = (vec![0], Vec::new());
         for k in 0..n {
@@ -55,10 +55,10 @@ impl<S: Scalar> Triangle<S> {
                 row[..a].iter().for_each(|&j| filled[i][j] = true);
             }
         }
-        let rows = Pattern::new(n, |k, i| filled[k][i]);
+        let rows = Lists::new(n, |k, i| filled[k][i]);
         Self {
             full: rows.entries.len() == n * (n - 1) / 2,
-            columns: Pattern::new(n, |i, k| filled[k][i]),
+            columns: Lists::new(n, |i, k| filled[k][i]),
             rows,
             entries: Panel::zeros(n, n),
         }
@@ -68,6 +68,23 @@ impl<S: Scalar> Triangle<S> {
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.full
+    }
+
+    /// Positions of the entries below the diagonal.
+    pub fn pattern(&self) -> Pattern {
+        Pattern::from_rows(self.entries.rows(), |k| self.row_pattern(k))
+    }
+
+    /// Positions of the entries of `L^-1`, the diagonal included.
+    pub fn inverse_pattern(&self) -> Pattern {
+        let mut pattern = self.pattern().with_diagonal();
+        loop {
+            let further = pattern.times(&pattern);
+            if further == pattern {
+                return pattern;
+            }
+            pattern = further;
+        }
     }
 
     /// Columns of the entries of row k, ascending.

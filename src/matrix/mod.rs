@@ -1,14 +1,18 @@
 //! A dense row-major matrix over any scalar, and blocks of it.
 
 mod panel;
+mod pattern;
 mod product;
 mod rows;
+mod tiles;
 mod transpose;
 
 pub(crate) use panel::{Panel, sized};
+pub(crate) use pattern::Pattern;
 pub(crate) use product::{Left, Part};
 pub(crate) use rows::{add_rows, sum_rows};
 pub use rows::{add_scaled, dot};
+pub(crate) use tiles::{Terms, Tiles};
 
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};
