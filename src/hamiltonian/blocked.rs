@@ -3,7 +3,7 @@
 
 use super::conservative::Conservative;
 use crate::kernels::{Factor, KernelTwo, LagrangianHessian};
-use crate::matrix::{Left, Panel, Part, Pattern, Terms, Tiles};
+use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
 use crate::scalar::Scalar;
 
 /// The products of [`Conservative::eliminate_by_blocks`].
@@ -41,8 +41,7 @@ impl Patterns {
 impl Elimination {
     pub fn new<S: Scalar>(factor: &Factor<S>) -> Self {
         let Patterns { u, u_across, pair, y } = Patterns::new(factor);
-        let tiles =
-            |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
+        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
         Self {
             upper: tiles(&u_across, &pair, Part::Whole),
             square: tiles(&y.transposed(), &y, Part::Lower),
@@ -52,18 +51,34 @@ impl Elimination {
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
-    /// `Y = U' P`, `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = U Z`.
+    /// U', `Y = U' P` and `Z = D^-1 Y`.
     pub(super) fn eliminate_by_blocks(&mut self, tiles: &Elimination) {
-        let Self { kernel, factor, inverse, p, y, z, w, reduced, .. } = self;
-        factor.form_inverse::<0, 0>(inverse);
+        let Self { kernel, factor, p, y, z, .. } = self;
+        factor.invert();
         p.read::<0>(kernel.l_vq());
-        reduced.read::<0>(kernel.l_qq());
         y.set_tiles(&tiles.upper, Left::Rows(factor.upper()), p);
         z.copy_from::<0, 0>(y);
         factor.divide_by_pivots(z);
-        reduced.subtract_tiles(&tiles.square, Left::Columns(y), z);
-        reduced.mirror_lower::<0>();
-        w.set_tiles(&tiles.lower, Left::Columns(factor.upper()), z);
+    }
+
+    /// The conservative part of F_x: `M^-1`, `-W = -U Z`, its transpose, and `L_qq - P' M^-1 P = L_qq - Y' Z`.
+    #[inline(never)]
+    pub(super) fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
+        let Some(tiles) = self.tiles.take() else { return };
+        let Self { kernel, factor, p, y, z, .. } = self;
+        let n = z.rows();
+        factor.place_inverse(f_x, (0, n));
+        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
+        f_x.place_tiles(velocity, &tiles.lower, (Left::Columns(factor.upper()), z), Base::Zero);
+        p.read::<0>(kernel.l_qq());
+        let force = Place::symmetric((n, 0));
+        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), Base::Minus(p));
+        self.tiles = Some(tiles);
+    }
+
+    /// Whether F_x is computed block by block.
+    pub(super) fn in_blocks(&self) -> bool {
+        self.tiles.is_some()
     }
 }
 
@@ -84,9 +99,9 @@ struct Products {
     square: Tiles,
     /// `U D^-1 T^`.
     mixed: Tiles,
-    /// `H = U G` of two lower triangular matrices.
+    /// `H = G' U'` of two upper triangular matrices.
     back: Tiles,
-    /// `H U'`.
+    /// `H' U'` and `U H`.
     last: Tiles,
 }
 
@@ -113,7 +128,7 @@ pub(super) struct Blocked<S: Scalar> {
     r: Panel<S>,
     /// C^, then G of the result.
     c: Panel<S>,
-    /// H and `H U'` of the result. Each matrix has its own buffer: what no tile sets stays zero.
+    /// H and `H' U'` of the result. Each matrix has its own buffer: what no tile sets stays zero.
     back: Panel<S>,
     last: Panel<S>,
 }
@@ -121,15 +136,16 @@ pub(super) struct Blocked<S: Scalar> {
 impl<S: Scalar> Blocked<S> {
     pub fn new(factor: &Factor<S>) -> Self {
         let Patterns { u, u_across, pair, y } = Patterns::new(factor);
-        let tiles =
-            |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
+        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
         let (whole, lower) = (Part::Whole, Part::Lower);
         let half = pair.lower();
         let h = half.times(&u);
         let r = u_across.times(&h);
         let c = r.or(&r.transposed());
         let t = c.times(&y).or(&y);
-        let back = u.times(&c.lower());
+        let back = c.lower().transposed().times(&u_across);
+        // For `U H` and its transpose.
+        let both = u_across.or(&back);
         let n = factor.size();
         let square = || Panel::zeros(n, n);
         Self {
@@ -141,8 +157,8 @@ impl<S: Scalar> Blocked<S> {
                 outer: tiles(&y.transposed(), &t, lower),
                 square: tiles(&y.transposed(), &y, lower),
                 mixed: tiles(&u, &t, whole),
-                back: tiles(&u, &c.lower(), lower),
-                last: tiles(&back, &u_across, whole),
+                back: tiles(&c.lower().transposed(), &u_across, whole),
+                last: tiles(&both.transposed(), &both, lower),
             },
             t: square(),
             b: square(),
@@ -156,18 +172,11 @@ impl<S: Scalar> Blocked<S> {
         }
     }
 
-    /// The blocks of the result with the opposite sign: qq, pq, pp.
-    pub fn apply(
-        &mut self,
-        along: &KernelTwo<S>,
-        factor: &Factor<S>,
-        z: &Panel<S>,
-        [qq, pq, pp]: [&mut Panel<S>; 3],
-    ) {
+    /// Fills both triangles of the 2n x 2n matrix.
+    pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>, result: &mut Matrix<S>) {
         let Self { products, t, b, u, g, h, r, c, back, last } = self;
-        let upper = factor.upper();
+        let (upper, n) = (factor.upper(), z.rows());
         u.take_transpose::<0>(upper);
-        qq.read::<0>(along.l_qq());
         t.read::<0>(along.l_vq());
         b.set_tiles(&products.upper, Left::Rows(upper), t);
 
@@ -179,17 +188,87 @@ impl<S: Scalar> Blocked<S> {
 
         t.copy_from::<0, 0>(b);
         t.subtract_tiles(&products.inner, Left::Rows(c), z);
-        qq.subtract_tiles(&products.outer, Left::Columns(z), t);
-        qq.subtract_tiles(&products.square, Left::Columns(b), z);
-        qq.mirror_lower::<0>();
+        g.read::<0>(along.l_qq());
+        g.subtract_tiles(&products.square, Left::Columns(b), z);
+        let qq = Place::symmetric((0, 0));
+        result.place_tiles(qq, &products.outer, (Left::Columns(z), t), Base::Less(g));
 
         factor.divide_by_pivots(t);
-        pq.set_tiles(&products.mixed, Left::Columns(upper), t);
+        let pq = Place { at: (n, 0), across: (0, n), minus: [true; 2] };
+        result.place_tiles(pq, &products.mixed, (Left::Columns(upper), t), Base::Zero);
 
         factor.divide_by_pivots_twice(c);
         c.keep_half();
-        back.set_tiles(&products.back, Left::Columns(upper), c);
-        last.set_tiles(&products.last, Left::Rows(back), upper);
-        pp.add_transpose(last);
+        back.set_tiles(&products.back, Left::Columns(c), upper);
+        last.set_tiles(&products.last, Left::Columns(back), upper);
+        let pp = Place { minus: [true; 2], ..Place::symmetric((n, n)) };
+        result.place_tiles(pp, &products.last, (Left::Columns(upper), back), Base::Plus(last));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
+    use crate::matrix::Block;
+    use crate::robot::{Friction, JointSpec, LinkInertia, Robot};
+    use nalgebra::{DMatrix, Matrix3};
+
+    /// Joint k stands on joint `parent(k)`, if that is below k.
+    fn robot(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Robot {
+        let mut builder = Robot::builder("tree");
+        for k in 0..n {
+            let x = k as f64;
+            let link =
+                LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
+            let friction = Friction { viscous: 0.2, coulomb: (k % 3) as f64, coulomb_velocity: 0.1 };
+            let joint = JointSpec::revolute(format!("j{k}")).axis([x.sin(), 1.0, x.cos()]);
+            let joint = joint.carrying(link).friction(friction);
+            let on = parent(k);
+            builder = builder.joint(if on < k { joint.on(format!("j{on}")) } else { joint });
+        }
+        if coupled {
+            let mut armature = DMatrix::identity(n, n);
+            (armature[(n - 1, n / 2)], armature[(n / 2, n - 1)]) = (0.3, 0.3);
+            builder = builder.armature_matrix(armature);
+        }
+        builder.build().unwrap()
+    }
+
+    fn compare(robot: &Robot) {
+        let n = robot.dof();
+        let numbers =
+            |count: usize, from: f64| (0..count).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<_>>();
+        let equal = |found: Block<'_, f64>, expected: Block<'_, f64>| {
+            let (found, expected) = (found.to_nalgebra(), expected.to_nalgebra());
+            assert!((&found - &expected).amax() < 1e-11 * expected.amax(), "n = {n}");
+        };
+        let mut blocks = HamiltonianSecondOrder::<f64>::new(robot);
+        let mut duals = DualPass::<f64>::new(robot);
+        // The second time, nothing may be left of the first.
+        for from in [0.3, 1.1] {
+            let (q, p, u, y) = (numbers(n, from), numbers(n, 0.5), numbers(n, 0.7), numbers(2 * n, 0.9));
+            let expected = duals.contract(&q, &p, &u, &y).unwrap();
+            let found = blocks.contract(&q, &p, &u, &y).unwrap();
+            equal(found.linearisation().matrix(), expected.linearisation().matrix());
+            equal(found.matrix(), expected.matrix());
+            assert_eq!(found.matrix().to_nalgebra(), found.matrix().to_nalgebra().transpose());
+            let reduced = found.linearisation().qp().to_nalgebra();
+            assert_eq!(reduced, reduced.transpose());
+        }
+        let (q, p, y) = (numbers(n, 1.1), numbers(n, 0.5), numbers(2 * n, 0.9));
+        let mut contracted = crate::matrix::Matrix::zeros(2 * n, 2 * n);
+        let mut full = FullHessian::<f64>::new(robot);
+        full.hessian_tensor(&q, &p).unwrap().contract(&y, &mut contracted).unwrap();
+        let found = blocks.contract(&q, &p, &vec![0.0; n], &y).unwrap();
+        equal(contracted.view(), found.matrix());
+    }
+
+    #[test]
+    fn blocks_give_the_derivatives_of_a_dual_pass() {
+        for n in [13, 18, 23] {
+            compare(&robot(n, |k| k.wrapping_sub(1), false));
+            compare(&robot(n, |k| k / 2 + k % 3, false));
+            compare(&robot(n, |k| (k * k + 1) % (k + 2), true));
+        }
     }
 }

@@ -66,10 +66,7 @@ impl<S: Scalar> Congruence<S> {
             self.by_factors(along, &flow.factor, &flow.z);
             self.fill::<0, 0>(h);
         } else if let Some(blocked) = &mut self.blocked {
-            let blocks = [&mut self.qq, &mut self.pq, &mut self.pp];
-            blocked.apply(along, &flow.factor, &flow.z, blocks);
-            self.qp.take_transpose::<0>(&self.pq);
-            self.fill::<0, 0>(h);
+            blocked.apply(along, &flow.factor, &flow.z, h);
         } else {
             let given = (&flow.inverse, &flow.w);
             sized!(S, flow.w.columns(), self.by_products(along, given, h));

@@ -24,7 +24,7 @@ pub(super) struct Conservative<S: Scalar, K> {
     /// `Y = L'^-1 P` and `Z = D^-1 Y`, unless small matrices are multiplied by M^-1.
     pub(super) y: Panel<S>,
     pub z: Panel<S>,
-    tiles: Option<Box<Elimination>>,
+    pub(super) tiles: Option<Box<Elimination>>,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {

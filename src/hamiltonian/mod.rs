@@ -150,7 +150,11 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
 
     /// Assembles F_x from the blocks of the conservative part.
     pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
-        self.state.assemble(&self.tree, &self.flow);
+        if self.flow.in_blocks() {
+            self.state.assemble_by_blocks(&self.tree, &mut self.flow);
+        } else {
+            self.state.assemble(&self.tree, &self.flow);
+        }
         self.state.linearisation(self.flow.kernel.mass_matrix())
     }
 

@@ -150,12 +150,12 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
 
     /// The third derivative of H along the axis of q_l, at the state of the last Jacobian; 2n x 2n.
     pub(super) fn along_joint(&mut self, l: usize) -> Result<&Matrix<S>, EvalError> {
-        let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
+        let Hamiltonian { tree, flow, direction, state, .. } = &mut self.first;
         direction.q.fill(S::zero());
         direction.p.fill(S::zero());
         direction.q[l] = S::one();
         for (i, v) in direction.v.iter_mut().enumerate() {
-            *v = -flow.w.get(i, l);
+            *v = state.f_x[(i, l)];
         }
         self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)?;
         self.congruence.apply(&self.along, flow, &mut self.y_f_xx);

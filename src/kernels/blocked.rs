@@ -2,7 +2,7 @@
 
 use super::Factor;
 use super::triangle::Triangle;
-use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Terms, Tiles};
+use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -55,7 +55,8 @@ impl Packs {
 impl FactorTiles {
     pub fn new<S: Scalar>(l: &Triangle<S>) -> Self {
         let lanes = Panel::<S>::LANES;
-        let (below, lower, upper) = (l.pattern(), l.pattern().with_diagonal(), l.inverse_pattern().transposed());
+        let (below, lower, upper) =
+            (l.pattern(), l.pattern().with_diagonal(), l.inverse_pattern().transposed());
         let across = below.transposed();
         Self {
             eliminate: Tiles::new(lanes, &across, &lower, Part::Lower, Terms::OtherBlocks),
@@ -178,6 +179,26 @@ impl<S: Scalar> Factor<S> {
     /// `M^-1 = U D^-1 U'`.
     #[inline(never)]
     pub(super) fn form_inverse_by_blocks(&mut self, tiles: &FactorTiles, inverse: &mut Panel<S>) {
+        self.scale(tiles);
+        inverse.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
+        inverse.mirror_lower::<0>();
+    }
+
+    /// The same, to a matrix from this row and column on.
+    #[inline(never)]
+    pub(super) fn place_inverse_by_blocks(
+        &mut self,
+        tiles: &FactorTiles,
+        to: &mut Matrix<S>,
+        at: (usize, usize),
+    ) {
+        self.scale(tiles);
+        let factors = (Left::Columns(&self.upper), &self.scaled);
+        to.place_tiles(Place::symmetric(at), &tiles.inverse, factors, Base::Zero);
+    }
+
+    /// `D^-1 U'`.
+    fn scale(&mut self, tiles: &FactorTiles) {
         if !self.inverted {
             self.invert_blocks(tiles);
         }
@@ -189,8 +210,6 @@ impl<S: Scalar> Factor<S> {
                 }
             }
         }
-        inverse.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
-        inverse.mirror_lower::<0>();
     }
 
     /// `x <- M^-1 x`, length n.
@@ -240,5 +259,74 @@ impl<S: Scalar> Factor<S> {
             }
             S::Pack::read(&solved[..lanes]).write(&mut x[rows]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::kernels::{Factor, KernelOne};
+    use crate::matrix::{Matrix, Panel};
+    use crate::robot::{JointSpec, LinkInertia, Robot, Tree};
+    use nalgebra::{DMatrix, DVector, Matrix3};
+
+    /// Joint k stands on joint `parent(k)`, if that is below k.
+    fn tree(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Tree {
+        let mut builder = Robot::builder("tree");
+        for k in 0..n {
+            let x = k as f64;
+            let link =
+                LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
+            let joint = JointSpec::revolute(&format!("j{k}")).axis([x.sin(), 1.0, x.cos()]).carrying(link);
+            let on = parent(k);
+            builder = builder.joint(if on < k { joint.on(&format!("j{on}")) } else { joint });
+        }
+        if coupled {
+            let mut armature = DMatrix::identity(n, n);
+            (armature[(n - 1, n / 2)], armature[(n / 2, n - 1)]) = (0.3, 0.3);
+            builder = builder.armature_matrix(armature);
+        }
+        Tree::from(&builder.build().unwrap())
+    }
+
+    fn compare(tree: &Tree) {
+        let n = tree.dof();
+        let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
+        let (mut kernel, mut factor) = (KernelOne::<f64>::new(tree), Factor::<f64>::new(tree));
+        // The second time, nothing may be left of the first.
+        for from in [0.3, 1.1] {
+            kernel.set_position(tree, &numbers(from)).unwrap();
+            factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).unwrap();
+            let m = DMatrix::from_row_slice(n, n, kernel.mass_matrix().as_slice());
+            let expected = m.clone().try_inverse().unwrap();
+            let mut inverse = Matrix::zeros(n, n);
+            factor.inverse(&mut inverse);
+            let inverse = DMatrix::from_row_slice(n, n, inverse.as_slice());
+            assert_eq!(inverse, inverse.transpose());
+            assert!((&inverse - &expected).amax() < 1e-11 * expected.amax(), "n = {n}");
+            let mut x = numbers(0.7);
+            let solved = &expected * DVector::from_column_slice(&x);
+            factor.solve(&mut x);
+            assert!((DVector::from_column_slice(&x) - &solved).amax() < 1e-11 * solved.amax(), "n = {n}");
+            let mut large = Matrix::zeros(2 * n, 2 * n);
+            factor.place_inverse(&mut large, (n, 0));
+            if Panel::<f64>::in_blocks(n) {
+                assert_eq!(large.block(n, 0, n, n).to_nalgebra(), inverse);
+            }
+        }
+        // A row and column of zeros.
+        let mut singular = kernel.mass_matrix().clone();
+        (0..n).for_each(|k| (singular[(n / 3, k)], singular[(k, n / 3)]) = (0.0, 0.0));
+        assert_eq!(factor.factor(&singular, |_| 1.0), Err(n / 3));
+    }
+
+    #[test]
+    fn blocks_give_the_inverse_of_the_mass_matrix_of_any_tree() {
+        for n in [1, 12, 13, 14, 15, 16, 17, 30, 67] {
+            compare(&tree(n, |k| k.wrapping_sub(1), false));
+            compare(&tree(n, |k| k / 2 + k % 3, false));
+            compare(&tree(n, |k| (k * k + 1) % (k + 2), false));
+        }
+        compare(&tree(19, |k| (k * k + 1) % (k + 2), true));
+        compare(&tree(26, |k| k / 3, true));
     }
 }

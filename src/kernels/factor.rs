@@ -125,8 +125,11 @@ impl<S: Scalar> Factor<S> {
         Ok(())
     }
 
-    /// U' for the check of the pivots.
-    fn invert(&mut self) {
+    /// U', for the check of the pivots and for products with it.
+    pub(crate) fn invert(&mut self) {
+        if self.inverted {
+            return;
+        }
         match self.tiles.take() {
             Some(tiles) => {
                 self.invert_blocks(&tiles);
@@ -159,6 +162,14 @@ impl<S: Scalar> Factor<S> {
                     add_scaled(&mut row[k..], S::Pack::splat(factor), source);
                 }
             }
+        }
+    }
+
+    /// Writes M^-1 to a matrix from this row and column on, where it is computed block by block.
+    pub(crate) fn place_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
+        if let Some(tiles) = self.tiles.take() {
+            self.place_inverse_by_blocks(&tiles, to, at);
+            self.tiles = Some(tiles);
         }
     }
 
