@@ -1,5 +1,6 @@
 //! From the third derivatives of L along a direction to those of H.
 
+use super::blocked::Blocked;
 use super::conservative::Conservative;
 use crate::kernels::{Factor, KernelTwo};
 use crate::matrix::{Left, Matrix, Panel, Part, sized};
@@ -37,11 +38,13 @@ pub(super) struct Congruence<S: Scalar> {
     pp: Panel<S>,
     /// The transpose of pq.
     qp: Panel<S>,
+    blocked: Option<Box<Blocked<S>>>,
 }
 
 impl<S: Scalar> Congruence<S> {
-    /// Buffers for n joints.
-    pub fn new(n: usize) -> Self {
+    /// Buffers for a matrix with these factors.
+    pub fn new(factor: &Factor<S>) -> Self {
+        let n = factor.size();
         let square = || Panel::zeros(n, n);
         Self {
             b: square(),
@@ -52,6 +55,7 @@ impl<S: Scalar> Congruence<S> {
             pq: square(),
             pp: square(),
             qp: square(),
+            blocked: Panel::<S>::in_blocks(n).then(|| Box::new(Blocked::new(factor))),
         }
     }
 
@@ -61,6 +65,8 @@ impl<S: Scalar> Congruence<S> {
         if Panel::<S>::ONE_LANE {
             self.by_factors(along, &flow.factor, &flow.z);
             self.fill::<0, 0>(h);
+        } else if let Some(blocked) = &mut self.blocked {
+            blocked.apply(along, &flow.factor, &flow.z, h);
         } else {
             let given = (&flow.inverse, &flow.w);
             sized!(S, flow.w.columns(), self.by_products(along, given, h));
@@ -92,7 +98,7 @@ impl<S: Scalar> Congruence<S> {
         (inverse, w): (&Panel<S>, &Panel<S>),
         h: &mut Matrix<S>,
     ) {
-        let Self { b, c, t, x, qq, pq, pp, qp } = self;
+        let Self { b, c, t, x, qq, pq, pp, qp, .. } = self;
         for panel in [&*b, c, t, x, qq, pq, pp, qp, inverse, w] {
             panel.has_size::<N, W>();
         }

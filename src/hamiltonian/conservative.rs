@@ -1,5 +1,6 @@
 //! The part without friction and actuation: `x' = J grad H`, and Hess H.
 
+use super::blocked::Elimination;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
 use crate::matrix::{Left, Panel, Part, dot, sized};
@@ -19,24 +20,28 @@ pub(super) struct Conservative<S: Scalar, K> {
     pub inverse: Panel<S>,
     /// `L_qq - P' M^-1 P = F^p,q`.
     pub reduced: Panel<S>,
-    p: Panel<S>,
-    /// `Z = D^-1 L'^-1 P`, `W = L^-1 Z`: in packs of one lane.
+    pub(super) p: Panel<S>,
+    /// `Y = L'^-1 P` and `Z = D^-1 Y`, unless small matrices are multiplied by M^-1.
+    pub(super) y: Panel<S>,
     pub z: Panel<S>,
+    pub(super) tiles: Option<Box<Elimination>>,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
-        let square = Panel::zeros(n, n);
+        let (square, factor) = (Panel::zeros(n, n), Factor::new(tree));
         Self {
             kernel: K::new(tree),
-            factor: Factor::new(tree),
+            tiles: Panel::<S>::in_blocks(n).then(|| Box::new(Elimination::new(&factor))),
+            factor,
             v: vec![S::zero(); n],
             w: square.clone(),
             inverse: square.clone(),
             reduced: square.clone(),
             p: square.clone(),
+            y: square.clone(),
             z: square,
         }
     }
@@ -83,6 +88,9 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.kernel.second_order(tree);
         if Panel::<S>::ONE_LANE {
             self.eliminate_by_factors();
+        } else if let Some(tiles) = self.tiles.take() {
+            self.eliminate_by_blocks(&tiles);
+            self.tiles = Some(tiles);
         } else {
             sized!(S, tree.dof(), self.eliminate_by_products());
         }

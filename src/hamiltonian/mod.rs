@@ -16,6 +16,7 @@
 //! F as a function for automatic differentiation.
 
 mod adjoint;
+mod blocked;
 mod congruence;
 mod conservative;
 mod contraction;
@@ -151,14 +152,18 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.flow.second_order(&self.tree);
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
         self.state.add_wrenches(q);
-        self.state.assemble(&self.tree, &self.flow);
+        self.assembled();
         self.state.add_wrench_slopes(q);
         Ok(self.state.linearisation(self.flow.kernel.mass_matrix()))
     }
 
     /// Assembles F_x from the blocks of the conservative part.
     pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
-        self.state.assemble(&self.tree, &self.flow);
+        if self.flow.in_blocks() {
+            self.state.assemble_by_blocks(&self.tree, &mut self.flow);
+        } else {
+            self.state.assemble(&self.tree, &self.flow);
+        }
         self.state.linearisation(self.flow.kernel.mass_matrix())
     }
 

@@ -55,10 +55,11 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
+        let first = Hamiltonian::from_tree(tree);
         Self {
-            along: KernelTwo::new(&tree),
-            congruence: Congruence::new(n),
-            first: Hamiltonian::from_tree(tree),
+            along: KernelTwo::new(first.tree()),
+            congruence: Congruence::new(&first.flow.factor),
+            first,
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
             change: vec![S::zero(); n],
             pull: vec![S::zero(); n],
@@ -151,12 +152,12 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
 
     /// The third derivative of H along the axis of q_l, at the state of the last Jacobian; 2n x 2n.
     pub(super) fn along_joint(&mut self, l: usize) -> Result<&Matrix<S>, EvalError> {
-        let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
+        let Hamiltonian { tree, flow, direction, state, .. } = &mut self.first;
         direction.q.fill(S::zero());
         direction.p.fill(S::zero());
         direction.q[l] = S::one();
         for (i, v) in direction.v.iter_mut().enumerate() {
-            *v = -flow.w.get(i, l);
+            *v = state.f_x[(i, l)];
         }
         self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)?;
         self.congruence.apply(&self.along, flow, &mut self.y_f_xx);

@@ -2,9 +2,9 @@
 
 use super::HamiltonianLinearisation;
 use super::conservative::Conservative;
-use crate::kernels::{FrictionDerivatives, friction_of};
+use crate::kernels::{FrictionDerivatives, LagrangianHessian, friction_of};
 use crate::kinematics::ExternalForces;
-use crate::matrix::{Matrix, Panel, sized};
+use crate::matrix::{Matrix, Panel, add_scaled, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -58,13 +58,26 @@ impl<S: Scalar> StateEquation<S> {
     pub fn assemble<K>(&mut self, tree: &Tree, flow: &Conservative<S, K>) {
         let blocks = [&flow.w, &flow.inverse, &flow.reduced];
         sized!(S, tree.dof(), self.place(blocks));
-        let (n, [w, inverse, _]) = (tree.dof(), blocks);
+        self.add_slopes(tree);
+    }
+
+    /// The same, where the conservative part computes the blocks in place.
+    #[inline(never)]
+    pub fn assemble_by_blocks<K: LagrangianHessian<S>>(
+        &mut self,
+        tree: &Tree,
+        flow: &mut Conservative<S, K>,
+    ) {
+        flow.place_blocks(&mut self.f_x);
+        self.add_slopes(tree);
+    }
+
+    /// Adds `D_v V`, `V = [-W, M^-1]` the upper half of F_x, to the lower half.
+    fn add_slopes(&mut self, tree: &Tree) {
         for &i in tree.with_friction() {
             let slope = self.friction[i].first;
-            for j in 0..n {
-                self.f_x[(n + i, j)] -= slope * w.get(i, j);
-                self.f_x[(n + i, n + j)] += slope * inverse.get(i, j);
-            }
+            let (row, v) = self.f_x.row_mut_and_above(tree.dof() + i, i);
+            add_scaled(row, slope, v);
         }
     }
 

@@ -8,49 +8,42 @@ use std::ops::Range;
 /// Layout of the forces of all joints beyond a joint during the inward pass, several to a block.
 ///
 /// Joint i has one force for each j of its subtree: those of its children, transformed one frame inward, and
-/// its own. A block keeps its lanes during the pass, so that whole blocks are transformed at once; the force
-/// of joint i takes the first free lane, or a new block. Unused lanes are zero.
+/// its own. A block keeps its lanes during the pass, so that whole blocks are transformed at once. They are
+/// filled from the last lane on: the force of joint i goes before that of the next joint, else to any block that
+/// is not full, else to a new one. Unused lanes are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     starts: Vec<usize>,
-    sources: Vec<Source>,
-    /// The joints in the lanes of each block, block after block, and the offset of each block.
+    /// The joints in the lanes of each block, from the last lane on, block after block, and where they begin.
     joints: Vec<usize>,
     firsts: Vec<usize>,
+    /// The joint in lane 0, if those in the next lanes follow it one by one.
+    rows: Vec<Option<usize>>,
     /// Block and lane of the force of joint i in frame i.
     own: Vec<(usize, usize)>,
-}
-
-/// The source of a block.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Source {
-    /// The joint of the block.
-    Own,
-    /// This block of this child of the joint.
-    Child(usize, usize),
 }
 
 impl Blocks {
     /// For blocks of this many lanes.
     pub fn new(tree: &Tree, lanes: usize) -> Self {
         let n = tree.joints().len();
-        // Lanes and source of each block, joint by joint, from the tips inward.
-        let mut blocks: Vec<Vec<(Vec<usize>, Source)>> = vec![Vec::new(); n];
+        // Joints of each block, joint by joint, from the tips inward.
+        let mut blocks: Vec<Vec<Vec<usize>>> = vec![Vec::new(); n];
         let mut own = vec![(0, 0); n];
         for i in (0..n).rev() {
-            let inherits = tree.joints()[i].parent.is_some();
-            let mut here: Vec<(Vec<usize>, Source)> = Vec::new();
-            for &child in tree.children(i).iter().filter(|_| inherits) {
-                let beyond = blocks[child].iter().enumerate();
-                here.extend(beyond.map(|(k, (joints, _))| (joints.clone(), Source::Child(child, k))));
+            let mut here: Vec<Vec<usize>> = Vec::new();
+            if tree.joints()[i].parent.is_some() {
+                tree.children(i).iter().for_each(|&child| here.extend(blocks[child].iter().cloned()));
             }
-            let free = here.iter().position(|(joints, _)| joints.len() < lanes);
-            let block = free.unwrap_or(here.len());
-            if free.is_none() {
-                here.push((Vec::new(), Source::Own));
+            let free = |block: &Vec<usize>| block.len() < lanes;
+            let before_next = |block: &Vec<usize>| free(block) && block.last() == Some(&(i + 1));
+            let block = here.iter().position(before_next).or_else(|| here.iter().position(free));
+            let block = block.unwrap_or(here.len());
+            if block == here.len() {
+                here.push(Vec::new());
             }
-            own[i] = (block, here[block].0.len());
-            here[block].0.push(i);
+            here[block].push(i);
+            own[i] = (block, lanes - here[block].len());
             blocks[i] = here;
         }
         let ends = blocks.iter().scan(0, |end, blocks| {
@@ -58,22 +51,20 @@ impl Blocks {
             Some(*end)
         });
         let starts: Vec<usize> = std::iter::once(0).chain(ends).collect();
-        let (mut sources, mut lane_joints, mut firsts) = (Vec::new(), Vec::new(), vec![0]);
-        for (joints, source) in blocks.into_iter().flatten() {
+        own.iter_mut().zip(&starts).for_each(|((block, _), start)| *block += start);
+        let (mut lane_joints, mut firsts, mut rows) = (Vec::new(), vec![0], Vec::new());
+        for joints in blocks.into_iter().flatten() {
+            let follow = joints.windows(2).all(|pair| pair[0] == pair[1] + 1);
+            rows.push(joints.last().copied().filter(|_| follow && joints.len() == lanes));
             lane_joints.extend(joints);
             firsts.push(lane_joints.len());
-            sources.push(match source {
-                Source::Own => Source::Own,
-                Source::Child(child, k) => Source::Child(child, starts[child] + k),
-            });
         }
-        own.iter_mut().zip(&starts).for_each(|((block, _), start)| *block += start);
-        Self { starts, sources, joints: lane_joints, firsts, own }
+        Self { starts, joints: lane_joints, firsts, rows, own }
     }
 
     /// Number of blocks.
     pub fn len(&self) -> usize {
-        self.sources.len()
+        self.rows.len()
     }
 
     /// The blocks of joint i.
@@ -82,10 +73,16 @@ impl Blocks {
         self.starts[i]..self.starts[i + 1]
     }
 
-    /// The source of this block.
+    /// For each child of joint i, which has a parent: the child, its blocks, and the first of those blocks of i
+    /// that hold the same forces.
     #[inline(always)]
-    pub fn source(&self, block: usize) -> Source {
-        self.sources[block]
+    pub fn inherited(&self, tree: &Tree, i: usize) -> impl Iterator<Item = (usize, Range<usize>, usize)> {
+        let mut next = self.starts[i];
+        tree.children(i).iter().map(move |&child| {
+            let (beyond, first) = (self.of(child), next);
+            next += beyond.len();
+            (child, beyond, first)
+        })
     }
 
     /// Block and lane of the force of joint i in frame i.
@@ -94,20 +91,10 @@ impl Blocks {
         self.own[i]
     }
 
-    /// The joints of a block, with their lanes.
-    #[inline(always)]
-    fn joints(&self, block: usize) -> impl Iterator<Item = (usize, usize)> {
-        self.joints[self.firsts[block]..self.firsts[block + 1]].iter().copied().enumerate()
-    }
-
     /// Entries (i, j) and (j, i) of a symmetric matrix, j the joints of a block.
     #[inline(always)]
     pub fn store_both<S: Scalar, P: Pack<S>>(&self, i: usize, block: usize, entries: P, m: &mut Matrix<S>) {
-        for (lane, j) in self.joints(block) {
-            let entry = entries.lane(lane);
-            m[(i, j)] = entry;
-            m[(j, i)] = entry;
-        }
+        self.store(i, block, [entries, entries], m);
     }
 
     /// Entries (i, j) and (j, i) of a matrix, j the joints of a block; (i, i) comes from the row.
@@ -119,7 +106,14 @@ impl Blocks {
         [row, column]: [P; 2],
         m: &mut Matrix<S>,
     ) {
-        for (lane, j) in self.joints(block) {
+        if let Some(first) = self.rows[block] {
+            m.write_column(first, i, column);
+            row.write(&mut m.row_mut(i)[first..first + P::LANES]);
+            return;
+        }
+        let joints = &self.joints[self.firsts[block]..self.firsts[block + 1]];
+        for (k, &j) in joints.iter().enumerate() {
+            let lane = P::LANES - 1 - k;
             m[(j, i)] = column.lane(lane);
             m[(i, j)] = row.lane(lane);
         }

@@ -1,7 +1,8 @@
 //! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
 
+use super::blocked::FactorTiles;
 use super::triangle::Triangle;
-use crate::matrix::{Matrix, Panel, add_scaled, sized, sum_rows};
+use crate::matrix::{Matrix, Panel, Pattern, add_scaled, sized, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
@@ -12,12 +13,17 @@ use crate::scalar::{Pack, Scalar};
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
     pub(super) l: Triangle<S>,
-    inverse_pivots: Vec<S>,
+    pub(super) inverse_pivots: Vec<S>,
     pivots: Vec<S>,
     sizes: Vec<S>,
-    /// Whether the work matrix already holds `U'`.
-    inverted: bool,
-    work: Panel<S>,
+    /// Whether U' has been computed.
+    pub(super) inverted: bool,
+    pub(super) work: Panel<S>,
+    /// U', if it is computed block by block; else it takes the place of the work matrix.
+    pub(super) upper: Panel<S>,
+    /// `D^-1 U'` likewise.
+    pub(super) scaled: Panel<S>,
+    tiles: Option<Box<FactorTiles>>,
     product: Panel<S>,
 }
 
@@ -25,9 +31,14 @@ impl<S: Scalar> Factor<S> {
     /// Symbolic factorisation and buffers.
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.dof();
+        let (n, l) = (tree.dof(), Triangle::new(tree));
+        let blocks = Panel::<S>::in_blocks(n);
+        let upper = if blocks { n } else { 0 };
         Self {
-            l: Triangle::new(tree),
+            tiles: blocks.then(|| Box::new(FactorTiles::new(&l))),
+            upper: Panel::zeros(upper, upper),
+            scaled: Panel::zeros(upper, upper),
+            l,
             inverse_pivots: vec![S::one(); n],
             pivots: vec![S::zero(); n],
             sizes: vec![S::zero(); n],
@@ -48,7 +59,13 @@ impl<S: Scalar> Factor<S> {
     /// The index of a joint whose pivot is not above its rounding error: M is singular in working precision.
     /// The factorisation is completed nevertheless.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
-        sized!(S, self.work.columns(), self.eliminate(mass_matrix));
+        match self.tiles.take() {
+            Some(tiles) => {
+                self.eliminate_blocks(&tiles, mass_matrix);
+                self.tiles = Some(tiles);
+            }
+            None => sized!(S, self.work.columns(), self.eliminate(mass_matrix)),
+        }
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 
@@ -92,13 +109,13 @@ impl<S: Scalar> Factor<S> {
         if settled {
             return Ok(());
         }
-        self.invert_transposed::<0, 0>();
-        self.inverted = true;
+        self.invert();
+        let u = if self.tiles.is_some() { &self.upper } else { &self.work };
         let unit = 128.0 * S::EPSILON;
         for i in (0..self.pivots.len()).rev() {
             let first = i / Panel::<S>::LANES;
             let sizes = self.sizes.chunks(Panel::<S>::LANES).skip(first).map(S::Pack::read);
-            let moved = self.work.row(i)[first..].iter().zip(sizes);
+            let moved = u.row(i)[first..].iter().zip(sizes);
             let moved = moved.fold(S::Pack::zero(), |sum, (&u, size)| (u * u).mul_add(size, sum));
             let moved = (0..Panel::<S>::LANES).fold(S::zero(), |sum, lane| sum + moved.lane(lane));
             if !S::all(moved.times(unit).less(self.pivots[i])) {
@@ -106,6 +123,21 @@ impl<S: Scalar> Factor<S> {
             }
         }
         Ok(())
+    }
+
+    /// U', for the check of the pivots and for products with it.
+    pub(crate) fn invert(&mut self) {
+        if self.inverted {
+            return;
+        }
+        match self.tiles.take() {
+            Some(tiles) => {
+                self.invert_blocks(&tiles);
+                self.tiles = Some(tiles);
+            }
+            None => self.invert_transposed::<0, 0>(),
+        }
+        self.inverted = true;
     }
 
     /// `U' = L'^-1` into the work matrix, n x n.
@@ -133,10 +165,21 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
+    /// Writes M^-1 to a matrix from this row and column on, where it is computed block by block.
+    pub(crate) fn place_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
+        if let Some(tiles) = self.tiles.take() {
+            self.place_inverse_by_blocks(&tiles, to, at);
+            self.tiles = Some(tiles);
+        }
+    }
+
     /// `x <- M^-1 x`, length n.
     #[inline(never)]
     pub fn solve(&self, x: &mut [S]) {
-        sized!(S, x.len(), self.solve_vector(x));
+        match &self.tiles {
+            Some(tiles) => self.solve_by_blocks(tiles, x),
+            None => sized!(S, x.len(), self.solve_vector(x)),
+        }
     }
 
     fn solve_vector<const N: usize, const W: usize>(&self, x: &mut [S]) {
@@ -170,6 +213,35 @@ impl<S: Scalar> Factor<S> {
         for i in (0..y.rows()).rev() {
             let (_, target, after) = y.split_at_row::<0>(i);
             self.l.minus_columns::<0, 0>(i, target, after, width);
+        }
+    }
+
+    /// Number of rows.
+    pub(crate) fn size(&self) -> usize {
+        self.pivots.len()
+    }
+
+    /// Positions of the entries of L below the diagonal.
+    pub(crate) fn pattern(&self) -> Pattern {
+        self.l.pattern()
+    }
+
+    /// Positions of the entries of `U = L^-1`.
+    pub(crate) fn inverse_pattern(&self) -> Pattern {
+        self.l.inverse_pattern()
+    }
+
+    /// U', after the inverse, if it is computed block by block.
+    pub(crate) fn upper(&self) -> &Panel<S> {
+        &self.upper
+    }
+
+    /// `Y <- D^-1 Y D^-1` for an n x n matrix.
+    pub(crate) fn divide_by_pivots_twice(&self, y: &mut Panel<S>) {
+        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
+            let inverse = S::Pack::splat(inverse);
+            let columns = self.inverse_pivots.chunks(Panel::<S>::LANES).map(S::Pack::read);
+            y.row_mut(k).iter_mut().zip(columns).for_each(|(y, column)| *y *= column * inverse);
         }
     }
 
@@ -209,6 +281,11 @@ impl<S: Scalar> Factor<S> {
 
     /// The same as a panel.
     pub(crate) fn form_inverse<const N: usize, const W: usize>(&mut self, inverse: &mut Panel<S>) {
+        if let Some(tiles) = self.tiles.take() {
+            self.form_inverse_by_blocks(&tiles, inverse);
+            self.tiles = Some(tiles);
+            return;
+        }
         if !self.inverted {
             self.invert_transposed::<N, W>();
         }

@@ -1,8 +1,7 @@
 //! Third stage of kernel one: the mixed and the position block of the Hessian of the Lagrangian.
 
 use super::KernelOne;
-use super::blocks::Source;
-use super::position::{across_joint, along_joint, put};
+use super::position::{across_joint, along_joint, carry, put};
 use super::velocity::AxisRate;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
@@ -22,10 +21,8 @@ impl<S: Scalar> KernelOne<S> {
             }
             let (kind, body) = (joint.kind, &self.bodies[i]);
             let psi = AxisRate::new(kind, &body.velocity);
-            for block in self.blocks.of(i) {
-                if let Source::Child(child, from) = self.blocks.source(block) {
-                    self.rates[block] = self.pack_transform(tree, child).force_up(self.rates[from]);
-                }
+            for (child, beyond, first) in self.blocks.inherited(tree, i) {
+                carry(&self.pack_transform(tree, child), &mut self.rates, beyond, first);
             }
             let own = psi.momentum(&body.composite) + across_joint(kind, &body.momentum);
             put(&self.blocks, i, own, &mut self.rates);

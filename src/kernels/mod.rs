@@ -1,6 +1,7 @@
 //! The numerical kernels: the Hessian of the Lagrangian and the factorisation of the mass matrix.
 
 mod arguments;
+mod blocked;
 mod blocks;
 mod congruence;
 mod coupling;

@@ -1,6 +1,6 @@
 //! First stage of kernel one: transforms, composite inertias, mass matrix, potential.
 
-use super::blocks::{Blocks, Source};
+use super::blocks::Blocks;
 use super::coupling::positions;
 use super::pass::{Inward, Outward};
 use super::{KernelOne, RootAxis};
@@ -8,6 +8,7 @@ use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Turn, Vec3};
+use std::ops::Range;
 
 /// `F = IC S`: momentum of the composite body at unit joint velocity.
 #[inline(always)]
@@ -33,6 +34,21 @@ pub(super) fn put<S: Scalar, P: Pack<S>>(blocks: &Blocks, i: usize, own: Force<S
         Vec3::new(to.x.with_lane(lane, from.x), to.y.with_lane(lane, from.y), to.z.with_lane(lane, from.z))
     };
     forces[block] = Force { moment: put(n, own.moment), force: put(f, own.force) };
+}
+
+/// Transforms the forces of some blocks to the frame of the parent, into the blocks from `first` on, which come
+/// before them.
+#[inline(always)]
+pub(super) fn carry<P: Scalar>(
+    transform: &Transform<'_, P>,
+    forces: &mut [Force<P>],
+    beyond: Range<usize>,
+    first: usize,
+) {
+    let (to, from) = forces.split_at_mut(beyond.start);
+    for (to, &from) in to[first..].iter_mut().zip(&from[..beyond.len()]) {
+        *to = transform.force_up(from);
+    }
 }
 
 /// S in the frame of its joint.
@@ -79,10 +95,8 @@ impl<S: Scalar> KernelOne<S> {
                 self.meet_root(tree, i);
                 continue;
             }
-            for block in self.blocks.of(i) {
-                if let Source::Child(child, from) = self.blocks.source(block) {
-                    self.carried[block] = self.pack_transform(tree, child).force_up(self.carried[from]);
-                }
+            for (child, beyond, first) in self.blocks.inherited(tree, i) {
+                carry(&self.pack_transform(tree, child), &mut self.carried, beyond, first);
             }
             let own = unit_momentum(joint.kind, &self.bodies[i].composite);
             put(&self.blocks, i, own, &mut self.carried);

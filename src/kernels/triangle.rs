@@ -1,6 +1,6 @@
 //! A unit lower triangular matrix with the pattern of a tree.
 
-use crate::matrix::{Panel, add_rows, sum_rows};
+use crate::matrix::{Panel, Pattern, add_rows, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
@@ -10,8 +10,8 @@ use crate::scalar::{Pack, Scalar};
 /// Const parameters W of the methods: the number of packs per row if known at compile time, else 0.
 #[derive(Clone, Debug)]
 pub(super) struct Triangle<S: Scalar> {
-    rows: Pattern,
-    columns: Pattern,
+    rows: Lists,
+    columns: Lists,
     /// Whether every entry below the diagonal is in the pattern.
     full: bool,
     /// Entries below the diagonal.
@@ -20,12 +20,12 @@ pub(super) struct Triangle<S: Scalar> {
 
 /// Positions of the off-diagonal entries by row (or column).
 #[derive(Clone, Debug)]
-struct Pattern {
+struct Lists {
     starts: Vec<usize>,
     entries: Vec<usize>,
 }
 
-impl Pattern {
+impl Lists {
     fn new(of: Vec<Vec<usize>>) -> Self {
         let (mut starts, mut entries) = (vec![0], Vec::new());
         for mut of in of {
@@ -49,7 +49,7 @@ impl<S: Scalar> Triangle<S> {
         let filled = tree.factor_pattern();
         let mut columns = vec![Vec::new(); n];
         filled.iter().enumerate().for_each(|(k, row)| row.iter().for_each(|&i| columns[i].push(k)));
-        let (rows, columns) = (Pattern::new(filled), Pattern::new(columns));
+        let (rows, columns) = (Lists::new(filled), Lists::new(columns));
         Self { full: rows.entries.len() == n * (n - 1) / 2, columns, rows, entries: Panel::zeros(n, n) }
     }
 
@@ -57,6 +57,23 @@ impl<S: Scalar> Triangle<S> {
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.full
+    }
+
+    /// Positions of the entries below the diagonal.
+    pub fn pattern(&self) -> Pattern {
+        Pattern::from_rows(self.entries.rows(), |k| self.row_pattern(k))
+    }
+
+    /// Positions of the entries of `L^-1`, the diagonal included.
+    pub fn inverse_pattern(&self) -> Pattern {
+        let mut pattern = self.pattern().with_diagonal();
+        loop {
+            let further = pattern.times(&pattern);
+            if further == pattern {
+                return pattern;
+            }
+            pattern = further;
+        }
     }
 
     /// Columns of the entries of row k, ascending.

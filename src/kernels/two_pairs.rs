@@ -1,6 +1,5 @@
 //! Kernel two: the scalar products of all pairs of joints on a branch.
 
-use super::blocks::Source;
 use super::position::{along_joint, put};
 use super::two::moved;
 use super::velocity::AxisRate;
@@ -8,6 +7,7 @@ use super::{KernelOne, KernelTwo, RootAxis};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Motion, Vec3};
+use std::ops::Range;
 
 /// The linear part of `gamma = a_g x S` of a revolute joint, in its frame: its x and y components.
 #[inline(always)]
@@ -36,9 +36,9 @@ impl<S: Scalar> KernelTwo<S> {
     pub(super) fn pairs(&mut self, tree: &Tree, kernel: &KernelOne<S>) {
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             let inherits = joint.parent.is_some();
-            for block in kernel.blocks.of(i).filter(|_| inherits) {
-                if let Source::Child(child, from) = kernel.blocks.source(block) {
-                    self.carry(tree, kernel, child, (from, block));
+            if inherits {
+                for (child, beyond, first) in kernel.blocks.inherited(tree, i) {
+                    self.carry(tree, kernel, child, (beyond, first));
                 }
             }
             let [force, rate] = self.own(tree, kernel, i);
@@ -69,14 +69,25 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Transforms a block of dF_j and dG_j from the frame of `child` to that of its parent.
+    /// Transforms blocks of dF_j and dG_j from the frame of `child` to that of its parent, into the blocks from
+    /// `first` on.
     #[inline(always)]
-    fn carry(&mut self, tree: &Tree, kernel: &KernelOne<S>, child: usize, (from, to): (usize, usize)) {
+    fn carry(
+        &mut self,
+        tree: &Tree,
+        kernel: &KernelOne<S>,
+        child: usize,
+        (beyond, first): (Range<usize>, usize),
+    ) {
         let (kind, dq) = (tree.joints()[child].kind, S::Pack::splat(self.bodies[child].dq));
         let transform = kernel.pack_transform(tree, child);
-        let (force, rate) = (self.forces[from], self.rates[from]);
-        self.forces[to] = transform.force_up(moved(kind, force, &kernel.carried[from], dq));
-        self.rates[to] = transform.force_up(moved(kind, rate, &kernel.rates[from], dq));
+        for (changes, of) in [(&mut self.forces, &kernel.carried), (&mut self.rates, &kernel.rates)] {
+            let (to, from) = changes.split_at_mut(beyond.start);
+            let from = from[..beyond.len()].iter().zip(&of[beyond.clone()]);
+            for (to, (&change, of)) in to[first..].iter_mut().zip(from) {
+                *to = transform.force_up(moved(kind, change, of, dq));
+            }
+        }
     }
 
     /// Rows and columns of a joint on the fixed base, whose psi and dpsi are zero.

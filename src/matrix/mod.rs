@@ -1,16 +1,22 @@
 //! A dense row-major matrix over any scalar, and blocks of it.
 
 mod panel;
+mod pattern;
+mod place;
 mod product;
 mod rows;
+mod tiles;
 mod transpose;
 
 pub(crate) use panel::{Panel, sized};
+pub(crate) use pattern::Pattern;
+pub(crate) use place::{Base, Place};
 pub(crate) use product::{Left, Part};
 pub(crate) use rows::{add_rows, sum_rows};
 pub use rows::{add_scaled, dot};
+pub(crate) use tiles::{Terms, Tiles};
 
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};
 use std::ops::{Index, IndexMut};
 
@@ -54,6 +60,13 @@ impl<S: Scalar> Matrix<S> {
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [S] {
         &mut self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    /// Writes the lanes of a pack to column `j`, from row `i` on.
+    #[inline(always)]
+    pub(crate) fn write_column<P: Pack<S>>(&mut self, i: usize, j: usize, pack: P) {
+        let rows = self.data[i * self.columns + j..].chunks_mut(self.columns);
+        rows.take(P::LANES).enumerate().for_each(|(lane, row)| row[0] = pack.lane(lane));
     }
 
     /// Row `i`, mutable, and row `k < i`.

@@ -49,6 +49,12 @@ impl<S: Scalar> Panel<S> {
     /// Whether packs are single numbers.
     pub const ONE_LANE: bool = Self::LANES == 1;
 
+    /// Whether matrices with so many rows are computed block by block: packs have several lanes, and a row
+    /// more of them than [`sized`] knows.
+    pub fn in_blocks(n: usize) -> bool {
+        !Self::ONE_LANE && n > 12
+    }
+
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         let width = columns.div_ceil(Self::LANES);

@@ -6,7 +6,7 @@ use crate::scalar::{MOST_LANES, Pack, Scalar};
 impl<S: Scalar> Panel<S> {
     /// The square block of packs in rows `LANES top` and on and place `left`.
     #[inline(always)]
-    fn block<const W: usize>(&self, top: usize, left: usize) -> [S::Pack; MOST_LANES] {
+    pub fn block<const W: usize>(&self, top: usize, left: usize) -> [S::Pack; MOST_LANES] {
         let (width, mut block) = (self.width::<W>(), [S::Pack::zero(); MOST_LANES]);
         let rows = &self.packs()[top * Self::LANES * width..][..Self::LANES * width];
         for r in 0..Self::LANES {
@@ -15,8 +15,9 @@ impl<S: Scalar> Panel<S> {
         block
     }
 
+    /// Sets the same packs.
     #[inline(always)]
-    fn set_block<const W: usize>(&mut self, top: usize, left: usize, block: &[S::Pack]) {
+    pub fn set_block<const W: usize>(&mut self, top: usize, left: usize, block: &[S::Pack]) {
         let width = self.width::<W>();
         let rows = &mut self.packs_mut()[top * Self::LANES * width..][..Self::LANES * width];
         for r in 0..Self::LANES {
@@ -34,6 +35,34 @@ impl<S: Scalar> Panel<S> {
                 S::Pack::transpose(&mut block[..Self::LANES]);
                 self.set_block::<W>(left, top, &block);
             }
+        }
+    }
+
+    /// `A + A'` for a square panel A of the same size.
+    pub fn add_transpose(&mut self, a: &Self) {
+        let size = self.width::<0>();
+        for top in 0..size {
+            for left in 0..=top {
+                let (lower, mut upper) = (a.block::<0>(top, left), a.block::<0>(left, top));
+                S::Pack::transpose(&mut upper[..Self::LANES]);
+                upper.iter_mut().zip(&lower).for_each(|(upper, &lower)| *upper += lower);
+                self.set_block::<0>(top, left, &upper);
+                S::Pack::transpose(&mut upper[..Self::LANES]);
+                self.set_block::<0>(left, top, &upper);
+            }
+        }
+    }
+
+    /// Keeps half of the diagonal of a square panel and all below it: zero above.
+    pub fn keep_half(&mut self) {
+        for i in 0..self.rows() {
+            let (pack, lane) = (i / Self::LANES, i % Self::LANES);
+            let row = self.row_mut(i);
+            row[pack + 1..].fill(S::Pack::zero());
+            for above in lane + 1..Self::LANES {
+                row[pack] = row[pack].with_lane(above, S::zero());
+            }
+            row[pack] = row[pack].with_lane(lane, row[pack].lane(lane).times(0.5));
         }
     }
 

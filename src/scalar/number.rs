@@ -182,4 +182,19 @@ pub trait Pack<S>: Scalar {
 
     /// Transposes a square block: as many packs as there are lanes.
     fn transpose(block: &mut [Self]);
+
+    /// As many packs side by side as fit into a register.
+    type Wide: Scalar;
+
+    /// Number of packs in a [`Wide`](Pack::Wide).
+    const WIDTH: usize;
+
+    /// The same value in every lane.
+    fn splat_wide(value: S) -> Self::Wide;
+
+    /// The first [`WIDTH`](Pack::WIDTH) packs side by side.
+    fn join(packs: &[Self]) -> Self::Wide;
+
+    /// The packs of a [`Wide`](Pack::Wide), one by one.
+    fn split(wide: Self::Wide, packs: &mut [Self]);
 }

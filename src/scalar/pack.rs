@@ -36,6 +36,21 @@ impl<S: Scalar> Pack<S> for S {
     }
     #[inline(always)]
     fn transpose(_: &mut [Self]) {}
+
+    type Wide = S;
+    const WIDTH: usize = 1;
+    #[inline(always)]
+    fn splat_wide(value: S) -> S {
+        value
+    }
+    #[inline(always)]
+    fn join(packs: &[Self]) -> S {
+        packs[0]
+    }
+    #[inline(always)]
+    fn split(wide: S, packs: &mut [Self]) {
+        packs[0] = wide;
+    }
 }
 
 #[cfg(feature = "wide")]
@@ -83,6 +98,41 @@ impl Pack<f64> for super::F64x4 {
         if let Some(block) = block.first_chunk_mut::<4>() {
             *block = wide::f64x4::transpose(block.map(|pack| pack.vector())).map(Self::new);
         }
+    }
+
+    #[cfg(not(target_feature = "avx512f"))]
+    type Wide = Self;
+    #[cfg(target_feature = "avx512f")]
+    type Wide = super::F64x8;
+    const WIDTH: usize = if cfg!(target_feature = "avx512f") { 2 } else { 1 };
+
+    #[inline(always)]
+    fn splat_wide(value: f64) -> Self::Wide {
+        Self::Wide::from_f64(value)
+    }
+    #[cfg(not(target_feature = "avx512f"))]
+    #[inline(always)]
+    fn join(packs: &[Self]) -> Self {
+        packs[0]
+    }
+    #[cfg(not(target_feature = "avx512f"))]
+    #[inline(always)]
+    fn split(wide: Self, packs: &mut [Self]) {
+        packs[0] = wide;
+    }
+    #[cfg(target_feature = "avx512f")]
+    #[inline(always)]
+    fn join(packs: &[Self]) -> Self::Wide {
+        let (low, high) = (packs[0].vector().to_array(), packs[1].vector().to_array());
+        let [[a, b, c, d], [e, f, g, h]] = [low, high];
+        Self::Wide::new(wide::f64x8::new([a, b, c, d, e, f, g, h]))
+    }
+    #[cfg(target_feature = "avx512f")]
+    #[inline(always)]
+    fn split(wide: Self::Wide, packs: &mut [Self]) {
+        let [a, b, c, d, e, f, g, h] = wide.vector().to_array();
+        packs[0] = Self::new(wide::f64x4::new([a, b, c, d]));
+        packs[1] = Self::new(wide::f64x4::new([e, f, g, h]));
     }
 }
 

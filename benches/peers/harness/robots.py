@@ -6,9 +6,9 @@ from pathlib import Path
 import chains
 import describe
 
-FILES = {"ur5": "robots/ur5.urdf", "panda": "robots/panda.urdf"}
+FILES = {name: f"robots/{name}.urdf" for name in ("ur5", "panda", "humanoid32", "humanoid50")}
 CHAINS = {"chain12": 12, "chain24": 24, "chain48": 48}
-ALL = (*FILES, *CHAINS)
+ALL = ("ur5", "panda", *CHAINS, "humanoid32", "humanoid50")
 
 
 @dataclass

@@ -1,0 +1,274 @@
+//! The blocks of F_x and y'F_xx as products with the triangular matrix `U = L^-1`, limited to the entries that
+//! the tree leaves.
+
+use super::conservative::Conservative;
+use crate::kernels::{Factor, KernelTwo, LagrangianHessian};
+use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
+use crate::scalar::Scalar;
+
+/// The products of [`Conservative::eliminate_by_blocks`].
+#[derive(Clone, Debug)]
+pub(super) struct Elimination {
+    /// `Y = U' P`.
+    pub upper: Tiles,
+    /// `Y' Z`.
+    pub square: Tiles,
+    /// `W = U Z`.
+    pub lower: Tiles,
+}
+
+/// Where the entries of the matrices are.
+struct Patterns {
+    /// U, with its diagonal, and U'.
+    u: Pattern,
+    u_across: Pattern,
+    /// M, P and L_qq, their diagonals included.
+    pair: Pattern,
+    /// `Y = U' P`.
+    y: Pattern,
+}
+
+impl Patterns {
+    fn new<S: Scalar>(factor: &Factor<S>) -> Self {
+        let (u, below) = (factor.inverse_pattern(), factor.pattern());
+        let u_across = u.transposed();
+        let pair = below.or(&below.transposed()).with_diagonal();
+        let y = u_across.times(&pair);
+        Self { u, u_across, pair, y }
+    }
+}
+
+impl Elimination {
+    pub fn new<S: Scalar>(factor: &Factor<S>) -> Self {
+        let Patterns { u, u_across, pair, y } = Patterns::new(factor);
+        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
+        Self {
+            upper: tiles(&u_across, &pair, Part::Whole),
+            square: tiles(&y.transposed(), &y, Part::Lower),
+            lower: tiles(&u, &y, Part::Whole),
+        }
+    }
+}
+
+impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
+    /// U', `Y = U' P` and `Z = D^-1 Y`.
+    pub(super) fn eliminate_by_blocks(&mut self, tiles: &Elimination) {
+        let Self { kernel, factor, p, y, z, .. } = self;
+        factor.invert();
+        p.read::<0>(kernel.l_vq());
+        y.set_tiles(&tiles.upper, Left::Rows(factor.upper()), p);
+        z.copy_from::<0, 0>(y);
+        factor.divide_by_pivots(z);
+    }
+
+    /// The conservative part of F_x: `M^-1`, `-W = -U Z`, its transpose, and `L_qq - P' M^-1 P = L_qq - Y' Z`.
+    #[inline(never)]
+    pub(super) fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
+        let Some(tiles) = self.tiles.take() else { return };
+        let Self { kernel, factor, p, y, z, .. } = self;
+        let n = z.rows();
+        factor.place_inverse(f_x, (0, n));
+        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
+        f_x.place_tiles(velocity, &tiles.lower, (Left::Columns(factor.upper()), z), Base::Zero);
+        p.read::<0>(kernel.l_qq());
+        let force = Place::symmetric((n, 0));
+        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), Base::Minus(p));
+        self.tiles = Some(tiles);
+    }
+
+    /// Whether F_x is computed block by block.
+    pub(super) fn in_blocks(&self) -> bool {
+        self.tiles.is_some()
+    }
+}
+
+/// The products of [`Blocked::apply`].
+#[derive(Clone, Debug)]
+struct Products {
+    /// `B^ = U' B`.
+    upper: Tiles,
+    /// `H = G U` of two lower triangular matrices.
+    half: Tiles,
+    /// `U' H`.
+    whole: Tiles,
+    /// `C^ Z`.
+    inner: Tiles,
+    /// `Z' T^`.
+    outer: Tiles,
+    /// `B^' Z`.
+    square: Tiles,
+    /// `U D^-1 T^`.
+    mixed: Tiles,
+    /// `H = G' U'` of two upper triangular matrices.
+    back: Tiles,
+    /// `H' U'` and `U H`.
+    last: Tiles,
+}
+
+/// The congruence in coordinates in which M is diagonal, for packs of several lanes.
+///
+/// ```text
+/// C^ = U' C U      B^ = U' B      T^ = B^ - C^ Z
+/// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
+/// ```
+///
+/// A symmetric matrix is the sum of a lower triangular G and G'. So `U' C U` is `U' (G U)` plus its transpose,
+/// which takes half of the products of a matrix that is not symmetric.
+#[derive(Clone, Debug)]
+pub(super) struct Blocked<S: Scalar> {
+    products: Products,
+    /// B, then T^.
+    t: Panel<S>,
+    b: Panel<S>,
+    /// U.
+    u: Panel<S>,
+    /// G, and H and `U' H` of C.
+    g: Panel<S>,
+    h: Panel<S>,
+    r: Panel<S>,
+    /// C^, then G of the result.
+    c: Panel<S>,
+    /// H and `H' U'` of the result. Each matrix has its own buffer: what no tile sets stays zero.
+    back: Panel<S>,
+    last: Panel<S>,
+}
+
+impl<S: Scalar> Blocked<S> {
+    pub fn new(factor: &Factor<S>) -> Self {
+        let Patterns { u, u_across, pair, y } = Patterns::new(factor);
+        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
+        let (whole, lower) = (Part::Whole, Part::Lower);
+        let half = pair.lower();
+        let h = half.times(&u);
+        let r = u_across.times(&h);
+        let c = r.or(&r.transposed());
+        let t = c.times(&y).or(&y);
+        let back = c.lower().transposed().times(&u_across);
+        // For `U H` and its transpose.
+        let both = u_across.or(&back);
+        let n = factor.size();
+        let square = || Panel::zeros(n, n);
+        Self {
+            products: Products {
+                upper: tiles(&u_across, &pair, whole),
+                half: tiles(&half, &u, lower),
+                whole: tiles(&u_across, &h, whole),
+                inner: tiles(&c, &y, whole),
+                outer: tiles(&y.transposed(), &t, lower),
+                square: tiles(&y.transposed(), &y, lower),
+                mixed: tiles(&u, &t, whole),
+                back: tiles(&c.lower().transposed(), &u_across, whole),
+                last: tiles(&both.transposed(), &both, lower),
+            },
+            t: square(),
+            b: square(),
+            u: square(),
+            g: square(),
+            h: square(),
+            r: square(),
+            c: square(),
+            back: square(),
+            last: square(),
+        }
+    }
+
+    /// Fills both triangles of the 2n x 2n matrix.
+    pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>, result: &mut Matrix<S>) {
+        let Self { products, t, b, u, g, h, r, c, back, last } = self;
+        let (upper, n) = (factor.upper(), z.rows());
+        u.take_transpose::<0>(upper);
+        t.read::<0>(along.l_vq());
+        b.set_tiles(&products.upper, Left::Rows(upper), t);
+
+        g.read::<0>(along.mass_matrix());
+        g.keep_half();
+        h.set_tiles(&products.half, Left::Rows(g), u);
+        r.set_tiles(&products.whole, Left::Rows(upper), h);
+        c.add_transpose(r);
+
+        t.copy_from::<0, 0>(b);
+        t.subtract_tiles(&products.inner, Left::Rows(c), z);
+        g.read::<0>(along.l_qq());
+        g.subtract_tiles(&products.square, Left::Columns(b), z);
+        let qq = Place::symmetric((0, 0));
+        result.place_tiles(qq, &products.outer, (Left::Columns(z), t), Base::Less(g));
+
+        factor.divide_by_pivots(t);
+        let pq = Place { at: (n, 0), across: (0, n), minus: [true; 2] };
+        result.place_tiles(pq, &products.mixed, (Left::Columns(upper), t), Base::Zero);
+
+        factor.divide_by_pivots_twice(c);
+        c.keep_half();
+        back.set_tiles(&products.back, Left::Columns(c), upper);
+        last.set_tiles(&products.last, Left::Columns(back), upper);
+        let pp = Place { minus: [true; 2], ..Place::symmetric((n, n)) };
+        result.place_tiles(pp, &products.last, (Left::Columns(upper), back), Base::Plus(last));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
+    use crate::matrix::Block;
+    use crate::robot::{Friction, JointSpec, LinkInertia, Robot};
+    use nalgebra::{DMatrix, Matrix3};
+
+    /// Joint k stands on joint `parent(k)`, if that is below k.
+    fn robot(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Robot {
+        let mut builder = Robot::builder("tree");
+        for k in 0..n {
+            let x = k as f64;
+            let link =
+                LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
+            let friction = Friction { viscous: 0.2, coulomb: (k % 3) as f64, coulomb_velocity: 0.1 };
+            let joint = JointSpec::revolute(format!("j{k}")).axis([x.sin(), 1.0, x.cos()]);
+            let joint = joint.carrying(link).friction(friction);
+            let on = parent(k);
+            builder = builder.joint(if on < k { joint.on(format!("j{on}")) } else { joint });
+        }
+        if coupled {
+            let mut armature = DMatrix::identity(n, n);
+            (armature[(n - 1, n / 2)], armature[(n / 2, n - 1)]) = (0.3, 0.3);
+            builder = builder.armature_matrix(armature);
+        }
+        builder.build().unwrap()
+    }
+
+    fn compare(robot: &Robot) {
+        let n = robot.dof();
+        let numbers =
+            |count: usize, from: f64| (0..count).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<_>>();
+        let equal = |found: Block<'_, f64>, expected: Block<'_, f64>| {
+            let (found, expected) = (found.to_nalgebra(), expected.to_nalgebra());
+            assert!((&found - &expected).amax() < 1e-11 * expected.amax(), "n = {n}");
+        };
+        let mut blocks = HamiltonianSecondOrder::<f64>::new(robot);
+        let mut duals = DualPass::<f64>::new(robot);
+        // The second time, nothing may be left of the first.
+        for from in [0.3, 1.1] {
+            let (q, p, u, y) = (numbers(n, from), numbers(n, 0.5), numbers(n, 0.7), numbers(2 * n, 0.9));
+            let expected = duals.contract(&q, &p, &u, &y).unwrap();
+            let found = blocks.contract(&q, &p, &u, &y).unwrap();
+            equal(found.linearisation().matrix(), expected.linearisation().matrix());
+            equal(found.matrix(), expected.matrix());
+            assert_eq!(found.matrix().to_nalgebra(), found.matrix().to_nalgebra().transpose());
+            let reduced = found.linearisation().qp().to_nalgebra();
+            assert_eq!(reduced, reduced.transpose());
+        }
+        let (q, p, y) = (numbers(n, 1.1), numbers(n, 0.5), numbers(2 * n, 0.9));
+        let mut contracted = crate::matrix::Matrix::zeros(2 * n, 2 * n);
+        let mut full = FullHessian::<f64>::new(robot);
+        full.hessian_tensor(&q, &p).unwrap().contract(&y, &mut contracted).unwrap();
+        let found = blocks.contract(&q, &p, &vec![0.0; n], &y).unwrap();
+        equal(contracted.view(), found.matrix());
+    }
+
+    #[test]
+    fn blocks_give_the_derivatives_of_a_dual_pass() {
+        for n in [13, 18, 23] {
+            compare(&robot(n, |k| k.wrapping_sub(1), false));
+            compare(&robot(n, |k| k / 2 + k % 3, false));
+            compare(&robot(n, |k| (k * k + 1) % (k + 2), true));
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! The factors of the mass matrix block by block: as many rows at once as a pack has lanes.
+
+use super::Factor;
+use super::triangle::Triangle;
+use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
+use crate::scalar::{MOST_LANES, Pack, Scalar};
+use std::ops::Range;
+
+/// Entries below the diagonal of a diagonal block of L, zero elsewhere.
+type Corner<S> = [[S; MOST_LANES]; MOST_LANES];
+
+/// What is computed of the factors, and where the entries of `U = L^-1` are.
+#[derive(Clone, Debug)]
+pub(super) struct FactorTiles {
+    /// `sum_k L_ki row_k`, rows k of other blocks, on and below the diagonal.
+    eliminate: Tiles,
+    /// The same for the rows of U'.
+    invert: Tiles,
+    /// `U D^-1 U'`.
+    inverse: Tiles,
+    /// Packs of the rows of a block that hold entries of L, and of U'.
+    lower: Packs,
+    upper: Packs,
+}
+
+/// Some packs of each block of rows.
+#[derive(Clone, Debug)]
+struct Packs {
+    starts: Vec<usize>,
+    packs: Vec<usize>,
+}
+
+impl Packs {
+    /// Those that hold an entry of the pattern.
+    fn new(lanes: usize, pattern: &Pattern) -> Self {
+        let n = pattern.size();
+        let lanes_of = |block: usize| lanes * block..(lanes * (block + 1)).min(n);
+        let (mut starts, mut packs) = (vec![0], Vec::new());
+        for block in 0..n.div_ceil(lanes) {
+            let columns = pattern.columns_of(lanes_of(block));
+            let has = |j: usize| columns[j / 64] >> (j % 64) & 1 == 1;
+            packs.extend((0..n.div_ceil(lanes)).filter(|&pack| lanes_of(pack).any(has)));
+            starts.push(packs.len());
+        }
+        Self { starts, packs }
+    }
+
+    /// Packs of this block of rows, ascending.
+    #[inline(always)]
+    fn of(&self, block: usize) -> &[usize] {
+        &self.packs[self.starts[block]..self.starts[block + 1]]
+    }
+}
+
+impl FactorTiles {
+    pub fn new<S: Scalar>(l: &Triangle<S>) -> Self {
+        let lanes = Panel::<S>::LANES;
+        let (below, lower, upper) =
+            (l.pattern(), l.pattern().with_diagonal(), l.inverse_pattern().transposed());
+        let across = below.transposed();
+        Self {
+            eliminate: Tiles::new(lanes, &across, &lower, Part::Lower, Terms::OtherBlocks),
+            invert: Tiles::new(lanes, &across, &upper, Part::Whole, Terms::OtherBlocks),
+            inverse: Tiles::new(lanes, &upper.transposed(), &upper, Part::Lower, Terms::All),
+            lower: Packs::new(lanes, &lower),
+            upper: Packs::new(lanes, &upper),
+        }
+    }
+}
+
+/// `x_r -= sum_i L_ir x_i`, i > r, for the rows x of a block.
+#[inline(always)]
+fn solve_corner<S: Scalar, P: Pack<S>>(l: &Corner<S>, x: &mut [P; MOST_LANES]) {
+    for i in (1..P::LANES).rev() {
+        for r in 0..i {
+            x[r] = P::splat(-l[i][r]).mul_add(x[i], x[r]);
+        }
+    }
+}
+
+impl<S: Scalar> Factor<S> {
+    /// Rows of this block.
+    fn rows(&self, block: usize) -> Range<usize> {
+        let first = block * Panel::<S>::LANES;
+        first..(first + Panel::<S>::LANES).min(self.inverse_pivots.len())
+    }
+
+    /// Number of blocks of rows.
+    fn blocks(&self) -> usize {
+        self.work.width::<0>()
+    }
+
+    /// `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, block by block from the last.
+    #[inline(never)]
+    pub(super) fn eliminate_blocks(&mut self, tiles: &FactorTiles, mass_matrix: &Matrix<S>) {
+        self.work.read::<0>(mass_matrix);
+        self.inverted = false;
+        for block in (0..self.blocks()).rev() {
+            self.work.subtract_own_rows(&tiles.eliminate, block, self.l.entries());
+            let l = self.eliminate_corner(block);
+            let mut scales = [S::Pack::zero(); MOST_LANES];
+            let rows = self.rows(block);
+            for (scale, &inverse) in scales.iter_mut().zip(&self.inverse_pivots[rows]) {
+                *scale = S::Pack::splat(inverse);
+            }
+            for &pack in tiles.lower.of(block) {
+                let mut x = self.work.block::<0>(block, pack);
+                solve_corner(&l, &mut x);
+                self.work.set_block::<0>(block, pack, &x);
+                x.iter_mut().zip(&scales).for_each(|(x, &scale)| *x *= scale);
+                self.l.entries_mut().set_block::<0>(block, pack, &x);
+            }
+        }
+    }
+
+    /// The pivots of a block of rows and the entries of L below the diagonal of its diagonal block.
+    #[inline(always)]
+    fn eliminate_corner(&mut self, block: usize) -> Corner<S> {
+        let rows = self.rows(block);
+        let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
+        let mut d = l;
+        for (r, row) in rows.clone().enumerate() {
+            for (c, d) in d[r].iter_mut().enumerate().take(r + 1) {
+                *d = self.work.get(row, rows.start + c);
+            }
+        }
+        for i in (0..rows.len()).rev() {
+            let inverse = d[i][i].recip();
+            self.inverse_pivots[rows.start + i] = inverse;
+            for r in 0..i {
+                l[i][r] = d[i][r] * inverse;
+            }
+            for r in 0..i {
+                for c in 0..=r {
+                    d[r][c] = (-l[i][r]).mul_add(d[i][c], d[r][c]);
+                }
+            }
+        }
+        l
+    }
+
+    /// Entries of L below the diagonal of this diagonal block.
+    #[inline(always)]
+    fn corner(&self, block: usize) -> Corner<S> {
+        let rows = self.rows(block);
+        let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
+        for (r, row) in rows.clone().enumerate() {
+            for (c, l) in l[r].iter_mut().enumerate().take(r) {
+                *l = self.l.entries().get(row, rows.start + c);
+            }
+        }
+        l
+    }
+
+    /// `U' = L'^-1`, block by block from the last.
+    #[inline(never)]
+    pub(super) fn invert_blocks(&mut self, tiles: &FactorTiles) {
+        for block in (0..self.blocks()).rev() {
+            for &pack in tiles.upper.of(block) {
+                let mut unit = [S::Pack::zero(); MOST_LANES];
+                if pack == block {
+                    for (r, unit) in unit.iter_mut().enumerate().take(Panel::<S>::LANES) {
+                        *unit = unit.with_lane(r, S::one());
+                    }
+                }
+                self.upper.set_block::<0>(block, pack, &unit);
+            }
+            self.upper.subtract_own_rows(&tiles.invert, block, self.l.entries());
+            let l = self.corner(block);
+            for &pack in tiles.upper.of(block) {
+                let mut x = self.upper.block::<0>(block, pack);
+                solve_corner(&l, &mut x);
+                self.upper.set_block::<0>(block, pack, &x);
+            }
+        }
+        self.inverted = true;
+    }
+
+    /// `M^-1 = U D^-1 U'`.
+    #[inline(never)]
+    pub(super) fn form_inverse_by_blocks(&mut self, tiles: &FactorTiles, inverse: &mut Panel<S>) {
+        self.scale(tiles);
+        inverse.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
+        inverse.mirror_lower::<0>();
+    }
+
+    /// The same, to a matrix from this row and column on.
+    #[inline(never)]
+    pub(super) fn place_inverse_by_blocks(
+        &mut self,
+        tiles: &FactorTiles,
+        to: &mut Matrix<S>,
+        at: (usize, usize),
+    ) {
+        self.scale(tiles);
+        let factors = (Left::Columns(&self.upper), &self.scaled);
+        to.place_tiles(Place::symmetric(at), &tiles.inverse, factors, Base::Zero);
+    }
+
+    /// `D^-1 U'`.
+    fn scale(&mut self, tiles: &FactorTiles) {
+        if !self.inverted {
+            self.invert_blocks(tiles);
+        }
+        for block in 0..self.blocks() {
+            for row in self.rows(block) {
+                let scale = S::Pack::splat(self.inverse_pivots[row]);
+                for &pack in tiles.upper.of(block) {
+                    self.scaled.row_mut(row)[pack] = self.upper.row(row)[pack] * scale;
+                }
+            }
+        }
+    }
+
+    /// `x <- M^-1 x`, length n.
+    #[inline(never)]
+    pub(super) fn solve_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
+        let (lanes, l) = (Panel::<S>::LANES, self.l.entries());
+        for block in (0..self.blocks()).rev() {
+            let (rows, corner) = (self.rows(block), self.corner(block));
+            let own = &mut x[rows.clone()];
+            for i in (1..own.len()).rev() {
+                for r in 0..i {
+                    own[r] = (-corner[i][r]).mul_add(own[i], own[r]);
+                }
+            }
+            let mut from = [S::Pack::zero(); MOST_LANES];
+            own.iter().zip(&mut from).for_each(|(&x, from)| *from = S::Pack::splat(-x));
+            let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
+            for &pack in others {
+                let target = &mut x[pack * lanes..][..lanes];
+                let mut sum = S::Pack::read(target);
+                for (row, &from) in rows.clone().zip(&from) {
+                    sum = from.mul_add(l.row(row)[pack], sum);
+                }
+                sum.write(target);
+            }
+        }
+        for block in 0..self.blocks() {
+            let (rows, corner) = (self.rows(block), self.corner(block));
+            let mut sums = [S::Pack::zero(); MOST_LANES];
+            let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
+            for &pack in others {
+                let from = S::Pack::read(&x[pack * lanes..][..lanes]);
+                for (row, sum) in rows.clone().zip(&mut sums) {
+                    *sum = l.row(row)[pack].mul_add(from, *sum);
+                }
+            }
+            S::Pack::transpose(&mut sums[..lanes]);
+            let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
+            let pivots = S::Pack::read(&self.inverse_pivots[rows.clone()]);
+            let own = S::Pack::read(&x[rows.clone()]).mul_add(pivots, -sum);
+            let mut solved = [S::zero(); MOST_LANES];
+            for r in 0..rows.len() {
+                solved[r] = own.lane(r);
+                for c in 0..r {
+                    solved[r] = (-corner[r][c]).mul_add(solved[c], solved[r]);
+                }
+            }
+            S::Pack::read(&solved[..lanes]).write(&mut x[rows]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::kernels::{Factor, KernelOne};
+    use crate::matrix::{Matrix, Panel};
+    use crate::robot::{JointSpec, LinkInertia, Robot, Tree};
+    use nalgebra::{DMatrix, DVector, Matrix3};
+
+    /// Joint k stands on joint `parent(k)`, if that is below k.
+    fn tree(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Tree {
+        let mut builder = Robot::builder("tree");
+        for k in 0..n {
+            let x = k as f64;
+            let link =
+                LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
+            let joint = JointSpec::revolute(&format!("j{k}")).axis([x.sin(), 1.0, x.cos()]).carrying(link);
+            let on = parent(k);
+            builder = builder.joint(if on < k { joint.on(&format!("j{on}")) } else { joint });
+        }
+        if coupled {
+            let mut armature = DMatrix::identity(n, n);
+            (armature[(n - 1, n / 2)], armature[(n / 2, n - 1)]) = (0.3, 0.3);
+            builder = builder.armature_matrix(armature);
+        }
+        Tree::from(&builder.build().unwrap())
+    }
+
+    fn compare(tree: &Tree) {
+        let n = tree.dof();
+        let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
+        let (mut kernel, mut factor) = (KernelOne::<f64>::new(tree), Factor::<f64>::new(tree));
+        // The second time, nothing may be left of the first.
+        for from in [0.3, 1.1] {
+            kernel.set_position(tree, &numbers(from)).unwrap();
+            factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).unwrap();
+            let m = DMatrix::from_row_slice(n, n, kernel.mass_matrix().as_slice());
+            let expected = m.clone().try_inverse().unwrap();
+            let mut inverse = Matrix::zeros(n, n);
+            factor.inverse(&mut inverse);
+            let inverse = DMatrix::from_row_slice(n, n, inverse.as_slice());
+            assert_eq!(inverse, inverse.transpose());
+            assert!((&inverse - &expected).amax() < 1e-11 * expected.amax(), "n = {n}");
+            let mut x = numbers(0.7);
+            let solved = &expected * DVector::from_column_slice(&x);
+            factor.solve(&mut x);
+            assert!((DVector::from_column_slice(&x) - &solved).amax() < 1e-11 * solved.amax(), "n = {n}");
+            let mut large = Matrix::zeros(2 * n, 2 * n);
+            factor.place_inverse(&mut large, (n, 0));
+            if Panel::<f64>::in_blocks(n) {
+                assert_eq!(large.block(n, 0, n, n).to_nalgebra(), inverse);
+            }
+        }
+        // A row and column of zeros.
+        let mut singular = kernel.mass_matrix().clone();
+        (0..n).for_each(|k| (singular[(n / 3, k)], singular[(k, n / 3)]) = (0.0, 0.0));
+        assert_eq!(factor.factor(&singular, |_| 1.0), Err(n / 3));
+    }
+
+    #[test]
+    fn blocks_give_the_inverse_of_the_mass_matrix_of_any_tree() {
+        for n in [1, 12, 13, 14, 15, 16, 17, 30, 67] {
+            compare(&tree(n, |k| k.wrapping_sub(1), false));
+            compare(&tree(n, |k| k / 2 + k % 3, false));
+            compare(&tree(n, |k| (k * k + 1) % (k + 2), false));
+        }
+        compare(&tree(19, |k| (k * k + 1) % (k + 2), true));
+        compare(&tree(26, |k| k / 3, true));
+    }
+}
