@@ -5,6 +5,7 @@ mod blocks;
 mod congruence;
 mod dissipation;
 mod factor;
+mod factor_tiles;
 mod hessian;
 mod pass;
 mod position;
