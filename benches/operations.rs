@@ -21,15 +21,17 @@ const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/operations.md")
 const BEGIN: &str = "<!-- table: begin -->";
 const END: &str = "<!-- table: end -->";
 
-/// Name for the table, robot, and multiplications for F and F_x in the paper for a robot with as many joints:
-/// by the Hamiltonian, by the Lagrangian model.
-fn all() -> [(&'static str, Robot, [u64; 2]); 4] {
-    let (six, twelve) = ([1167, 1775], [14_610, 18_067]);
+/// Name for the table, robot, and multiplications for F and F_x in the paper for a robot with as many joints,
+/// if it has any: by the Hamiltonian, by the Lagrangian model.
+fn all() -> [(&'static str, Robot, Option<[u64; 2]>); 6] {
+    let (six, twelve) = (Some([1167, 1775]), Some([14_610, 18_067]));
     [
         ("PUMA 560", robots::file("puma560.toml"), six),
         ("general 6R", robots::random("chain", 6, 1), six),
         ("biped", robots::file("biped.toml"), twelve),
         ("general 12R", robots::random("chain", 12, 1), twelve),
+        ("humanoid 32", robots::file("humanoid32.urdf"), None),
+        ("humanoid 50", robots::file("humanoid50.urdf"), None),
     ]
 }
 
@@ -58,6 +60,11 @@ fn lagrangian(robot: &Robot) -> [Operations; 2] {
     let (_, value) = count(|| lagrangian.forward_dynamics(&q, &v, &u).map(drop));
     let (_, jacobian) = count(|| lagrangian.linearise_forward_dynamics(&q, &v, &u).map(drop));
     [value, jacobian]
+}
+
+/// How many times the multiplications of the paper.
+fn ratio_to_paper(multiplications: u64, paper: Option<u64>) -> String {
+    paper.map_or("-".to_owned(), |paper| format!("{:.2}", multiplications as f64 / paper as f64))
 }
 
 fn cell(o: Operations) -> String {
@@ -94,12 +101,14 @@ fn table() -> String {
             let cells = kept.iter().map(|table| cell(table.get(quantity, "analytic").unwrap())).collect();
             line("F, F_x: analytic, constants not folded", cells);
             for (k, model) in ["Hamiltonian", "Lagrangian"].into_iter().enumerate() {
-                let cells = robots.iter().map(|(_, _, paper)| paper[k].to_string()).collect();
+                let of_paper =
+                    |paper: &Option<[u64; 2]>| paper.map_or("-".to_owned(), |paper| paper[k].to_string());
+                let cells = robots.iter().map(|(_, _, paper)| of_paper(paper)).collect();
                 line(&format!("F, F_x: the paper, {model} model, multiplications"), cells);
             }
             for route in ["tensors", "analytic"] {
-                let ratio = |(table, (_, _, paper)): (&OperationTable, &(_, _, [u64; 2]))| {
-                    format!("{:.2}", table.get(quantity, route).unwrap().mul as f64 / paper[0] as f64)
+                let ratio = |(table, (_, _, paper)): (&OperationTable, &(_, _, Option<[u64; 2]>))| {
+                    ratio_to_paper(table.get(quantity, route).unwrap().mul, paper.map(|[model, _]| model))
                 };
                 let cells = folded.iter().zip(&robots).map(ratio).collect();
                 line(&format!("F, F_x: {route} / the paper, Hamiltonian model"), cells);
@@ -127,8 +136,8 @@ fn table() -> String {
         "a, a_z, z = (q, v, u): Lagrangian, analytic",
         by_lagrangian.iter().map(|[_, a_z]| cell(*a_z)).collect(),
     );
-    let ratio = |([_, a_z], (_, _, paper)): (&[Operations; 2], &(_, _, [u64; 2]))| {
-        format!("{:.2}", a_z.mul as f64 / paper[1] as f64)
+    let ratio = |([_, a_z], (_, _, paper)): (&[Operations; 2], &(_, _, Option<[u64; 2]>))| {
+        ratio_to_paper(a_z.mul, paper.map(|[_, model]| model))
     };
     let cells = by_lagrangian.iter().zip(&robots).map(ratio).collect();
     line("a, a_z / the paper, Lagrangian model", cells);

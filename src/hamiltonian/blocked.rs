@@ -1,86 +1,10 @@
-//! The blocks of F_x and y'F_xx as products with the triangular matrix `U = L^-1`, limited to the entries that
+//! The congruence of y'F_xx as products with the triangular matrix `U = L^-1`, limited to the entries that
 //! the tree leaves.
 
-use super::conservative::Conservative;
-use crate::kernels::{Factor, KernelTwo, LagrangianHessian};
+use super::elimination::Patterns;
+use crate::kernels::{Factor, KernelTwo};
 use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
 use crate::scalar::Scalar;
-
-/// The products of [`Conservative::eliminate_by_blocks`].
-#[derive(Clone, Debug)]
-pub(super) struct Elimination {
-    /// `Y = U' P`.
-    pub upper: Tiles,
-    /// `Y' Z`.
-    pub square: Tiles,
-    /// `W = U Z`.
-    pub lower: Tiles,
-}
-
-/// Where the entries of the matrices are.
-struct Patterns {
-    /// U, with its diagonal, and U'.
-    u: Pattern,
-    u_across: Pattern,
-    /// M, P and L_qq, their diagonals included.
-    pair: Pattern,
-    /// `Y = U' P`.
-    y: Pattern,
-}
-
-impl Patterns {
-    fn new<S: Scalar>(factor: &Factor<S>) -> Self {
-        let (u, below) = (factor.inverse_pattern(), factor.pattern());
-        let u_across = u.transposed();
-        let pair = below.or(&below.transposed()).with_diagonal();
-        let y = u_across.times(&pair);
-        Self { u, u_across, pair, y }
-    }
-}
-
-impl Elimination {
-    pub fn new<S: Scalar>(factor: &Factor<S>) -> Self {
-        let Patterns { u, u_across, pair, y } = Patterns::new(factor);
-        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
-        Self {
-            upper: tiles(&u_across, &pair, Part::Whole),
-            square: tiles(&y.transposed(), &y, Part::Lower),
-            lower: tiles(&u, &y, Part::Whole),
-        }
-    }
-}
-
-impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
-    /// U', `Y = U' P` and `Z = D^-1 Y`.
-    pub(super) fn eliminate_by_blocks(&mut self, tiles: &Elimination) {
-        let Self { kernel, factor, p, y, z, .. } = self;
-        factor.invert();
-        p.read::<0>(kernel.l_vq());
-        y.set_tiles(&tiles.upper, Left::Rows(factor.upper()), p);
-        z.copy_from::<0, 0>(y);
-        factor.divide_by_pivots(z);
-    }
-
-    /// The conservative part of F_x: `M^-1`, `-W = -U Z`, its transpose, and `L_qq - P' M^-1 P = L_qq - Y' Z`.
-    #[inline(never)]
-    pub(super) fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
-        let Some(tiles) = self.tiles.take() else { return };
-        let Self { kernel, factor, p, y, z, .. } = self;
-        let n = z.rows();
-        factor.place_inverse(f_x, (0, n));
-        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
-        f_x.place_tiles(velocity, &tiles.lower, (Left::Columns(factor.upper()), z), Base::Zero);
-        p.read::<0>(kernel.l_qq());
-        let force = Place::symmetric((n, 0));
-        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), Base::Minus(p));
-        self.tiles = Some(tiles);
-    }
-
-    /// Whether F_x is computed block by block.
-    pub(super) fn in_blocks(&self) -> bool {
-        self.tiles.is_some()
-    }
-}
 
 /// The products of [`Blocked::apply`].
 #[derive(Clone, Debug)]
@@ -112,8 +36,8 @@ struct Products {
 /// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
 /// ```
 ///
-/// A symmetric matrix is the sum of a lower triangular G and G'. So `U' C U` is `U' (G U)` plus its transpose,
-/// which takes half of the products of a matrix that is not symmetric.
+/// A symmetric matrix is the sum of a lower triangular G and G'. So `U' C U` is `U' (G U)` plus its
+/// transpose, which takes half of the products of a matrix that is not symmetric.
 #[derive(Clone, Debug)]
 pub(super) struct Blocked<S: Scalar> {
     products: Products,

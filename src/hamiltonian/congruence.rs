@@ -23,7 +23,8 @@ use crate::scalar::Scalar;
 /// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
 /// ```
 ///
-/// Packs of several lanes use the first form, scalars the second.
+/// Packs of several lanes use the first form up to 12 joints, and products with U beyond ([`Blocked`]);
+/// scalars use the second.
 #[derive(Clone, Debug)]
 pub(super) struct Congruence<S: Scalar> {
     b: Panel<S>,

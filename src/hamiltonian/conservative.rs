@@ -1,9 +1,9 @@
 //! The part without friction and actuation: `x' = J grad H`, and Hess H.
 
-use super::blocked::Elimination;
+use super::elimination::Elimination;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Left, Panel, Part, dot, sized};
+use crate::matrix::{Base, Left, Matrix, Panel, Part, Place, dot, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -20,11 +20,11 @@ pub(super) struct Conservative<S: Scalar, K> {
     pub inverse: Panel<S>,
     /// `L_qq - P' M^-1 P = F^p,q`.
     pub reduced: Panel<S>,
-    pub(super) p: Panel<S>,
+    p: Panel<S>,
     /// `Y = L'^-1 P` and `Z = D^-1 Y`, unless small matrices are multiplied by M^-1.
-    pub(super) y: Panel<S>,
+    y: Panel<S>,
     pub z: Panel<S>,
-    pub(super) tiles: Option<Box<Elimination>>,
+    tiles: Option<Box<Elimination>>,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
@@ -81,8 +81,9 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
 
     /// M^-1, `W = M^-1 P` and `L_qq - P' W` (21), after [`first_order`](Self::first_order).
     ///
-    /// Packs of several lanes multiply by M^-1, whose rows are independent; scalars use the factors of M,
-    /// which are zero where joints are on different branches.
+    /// Packs of several lanes multiply by M^-1, whose rows are independent, up to 12 joints, and beyond by
+    /// U' = L'^-1, block by block and without what branches leave empty: only Y and Z, with which
+    /// [`place_blocks`](Self::place_blocks) gives the rest. Scalars use the factors of M.
     #[inline(never)]
     pub fn second_order(&mut self, tree: &Tree) {
         self.kernel.second_order(tree);
@@ -122,5 +123,36 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         w.set_product::<N, W>(Left::Rows(inverse), p, Part::Whole);
         reduced.subtract_product::<N, W>(Left::Columns(p), w, Part::Lower);
         reduced.mirror_lower::<W>();
+    }
+
+    /// U', `Y = U' P` and `Z = D^-1 Y`.
+    fn eliminate_by_blocks(&mut self, tiles: &Elimination) {
+        let Self { kernel, factor, p, y, z, .. } = self;
+        factor.invert();
+        p.read::<0>(kernel.l_vq());
+        y.set_tiles(&tiles.upper, Left::Rows(factor.upper()), p);
+        z.copy_from::<0, 0>(y);
+        factor.divide_by_pivots(z);
+    }
+
+    /// The conservative part of F_x: `M^-1`, `-W = -U Z`, the transpose of W, and
+    /// `L_qq - P' M^-1 P = L_qq - Y' Z`.
+    #[inline(never)]
+    pub fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
+        let Some(tiles) = self.tiles.take() else { return };
+        let Self { kernel, factor, p, y, z, .. } = self;
+        let n = z.rows();
+        factor.place_inverse(f_x, (0, n));
+        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
+        f_x.place_tiles(velocity, &tiles.lower, (Left::Columns(factor.upper()), z), Base::Zero);
+        p.read::<0>(kernel.l_qq());
+        let force = Place::symmetric((n, 0));
+        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), Base::Minus(p));
+        self.tiles = Some(tiles);
+    }
+
+    /// Whether F_x is computed block by block.
+    pub fn in_blocks(&self) -> bool {
+        self.tiles.is_some()
     }
 }

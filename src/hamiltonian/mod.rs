@@ -22,6 +22,7 @@ mod conservative;
 mod contraction;
 mod direction;
 mod dual_pass;
+mod elimination;
 mod full;
 mod legendre;
 mod linearisation;
@@ -42,7 +43,7 @@ pub use tensor::HessianTensor;
 use crate::error::EvalError;
 pub(crate) use crate::kernels::check;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
@@ -147,19 +148,27 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         p: &[S],
         u: &[S],
     ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
-        self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.flow.first_order(&self.tree, q, p)?;
-        self.flow.second_order(&self.tree);
-        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
-        self.state.add_wrenches(q);
+        self.prepare(q, p, u)?;
         self.assembled();
         self.state.add_wrench_slopes(q);
         Ok(self.state.linearisation(self.flow.kernel.mass_matrix()))
     }
 
+    /// F, and all that F_x is made of.
+    fn prepare(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order(&self.tree, q, p)?;
+        self.flow.second_order(&self.tree);
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        self.state.add_wrenches(q);
+        Ok(())
+    }
+
     /// Assembles F_x from the blocks of the conservative part.
     pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
-        if self.flow.in_blocks() {
+        if Panel::<S>::ONE_LANE {
+            self.state.assemble(&self.tree, &self.flow);
+        } else if self.flow.in_blocks() {
             self.state.assemble_by_blocks(&self.tree, &mut self.flow);
         } else {
             self.state.assemble(&self.tree, &self.flow);

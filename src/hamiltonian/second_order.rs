@@ -89,8 +89,11 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         y: &[S],
     ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
         check(&self.first.tree, "y", y, 2 * self.dof())?;
-        self.first.linearise(q, p, u)?;
+        self.first.prepare(q, p, u)?;
         self.differentiate(y)?;
+        // F_x is put together here: what kernel two has stored entry by entry just before is read whole next.
+        self.first.assembled();
+        self.first.state.add_wrench_slopes(q);
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);

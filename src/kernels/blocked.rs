@@ -1,72 +1,13 @@
 //! The factors of the mass matrix block by block: as many rows at once as a pack has lanes.
 
 use super::Factor;
-use super::triangle::Triangle;
-use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
+use super::factor_tiles::FactorTiles;
+use crate::matrix::{Base, Left, Matrix, Panel, Place};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
 /// Entries below the diagonal of a diagonal block of L, zero elsewhere.
 type Corner<S> = [[S; MOST_LANES]; MOST_LANES];
-
-/// What is computed of the factors, and where the entries of `U = L^-1` are.
-#[derive(Clone, Debug)]
-pub(super) struct FactorTiles {
-    /// `sum_k L_ki row_k`, rows k of other blocks, on and below the diagonal.
-    eliminate: Tiles,
-    /// The same for the rows of U'.
-    invert: Tiles,
-    /// `U D^-1 U'`.
-    inverse: Tiles,
-    /// Packs of the rows of a block that hold entries of L, and of U'.
-    lower: Packs,
-    upper: Packs,
-}
-
-/// Some packs of each block of rows.
-#[derive(Clone, Debug)]
-struct Packs {
-    starts: Vec<usize>,
-    packs: Vec<usize>,
-}
-
-impl Packs {
-    /// Those that hold an entry of the pattern.
-    fn new(lanes: usize, pattern: &Pattern) -> Self {
-        let n = pattern.size();
-        let lanes_of = |block: usize| lanes * block..(lanes * (block + 1)).min(n);
-        let (mut starts, mut packs) = (vec![0], Vec::new());
-        for block in 0..n.div_ceil(lanes) {
-            let columns = pattern.columns_of(lanes_of(block));
-            let has = |j: usize| columns[j / 64] >> (j % 64) & 1 == 1;
-            packs.extend((0..n.div_ceil(lanes)).filter(|&pack| lanes_of(pack).any(has)));
-            starts.push(packs.len());
-        }
-        Self { starts, packs }
-    }
-
-    /// Packs of this block of rows, ascending.
-    #[inline(always)]
-    fn of(&self, block: usize) -> &[usize] {
-        &self.packs[self.starts[block]..self.starts[block + 1]]
-    }
-}
-
-impl FactorTiles {
-    pub fn new<S: Scalar>(l: &Triangle<S>) -> Self {
-        let lanes = Panel::<S>::LANES;
-        let (below, lower, upper) =
-            (l.pattern(), l.pattern().with_diagonal(), l.inverse_pattern().transposed());
-        let across = below.transposed();
-        Self {
-            eliminate: Tiles::new(lanes, &across, &lower, Part::Lower, Terms::OtherBlocks),
-            invert: Tiles::new(lanes, &across, &upper, Part::Whole, Terms::OtherBlocks),
-            inverse: Tiles::new(lanes, &upper.transposed(), &upper, Part::Lower, Terms::All),
-            lower: Packs::new(lanes, &lower),
-            upper: Packs::new(lanes, &upper),
-        }
-    }
-}
 
 /// `x_r -= sum_i L_ir x_i`, i > r, for the rows x of a block.
 #[inline(always)]
@@ -131,8 +72,9 @@ impl<S: Scalar> Factor<S> {
                 l[i][r] = d[i][r] * inverse;
             }
             for r in 0..i {
-                for c in 0..=r {
-                    d[r][c] = (-l[i][r]).mul_add(d[i][c], d[r][c]);
+                let from = d[i];
+                for (d, from) in d[r][..=r].iter_mut().zip(from) {
+                    *d = (-l[i][r]).mul_add(from, *d);
                 }
             }
         }
@@ -176,15 +118,7 @@ impl<S: Scalar> Factor<S> {
         self.inverted = true;
     }
 
-    /// `M^-1 = U D^-1 U'`.
-    #[inline(never)]
-    pub(super) fn form_inverse_by_blocks(&mut self, tiles: &FactorTiles, inverse: &mut Panel<S>) {
-        self.scale(tiles);
-        inverse.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
-        inverse.mirror_lower::<0>();
-    }
-
-    /// The same, to a matrix from this row and column on.
+    /// `M^-1 = U D^-1 U'`, to a matrix from this row and column on.
     #[inline(never)]
     pub(super) fn place_inverse_by_blocks(
         &mut self,

@@ -9,8 +9,8 @@ use std::ops::Range;
 ///
 /// Joint i has one force for each j of its subtree: those of its children, transformed one frame inward, and
 /// its own. A block keeps its lanes during the pass, so that whole blocks are transformed at once. They are
-/// filled from the last lane on: the force of joint i goes before that of the next joint, else to any block that
-/// is not full, else to a new one. Unused lanes are zero.
+/// filled from the last lane on: the force of joint i goes before that of the next joint, else to any block
+/// that is not full, else to a new one. Unused lanes are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     starts: Vec<usize>,
@@ -73,8 +73,8 @@ impl Blocks {
         self.starts[i]..self.starts[i + 1]
     }
 
-    /// For each child of joint i, which has a parent: the child, its blocks, and the first of those blocks of i
-    /// that hold the same forces.
+    /// For each child of joint i, which has a parent: the child, its blocks, and the first of those blocks of
+    /// i that hold the same forces.
     #[inline(always)]
     pub fn inherited(&self, tree: &Tree, i: usize) -> impl Iterator<Item = (usize, Range<usize>, usize)> {
         let mut next = self.starts[i];

@@ -1,6 +1,6 @@
 //! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
 
-use super::blocked::FactorTiles;
+use super::factor_tiles::FactorTiles;
 use super::triangle::Triangle;
 use crate::matrix::{Matrix, Panel, Pattern, add_scaled, sized, sum_rows};
 use crate::robot::Tree;
@@ -59,12 +59,13 @@ impl<S: Scalar> Factor<S> {
     /// The index of a joint whose pivot is not above its rounding error: M is singular in working precision.
     /// The factorisation is completed nevertheless.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
-        match self.tiles.take() {
-            Some(tiles) => {
-                self.eliminate_blocks(&tiles, mass_matrix);
-                self.tiles = Some(tiles);
-            }
-            None => sized!(S, self.work.columns(), self.eliminate(mass_matrix)),
+        if Panel::<S>::ONE_LANE {
+            self.eliminate::<0, 0>(mass_matrix);
+        } else if let Some(tiles) = self.tiles.take() {
+            self.eliminate_blocks(&tiles, mass_matrix);
+            self.tiles = Some(tiles);
+        } else {
+            sized!(S, self.work.columns(), self.eliminate(mass_matrix));
         }
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
@@ -130,12 +131,13 @@ impl<S: Scalar> Factor<S> {
         if self.inverted {
             return;
         }
-        match self.tiles.take() {
-            Some(tiles) => {
-                self.invert_blocks(&tiles);
-                self.tiles = Some(tiles);
-            }
-            None => self.invert_transposed::<0, 0>(),
+        if Panel::<S>::ONE_LANE {
+            self.invert_transposed::<0, 0>();
+        } else if let Some(tiles) = self.tiles.take() {
+            self.invert_blocks(&tiles);
+            self.tiles = Some(tiles);
+        } else {
+            self.invert_transposed::<0, 0>();
         }
         self.inverted = true;
     }
@@ -167,6 +169,9 @@ impl<S: Scalar> Factor<S> {
 
     /// Writes M^-1 to a matrix from this row and column on, where it is computed block by block.
     pub(crate) fn place_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
+        if Panel::<S>::ONE_LANE {
+            return;
+        }
         if let Some(tiles) = self.tiles.take() {
             self.place_inverse_by_blocks(&tiles, to, at);
             self.tiles = Some(tiles);
@@ -176,9 +181,12 @@ impl<S: Scalar> Factor<S> {
     /// `x <- M^-1 x`, length n.
     #[inline(never)]
     pub fn solve(&self, x: &mut [S]) {
-        match &self.tiles {
-            Some(tiles) => self.solve_by_blocks(tiles, x),
-            None => sized!(S, x.len(), self.solve_vector(x)),
+        if Panel::<S>::ONE_LANE {
+            self.solve_vector::<0, 0>(x);
+        } else if let Some(tiles) = &self.tiles {
+            self.solve_by_blocks(tiles, x);
+        } else {
+            sized!(S, x.len(), self.solve_vector(x));
         }
     }
 
@@ -273,19 +281,19 @@ impl<S: Scalar> Factor<S> {
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.
     #[inline(never)]
     pub fn inverse(&mut self, inverse: &mut Matrix<S>) {
+        if !Panel::<S>::ONE_LANE && self.tiles.is_some() {
+            // The tiles leave out what is zero.
+            inverse.fill_zero();
+            return self.place_inverse(inverse, (0, 0));
+        }
         let mut product = std::mem::replace(&mut self.product, Panel::zeros(0, 0));
         sized!(S, product.columns(), self.form_inverse(&mut product));
         product.write(inverse);
         self.product = product;
     }
 
-    /// The same as a panel.
+    /// The same as a panel, unless it is computed block by block.
     pub(crate) fn form_inverse<const N: usize, const W: usize>(&mut self, inverse: &mut Panel<S>) {
-        if let Some(tiles) = self.tiles.take() {
-            self.form_inverse_by_blocks(&tiles, inverse);
-            self.tiles = Some(tiles);
-            return;
-        }
         if !self.inverted {
             self.invert_transposed::<N, W>();
         }

@@ -7,6 +7,7 @@ mod congruence;
 mod coupling;
 mod dissipation;
 mod factor;
+mod factor_tiles;
 mod hessian;
 mod pass;
 mod position;

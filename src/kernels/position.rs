@@ -36,8 +36,8 @@ pub(super) fn put<S: Scalar, P: Pack<S>>(blocks: &Blocks, i: usize, own: Force<S
     forces[block] = Force { moment: put(n, own.moment), force: put(f, own.force) };
 }
 
-/// Transforms the forces of some blocks to the frame of the parent, into the blocks from `first` on, which come
-/// before them.
+/// Transforms the forces of some blocks to the frame of the parent, into the blocks from `first` on, which
+/// come before them.
 #[inline(always)]
 pub(super) fn carry<P: Scalar>(
     transform: &Transform<'_, P>,

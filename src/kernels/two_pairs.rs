@@ -69,8 +69,8 @@ impl<S: Scalar> KernelTwo<S> {
         }
     }
 
-    /// Transforms blocks of dF_j and dG_j from the frame of `child` to that of its parent, into the blocks from
-    /// `first` on.
+    /// Transforms blocks of dF_j and dG_j from the frame of `child` to that of its parent, into the blocks
+    /// from `first` on.
     #[inline(always)]
     fn carry(
         &mut self,

@@ -65,8 +65,7 @@ impl<S: Scalar> Matrix<S> {
     /// Writes the lanes of a pack to column `j`, from row `i` on.
     #[inline(always)]
     pub(crate) fn write_column<P: Pack<S>>(&mut self, i: usize, j: usize, pack: P) {
-        let rows = self.data[i * self.columns + j..].chunks_mut(self.columns);
-        rows.take(P::LANES).enumerate().for_each(|(lane, row)| row[0] = pack.lane(lane));
+        (0..P::LANES).for_each(|lane| self[(i + lane, j)] = pack.lane(lane));
     }
 
     /// Row `i`, mutable, and row `k < i`.

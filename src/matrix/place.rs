@@ -35,8 +35,8 @@ pub(crate) enum Base<'a, S: Scalar> {
 }
 
 impl<S: Scalar> Matrix<S> {
-    /// Writes a product of n x n matrices, or its difference from a matrix, to its place. Entries outside of the
-    /// tiles are not touched.
+    /// Writes a product of n x n matrices, or its sum with or difference from a matrix, to its place. Entries
+    /// outside of the tiles are not touched.
     #[inline(never)]
     pub(crate) fn place_tiles(
         &mut self,

@@ -26,9 +26,10 @@ const SPARE: f64 = 0.35;
 /// Some rows of a product, as many packs of each as there are in the tile.
 pub(super) type Sums<P> = [[P; MOST_PACKS]; MOST_LANES];
 
-/// What is computed of a product T = A B of n x n matrices: tiles of T, and for each the rows of B that enter.
+/// What is computed of a product T = A B of n x n matrices: tiles of T, and for each the rows of B that
+/// enter.
 ///
-/// A tile has as many rows as a pack has lanes, and one to three packs of columns.
+/// A tile has as many rows as a pack has lanes, and up to [`MOST_PACKS`] packs of columns.
 #[derive(Clone, Debug)]
 pub(crate) struct Tiles {
     tiles: Vec<Tile>,
@@ -84,9 +85,9 @@ impl Tiles {
             let end = if part == Part::Lower { block + 1 } else { blocks };
             let mut left = 0;
             while left < end {
-                let fits = |&&packs: &&usize| left + packs <= end && spare(&common, left, packs) <= SPARE;
+                let fits = |&&packs: &&usize| left + packs <= end && spare(common, left, packs) <= SPARE;
                 let packs = SIZES.iter().find(fits).copied().unwrap_or(1);
-                let terms = union(&common, left, packs);
+                let terms = union(common, left, packs);
                 if count(&terms) == 0 {
                     left += 1;
                     continue;
@@ -196,7 +197,8 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// `T_I -= A' T` for the rows I of a block, A' with the patterns of the tiles: the terms are other rows of T.
+    /// `T_I -= A' T` for the rows I of a block, A' with the pattern of the tiles: the terms are other rows of
+    /// T.
     #[inline(always)]
     pub(crate) fn subtract_own_rows(&mut self, tiles: &Tiles, block: usize, a: &Self) {
         for (corner, packs, terms) in tiles.of_block(block) {

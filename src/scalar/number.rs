@@ -158,8 +158,14 @@ pub trait Scalar:
 /// The pipeline processes [`LANES`](Pack::LANES) joints at once: four for `f64` with the feature `wide`.
 /// Every scalar is a pack of itself with one lane.
 pub trait Pack<S>: Scalar {
+    /// As many packs side by side as fit into a register.
+    type Wide: Scalar;
+
     /// Number of lanes.
     const LANES: usize;
+
+    /// Number of packs in a [`Wide`](Pack::Wide).
+    const WIDTH: usize;
 
     /// The same value in every lane.
     fn splat(value: S) -> Self;
@@ -182,12 +188,6 @@ pub trait Pack<S>: Scalar {
 
     /// Transposes a square block: as many packs as there are lanes.
     fn transpose(block: &mut [Self]);
-
-    /// As many packs side by side as fit into a register.
-    type Wide: Scalar;
-
-    /// Number of packs in a [`Wide`](Pack::Wide).
-    const WIDTH: usize;
 
     /// The same value in every lane.
     fn splat_wide(value: S) -> Self::Wide;

@@ -8,7 +8,9 @@ use super::number::{Pack, Scalar};
 pub(crate) const MOST_LANES: usize = 4;
 
 impl<S: Scalar> Pack<S> for S {
+    type Wide = S;
     const LANES: usize = 1;
+    const WIDTH: usize = 1;
 
     #[inline(always)]
     fn splat(value: S) -> Self {
@@ -36,9 +38,6 @@ impl<S: Scalar> Pack<S> for S {
     }
     #[inline(always)]
     fn transpose(_: &mut [Self]) {}
-
-    type Wide = S;
-    const WIDTH: usize = 1;
     #[inline(always)]
     fn splat_wide(value: S) -> S {
         value
@@ -55,7 +54,12 @@ impl<S: Scalar> Pack<S> for S {
 
 #[cfg(feature = "wide")]
 impl Pack<f64> for super::F64x4 {
+    #[cfg(not(target_feature = "avx512f"))]
+    type Wide = Self;
+    #[cfg(target_feature = "avx512f")]
+    type Wide = super::F64x8;
     const LANES: usize = 4;
+    const WIDTH: usize = if cfg!(target_feature = "avx512f") { 2 } else { 1 };
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -99,13 +103,6 @@ impl Pack<f64> for super::F64x4 {
             *block = wide::f64x4::transpose(block.map(|pack| pack.vector())).map(Self::new);
         }
     }
-
-    #[cfg(not(target_feature = "avx512f"))]
-    type Wide = Self;
-    #[cfg(target_feature = "avx512f")]
-    type Wide = super::F64x8;
-    const WIDTH: usize = if cfg!(target_feature = "avx512f") { 2 } else { 1 };
-
     #[inline(always)]
     fn splat_wide(value: f64) -> Self::Wide {
         Self::Wide::from_f64(value)

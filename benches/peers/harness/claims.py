@@ -2,19 +2,26 @@
 
 ARMS = ("ur5", "panda")
 CHAINS = ("chain12", "chain24", "chain48")
+HUMANOIDS = ("humanoid32", "humanoid50")
+EVERY = ARMS + CHAINS + HUMANOIDS
 
 # claim, robots, quantity and labels of the peer, quantity and labels of costate, least ratio (None: reported only)
 CLAIMS = (
     ("generic F at least as fast as Pinocchio's aba", ARMS, "a", "pinocchio", "F", "costate-native", 1.0),
-    ("generic forward dynamics a(q, v, u) beside Pinocchio's aba", ARMS + CHAINS, "a", "pinocchio", "a", "costate-native", None),
+    ("generic forward dynamics a(q, v, u) beside Pinocchio's aba", EVERY, "a", "pinocchio", "a", "costate-native", None),
     ("generic F and F_x together at least 3 times as fast as computeABADerivatives", ARMS, "a_z", "pinocchio", "F_x",
      "costate-native", 3.0),
     ("generic F and F_x ahead of computeABADerivatives on general chains", CHAINS, "a_z", "pinocchio", "F_x",
      "costate-native", 1.0),
-    ("generic a and a_z beside computeABADerivatives", ARMS + CHAINS, "a_z", "pinocchio", "a_z", "costate-native", None),
-    ("generic F, F_x, y'F_xx beside second-order inverse dynamics of Pinocchio", ARMS + CHAINS, "w_tau_zz", "pinocchio",
+    ("generic F and F_x ahead of computeABADerivatives on humanoids", HUMANOIDS, "a_z", "pinocchio", "F_x",
+     "costate-native", 1.0),
+    ("generic M beside crba", EVERY, "M", "pinocchio", "M", "costate-native", None),
+    ("generic inverse of M beside computeMinverse", EVERY, "Minv", "pinocchio", "Minv",
+     "costate-native", None),
+    ("generic a and a_z beside computeABADerivatives", EVERY, "a_z", "pinocchio", "a_z", "costate-native", None),
+    ("generic F, F_x, y'F_xx beside second-order inverse dynamics of Pinocchio", EVERY, "w_tau_zz", "pinocchio",
      "y_F_xx", "costate-native", None),
-    ("generic Hessian of w.tau beside the tensors of second-order inverse dynamics", ARMS + CHAINS, "w_tau_zz", "pinocchio",
+    ("generic Hessian of w.tau beside the tensors of second-order inverse dynamics", EVERY, "w_tau_zz", "pinocchio",
      "w_tau_zz", "costate-native", None),
     ("generated F, F_x at least 1.8 times as fast as CasADi's, written by an expert", ARMS, "F_x", "casadi:expert", "F_x",
      "generated", 1.8),

@@ -21,6 +21,8 @@ def arguments():
     parser.add_argument("--write", action="store_true", help="write the tables of BENCHMARKS.md")
     parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.ALL, metavar="ROBOT",
                         help="of " + ", ".join(robots.ALL))
+    parser.add_argument("--quantities", nargs="*", default=[], choices=report.TITLES, metavar="QUANTITY",
+                        help="all, or of " + ", ".join(report.TITLES))
     parser.add_argument("--peers", nargs="*", default=list(builds.PEERS), choices=builds.PEERS, metavar="PEER",
                         help="of " + ", ".join(builds.PEERS))
     parser.add_argument("--forms", nargs="*", default=list(symbolic.LARGEST), choices=symbolic.LARGEST, metavar="FORM",

@@ -18,7 +18,8 @@ def run(options, robot, peers):
         first = number * len(arguments) // options.rounds
         order = arguments[first:] + arguments[:first]
         done = subprocess.run(
-            [peers.driver, robot.states, str(robot.n), str(options.batches), nanoseconds, *order],
+            [peers.driver, robot.states, str(robot.n), str(options.batches), nanoseconds,
+             ",".join(options.quantities) or "-", *order],
             capture_output=True, text=True, check=False)
         if done.returncode:
             stop(f"the driver failed on {robot.name}: {done.stderr.strip()}")

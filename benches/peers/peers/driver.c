@@ -76,13 +76,22 @@ static void print_values(const struct entry *entry, const double *states, int co
     free(out);
 }
 
+/* Whether the quantity, `name:way`, is one of those in `wanted`, a list with commas; "-" means all. */
+static int is_wanted(const char *name, const char *wanted) {
+    size_t length = strcspn(name, ":");
+    if (!strcmp(wanted, "-")) return 1;
+    for (const char *at = wanted; *at; at += strcspn(at, ","), at += *at == ',')
+        if (strcspn(at, ",") == length && !strncmp(at, name, length)) return 1;
+    return 0;
+}
+
 int main(int argc, char **argv) {
-    if (argc < 6) fail("usage", "driver STATES N BATCHES NANOSECONDS LABEL=LIBRARY:FILE...");
+    if (argc < 7) fail("usage", "driver STATES N BATCHES NANOSECONDS QUANTITIES LABEL=LIBRARY:FILE...");
     int n = atoi(argv[2]), batches = atoi(argv[3]), count, used = 0;
     double span = atof(argv[4]);
     double *states = read_states(argv[1], 7 * n, &count);
     struct entry entries[512];
-    for (int i = 5; i < argc; i++) {
+    for (int i = 6; i < argc; i++) {
         char *library = strchr(argv[i], '='), *file = strrchr(argv[i], ':');
         if (!library || !file) fail("not LABEL=LIBRARY:FILE", argv[i]);
         *library++ = *file++ = '\0';
@@ -94,7 +103,8 @@ int main(int argc, char **argv) {
         const struct peer *peer = open(file, n);
         if (!peer) fail("cannot open the robot", argv[i]);
         for (int j = 0; j < peer->count && used < 512; j++)
-            entries[used++] = (struct entry){argv[i], peer->context, &peer->quantities[j], 1};
+            if (is_wanted(peer->quantities[j].name, argv[5]))
+                entries[used++] = (struct entry){argv[i], peer->context, &peer->quantities[j], 1};
     }
     for (int i = 0; i < used; i++) {
         print_values(&entries[i], states, count, 7 * n);
