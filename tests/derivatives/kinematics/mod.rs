@@ -4,13 +4,14 @@
 mod judge;
 mod orientation;
 
-use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::derivative::{ByCalls, Hessian};
+use costate::kinematics::{Kinematics, KinematicsSecondOrder, ReferenceFrame};
 use costate::robot::Robot;
 use costate::scalar::Tangent;
 use costate::spatial::{Force, Vec3};
 use costate_test_support::properties;
 use costate_test_support::random_robot::all_cases;
-use judge::{ANGULAR, CENTRE, CENTRE_VELOCITY, Judged, LINEAR, POSITION, Quantities, TWISTS};
+use judge::{ANGULAR, Accelerations, CENTRE, CENTRE_VELOCITY, Judged, LINEAR, POSITION, Quantities, TWISTS};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use proptest::prelude::*;
 
@@ -155,6 +156,24 @@ properties! {
             let rows = kinematics.contract_jacobian(frame, axes, &wrench).unwrap().view().to_nalgebra();
             let expected = expected.view((n, 0), (n, n)).into_owned();
             prop_assert!(apart(&rows, &expected) < TOLERANCE, "{axes:?}");
+        }
+    }
+
+    #[test]
+    fn contracted_accelerations_are_those_of_hyper_dual_numbers(case in all_cases(4)) {
+        let quantities = Quantities::new(&case);
+        let (n, frame) = (case.n(), quantities.frame);
+        let (moment, force) = (weight(&case.y), weight(&case.u.repeat(2)));
+        let wrench = Force { moment: Vec3::from(moment), force: Vec3::from(force) };
+        let mut second = KinematicsSecondOrder::<f64>::new(&quantities.robot);
+        second.set_motion(&case.q, &case.v, &case.u).unwrap();
+        for axes in ReferenceFrame::ALL {
+            let accelerations = Accelerations { robot: quantities.robot.clone(), frame, axes };
+            let mut judge = Hessian::new(ByCalls(accelerations));
+            let z = [&case.q[..], &case.v, &case.u].concat();
+            let expected = judge.contract(&z, &[moment, force].concat()).unwrap().view().to_nalgebra();
+            let found = second.contract_acceleration(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            prop_assert!(found.shape() == (3 * n, 3 * n) && apart(&found, &expected) < 10.0 * TOLERANCE, "{axes:?}");
         }
     }
 
