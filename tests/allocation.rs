@@ -9,7 +9,7 @@ use costate::batch::Native;
 use costate::batch::{Batch, FirstOrderArrays, Model, SecondOrderArrays, StepArrays, StepMap};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
-use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::kinematics::{Kinematics, KinematicsSecondOrder, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree, Wrench, WrenchAxes};
@@ -42,8 +42,11 @@ fn kinematics_do_not_allocate() {
         let (frame, w, mut product) = (robot.frames().len() - 1, [0.2, -1.0, 0.5], vec![0.0; n]);
         let wrench = Force { moment: w.into(), force: w.into() };
         let mut kinematics = Kinematics::<f64>::new(&robot);
+        let mut second = KinematicsSecondOrder::<f64>::new(&robot);
         let desired = Rotation3::identity();
         let count = allocations(|| {
+            second.set_motion(&q, &v, &a).unwrap();
+            second.contract_acceleration(frame, ReferenceFrame::Local, &wrench).unwrap();
             kinematics.set_position(&q).unwrap();
             kinematics.set_state(&q, &v).unwrap();
             kinematics.set_motion(&q, &v, &a).unwrap();

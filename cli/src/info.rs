@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{Joint, Mimic, Robot, printable};
+use costate::robot::{Frame, FrameKind, Joint, Mimic, Robot, printable};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -16,14 +16,20 @@ pub struct Arguments {
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
+    /// List the frames too: links, joints and others that `costate eval` knows by name
+    #[arg(long)]
+    frames: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let robot = arguments.robot.load_and_warn()?;
     if arguments.json {
-        writeln!(std::io::stdout().lock(), "{}", as_json(&robot))?;
+        writeln!(std::io::stdout().lock(), "{}", as_json(&robot, arguments.frames))?;
     } else {
         print(&robot, &mut terminal::stdout())?;
+        if arguments.frames {
+            print_frames(&robot, &mut terminal::stdout())?;
+        }
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -38,7 +44,7 @@ fn mass(robot: &Robot) -> f64 {
 }
 
 /// Infinite limits are null.
-fn as_json(robot: &Robot) -> Value {
+fn as_json(robot: &Robot, with_frames: bool) -> Value {
     let joint = |(i, joint): (usize, &Joint)| {
         let (link, limits) = (&joint.inertia, joint.limits);
         json!({
@@ -70,7 +76,7 @@ fn as_json(robot: &Robot) -> Value {
             },
         })
     };
-    json!({
+    let mut value = json!({
         "robot": robot.name(),
         "n": robot.dof(),
         "gravity": robot.gravity().as_slice(),
@@ -78,7 +84,55 @@ fn as_json(robot: &Robot) -> Value {
         "joints": robot.joints().iter().enumerate().map(joint).collect::<Vec<_>>(),
         "armature_couplings": couplings(robot),
         "warnings": robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
+    });
+    if let (true, Value::Object(fields)) = (with_frames, &mut value) {
+        fields.insert(
+            "frames".into(),
+            robot.frames().iter().map(|frame| frame_as_json(robot, frame)).collect(),
+        );
+    }
+    value
+}
+
+/// The joint that moves a frame; none for the world.
+fn carrier<'a>(robot: &'a Robot, frame: &Frame) -> Option<&'a str> {
+    frame.joint.map(|i| robot.joints()[i].name.as_str())
+}
+
+fn kind(frame: &Frame) -> &'static str {
+    match frame.kind {
+        FrameKind::World => "world",
+        FrameKind::Joint => "joint",
+        FrameKind::Link => "link",
+        FrameKind::Added => "added",
+    }
+}
+
+fn frame_as_json(robot: &Robot, frame: &Frame) -> Value {
+    json!({
+        "name": frame.name,
+        "kind": kind(frame),
+        "joint": carrier(robot, frame),
+        "placement": {
+            "xyz": frame.placement.translation.as_slice(),
+            "rotation": rows(&frame.placement.rotation),
+        },
     })
+}
+
+fn print_frames(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
+    let mut table = Table::new(&["index", "frame", "kind", "moved by", "position in its joint frame"], 5);
+    for (k, frame) in robot.frames().iter().enumerate() {
+        let [x, y, z]: [f64; 3] = frame.placement.translation.into();
+        table.row(vec![
+            k.to_string(),
+            frame.name.clone(),
+            kind(frame).into(),
+            carrier(robot, frame).unwrap_or("-").into(),
+            format!("({}, {}, {})", short(x), short(y), short(z)),
+        ]);
+    }
+    writeln!(out, "\n{table}")
 }
 
 /// A 3 x 3 matrix as nested arrays.

@@ -64,7 +64,16 @@ enum Command {
     /// Each output line is an object with `q`, `v`, the mass matrix `M` and `energy` (kinetic, potential).
     /// Hamiltonian coordinates add `p`, `f`, `f_x` and, for a given `y`, `y_f_xx`. Lagrangian coordinates add
     /// `qdd`, `qdd_z` and, for a given `y`, `yv_qdd_zz`; here z = (q, v, u), and the last n numbers of `y`
-    /// are used. A result line can serve as an input line: its results are ignored. All other keys are
+    /// are used.
+    ///
+    /// `frames` asks for links, joints or other frames of the robot (`costate info --frames`): an array of
+    /// names, or of objects with a `name` and, optionally, `axes` and three weights `w`. The answer `frames`
+    /// has an object for each with its `position` and `rotation` in the world and its `jacobian`, 6 x n, the
+    /// angular rows first: in axes of the world at the origin of the frame (`axes` = "aligned", the default),
+    /// in those of the frame ("local"), or at the origin of the world ("world"). For given weights, `w_x_qq`
+    /// is the second derivative of w . position in q.
+    ///
+    /// A result line can serve as an input line: its results are ignored. All other keys are
     /// errors.
     ///
     /// For a bad line the output is {"line": K, "error": "..."}. The other lines are still evaluated, and the

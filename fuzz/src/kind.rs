@@ -67,6 +67,9 @@ impl Kind {
     }
 }
 
+/// Frames that are asked for, of the robots that evaluate the states and of others.
+const FRAMES: &str = r#", "frames": ["elbow", "world", {"name": "pole", "axes": "local", "w": [0.2, -1, 3]}, {"name": "shoulder"}]}"#;
+
 /// States of robots of two joints: only those keys that are read, a line each, and a whole line of results.
 fn states() -> Vec<Vec<u8>> {
     let read =
@@ -74,5 +77,11 @@ fn states() -> Vec<Vec<u8>> {
     let texts = ["two_link.jsonl", "cart_pole.jsonl"].map(read);
     let lines: Vec<&str> = texts.iter().flat_map(|text| text.lines()).collect();
     let inputs = lines.iter().filter_map(|line| Some(format!("{}}}", line.split(", \"M\":").next()?)));
-    inputs.chain(lines.first().map(|line| (*line).to_owned())).map(String::into_bytes).collect()
+    let framed = |line: String| line.replace("}", FRAMES);
+    let with_frames = inputs.clone().take(2).map(framed);
+    inputs
+        .chain(with_frames)
+        .chain(lines.first().map(|line| (*line).to_owned()))
+        .map(String::into_bytes)
+        .collect()
 }

@@ -60,7 +60,7 @@ const MARKS: [&str; 13] = [
 const BYTES: [&[u8]; 6] =
     [b"\xff", b"\xc3\x28", b"\xed\xa0\x80", b"\xf4\x90\x80\x80", b"\xff\xfe<\0", b"\xc0\x80"];
 
-const MARKUP: [&str; 14] = [
+const MARKUP: [&str; 16] = [
     "<!--",
     "-->",
     "<![CDATA[",
@@ -74,6 +74,8 @@ const MARKUP: [&str; 14] = [
     "\"\"\"",
     "[[joint]]",
     "[joint]",
+    "[[frame]]",
+    "[[wrench]]",
     "# ",
 ];
 

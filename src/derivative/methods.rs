@@ -3,11 +3,13 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
 // by everyone who builds the library.
 
+use super::frame_power::FramePower;
 use super::reference::Reference;
 use super::row::{Row, matrix};
 use super::state::State;
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use crate::kinematics::Kinematics;
 use crate::lagrangian::LagrangianSecondOrder;
 use crate::matrix::{Block, Matrix, dot};
 use crate::robot::{Robot, Tree};
@@ -25,6 +27,8 @@ pub(super) struct Methods<S: Scalar> {
     /// Without friction and wrenches.
     pub conservative: Hamiltonian<S>,
     packed: Matrix<S>,
+    frames: FramePower,
+    kinematics: Kinematics<S>,
 }
 
 /// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of q and p, of what is dual to them, of z = (q,
@@ -45,6 +49,8 @@ impl<S: Scalar> Methods<S> {
             tensors: DualPass::with_route(tree, Christoffel),
             conservative: Hamiltonian::new(&robot.without_friction().without_wrenches()),
             packed: Matrix::zeros(2 * n, 2 * n),
+            frames: FramePower::new(robot),
+            kinematics: Kinematics::new(robot),
         }
     }
 
@@ -56,6 +62,7 @@ impl<S: Scalar> Methods<S> {
         self.second(state, reference, &mut rows)?;
         self.forward_dynamics(state, reference, &mut rows)?;
         self.conserved(state, reference, &mut rows)?;
+        self.frames(state, reference, &mut rows)?;
         Ok(rows)
     }
 
@@ -131,6 +138,23 @@ impl<S: Scalar> Methods<S> {
         };
         add("analytic", second.to_matrix().view());
         add("dual", to.nested_y_a_zz.view());
+        Ok(())
+    }
+
+    /// Derivatives of the power of weights on frames.
+    #[inline]
+    fn frames(
+        &mut self,
+        state: &State<S>,
+        to: &Reference<S>,
+        rows: &mut Vec<Row<S>>,
+    ) -> Result<(), EvalError> {
+        let State { x, v, .. } = state;
+        let [first, second] = self.frames.derivatives(&mut self.kinematics, &x[..v.len()], v)?;
+        let scales = &[-1, -1];
+        rows.push(Row::new(["(w.V)_z of frames", "analytic"], first.view(), to.w_v_z.view(), [&[0], scales]));
+        let quantity = ["(w.V)_zz of frames", "analytic"];
+        rows.push(Row::new(quantity, second.view(), to.w_v_zz.view(), [scales, scales]));
         Ok(())
     }
 

@@ -13,6 +13,8 @@
 mod called;
 mod directional;
 mod forward_dynamics;
+mod frame_motion;
+mod frame_power;
 mod function;
 mod hessian;
 mod jacobian;
@@ -29,6 +31,7 @@ mod state;
 pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};
 pub use forward_dynamics::ForwardDynamics;
+pub use frame_motion::FrameMotion;
 pub(crate) use function::check_length;
 pub use function::{DerivativeError, Function, InnerNumber};
 pub use hessian::{Hessian, SecondDerivatives};

@@ -4,6 +4,7 @@
 // by everyone who builds the library.
 
 use super::called::ByCalls;
+use super::frame_power::FramePower;
 use super::function::{DerivativeError, Function};
 use super::row::matrix;
 use super::state::State;
@@ -26,6 +27,9 @@ pub(super) struct Reference<S> {
     pub nested_y_f_xx: Matrix<S>,
     pub dual_a_z: Matrix<S>,
     pub nested_y_a_zz: Matrix<S>,
+    /// Derivatives of the power of weights on frames in z = (q, v), 1 x 2n and 2n x 2n.
+    pub w_v_z: Matrix<S>,
+    pub w_v_zz: Matrix<S>,
     /// H_x without friction, 2n.
     pub energy_gradient: Vec<S>,
 }
@@ -43,6 +47,8 @@ impl Reference<f64> {
             nested_y_f_xx: rounded_once(&self.nested_y_f_xx),
             dual_a_z: rounded_once(&self.dual_a_z),
             nested_y_a_zz: rounded_once(&self.nested_y_a_zz),
+            w_v_z: rounded_once(&self.w_v_z),
+            w_v_zz: rounded_once(&self.w_v_zz),
             energy_gradient: self.energy_gradient.iter().map(|&value| Count::rounded(value)).collect(),
         }
     }
@@ -93,6 +99,7 @@ pub(super) struct Automatic {
     nested_a: NestedHessian<ByCalls<ForwardDynamics>>,
     hyperdual_a: Hessian<ByCalls<ForwardDynamics>>,
     energy: Jacobian<ByCalls<TotalEnergy>>,
+    frames: Hessian<ByCalls<FramePower>>,
 }
 
 impl Automatic {
@@ -107,6 +114,7 @@ impl Automatic {
             nested_a: NestedHessian::new(a()),
             hyperdual_a: Hessian::new(a()),
             energy: Jacobian::new(ByCalls(TotalEnergy(robot.without_friction()))),
+            frames: Hessian::new(ByCalls(FramePower::new(robot))),
         }
     }
 
@@ -127,6 +135,8 @@ impl Automatic {
             nested_y_f_xx: self.nested.contract(x, y)?.clone(),
             dual_a_z: self.dual_a.linearise(z)?.jacobian.clone(),
             nested_y_a_zz: self.nested_a.contract(z, y_p)?.clone(),
+            w_v_zz: self.frames.contract(&z[..x.len()], &[1.0])?.clone(),
+            w_v_z: self.frames.last().jacobian().clone(),
             energy_gradient: self.energy.linearise(x)?.gradient().to_vec(),
         })
     }
@@ -137,6 +147,7 @@ pub(super) struct Rounding {
     f: Hessian<ByCalls<PhaseVelocity>, Count>,
     a: Hessian<ByCalls<ForwardDynamics>, Count>,
     energy: Jacobian<ByCalls<TotalEnergy>, CHUNK, Count>,
+    frames: Hessian<ByCalls<FramePower>, Count>,
 }
 
 impl Rounding {
@@ -146,6 +157,7 @@ impl Rounding {
             f: Hessian::over(ByCalls(PhaseVelocity::new(robot))),
             a: Hessian::over(ByCalls(ForwardDynamics::new(robot))),
             energy: Jacobian::over(ByCalls(TotalEnergy(robot.without_friction()))),
+            frames: Hessian::over(ByCalls(FramePower::new(robot))),
         }
     }
 
@@ -166,6 +178,8 @@ impl Rounding {
             nested_y_f_xx: y_f_xx.clone(),
             dual_a_z: a_z.clone(),
             nested_y_a_zz: y_a_zz.clone(),
+            w_v_zz: self.frames.contract(&state.z()[..x.len()], &[Count::one()])?.clone(),
+            w_v_z: self.frames.last().jacobian().clone(),
             f_x,
             y_f_xx,
             a_z,

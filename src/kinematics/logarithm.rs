@@ -101,3 +101,45 @@ pub(super) fn curvature<S: Scalar>(s: S) -> (S, S) {
 fn polynomial<S: Scalar>(coefficients: &[f64], x: S) -> S {
     coefficients.iter().rev().fold(S::zero(), |sum, &coefficient| (sum * x).plus(coefficient))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+    use num_dual::Dual2_64;
+
+    fn rows(rotation: &Rotation3<f64>) -> [Vec3<f64>; 3] {
+        let r = rotation.matrix();
+        [0, 1, 2].map(|i| Vec3::new(r[(i, 0)], r[(i, 1)], r[(i, 2)]))
+    }
+
+    #[test]
+    fn rotation_vectors_are_found_for_all_angles_and_axes() {
+        let axes = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, -0.8], [-0.4, 0.7, 0.59]];
+        for axis in axes.map(|axis| Vector3::from(axis).normalize()) {
+            for angle in [0.0, 1e-12, 1e-3, 0.7, 1.5, 2.0, 2.5, 3.1, PI - 1e-5] {
+                let rotation = Rotation3::from_scaled_axis(axis * angle);
+                let (cos, sin) = quaternion(rows(&rotation));
+                let expected = UnitQuaternion::from_scaled_axis(axis * angle);
+                assert!((cos - expected.w).abs() < 1e-15, "{axis} {angle}");
+                assert!((Vector3::from(sin.to_array()) - expected.imag()).amax() < 1e-15, "{axis} {angle}");
+                let e = Vector3::from(rotation_vector(cos, sin).to_array());
+                assert!((e - axis * angle).amax() < 2e-15, "{e} is not {}", axis * angle);
+            }
+        }
+    }
+
+    #[test]
+    fn curvature_is_the_textbook_formula_with_its_derivative() {
+        let textbook = |a: f64| (1.0 - 0.5 * a / (0.5 * a).tan()) / (a * a);
+        for angle in [0.2, 0.5, 1.0, 2.0, 3.0, PI] {
+            assert!((curvature(angle * angle).0 - textbook(angle)).abs() < 1e-14, "{angle}");
+        }
+        assert_eq!(curvature(0.0).0, 1.0 / 12.0);
+        for s in [0.0, 1e-9, 0.3, 4.0, PI * PI] {
+            let (value, slope) = curvature(Dual2_64::from_re(s).derivative());
+            assert!((value.v1 - curvature(s).1).abs() < 1e-16 && (slope.v1 - value.v2).abs() < 1e-17, "{s}");
+        }
+        assert!((curvature(0.0).1 - 1.0 / 720.0).abs() < 1e-17, "c = 1/12 + s/720 + ...");
+    }
+}

@@ -32,6 +32,7 @@ mod momentum_term;
 mod orientation;
 mod pairs;
 mod reference_frame;
+mod second_order;
 mod sweep;
 mod term;
 
@@ -41,6 +42,7 @@ pub use frame::Pose;
 pub use momentum::Momentum;
 pub use orientation::{OrientationContraction, OrientationError};
 pub use reference_frame::ReferenceFrame;
+pub use second_order::KinematicsSecondOrder;
 
 use crate::error::EvalError;
 use crate::kernels::{Coupled, check, rates};

@@ -77,3 +77,40 @@ impl<S: Scalar> OrderedPairs<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{JointSpec, LinkInertia, Robot};
+
+    #[test]
+    fn the_product_is_that_with_the_matrix_on_paths_and_on_the_whole_tree() {
+        let joint = |name: &str| JointSpec::revolute(name).carrying(LinkInertia::point(1.0, [1.0, 0.0, 0.0]));
+        let robot =
+            Robot::builder("tree").joint(joint("a")).joint(joint("b").on("a")).joint(joint("c").on("a"));
+        let robot = robot.joint(joint("d").on("c")).joint(joint("e")).build().unwrap();
+        let (tree, n) = (Tree::from(&robot), 5);
+        let mut pairs = OrderedPairs::<f64>::new(n);
+        for j in 0..n {
+            let vector = |k: f64| Vec3::constant([k.sin(), (2.0 * k).cos(), k - 2.0]);
+            (pairs.inner[j], pairs.outer[j]) = (vector(j as f64), vector(7.0 - j as f64));
+        }
+        let d = [0.3, -1.0, 2.0, 0.7, -0.4];
+        let (mut matrix, mut product) = (Matrix::zeros(n, n), vec![0.0; n]);
+        for k in [None, Some(1), Some(3), Some(4)] {
+            if k.is_none() {
+                pairs.take_all(&tree)
+            } else {
+                pairs.take_path(&tree, k)
+            }
+            pairs.fill(&tree, &mut matrix);
+            pairs.multiply(&tree, &d, &mut product);
+            for (i, product) in product.iter().enumerate() {
+                let expected: f64 = (0..n).map(|j| matrix[(i, j)] * d[j]).sum();
+                assert!((product - expected).abs() < 1e-14, "{k:?} {i}");
+            }
+            assert_eq!(matrix[(1, 3)], 0.0, "branches do not move each other");
+            assert_eq!(matrix[(0, 3)] == 0.0, k == Some(1) || k == Some(4));
+        }
+    }
+}

@@ -35,7 +35,7 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Clone, Debug)]
 pub struct LegendreTransform<S: Scalar> {
-    lagrangian: Lagrangian<S>,
+    pub(super) lagrangian: Lagrangian<S>,
     v: Vec<S>,
     f: Vec<S>,
     f_u: Matrix<S>,

@@ -2,7 +2,7 @@
 //!
 //! They act as actuation does: inverse dynamics subtracts tau(q), and its derivatives those of tau.
 
-use super::{Lagrangian, LagrangianSecondOrder};
+use super::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use crate::error::EvalError;
 use crate::matrix::{Matrix, add_scaled};
 use crate::scalar::Scalar;
@@ -58,5 +58,15 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
     pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
         self.first().set_wrench(k, moment, force)
+    }
+}
+
+impl<S: Scalar> LegendreTransform<S> {
+    /// As [`Lagrangian::set_wrench`].
+    ///
+    /// # Errors
+    /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        self.lagrangian.set_wrench(k, moment, force)
     }
 }

@@ -49,7 +49,7 @@ impl DhRow {
     }
 
     /// The far frame of a standard table, in which masses are given, in the joint frame.
-    fn far_frame(&self) -> Placement {
+    pub(super) fn far_frame(&self) -> Placement {
         self.along_x()
     }
 }

@@ -150,6 +150,19 @@ impl Robot {
         Ok(Self { frames: frames.into_frames(), ..self.clone() })
     }
 
+    /// The same robot with these frames, each of which may be placed in one before it.
+    ///
+    /// # Errors
+    /// As [`with_frame`](Self::with_frame), with the position of the frame.
+    #[cfg(feature = "toml")]
+    pub(super) fn with_frames(self, specs: Vec<FrameSpec>) -> Result<Self, (usize, RobotError)> {
+        let mut frames = FrameList::from(self.frames);
+        for (k, spec) in specs.into_iter().enumerate() {
+            frames.add(spec).map_err(|error| (k, error))?;
+        }
+        Ok(Self { frames: frames.into_frames(), ..self })
+    }
+
     /// What is unusual about it.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings

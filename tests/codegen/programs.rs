@@ -53,8 +53,10 @@ fn all_robots() -> Vec<Robot> {
     let mut files: Vec<_> =
         std::fs::read_dir(folder.join("robots")).unwrap().map(|e| e.unwrap().path()).collect();
     files.retain(|file| file.extension().is_some_and(|e| e == "urdf" || e == "toml"));
-    files.push(folder.join("tests/fixtures/friction_tree.toml"));
-    files.push(folder.join("tests/fixtures/mimic_tree.toml"));
+    files.extend(
+        ["friction_tree.toml", "mimic_tree.toml", "pulled_arm.toml"]
+            .map(|name| folder.join("tests/fixtures").join(name)),
+    );
     files.sort();
     assert!(files.len() >= 9);
     let options = LoadOptions::default().friction(true);
@@ -84,6 +86,17 @@ properties! {
         let Case { q, v, u, y, .. } = &case;
         check(&case.robot(), q, v, u, y).map_err(TestCaseError::fail)?;
     }
+}
+
+#[test]
+fn programs_with_parameters_refuse_wrenches() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/pulled_arm.toml");
+    let (robot, options) = (Robot::from_file(file).unwrap(), ProgramOptions::default().with_parameters(true));
+    let error = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &options).unwrap_err();
+    assert!(error.to_string().contains("no wrenches"), "{error}");
+    assert!(
+        robot_program(&robot.without_wrenches(), Quantity::F, Coordinates::Hamiltonian, &options).is_ok()
+    );
 }
 
 /// The same joints with other masses, lengths, springs, friction, armature and gravity.

@@ -149,6 +149,13 @@ properties! {
             later.set_wrench(k, &applied.wrench.moment, &applied.wrench.force).unwrap();
         }
         prop_assert_eq!(later.evaluate(q, &p, u).unwrap(), &found[..]);
+        let mut transform = LegendreTransform::<f64>::new(&robot_of_none);
+        for (k, applied) in robot.wrenches().iter().enumerate() {
+            transform.set_wrench(k, &applied.wrench.moment, &applied.wrench.force).unwrap();
+        }
+        let changed = transform.at(q, v, u).unwrap().lagrangian().f.to_vec();
+        let mut loaded = Lagrangian::<f64>::new(&robot);
+        prop_assert!(difference(&changed, loaded.evaluate(q, v, u).unwrap()) < tolerance);
         let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
         prop_assert!((DVector::from_column_slice(external.evaluate(q)) - force).amax() < 1e-12);
     }

@@ -1,7 +1,9 @@
 //! Robots in TOML: what is refused, with the line and the reason, and what is loaded.
 
 use costate::robot::RobotError as E;
-use costate::robot::{JointKind, LoadOptions, Placement, Robot, RobotFormat, Warning, file::parse};
+use costate::robot::{
+    JointKind, LoadOptions, Placement, Robot, RobotFormat, Warning, WrenchAxes, file::parse,
+};
 
 const BODY: &str = "mass = 2.0\ncom = [0.3, 0.0, 0.0]\ninertia = { xx = 0.1, yy = 0.2, zz = 0.25 }";
 
@@ -284,4 +286,57 @@ fn joints_keep_the_order_of_the_file_after_their_parents() {
     let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
     assert_eq!(names, ["leg", "arm", "hand"]);
     assert_eq!(robot.joints()[2].parent, Some(1));
+}
+
+#[test]
+fn frames_and_wrenches_are_read_in_their_order() {
+    let attached = "[[frame]]\nname = 'tool'\nparent = 'b'\nplacement = { xyz = [0.1, 0.0, 0.2] }\n\
+        [[frame]]\nname = 'tip'\nparent = 'tool'\nplacement = { xyz = [0.0, 0.0, 0.3] }\n\
+        [[frame]]\nname = 'mark'\nplacement = { xyz = [1.0, 2.0, 3.0] }\n\
+        [[wrench]]\nframe = 'tip'\nforce = [1.0, 2.0, 3.0]\naxes = 'world'\n\
+        [[wrench]]\nframe = 'a'\nmoment = [0.0, 0.0, 4.0]\n";
+    let robot = parse(&two("", attached), LoadOptions::default()).unwrap();
+    let (tip, mark) = (robot.frame("tip").unwrap(), robot.frame("mark").unwrap());
+    assert_eq!((tip.joint, mark.joint), (Some(1), None));
+    assert!((tip.placement.translation - nalgebra::Vector3::new(0.1, 0.0, 0.5)).amax() < 1e-15);
+    let [first, second] = robot.wrenches() else { panic!("{:?}", robot.wrenches()) };
+    assert_eq!(first.frame, robot.frame_index("tip").unwrap());
+    assert_eq!((first.wrench.force, first.wrench.axes), ([1.0, 2.0, 3.0], WrenchAxes::World));
+    assert_eq!(second.frame, robot.frame_index("a").unwrap());
+    assert_eq!((second.wrench.moment, second.wrench.axes), ([0.0, 0.0, 4.0], WrenchAxes::Frame));
+}
+
+#[test]
+fn wrong_frames_and_wrenches_are_refused_with_their_line() {
+    let line_of = |text: &str, what: &str| text.lines().position(|line| line.contains(what)).map(|at| at + 1);
+    for (attached, line, says) in [
+        ("[[frame]]\nname = 'tool'\nparent = 'bb'\n", "'tool'", "no frame 'bb'"),
+        (
+            "[[frame]]\nname = 'tool'\n[[frame]]\nname = 'tool' # again\n",
+            "again",
+            "two frames are called 'tool'",
+        ),
+        ("[[wrench]]\nframe = 'tol'\n", "'tol'", "no frame 'tol'"),
+        ("[[wrench]]\nframe = 'a' # there\nforce = [inf, 0.0, 0.0]\n", "there", "not finite"),
+        ("[[wrench]]\nframe = 'a'\naxes = 'base'\n", "'base'", "unknown value `base`"),
+        ("[[wrench]]\nframe = 'a'\nforces = [1.0, 0.0, 0.0]\n", "forces", "unknown key `forces`"),
+    ] {
+        let text = two("", attached);
+        let (line_found, error) = refused(&text);
+        assert!(error.to_string().contains(says), "{error}");
+        assert_eq!(line_found, line_of(&text, line), "{attached}");
+    }
+}
+
+/// As masses do, frames of a standard table belong to the far frame of their link.
+#[test]
+fn frames_of_a_standard_table_are_in_the_link_frame() {
+    let text = format!(
+        "name = 'r'\nconvention = 'standard-dh'\n[[joint]]\nname = 'a'\ndh = {{ a = 0.5, alpha = 1.0 }}\n{BODY}\n\
+         [[frame]]\nname = 'com'\nparent = 'a'\nplacement = {{ xyz = [0.3, 0.0, 0.0] }}\n"
+    );
+    let robot = parse(&text, LoadOptions::default()).unwrap();
+    let frame = robot.frame("com").unwrap();
+    assert!((frame.placement.translation - robot.joints()[0].inertia.com).amax() < 1e-15);
+    assert!(frame.placement.rotation[(1, 1)] < 0.9, "turned by alpha");
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 use serde_json::error::Category;
 
 /// The keys that are read.
-const KEYS: [&str; 5] = ["q", "v", "p", "u", "y"];
+const KEYS: [&str; 6] = ["q", "v", "p", "u", "y", "frames"];
 
 /// The keys of output lines, ignored so that a result line can serve as an input line.
 const RESULTS: [&str; 8] = ["M", "energy", "f", "f_x", "y_f_xx", "qdd", "qdd_z", "yv_qdd_zz"];
@@ -17,12 +17,13 @@ const MOST_FIELDS: usize = 32;
 const TOO_MANY: &str = "too many keys";
 
 /// Common names of other programs.
-const SYNONYMS: [(&str, &[&str]); 5] = [
+const SYNONYMS: [(&str, &[&str]); 6] = [
     ("q", &["position", "positions", "pos", "angle", "angles", "theta", "joint_positions"]),
     ("v", &["velocity", "velocities", "vel", "qd", "dq", "qdot", "q_dot", "qvel", "rate", "rates"]),
     ("p", &["momentum", "momenta", "mom"]),
     ("u", &["tau", "torque", "torques", "effort", "force", "forces", "control", "ctrl", "input"]),
     ("y", &["costate", "lambda", "lam", "adjoint", "weights"]),
+    ("frames", &["frame", "link", "links", "pose", "poses", "tool", "tools"]),
 ];
 
 /// The fields of a JSON object in their order; keys are unique and known.

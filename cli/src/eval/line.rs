@@ -1,9 +1,11 @@
 //! One input line, one output line.
 
 use super::keys::{Fields, parse};
+use super::request::Request;
 use crate::report::counted;
 use costate::Coordinates;
 use costate::matrix::Block;
+use costate::robot::Robot;
 use serde_json::{Map, Value};
 
 /// A state, each array of the right length.
@@ -14,6 +16,8 @@ pub struct State {
     pub u: Vec<f64>,
     /// Costate, 2n.
     pub y: Option<Vec<f64>>,
+    /// Frames that are asked for.
+    pub frames: Option<Vec<Request>>,
 }
 
 /// The motion of a state, as it was given.
@@ -23,10 +27,10 @@ pub enum Motion {
 }
 
 impl State {
-    /// Reads a line for a robot of n joints. If both `p` and `v` are given, the coordinates decide which is
+    /// Reads a line for a robot. If both `p` and `v` are given, the coordinates decide which is
     /// used.
-    pub fn parse(line: &[u8], n: usize, coordinates: Coordinates) -> Result<Self, String> {
-        let state = parse(line)?;
+    pub fn parse(line: &[u8], robot: &Robot, coordinates: Coordinates) -> Result<Self, String> {
+        let (state, n) = (parse(line)?, robot.dof());
         let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;
         let u = numbers(&state, "u", n)?.unwrap_or_else(|| vec![0.0; n]);
         let y = numbers(&state, "y", 2 * n)?;
@@ -37,7 +41,9 @@ impl State {
             Coordinates::Lagrangian => velocity().transpose().or_else(|| momentum().transpose()),
         };
         let motion = motion.ok_or("`p` and `v` are missing; give the momenta or the velocities")??;
-        Ok(Self { q, motion, u, y })
+        let frames = state.get("frames").filter(|value| !value.is_null());
+        let frames = frames.map(|value| Request::parse_all(value, robot)).transpose()?;
+        Ok(Self { q, motion, u, y, frames })
     }
 }
 
@@ -63,6 +69,11 @@ impl Answer {
         self.0.insert(key.into(), values.into());
     }
 
+    /// Adds any value.
+    pub fn value(&mut self, key: &str, value: Value) {
+        self.0.insert(key.into(), value);
+    }
+
     /// Adds a matrix, row by row.
     pub fn matrix(&mut self, key: &str, block: Block<'_, f64>) {
         self.0.insert(key.into(), block.iter_rows().map(Value::from).collect());
@@ -73,6 +84,7 @@ impl Answer {
         fn all_finite(value: &Value) -> bool {
             match value {
                 Value::Array(values) => values.iter().all(all_finite),
+                Value::Object(fields) => fields.values().all(all_finite),
                 value => !value.is_null(),
             }
         }

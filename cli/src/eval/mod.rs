@@ -1,5 +1,6 @@
 //! `costate eval`: states in, derivatives out, as JSON lines.
 
+mod frames;
 mod hamiltonian;
 mod input;
 mod keys;
@@ -7,6 +8,7 @@ mod lagrangian;
 mod line;
 #[cfg(feature = "jit")]
 mod machine;
+mod request;
 mod route;
 mod units;
 
@@ -18,6 +20,7 @@ use crate::{Outcome, terminal};
 use clap::ValueHint;
 use costate::Coordinates;
 use costate::robot::Robot;
+use frames::Frames;
 use input::{Input, Lines};
 use line::State;
 use route::{Evaluator, Route};
@@ -73,6 +76,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     };
     let interrupt = Interrupt::listen()?;
     let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut frames = Frames::new(&robot, arguments.route);
     let mut units = UnitCheck::new(&robot);
     let (mut number, mut bad) = (0, 0);
     loop {
@@ -88,14 +92,18 @@ pub fn run(arguments: &Arguments) -> Outcome {
         if line.iter().all(u8::is_ascii_whitespace) {
             continue;
         }
-        let state = State::parse(&line, robot.dof(), arguments.coordinates);
+        let state = State::parse(&line, &robot, arguments.coordinates);
         if let (Ok(State { y: Some(_), .. }), Err(reason)) = (&state, &second_order) {
             out.flush()?;
             return Err(reason.clone().into());
         }
         let answer = state.and_then(|state| {
             units.check(number, &state.q);
-            evaluator.answer(&state).map_err(|error| error.to_string())?.finite()
+            let mut answer = evaluator.answer(&state).map_err(|error| error.to_string())?;
+            if let Some(requests) = &state.frames {
+                frames.answer(&state.q, requests, &mut answer).map_err(|error| error.to_string())?;
+            }
+            answer.finite()
         });
         match answer {
             Ok(answer) => writeln!(out, "{answer}")?,

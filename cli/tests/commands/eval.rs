@@ -252,3 +252,89 @@ fn automatic_second_derivatives_of_long_chains_are_refused_early() {
     assert!(stderr(&tensors).contains("MB (the limit is 256 MB)"), "{}", stderr(&tensors));
     assert!(costate(&[&arguments[..], &["analytic"]].concat(), robot.as_bytes()).status.success());
 }
+
+/// Positions, Jacobians and second derivatives of frames by every route, and the line as an input line.
+#[test]
+fn frames_are_answered_by_every_route() {
+    let line = br#"{"q":[0.3,-1.2,0.8,0.1,0.5,0.2],"v":[0,0,0,0,0,0],"frames":["forearm_link",
+        {"name":"tool0","axes":"local","w":[0.2,-1.0,0.7]}]}"#;
+    let line: Vec<u8> = line.iter().copied().filter(|byte| *byte != b'\n').collect();
+    let mut answers = Vec::new();
+    for route in ROUTES {
+        let output = costate(&["eval", "robots/ur5.urdf", "--route", route], &line);
+        assert!(output.status.success(), "{route}: {}", stderr(&output));
+        answers.push(json_lines(&output)[0].clone());
+    }
+    let reference = answers[0]["frames"].as_array().unwrap().clone();
+    assert_eq!((reference.len(), &reference[0]["name"]), (2, &json!("forearm_link")));
+    assert_eq!((flat(&reference[1]["jacobian"]).len(), flat(&reference[1]["w_x_qq"]).len()), (36, 36));
+    assert!(reference[0].get("w_x_qq").is_none() && reference[0]["axes"] == json!("aligned"));
+    for (answer, route) in answers.iter().zip(ROUTES) {
+        for key in ["position", "rotation", "jacobian", "w_x_qq"] {
+            let (found, expected) = (flat(&answer["frames"][1][key]), flat(&reference[1][key]));
+            let apart = found.iter().zip(&expected).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+            assert!(found.len() == expected.len() && apart < 1e-13, "{key} by {route}");
+        }
+    }
+    let again = costate(&["eval", "robots/ur5.urdf"], answers[0].to_string().as_bytes());
+    assert_eq!(json_lines(&again)[0]["frames"], answers[0]["frames"]);
+}
+
+#[test]
+fn bad_frames_are_explained() {
+    for (frames, reason) in [
+        (r#"["tol0"]"#, "'tool0'"),
+        ("7", "not an array"),
+        ("[7]", "`frames[0]` is neither a name"),
+        (r#"[{"w":[1,2,3]}]"#, "no `name`"),
+        (r#"["tool0",{"name":"tool0","w":[1,2]}]"#, "`frames[1]` has a `w`"),
+        (r#"[{"name":"tool0","axis":1}]"#, "unknown key `axis`"),
+        (r#"[{"name":"tool0","axes":"base"}]"#, "`axes` other than"),
+        (&format!("[{}\"tool0\"]", "\"tool0\",".repeat(300)), "at most 256"),
+    ] {
+        let line = format!(r#"{{"q":[0,0,0,0,0,0],"v":[0,0,0,0,0,0],"frames":{frames}}}"#);
+        let output = costate(&["eval", "robots/ur5.urdf"], line.as_bytes());
+        let answer = json_lines(&output)[0]["error"].as_str().unwrap().to_owned();
+        assert!(output.status.code() == Some(2) && answer.contains(reason), "{answer}");
+    }
+}
+
+/// A wrench of a robot file acts as its generalised force does; every route knows it.
+#[test]
+fn wrenches_of_a_robot_file_are_in_every_route() {
+    let text = std::fs::read_to_string(root().join("robots/two_link.toml")).unwrap();
+    let pull = "\n[[frame]]\nname = 'tip'\nparent = 'elbow'\nplacement = { xyz = [0.4, 0.0, 0.1] }\n\
+        [[wrench]]\nframe = 'tip'\nforce = [1.0, -2.0, 3.0]\nmoment = [0.1, 0.2, 0.3]\naxes = 'AXES'\n";
+    let state = r#"{"q":[0.3,-0.8],"v":[1.0,0.5],"y":[1,-2,0.5,0.3],"frames":["tip"]}"#;
+    for axes in ["frame", "world"] {
+        let robot = std::env::temp_dir().join(format!("costate-pulled-{axes}-{}.toml", std::process::id()));
+        std::fs::write(&robot, text.clone() + &pull.replace("AXES", axes)).unwrap();
+        let path = robot.to_str().unwrap();
+        for coordinates in ["hamiltonian", "lagrangian"] {
+            let mut first = None;
+            for route in ROUTES.iter().filter(|route| coordinates == "hamiltonian" || **route != "tensors") {
+                let arguments = ["eval", path, "--route", route, "--coordinates", coordinates];
+                let answer = json_lines(&costate(&arguments, state.as_bytes()))[0].clone();
+                let keys: &[&str] = if coordinates == "hamiltonian" {
+                    &["f", "f_x", "y_f_xx"]
+                } else {
+                    &["qdd", "qdd_z", "yv_qdd_zz"]
+                };
+                let numbers: Vec<f64> = keys.iter().flat_map(|key| flat(&answer[key])).collect();
+                let expected = first.get_or_insert_with(|| numbers.clone());
+                let apart =
+                    numbers.iter().zip(&*expected).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+                assert!(apart < 1e-11 && numbers.len() == expected.len(), "{axes} {route}: {apart:e}");
+            }
+            let bare = costate(
+                &["eval", "robots/two_link.toml", "--coordinates", coordinates],
+                state.replace(r#","frames":["tip"]"#, "").as_bytes(),
+            );
+            let key = if coordinates == "hamiltonian" { "f" } else { "qdd" };
+            let difference: f64 =
+                flat(&json_lines(&bare)[0][key]).iter().zip(first.unwrap()).map(|(a, b)| (a - b).abs()).sum();
+            assert!(difference > 0.1, "the wrench has no effect");
+        }
+        std::fs::remove_file(&robot).unwrap();
+    }
+}

@@ -52,3 +52,18 @@ fn long_names_are_cut_and_warnings_go_to_standard_error() {
         !stdout(&info).contains("warning") && stderr(&info).starts_with("warning: position limits beyond")
     );
 }
+
+#[test]
+fn frames_are_listed_on_request() {
+    let table = stdout(&costate(&["info", "robots/ur5.urdf", "--frames"], b""));
+    let row = table.lines().find(|line| line.contains("tool0")).unwrap();
+    assert!(row.contains("link") && row.contains("wrist_3_joint"), "{table}");
+    assert!(!stdout(&costate(&["info", "robots/ur5.urdf"], b"")).contains("tool0"));
+    let text = stdout(&costate(&["info", "robots/ur5.urdf", "--frames", "--json"], b""));
+    let info: Value = serde_json::from_str(&text).unwrap();
+    let frames = info["frames"].as_array().unwrap();
+    assert_eq!((&frames[0]["kind"], &frames[0]["joint"]), (&json!("world"), &Value::Null));
+    assert_eq!(frames[1]["name"], json!("shoulder_pan_joint"));
+    assert!(frames.iter().any(|frame| frame["name"] == "tool0" && frame["joint"] == "wrist_3_joint"));
+    assert!(json_of("robots/ur5.urdf", "").get("frames").is_none());
+}

@@ -26,8 +26,17 @@ fn check_passes_and_fails_by_its_tolerance() {
     let output = costate(&["check", "robots/ur5.urdf", "--samples", "5"], b"");
     let table = stdout(&output);
     assert!(output.status.success() && table.contains("PASS"), "{table}");
-    let quantities =
-        ["F_x", "y'F_x", "y'F_xx", "y'F_xx y", "a_z", "y'a_zz", "asymmetry of J F_x", "energy drift"];
+    let quantities = [
+        "F_x",
+        "y'F_x",
+        "y'F_xx",
+        "y'F_xx y",
+        "a_z",
+        "y'a_zz",
+        "asymmetry of J F_x",
+        "energy drift",
+        "(w.V)_zz of frames",
+    ];
     for row in quantities.into_iter().chain(["analytic", "dual pass", "packed tensor", "tensors", "dual"]) {
         assert!(table.contains(row), "{row}");
     }
@@ -40,6 +49,8 @@ fn check_passes_and_fails_by_its_tolerance() {
     assert_ne!(again("7"), again("8"));
     let friction = costate(&["check", "tests/fixtures/friction_tree.toml", "--samples", "20"], b"");
     assert!(friction.status.success(), "{}", stdout(&friction));
+    let wrenches = costate(&["check", "tests/fixtures/pulled_arm.toml", "--samples", "20"], b"");
+    assert!(wrenches.status.success(), "{}", stdout(&wrenches));
 }
 
 #[test]

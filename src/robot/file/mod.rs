@@ -26,12 +26,24 @@
 //! name = "elbow"
 //! dh = { a = 0.4318 }
 //! mass = 4.8
+//!
+//! [[frame]]
+//! name = "tool"
+//! parent = "elbow"                       # a joint or an earlier frame; default: "world"
+//! placement = { xyz = [0, 0, 0.1], rpy = [0, 0, 0] }   # in the (link) frame of the parent
+//!
+//! [[wrench]]
+//! frame = "tool"                         # a frame or a joint
+//! force = [0.0, 0.0, -20.0]              # N, at the origin of the frame; default: none
+//! moment = [0.0, 0.0, 0.0]               # N m; default: none
+//! axes = "world"                         # or "frame" (the default): the wrench turns with the link
 //! ```
 //!
 //! With `convention = "placements"`, `placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }` (the joint frame in
 //! the parent's joint frame at q = 0, fixed-axis roll, pitch, yaw) and `axis = [0, 0, 1]` replace `dh`, and
 //! the link frame is the joint frame. Unknown keys are errors. A text may have 4 MiB.
 
+mod attached;
 mod explain;
 mod rows;
 mod size;
@@ -98,7 +110,8 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
         builder =
             builder.armature_matrix(armature_matrix(rows.get_ref(), file.joints.len()).map_err(located)?);
     }
-    builder.build().map_err(located)
+    let robot = builder.build().map_err(located)?;
+    attached::attach(robot, &file, &row_of, text)
 }
 
 fn armature_matrix(rows: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>, RobotError> {

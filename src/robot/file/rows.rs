@@ -18,6 +18,39 @@ pub(super) struct RobotFile {
     pub(super) armature: Option<Spanned<Vec<Vec<f64>>>>,
     #[serde(default, rename = "joint")]
     pub(super) joints: Vec<JointRow>,
+    #[serde(default, rename = "frame")]
+    pub(super) frames: Vec<FrameRow>,
+    #[serde(default, rename = "wrench")]
+    pub(super) wrenches: Vec<WrenchRow>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct FrameRow {
+    pub(super) name: Spanned<String>,
+    pub(super) parent: Option<String>,
+    #[serde(default)]
+    pub(super) placement: PlacementNumbers,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct WrenchRow {
+    pub(super) frame: Spanned<String>,
+    #[serde(default)]
+    pub(super) moment: [f64; 3],
+    #[serde(default)]
+    pub(super) force: [f64; 3],
+    #[serde(default)]
+    pub(super) axes: RowAxes,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum RowAxes {
+    #[default]
+    Frame,
+    World,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]

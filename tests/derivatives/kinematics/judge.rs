@@ -137,3 +137,42 @@ impl Judged {
         self.contracted(start, w).view((0, 0), (self.n, self.n)).into_owned()
     }
 }
+
+/// The acceleration of a frame as a function of (q, v, a).
+pub struct Accelerations {
+    pub robot: Robot,
+    pub frame: usize,
+    pub axes: ReferenceFrame,
+}
+
+impl Function for Accelerations {
+    type Workspace<S: Scalar> = Kinematics<S>;
+    type Error = EvalError;
+
+    fn inputs(&self) -> usize {
+        3 * self.robot.dof()
+    }
+
+    fn outputs(&self) -> usize {
+        6
+    }
+
+    fn workspace<S: Scalar>(&self) -> Kinematics<S> {
+        Kinematics::new(&self.robot)
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        kinematics: &mut Kinematics<S>,
+        z: &[S],
+        y: &mut [S],
+    ) -> Result<(), EvalError> {
+        let (q, rest) = z.split_at(self.robot.dof());
+        let (v, a) = rest.split_at(self.robot.dof());
+        kinematics.set_motion(q, v, a)?;
+        let Motion { angular, linear } = kinematics.acceleration(self.frame, self.axes)?;
+        y[..3].copy_from_slice(&angular.to_array());
+        y[3..].copy_from_slice(&linear.to_array());
+        Ok(())
+    }
+}

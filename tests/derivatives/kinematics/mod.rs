@@ -4,14 +4,15 @@
 mod judge;
 mod orientation;
 
-use costate::kinematics::{Kinematics, ReferenceFrame};
-use costate::robot::Robot;
+use costate::derivative::{ByCalls, Hessian};
+use costate::kinematics::{Kinematics, KinematicsSecondOrder, ReferenceFrame};
+use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Tangent;
 use costate::spatial::{Force, Vec3};
 use costate_test_support::properties;
 use costate_test_support::random_robot::all_cases;
-use judge::{ANGULAR, CENTRE, CENTRE_VELOCITY, Judged, LINEAR, POSITION, Quantities, TWISTS};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use judge::{ANGULAR, Accelerations, CENTRE, CENTRE_VELOCITY, Judged, LINEAR, POSITION, Quantities, TWISTS};
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 
 const TOLERANCE: f64 = 1e-12;
@@ -159,6 +160,24 @@ properties! {
     }
 
     #[test]
+    fn contracted_accelerations_are_those_of_hyper_dual_numbers(case in all_cases(4)) {
+        let quantities = Quantities::new(&case);
+        let (n, frame) = (case.n(), quantities.frame);
+        let (moment, force) = (weight(&case.y), weight(&case.u.repeat(2)));
+        let wrench = Force { moment: Vec3::from(moment), force: Vec3::from(force) };
+        let mut second = KinematicsSecondOrder::<f64>::new(&quantities.robot);
+        second.set_motion(&case.q, &case.v, &case.u).unwrap();
+        for axes in ReferenceFrame::ALL {
+            let accelerations = Accelerations { robot: quantities.robot.clone(), frame, axes };
+            let mut judge = Hessian::new(ByCalls(accelerations));
+            let z = [&case.q[..], &case.v, &case.u].concat();
+            let expected = judge.contract(&z, &[moment, force].concat()).unwrap().view().to_nalgebra();
+            let found = second.contract_acceleration(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            prop_assert!(found.shape() == (3 * n, 3 * n) && apart(&found, &expected) < 10.0 * TOLERANCE, "{axes:?}");
+        }
+    }
+
+    #[test]
     fn contracted_momentum_is_that_of_hyper_dual_numbers(case in all_cases(5)) {
         let quantities = Quantities::new(&case);
         let judged = Judged::at(&quantities, &case.q, &case.v);
@@ -210,6 +229,41 @@ properties! {
         let centre = kinematics.centre_of_mass().unwrap();
         prop_assert!((Vector3::from(centre.position) - moment / mass).amax() < 10.0 * TOLERANCE);
     }
+}
+
+/// What is large or small keeps its digits: angles of many turns, tiny and huge masses.
+#[test]
+fn extreme_angles_and_masses_lose_nothing() {
+    for (mass, turns) in [(1e-6, 1e6), (1e6, 1e6), (1e-6, 0.0), (1e6, -3.0)] {
+        let body = |com| LinkInertia::point(mass, com);
+        let robot = Robot::builder("arm")
+            .joint(JointSpec::revolute("a").axis([0.3, 1.0, -0.2]).carrying(body([0.1, 0.2, 0.3])))
+            .joint(JointSpec::prismatic("b").on("a").axis([1.0, 0.2, 0.1]).carrying(body([0.0, 0.2, 0.1])))
+            .joint(JointSpec::revolute("c").on("b").axis([0.0, 0.6, 0.8]).carrying(body([0.4, 0.0, -0.3])))
+            .build()
+            .unwrap();
+        let (frame, desired) = (robot.frame_index("c").unwrap(), Rotation3::identity());
+        let quantities = Quantities { robot, frame, desired };
+        let (q, v, w) = ([turns, 0.4, 0.7 - turns], [1.0, -0.5, 0.2], [0.3, -1.0, 0.6]);
+        let judged = Judged::at(&quantities, &q, &v);
+        let mut kinematics = quantities.kinematics(&q, &v);
+        let hessian = kinematics.centre_of_mass_hessian(&w).unwrap().view().to_nalgebra();
+        assert!(apart(&hessian, &judged.contracted_q(CENTRE, &w)) < TOLERANCE);
+        let hessian = kinematics.position_hessian(frame, &w).unwrap().view().to_nalgebra();
+        assert!(apart(&hessian, &judged.contracted_q(POSITION, &w)) < TOLERANCE);
+        let found = kinematics.contract_momentum(&w, &w).unwrap().view().to_nalgebra() / mass;
+        let expected = judged.contracted(ANGULAR, &[w, w].concat()) / mass;
+        assert!(apart(&found, &expected) < 10.0 * TOLERANCE);
+    }
+}
+
+#[test]
+fn a_robot_without_mass_has_no_centre_of_mass() {
+    let robot = Robot::builder("rotor").joint(JointSpec::revolute("a").armature(1.0)).build().unwrap();
+    let mut kinematics = Kinematics::<f64>::new(&robot);
+    assert!(kinematics.centre_of_mass().unwrap_err().to_string().contains("no link that moves has a mass"));
+    assert!(kinematics.momentum().is_err() && kinematics.centre_of_mass_hessian(&[1.0; 3]).is_err());
+    assert!(kinematics.jacobian(1, ReferenceFrame::Local).is_ok());
 }
 
 #[test]

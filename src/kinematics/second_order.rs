@@ -1,0 +1,92 @@
+//! Second derivatives of the acceleration of a frame, by one dual number.
+
+use super::{Kinematics, ReferenceFrame};
+use crate::error::EvalError;
+use crate::kernels::check;
+use crate::matrix::Matrix;
+use crate::robot::{Robot, Tree};
+use crate::scalar::{Scalar, Tangent};
+use crate::spatial::{Force, Vec3};
+
+/// Workspace for the second derivatives of accelerations of frames; no call allocates.
+///
+/// The acceleration `A = J a + Jdot v` is the derivative of the twist V(q, v) along (v, a). So one dual
+/// number along the motion, carried through the second derivatives H of `h = W . V`, gives those of `W . A`:
+///
+/// ```text
+/// (W . A)_qq = dH_qq/dt            (W . A)_vv = H_vq + H_vq'
+/// (W . A)_vq = dH_vq/dt + H_qq     (W . A)_aq = H_vq
+/// ```
+///
+/// all others are zero. At W in axes of the world and without moment this is the second derivative of the
+/// acceleration of a point; O(d^2) products for d joints on the path.
+#[derive(Clone, Debug)]
+pub struct KinematicsSecondOrder<S: Scalar> {
+    kinematics: Kinematics<Tangent<S>>,
+    q: Vec<Tangent<S>>,
+    v: Vec<Tangent<S>>,
+    hessian: Matrix<S>,
+}
+
+impl<S: Scalar> KinematicsSecondOrder<S> {
+    /// Builds the workspace. Later calls do not allocate.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(Tree::from(robot))
+    }
+
+    /// As [`new`](Self::new), from an existing [`Tree`].
+    pub fn from_tree(tree: Tree) -> Self {
+        let (n, zero) = (tree.dof(), Tangent::zero());
+        Self {
+            kinematics: Kinematics::from_tree(tree),
+            q: vec![zero; n],
+            v: vec![zero; n],
+            hessian: Matrix::zeros(3 * n, 3 * n),
+        }
+    }
+
+    /// Places the robot at q, v, a (rad/s^2, m/s^2; length n).
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    pub fn set_motion(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
+        let tree = self.kinematics.tree();
+        for (what, values) in [("q", q), ("v", v), ("a", a)] {
+            check(tree, what, values, tree.dof())?;
+        }
+        for (i, ((&q, &v), &a)) in q.iter().zip(v).zip(a).enumerate() {
+            (self.q[i], self.v[i]) = (Tangent::new(q, v), Tangent::new(v, a));
+        }
+        self.kinematics.set_state(&self.q, &self.v)
+    }
+
+    /// The second derivatives of `W . A` in (q, v, a), 3n x 3n, symmetric, for a weight W = (moment; force)
+    /// that is constant in the axes of the convention; A is the [`acceleration`](Kinematics::acceleration).
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    #[inline(never)]
+    pub fn contract_acceleration(
+        &mut self,
+        frame: usize,
+        axes: ReferenceFrame,
+        weight: &Force<S>,
+    ) -> Result<&Matrix<S>, EvalError> {
+        let lift = |a: Vec3<S>| Vec3::from(a.to_array().map(|entry| Tangent::new(entry, S::zero())));
+        let weight = Force { moment: lift(weight.moment), force: lift(weight.force) };
+        let twist = self.kinematics.contract_twist(frame, axes, &weight)?;
+        let n = self.q.len();
+        for i in 0..n {
+            for j in 0..n {
+                self.hessian[(i, j)] = twist[(i, j)].eps;
+                self.hessian[(n + i, n + j)] = twist[(n + i, j)].re + twist[(n + j, i)].re;
+                let mixed = twist[(n + i, j)].eps + twist[(i, j)].re;
+                self.hessian[(n + i, j)] = mixed;
+                self.hessian[(j, n + i)] = mixed;
+                self.hessian[(2 * n + i, j)] = twist[(n + i, j)].re;
+                self.hessian[(j, 2 * n + i)] = twist[(n + i, j)].re;
+            }
+        }
+        Ok(&self.hessian)
+    }
+}
