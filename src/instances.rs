@@ -8,6 +8,7 @@ use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
 use crate::kinematics::{Kinematics, ReferenceFrame};
 use crate::lagrangian::{LagrangianSecondOrder, LegendreTransform};
+use crate::parameters::{HamiltonianParameters, LagrangianParameters, ParameterSet};
 use crate::robot::{Robot, Tree};
 use crate::spatial::Force;
 use crate::tensors::Christoffel;
@@ -48,6 +49,12 @@ pub fn for_f64(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError
     first.linearise_forward_dynamics(q, p, u)?;
     first.energy(q, p)?;
     LegendreTransform::<f64>::new(robot).at(q, p, u)?;
+
+    let set = ParameterSet::new(robot).model();
+    HamiltonianParameters::<f64>::new(&set).contract(q, p, y)?;
+    let mut parameters = LagrangianParameters::<f64>::new(&set);
+    parameters.linearise_forward_dynamics(q, p, u)?;
+    parameters.adjoint_forward_dynamics(q, p, u, half)?;
     kinematics(robot, [q, p, u, half])
 }
 

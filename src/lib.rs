@@ -46,6 +46,7 @@ pub mod kernels;
 pub mod kinematics;
 pub mod lagrangian;
 pub mod matrix;
+pub mod parameters;
 pub mod robot;
 pub mod scalar;
 pub mod spatial;

@@ -12,6 +12,7 @@ use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecond
 use costate::kinematics::{Kinematics, KinematicsSecondOrder, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
+use costate::parameters::{HamiltonianParameters, LagrangianParameters, ParameterSet, Regressor};
 use costate::robot::{Robot, Tree, Wrench, WrenchAxes};
 use costate::spatial::Force;
 use costate::step::{
@@ -116,6 +117,31 @@ fn analytic_derivatives_do_not_allocate() {
             second.first().adjoint(&q, &p, &u, &y).unwrap();
             dual_pass.contract(&q, &p, &u, &y).unwrap();
             full.hessian_tensor(&q, &p).unwrap().contract(&y, &mut contracted).unwrap();
+        });
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
+#[test]
+fn derivatives_by_parameters_do_not_allocate() {
+    for name in ["panda.urdf", "biped.toml", "cart_pole.toml"] {
+        let robot = robot(name);
+        let (n, first) = (robot.dof(), robot.joints()[0].name.clone());
+        let set = ParameterSet::new(&robot).model().friction().stiffness().payload("tool", &first).unwrap();
+        let (q, p, u, y) = (vec![0.3; n], vec![0.7; n], vec![0.1; n], vec![0.4; 2 * n]);
+        let mut regressor = Regressor::<f64>::new(&set);
+        let mut in_q_p = HamiltonianParameters::<f64>::new(&set);
+        let mut in_q_v = LagrangianParameters::<f64>::new(&set);
+        let count = allocations(|| {
+            regressor.inverse_dynamics(&q, &p, &u).unwrap();
+            regressor.adjoint(&q, &p, &u, &q).unwrap();
+            regressor.momentum(&q, &p).unwrap();
+            regressor.energy(&q, &p).unwrap();
+            in_q_p.linearise(&q, &p).unwrap();
+            in_q_p.adjoint(&q, &p, &y).unwrap();
+            in_q_p.contract(&q, &p, &y).unwrap();
+            in_q_v.linearise_forward_dynamics(&q, &p, &u).unwrap();
+            in_q_v.adjoint_forward_dynamics(&q, &p, &u, &q).unwrap();
         });
         assert_eq!(count, 0, "{name}");
     }

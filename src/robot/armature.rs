@@ -32,6 +32,12 @@ impl Armature {
         Ok(Self { n: matrix.nrows(), entries: entries.collect() })
     }
 
+    /// The same among n joints, joint `i` being number `numbers[i]` of them, in the same order.
+    pub(super) fn spread(&self, n: usize, numbers: &[usize]) -> Self {
+        let entries = self.entries.iter().map(|&(i, j, value)| (numbers[i], numbers[j], value));
+        Self { n, entries: entries.collect() }
+    }
+
     pub(super) fn entries(&self) -> &[(usize, usize, f64)] {
         &self.entries
     }

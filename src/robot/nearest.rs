@@ -13,7 +13,7 @@ pub(super) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 }
 
 /// The known names that resemble an unknown one, the most similar first.
-pub(super) fn resembling<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<String> {
+pub(crate) fn resembling<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<String> {
     ranked(name, known).into_iter().take(OFFERED).map(|(_, known)| known.to_owned()).collect()
 }
 

@@ -14,6 +14,8 @@ const OF_EVERY_JOINT: [&str; 13] =
 pub(crate) struct Group {
     /// The joint (or pair of joints) that they belong to; empty for gravity.
     pub of: String,
+    /// The same by their numbers, a joint as a pair with itself; `None` for gravity.
+    pub joints: Option<[usize; 2]>,
     /// Name and value of each.
     pub entries: Vec<(&'static str, f64)>,
 }
@@ -57,15 +59,16 @@ pub(crate) fn groups(robot: &Robot) -> Vec<Group> {
         }
         let own = robot.armature_entry(i, i);
         entries.extend((own != 0.0).then_some(("armature", own)));
-        groups.push(Group { of: joint.name.clone(), entries });
+        groups.push(Group { of: joint.name.clone(), joints: Some([i, i]), entries });
     }
     for &(i, j, value) in armature.iter().filter(|(i, j, _)| i != j) {
         let of = format!("{}, {}", robot.joints()[i].name, robot.joints()[j].name);
-        groups.push(Group { of, entries: vec![("armature", value)] });
+        groups.push(Group { of, joints: Some([i, j]), entries: vec![("armature", value)] });
     }
     let g = robot.gravity();
     groups.push(Group {
         of: String::new(),
+        joints: None,
         entries: vec![("gravity_x", g.x), ("gravity_y", g.y), ("gravity_z", g.z)],
     });
     groups

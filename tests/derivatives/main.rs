@@ -8,6 +8,7 @@ mod kernels;
 mod kinematics;
 mod lagrangian;
 mod mimics;
+mod parameters;
 mod rounding_scan;
 mod routes;
 mod second_order;

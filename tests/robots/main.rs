@@ -6,6 +6,7 @@ mod descriptions;
 mod known_kinematics;
 mod known_robots;
 mod mimics;
+mod parameters;
 mod texts;
 mod toml_files;
 mod urdf;

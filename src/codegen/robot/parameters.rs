@@ -33,7 +33,7 @@ pub fn parameter_values(robot: &Robot) -> Vec<f64> {
 /// The names of the [`parameter_values`], such as `shoulder.mass`.
 pub fn parameter_names(robot: &Robot) -> Vec<String> {
     let name = |of: &str, entry: &str| if of.is_empty() { entry.into() } else { format!("{of}.{entry}") };
-    let of_group = |Group { of, entries }: Group| {
+    let of_group = |Group { of, entries, .. }: Group| {
         entries.into_iter().map(move |(entry, _)| name(&of, entry)).collect::<Vec<_>>()
     };
     groups(robot).into_iter().flat_map(of_group).collect()
@@ -42,7 +42,7 @@ pub fn parameter_names(robot: &Robot) -> Vec<String> {
 /// A line for each group of parameters.
 pub(super) fn layout(robot: &Robot) -> Vec<String> {
     let mut start = 0;
-    let line = |Group { of, entries }: Group| {
+    let line = |Group { of, entries, .. }: Group| {
         let names: Vec<_> = entries.iter().map(|(name, _)| *name).collect();
         let line = format!("  parameters[{start}..{}]: {of}: {}", start + names.len(), names.join(" "));
         start += names.len();
