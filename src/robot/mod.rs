@@ -8,6 +8,7 @@ mod armature;
 mod builder;
 mod checks;
 pub mod dh;
+mod edit;
 mod error;
 #[cfg(feature = "toml")]
 pub mod file;
@@ -39,6 +40,7 @@ mod with_wrench;
 mod wrench;
 
 pub use builder::RobotBuilder;
+pub use edit::RobotEdit;
 pub use error::RobotError;
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};
