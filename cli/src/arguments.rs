@@ -1,5 +1,6 @@
 //! Arguments that several commands share.
 
+use crate::edits::EditArguments;
 use crate::output::is_standard;
 use crate::terminal;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -26,6 +27,8 @@ pub struct RobotArguments {
     /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
     #[arg(long)]
     friction: bool,
+    #[command(flatten)]
+    edits: EditArguments,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -45,11 +48,17 @@ impl RobotArguments {
         LoadOptions::default().strict(self.strict).friction(self.friction)
     }
 
-    /// Reads the robot.
+    /// Reads the robot, and changes it as the flags say.
     ///
     /// # Errors
-    /// [`RobotError::InFile`] with the path, or `standard input`, and the line where it is known.
+    /// [`RobotError::InFile`] with the path, or `standard input`, and the line where it is known; the errors
+    /// of
+    /// [`Robot::edited`].
     pub fn load(&self) -> Result<Robot, RobotError> {
+        self.read()?.edited(&self.edits.edits(), self.options())
+    }
+
+    fn read(&self) -> Result<Robot, RobotError> {
         let from_input = is_standard(&self.robot);
         if !from_input && self.format.is_none() {
             return Robot::from_file_with(&self.robot, self.options());

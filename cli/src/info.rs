@@ -38,6 +38,11 @@ fn parent<'a>(robot: &'a Robot, joint: &Joint) -> Option<&'a str> {
     joint.parent.map(|p| robot.joints()[p].name.as_str())
 }
 
+/// Place of joint `i` in q; none if it mimics another one.
+fn index(robot: &Robot, i: usize) -> Option<usize> {
+    robot.independent_indices().binary_search(&i).ok()
+}
+
 /// The mass of all moving links (kg).
 fn mass(robot: &Robot) -> f64 {
     robot.joints().iter().map(|joint| joint.inertia.mass).sum()
@@ -48,7 +53,7 @@ fn as_json(robot: &Robot, with_frames: bool) -> Value {
     let joint = |(i, joint): (usize, &Joint)| {
         let (link, limits) = (&joint.inertia, joint.limits);
         json!({
-            "index": i,
+            "index": index(robot, i),
             "name": joint.name,
             "type": joint.kind.name(),
             "parent": parent(robot, joint),
@@ -163,7 +168,7 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         let [x, y, z]: [f64; 3] = joint.axis.into();
         let limit = |x: f64| if x.is_finite() { fixed(x, 3) } else { "-".into() };
         table.row(vec![
-            i.to_string(),
+            index(robot, i).map_or_else(|| "-".into(), |index| index.to_string()),
             joint.name.clone(),
             joint.kind.name().into(),
             parent(robot, joint).unwrap_or("world").into(),

@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod codegen;
 mod count;
+mod edits;
 mod eval;
 mod generate;
 mod info;

@@ -17,7 +17,9 @@ pub fn joints(robot: &Robot) -> String {
 
 /// The name of the robot and the number of its joints, to start a report.
 pub fn title(robot: &Robot) -> String {
-    format!("{}, {}", printable(robot.name()), joints(robot))
+    let mimics = robot.joints().len() - robot.dof();
+    let mimics = if mimics > 0 { format!(" and {}", counted(mimics, "mimic joint")) } else { String::new() };
+    format!("{}, {}{mimics}", printable(robot.name()), joints(robot))
 }
 
 /// A number with a fixed count of decimals, from a million on with an exponent; zero has no sign.

@@ -42,6 +42,27 @@ impl Armature {
         &self.entries
     }
 
+    /// The same with another entry `A_ii`.
+    ///
+    /// # Errors
+    /// [`RobotError::BadArmature`] where entries beside it would make the matrix indefinite.
+    pub(super) fn with_diagonal(&self, i: usize, value: f64) -> Result<Self, RobotError> {
+        if self.entries.iter().all(|(i, j, _)| i == j) {
+            let diagonal = (0..self.n).map(|k| if k == i { value } else { self.entry(k, k) });
+            return Ok(Self::diagonal(diagonal));
+        }
+        let mut matrix = self.matrix();
+        matrix[(i, i)] = value;
+        Self::from_matrix(&matrix)
+    }
+
+    /// Rows and columns of these joints, which rise.
+    pub(super) fn restricted_to(&self, joints: &[usize]) -> Self {
+        let new = |old: usize| joints.binary_search(&old).ok();
+        let entries = self.entries.iter().filter_map(|&(i, j, value)| Some((new(i)?, new(j)?, value)));
+        Self { n: joints.len(), entries: entries.collect() }
+    }
+
     /// `A_ij`.
     pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
         let key = (i.max(j), i.min(j));

@@ -2,7 +2,7 @@
 
 use super::armature::Armature;
 use super::error::RobotError;
-use super::joint::{Joint, JointKind, JointSpec};
+use super::joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 use super::link::LinkInertia;
 use super::positive::mass_matrix_is_positive;
 use super::warning::Warning;
@@ -87,12 +87,22 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
         return Err(RobotError::BadPlacement { joint: name() });
     }
     inertia(spec.link_name(), &spec.inertia)?;
+    figures(&spec.name, spec.armature, &spec.spring, &spec.friction, &spec.limits)
+}
+
+/// Armature, spring, friction and limits of one joint.
+pub(super) fn figures(
+    name: &str,
+    armature: f64,
+    spring: &Spring,
+    friction: &Friction,
+    limits: &Limits,
+) -> Result<(), RobotError> {
     let rule = "it must be finite and not negative";
     let not_negative = |what, value: f64| (what, value, value >= 0.0 && value.is_finite(), rule);
-    let (friction, spring, limits) = (&spec.friction, &spec.spring, &spec.limits);
     let transition = friction.coulomb_velocity;
     let checks = [
-        not_negative("the armature", spec.armature),
+        not_negative("the armature", armature),
         not_negative("the viscous friction", friction.viscous),
         not_negative("the Coulomb friction", friction.coulomb),
         (
@@ -108,7 +118,7 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
         ("the effort limit", limits.effort, limits.effort >= 0.0, "it must not be negative"),
     ];
     match checks.into_iter().find(|(_, _, ok, _)| !ok) {
-        Some((what, value, _, rule)) => Err(RobotError::BadValue { joint: name(), what, value, rule }),
+        Some((what, value, _, rule)) => Err(RobotError::BadValue { joint: name.into(), what, value, rule }),
         None => Ok(()),
     }
 }

@@ -118,6 +118,11 @@ impl LinkInertia {
         Self { mass, com: Vector3::from(com), inertia }
     }
 
+    /// As [`about_com`](Self::about_com), with the entries xx, yy, zz, xy, xz, yz of the inertia matrix.
+    pub fn from_entries(mass: f64, com: [f64; 3], [xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Self {
+        Self::about_com(mass, com, Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+    }
+
     /// As [`about_com`](Self::about_com), with the inertia matrix given about the origin of the joint frame.
     pub fn about_origin(mass: f64, com: [f64; 3], inertia: Matrix3<f64>) -> Self {
         let com = Vector3::from(com);

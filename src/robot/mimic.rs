@@ -42,8 +42,8 @@ pub(super) fn resolved(specs: &[JointSpec], order: &[usize]) -> Result<Vec<Optio
                 None => found[at] = Some(None),
                 Some(mimic) => {
                     if let Some(&first) = on_chain.get(&at) {
-                        let loop_: Vec<usize> = chain[first..].iter().map(|&(joint, _)| joint).collect();
-                        let joints = loop_.into_iter().map(|joint| spec(joint).name.clone()).collect();
+                        let around: &[(usize, Mimic)] = &chain[first..];
+                        let joints = around.iter().map(|&(joint, _)| spec(joint).name.clone()).collect();
                         return Err(RobotError::MimicCycle { joints });
                     }
                     on_chain.insert(at, chain.len());
@@ -73,8 +73,8 @@ pub(super) fn resolved(specs: &[JointSpec], order: &[usize]) -> Result<Vec<Optio
 fn check(joint: &str, mimic: &Mimic) -> Result<(), RobotError> {
     let rule = "its size must be between 1e-75 and 1e75; make a joint that does not move a fixed one";
     let checks = [
-        ("the ratio of its mimicry", mimic.ratio, checks::RANGE.contains(&mimic.ratio.abs()), rule),
-        ("the offset of its mimicry", mimic.offset, mimic.offset.is_finite(), "it must be finite"),
+        ("the ratio of mimicry", mimic.ratio, checks::RANGE.contains(&mimic.ratio.abs()), rule),
+        ("the offset of mimicry", mimic.offset, mimic.offset.is_finite(), "it must be finite"),
     ];
     match checks.into_iter().find(|(_, _, ok, _)| !ok) {
         Some((what, value, _, rule)) => Err(RobotError::BadValue { joint: joint.into(), what, value, rule }),
@@ -92,11 +92,14 @@ pub(super) fn narrow_limits(joints: &mut [Joint], warnings: &mut Vec<Warning>) {
             continue;
         };
         let (own, limits) = (joints[i].limits, joints[joint].limits);
+        // A mimic joint of a file often has no figures of its own: limits that coincide, or a velocity of 0.
+        let is_range = own.lower < own.upper;
+        let velocity = if own.velocity > 0.0 { own.velocity } else { f64::INFINITY };
         let ends = [own.lower, own.upper].map(|end| (end - offset) / ratio);
         let narrowed = Limits {
-            lower: limits.lower.max(ends[0].min(ends[1])),
-            upper: limits.upper.min(ends[0].max(ends[1])),
-            velocity: limits.velocity.min(own.velocity / ratio.abs()),
+            lower: if is_range { limits.lower.max(ends[0].min(ends[1])) } else { limits.lower },
+            upper: if is_range { limits.upper.min(ends[0].max(ends[1])) } else { limits.upper },
+            velocity: limits.velocity.min(velocity / ratio.abs()),
             ..limits
         };
         if narrowed.lower <= narrowed.upper {

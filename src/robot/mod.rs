@@ -9,6 +9,7 @@ mod builder;
 mod checks;
 pub mod dh;
 mod edited;
+mod edit;
 mod error;
 #[cfg(feature = "toml")]
 pub mod file;
@@ -41,6 +42,7 @@ mod with_wrench;
 mod wrench;
 
 pub use builder::RobotBuilder;
+pub use edit::RobotEdit;
 pub use error::RobotError;
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};

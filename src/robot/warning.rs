@@ -89,6 +89,15 @@ pub enum Warning {
         /// The independent joint.
         master: String,
     },
+    /// A joint is locked outside its limits.
+    LockedOutside {
+        /// The joint.
+        joint: String,
+        /// Its position (rad, m).
+        value: f64,
+        /// Its limits (rad, m).
+        limits: [f64; 2],
+    },
     /// Limits of revolute joints beyond two turns: they may be degrees.
     LargeLimits {
         /// The joints.
@@ -207,6 +216,14 @@ impl fmt::Display for Warning {
                  are not used: correct one of them",
                 printable(master),
                 printable(joint)
+            ),
+            Self::LockedOutside { joint, value, limits: [lower, upper] } => write!(
+                f,
+                "joint '{}' is locked at {}, outside its limits {} and {}",
+                printable(joint),
+                printable_number(*value),
+                printable_number(*lower),
+                printable_number(*upper)
             ),
             Self::LargeLimits { joints: names, limit } => write!(
                 f,

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
 
 mod descriptions;
+mod edits;
 mod known_kinematics;
 mod known_robots;
 mod mimics;

@@ -106,6 +106,7 @@ fn limits_of_mimics_narrow_those_of_the_independent_joint() {
     assert_eq!(narrowed.joints()[0].limits, limits(-0.5, 2.0, 3.0));
     assert_eq!(narrowed.warnings(), []);
     assert_eq!(pair(Limits::default()).joints()[0].limits, limits(-2.0, 3.0, 5.0));
+    assert_eq!(pair(limits(0.0, 0.0, 6.0)).joints()[0].limits, limits(-2.0, 3.0, 3.0));
     let apart = pair(limits(10.0, 12.0, 6.0));
     assert_eq!(apart.joints()[0].limits.lower, -2.0);
     assert!(

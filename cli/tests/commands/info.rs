@@ -39,6 +39,56 @@ fn joints_are_numbered_from_zero() {
     assert!(table.starts_with("arm, 1 joint, moving mass 2.0000 kg, gravity (0, 0, 0) m/s^2"), "{table}");
 }
 
+/// Indices are those of q; what mimics another joint has none.
+#[test]
+fn mimic_joints_are_shown_with_what_they_follow() {
+    let table = stdout(&costate(&["info", "tests/fixtures/mimic_hand.urdf"], b""));
+    assert!(table.starts_with("mimic_hand, 3 joints and 4 mimic joints, moving mass"), "{table}");
+    assert!(table.contains("'right_knuckle' mimics 'knuckle': q = -1 q_knuckle + 0"), "{table}");
+    let info = json_of("tests/fixtures/mimic_hand.urdf", "");
+    assert_eq!((&info["n"], info["joints"].as_array().unwrap().len()), (&json!(3), 7));
+    let of =
+        |name: &str| info["joints"].as_array().unwrap().iter().find(|joint| joint["name"] == name).unwrap();
+    assert_eq!((&of("knuckle")["index"], &of("knuckle")["mimic"]), (&json!(2), &Value::Null));
+    assert_eq!(of("slide")["mimic"], json!({ "joint": "wrist", "ratio": 0.02, "offset": 0.01 }));
+    assert_eq!(of("slide")["index"], Value::Null);
+}
+
+/// Flags change the robot; what cannot be is an error that names joint or frame.
+#[test]
+fn flags_lock_joints_and_attach_payloads() {
+    let arm = "robots/ur5.urdf";
+    let locked = ["--lock", "wrist_1_joint=0.5", "--lock", "wrist_2_joint=-0.5", "--gravity", "0,0,-1.62"];
+    let changed = ["--payload", "tool0=2,0,0,0.1", "--armature", "elbow_joint=0.25", "--json"];
+    let info = |flags: &[&str]| costate(&[&["info", arm], flags].concat(), b"");
+    let whole: Value = serde_json::from_str(&stdout(&info(&["--json"]))).unwrap();
+    let part: Value = serde_json::from_str(&stdout(&info(&[&locked[..], &changed].concat()))).unwrap();
+    assert_eq!((&part["n"], flat(&part["gravity"])), (&json!(4), vec![0.0, 0.0, -1.62]));
+    let gained = part["mass"].as_f64().unwrap() - whole["mass"].as_f64().unwrap();
+    assert!((gained - 2.0).abs() < 1e-12, "{gained}");
+    assert_eq!(part["joints"][2]["armature"], json!(0.25));
+    let reduced: Value =
+        serde_json::from_str(&stdout(&info(&["--reduced-to", "elbow_joint,wrist_3_joint", "--json"])))
+            .unwrap();
+    assert_eq!(reduced["joints"][1]["name"], json!("wrist_3_joint"));
+    for (flags, words) in [
+        (&["--lock", "wrist_4_joint=0"][..], &["'wrist_4_joint'", "did you mean 'wrist_1_joint'"][..]),
+        (&["--lock", "elbow_joint=nan"], &["elbow_joint", "finite"]),
+        (&["--lock", "elbow_joint"], &["--lock", "a name, =, and a value"]),
+        (&["--payload", "tol0=1"], &["'tol0'", "'tool0'"]),
+        (&["--payload", "tool0=-1"], &["payload of tool0", "-1 kg"]),
+        (&["--payload", "tool0=1,2"], &["--payload", "1, 4, 7 or 10 numbers"]),
+        (&["--reduced-to", "knee"], &["'knee'"]),
+        (&["--gravity", "0,0"], &["--gravity", "3 numbers"]),
+        (&["--strict", "--lock", "elbow_joint=9"], &["elbow_joint", "outside its limits"]),
+    ] {
+        let output = info(flags);
+        assert_eq!(output.status.code(), Some(2), "{flags:?}");
+        let message = stderr(&output);
+        assert!(words.iter().all(|word| message.contains(word)), "{flags:?}: {message}");
+    }
+}
+
 /// Warnings go where those of all commands go; names of any length fit the table.
 #[test]
 fn long_names_are_cut_and_warnings_go_to_standard_error() {

@@ -46,6 +46,54 @@ fn every_key_reaches_the_problem() {
 }
 
 #[test]
+fn a_table_of_the_robot_changes_it() {
+    let table = "[robot]\nfile = \"two_link.toml\"\ngravity = [0, 0, -1.5]\narmature = { elbow = 0.5 }\n\
+                 friction = { elbow = { viscous = 0.25 } }\nlimits = { elbow = { upper = 2 } }\n\
+                 lock = { shoulder = 0.5 }\n[[robot.payload]]\nframe = \"elbow\"\nmass = 2\ncom = [0.5, 0, 0]\n\
+                 inertia = { xx = 0.1, yy = 0.2, zz = 0.2 }\n";
+    let rest =
+        LEAST.replace("robot = \"two_link.toml\"\n", "").replace("[0, 0]", "[0]").replace("[1, 1]", "[1]");
+    let problem = read(&format!("{table}{rest}")).unwrap().problem;
+    let whole = read(LEAST).unwrap().problem.robot;
+    let [joint] = problem.robot.joints() else { panic!("{:?}", problem.robot.joints()) };
+    assert_eq!((joint.name.as_str(), joint.friction.viscous, joint.limits.upper), ("elbow", 0.25, 2.0));
+    assert_eq!((problem.robot.gravity().z, problem.robot.armature_entry(0, 0)), (-1.5, 0.5));
+    assert!((joint.inertia.mass - whole.joints()[1].inertia.mass - 2.0).abs() < 1e-15);
+    let reduced = table.replace("lock = { shoulder = 0.5 }", "reduced_to = [\"elbow\"]");
+    assert_eq!(read(&format!("{reduced}{rest}")).unwrap().problem.robot.dof(), 1);
+    for (from, to, message) in [
+        (
+            "shoulder = 0.5",
+            "shouldr = 0.5",
+            "problem:7: robot.lock: there is no joint 'shouldr'; did you mean 'shoulder'?",
+        ),
+        ("shoulder = 0.5", "shoulder = nan", "problem:7: robot.lock: "),
+        (
+            "shoulder = 0.5",
+            "shoulder = \"far\"",
+            "problem:7: robot.lock.shoulder: give a number, not the string",
+        ),
+        ("{ shoulder = 0.5 }", "3", "problem:7: robot.lock: give a table, not 3"),
+        (
+            "viscous = 0.25",
+            "viscos = 1",
+            "problem:5: robot.friction.viscos: unknown key; the keys here are `viscous`",
+        ),
+        ("viscous = 0.25", "viscous = -1", "problem:5: robot.friction: "),
+        ("{ upper = 2 }", "2", "problem:6: robot.limits.elbow: give a table, not 2"),
+        ("[0, 0, -1.5]", "[0, 0]", "problem:3: robot.gravity: give a list of 3 numbers, not a list of 2"),
+        ("frame = \"elbow\"", "frame = \"tool\"", "problem:8: robot.payload: there is no frame 'tool'"),
+        ("mass = 2", "", "problem:8: robot.payload.mass: missing; add it"),
+        ("mass = 2", "mass = -2", "problem:8: robot.payload: the mass of link 'payload of elbow'"),
+        ("file = ", "path = ", "problem:2: robot.path: unknown key; the keys here are `file`, `gravity`"),
+        ("two_link.toml", "none.toml", "problem:1: robot: "),
+    ] {
+        let error = read(&format!("{}{rest}", table.replacen(from, to, 1))).unwrap_err();
+        assert!(error.starts_with(message), "{error}\n{message}");
+    }
+}
+
+#[test]
 fn missing_keys_have_their_documented_defaults() {
     let ProblemFile { problem, options, start_from, .. } = read(LEAST).unwrap();
     assert_eq!((&problem.start.v, &problem.end.v), (&vec![0.0; 2], &vec![0.0; 2]));

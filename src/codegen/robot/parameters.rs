@@ -23,7 +23,7 @@ use nalgebra::Matrix3;
 /// zero, and gravity (m/s^2).
 ///
 /// A program recorded from one robot is right for the parameters of any other one with the same joints,
-/// directions and kinds of parameters: the same [`parameter_names`].
+/// directions, ratios and offsets of mimic joints, and kinds of parameters: the same [`parameter_names`].
 ///
 /// [`ProgramOptions::parameters`]: super::ProgramOptions::parameters
 pub fn parameter_values(robot: &Robot) -> Vec<f64> {

@@ -113,6 +113,28 @@ impl fmt::Display for RobotError {
                 printable(master),
                 printable(several)
             ),
+            Self::UnknownJoint { joint, nearest } => write!(
+                f,
+                "there is no joint '{}'{}",
+                printable(joint),
+                offer(nearest, "; `costate info` lists the names")
+            ),
+            Self::DependentJoint { joint, master } => write!(
+                f,
+                "joint '{}' follows joint '{}', which it mimics; name '{}' instead",
+                printable(joint),
+                printable(master),
+                printable(master)
+            ),
+            Self::FixedFrame { frame } => write!(
+                f,
+                "no joint moves frame '{}', and a payload there has no effect; name a frame beyond a joint",
+                printable(frame)
+            ),
+            Self::WrongPositions { expected, found } => write!(
+                f,
+                "there are {found} positions for {expected} independent joints; give one for each of them"
+            ),
             Self::UnsupportedJoint { joint, kind } => write!(
                 f,
                 "joint '{}' is of type '{}'; use revolute, continuous, prismatic, fixed, floating or planar",

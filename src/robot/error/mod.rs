@@ -141,6 +141,32 @@ pub enum RobotError {
         /// Its type.
         kind: &'static str,
     },
+    /// A joint that does not exist.
+    UnknownJoint {
+        /// The joint.
+        joint: String,
+        /// Names that resemble it, the most similar first.
+        nearest: Vec<String>,
+    },
+    /// A joint that mimics another one, where an independent one is needed.
+    DependentJoint {
+        /// The joint.
+        joint: String,
+        /// The independent joint that it follows.
+        master: String,
+    },
+    /// A frame that no joint moves, where a body would have no effect.
+    FixedFrame {
+        /// The frame.
+        frame: String,
+    },
+    /// A list of positions whose length is not that of q.
+    WrongPositions {
+        /// Number of independent joints.
+        expected: usize,
+        /// Number of positions.
+        found: usize,
+    },
     /// An unsupported type of joint.
     UnsupportedJoint {
         /// The joint.
@@ -255,6 +281,7 @@ impl RobotError {
             Self::UnknownParent { joint, .. }
             | Self::UnknownChild { joint, .. }
             | Self::UnknownMimic { joint, .. }
+            | Self::DependentJoint { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
             | Self::BadAxis { joint }

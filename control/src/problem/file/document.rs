@@ -102,10 +102,10 @@ impl<'t> Document<'t> {
 
 /// A table of the document.
 pub(crate) struct Table<'d> {
-    text: &'d str,
-    path: Option<&'static str>,
-    line: Option<usize>,
-    values: &'d DeTable<'d>,
+    pub(super) text: &'d str,
+    pub(super) path: Option<String>,
+    pub(super) line: Option<usize>,
+    pub(super) values: &'d DeTable<'d>,
 }
 
 impl<'d> Table<'d> {
@@ -120,13 +120,22 @@ impl<'d> Table<'d> {
     /// Line of a key.
     pub fn line_of(&self, name: &str) -> Option<usize> {
         let (key, _) = self.values.iter().find(|(key, _)| key.get_ref() == name)?;
-        Some(line_at(self.text.as_bytes(), Spanned::span(key).start))
+        Some(self.line_at(Spanned::span(key).start))
+    }
+
+    /// Line of a byte.
+    pub(super) fn line_at(&self, offset: usize) -> usize {
+        line_at(self.text.as_bytes(), offset)
+    }
+
+    /// A key with its table.
+    pub(super) fn key(&self, name: &str) -> String {
+        self.path.as_ref().map_or_else(|| name.into(), |path| format!("{path}.{name}"))
     }
 
     /// An error of one key.
     pub fn fault(&self, name: &str, cause: ProblemFileCause) -> Fault {
-        let key = self.path.map_or_else(|| name.into(), |path| format!("{path}.{name}"));
-        Fault { line: self.line_of(name).or(self.line), key: Some(key), cause: Box::new(cause) }
+        Fault { line: self.line_of(name).or(self.line), key: Some(self.key(name)), cause: Box::new(cause) }
     }
 
     /// The value of a key that must be given.
@@ -134,10 +143,10 @@ impl<'d> Table<'d> {
         value.ok_or_else(|| self.fault(name, ProblemFileCause::MissingKey))
     }
 
-    pub fn table(&self, name: &'static str) -> Result<Option<Table<'d>>, Fault> {
-        let line = self.line_of(name);
+    pub fn table(&self, name: &str) -> Result<Option<Table<'d>>, Fault> {
+        let (line, path) = (self.line_of(name), self.key(name));
         self.value(name, "a table", |value| match value {
-            DeValue::Table(values) => Some(Table { text: self.text, path: Some(name), line, values }),
+            DeValue::Table(values) => Some(Table { text: self.text, path: Some(path.clone()), line, values }),
             _ => None,
         })
     }
@@ -207,7 +216,7 @@ impl<'d> Table<'d> {
     }
 }
 
-fn number(value: &DeValue<'_>) -> Option<f64> {
+pub(super) fn number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(float) => float.as_str().parse().ok(),
         DeValue::Integer(whole) => Some(i64::from_str_radix(whole.as_str(), whole.radix()).ok()? as f64),
@@ -230,7 +239,7 @@ pub(super) fn string(value: &DeValue<'_>) -> Option<String> {
 }
 
 /// A value in an error.
-fn describe(value: &DeValue<'_>) -> String {
+pub(super) fn describe(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(text) => format!("the string \"{}\"", printable(text)),
         DeValue::Integer(whole) => printable(&whole.to_string()).to_string(),

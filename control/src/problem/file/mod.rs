@@ -2,6 +2,8 @@
 
 pub(crate) mod document;
 pub(crate) mod error;
+mod nested;
+mod robot;
 mod tables;
 
 pub use error::{ProblemFileCause, ProblemFileError};
@@ -10,7 +12,7 @@ use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::problem::file::document::{Document, Fault, MOST_BYTES};
 use crate::problem::key::Key;
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::LoadOptions;
 use std::error::Error;
 use std::fs::File;
 use std::io::Read;
@@ -80,9 +82,8 @@ impl ProblemFile {
         let document = Document::parse(text)?;
         let root = document.root();
         let tables = tables::read(&root)?;
-        let robot_path = folder.join(&tables.robot);
-        let robot = Robot::from_file_with(&robot_path, load)
-            .map_err(|error| root.fault("robot", ProblemFileCause::Robot(error)))?;
+        let robot_path = folder.join(&tables.robot.file);
+        let robot = tables.robot.load(&root, &robot_path, load)?;
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
         problem.check().map_err(in_document)?;

@@ -4,6 +4,7 @@ use crate::options::{Coordinates, JacobianRoute, Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Fault, Table, string, whole};
 use crate::problem::file::error::ProblemFileCause;
+use crate::problem::file::robot::{self, RobotTable};
 use crate::problem::key::Key;
 use crate::problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
 use costate::robot::Robot;
@@ -32,7 +33,7 @@ const COORDINATES: [(&str, Coordinates); 2] =
 
 /// The values of a problem file, before its robot is known.
 pub(super) struct Tables {
-    pub robot: String,
+    pub robot: RobotTable,
     start: StateTable,
     end: StateTable,
     time: FinalTime,
@@ -69,7 +70,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         Ok(table)
     };
     let needed = |name, keys| root.need(name, optional(name, keys)?);
-    let robot = root.need("robot", root.string("robot")?)?;
+    let robot = robot::read(root)?;
     let (start, end) = (state(&needed("start", STATE)?)?, state(&needed("end", STATE)?)?);
     let time = time(&needed("time", TIME)?)?;
     let cost = optional("cost", COST)?;

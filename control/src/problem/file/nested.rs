@@ -1,0 +1,77 @@
+//! Tables whose keys are names of joints, and lists of tables.
+
+use super::document::{Fault, Table, describe, number};
+use super::error::ProblemFileCause;
+use toml::de::DeValue;
+
+impl<'d> Table<'d> {
+    /// Whether a key is there and holds a table.
+    pub fn has_table(&self, name: &str) -> bool {
+        matches!(self.values.get(name).map(|value| value.get_ref()), Some(DeValue::Table(_)))
+    }
+
+    /// A table called `name` whose keys are any names: numbers.
+    pub fn numbers_by_name(&self, name: &'static str) -> Result<Vec<(String, f64)>, Fault> {
+        let Some(table) = self.table(name)? else { return Ok(Vec::new()) };
+        let wrong = |key: &str, found: &DeValue<'_>| {
+            let cause = ProblemFileCause::WrongType { expected: "a number", found: describe(found) };
+            Err(table.fault(key, cause))
+        };
+        let entry =
+            |(key, value): (&toml::Spanned<std::borrow::Cow<'_, str>>, &toml::Spanned<DeValue<'_>>)| {
+                match number(value.get_ref()) {
+                    Some(number) => Ok((key.get_ref().to_string(), number)),
+                    None => wrong(key.get_ref(), value.get_ref()),
+                }
+            };
+        table.values.iter().map(entry).collect()
+    }
+
+    /// A table called `name` whose keys are any names: tables with these keys.
+    pub fn tables_by_name(
+        &self,
+        name: &'static str,
+        known: &'static [&'static str],
+    ) -> Result<Vec<(String, Table<'d>)>, Fault> {
+        let Some(table) = self.table(name)? else { return Ok(Vec::new()) };
+        let mut found = Vec::new();
+        for (key, value) in table.values {
+            let DeValue::Table(values) = value.get_ref() else {
+                let cause =
+                    ProblemFileCause::WrongType { expected: "a table", found: describe(value.get_ref()) };
+                return Err(table.fault(key.get_ref(), cause));
+            };
+            let line = table.line_of(key.get_ref());
+            let inner = Table { text: self.text, path: table.path.clone(), line, values };
+            inner.only(known)?;
+            found.push((key.get_ref().to_string(), inner));
+        }
+        Ok(found)
+    }
+
+    /// The tables `[[name]]`, or the one table `name`, with these keys.
+    pub fn tables(
+        &self,
+        name: &'static str,
+        known: &'static [&'static str],
+    ) -> Result<Vec<Table<'d>>, Fault> {
+        let Some(DeValue::Array(entries)) = self.values.get(name).map(|value| value.get_ref()) else {
+            let table = self.table(name)?;
+            return table.into_iter().map(|table| table.only(known).map(|()| table)).collect();
+        };
+        let path = self.key(name);
+        let mut found = Vec::new();
+        for entry in entries {
+            let DeValue::Table(values) = entry.get_ref() else {
+                let cause =
+                    ProblemFileCause::WrongType { expected: "tables", found: describe(entry.get_ref()) };
+                return Err(self.fault(name, cause));
+            };
+            let line = Some(self.line_at(entry.span().start));
+            let table = Table { text: self.text, path: Some(path.clone()), line, values };
+            table.only(known)?;
+            found.push(table);
+        }
+        Ok(found)
+    }
+}

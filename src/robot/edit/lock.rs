@@ -1,0 +1,136 @@
+//! Joints that no longer move.
+
+use crate::robot::error::RobotError;
+use crate::robot::joint::{Joint, Mimic};
+use crate::robot::link::Placement;
+use crate::robot::model::Robot;
+use crate::robot::warning::Warning;
+
+/// Where the frame of an old joint is: in the frame of a joint that stays (its new index), or in the world.
+#[derive(Clone, Copy)]
+struct Seat {
+    carrier: Option<usize>,
+    placement: Placement,
+}
+
+impl Robot {
+    /// The robot that remains when joints are held at positions (rad, m), with all that mimics them.
+    ///
+    /// The links beyond a locked joint become part of the link before it, or of the world; springs, friction
+    /// and armature of locked joints are omitted, and the order of the others remains. All frames stay, those
+    /// of locked joints too. V may differ by a constant.
+    ///
+    /// ```
+    /// use costate::robot::Robot;
+    ///
+    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    /// let arm = Robot::from_file("robots/ur5.urdf")?;
+    /// let wristless = arm.lock(&[("wrist_1_joint", 0.5), ("wrist_2_joint", 0.0), ("wrist_3_joint", 0.0)])?;
+    /// assert_eq!((arm.dof(), wristless.dof()), (6, 3));
+    /// let error = arm.lock(&[("wrist_4_joint", 0.0)]).unwrap_err().to_string();
+    /// assert!(error.contains("'wrist_1_joint'"), "names that resemble it: {error}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// A position outside the limits of its joint is a warning.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownJoint`]; [`RobotError::DependentJoint`] for a joint that mimics another one;
+    /// [`RobotError::BadValue`] for a position that is not finite or given twice; [`RobotError::NoJoints`] if
+    /// nothing can move any more.
+    pub fn lock(&self, joints: &[(&str, f64)]) -> Result<Self, RobotError> {
+        let mut held: Vec<Option<f64>> = vec![None; self.joints.len()];
+        let mut warnings = Vec::new();
+        for &(name, value) in joints {
+            let index = self.independent_index(name)?;
+            let what = "the locked position";
+            let bad = |rule| Err(RobotError::BadValue { joint: name.to_owned(), what, value, rule });
+            if !value.is_finite() {
+                return bad("it must be finite");
+            }
+            if held[index].replace(value).is_some() {
+                return bad("it must be given once");
+            }
+            let limits = self.joints[index].limits;
+            if !(limits.lower..=limits.upper).contains(&value) {
+                let limits = [limits.lower, limits.upper];
+                warnings.push(Warning::LockedOutside { joint: name.to_owned(), value, limits });
+            }
+        }
+        for i in 0..self.joints.len() {
+            if let Some(Mimic { joint, ratio, offset }) = self.joints[i].mimic {
+                held[i] = held[joint].map(|value| ratio.mul_add(value, offset));
+            }
+        }
+        self.holding(&held)?.checked(warnings)
+    }
+
+    /// The robot of these independent joints, and of those that mimic them; all others are held at the
+    /// positions q (rad, m; n).
+    ///
+    /// # Errors
+    /// [`RobotError::WrongPositions`] unless q has n entries, and those of [`lock`](Self::lock).
+    pub fn reduced_to(&self, joints: &[&str], q: &[f64]) -> Result<Self, RobotError> {
+        if q.len() != self.dof() {
+            return Err(RobotError::WrongPositions { expected: self.dof(), found: q.len() });
+        }
+        let mut stays = vec![false; self.joints.len()];
+        for name in joints {
+            stays[self.independent_index(name)?] = true;
+        }
+        let others = self.independent.iter().zip(q).filter(|(joint, _)| !stays[**joint]);
+        let others: Vec<(&str, f64)> =
+            others.map(|(&joint, &position)| (self.joints[joint].name.as_str(), position)).collect();
+        self.lock(&others)
+    }
+
+    /// Without the joints that are held at a position.
+    fn holding(&self, held: &[Option<f64>]) -> Result<Self, RobotError> {
+        let mut seats: Vec<Seat> = Vec::with_capacity(held.len());
+        let (mut joints, mut kept): (Vec<Joint>, Vec<usize>) = (Vec::new(), Vec::new());
+        let mut new_index = vec![None; held.len()];
+        for (i, joint) in self.joints.iter().enumerate() {
+            let base =
+                joint.parent.map_or(Seat { carrier: None, placement: Placement::identity() }, |p| seats[p]);
+            // What stands on a joint that stays is not rounded.
+            let moved = base.placement != Placement::identity();
+            let standing =
+                if moved { base.placement.then(&joint.placement).orthonormalised() } else { joint.placement };
+            match held[i] {
+                None => {
+                    new_index[i] = Some(joints.len());
+                    seats.push(Seat { carrier: Some(joints.len()), placement: Placement::identity() });
+                    kept.push(i);
+                    joints.push(Joint { parent: base.carrier, placement: standing, ..joint.clone() });
+                }
+                Some(value) => {
+                    let placement = standing.then(&joint.kind.motion(&joint.axis, value));
+                    seats.push(Seat { carrier: base.carrier, placement });
+                    if let Some(carrier) = base.carrier.map(|carrier| &mut joints[carrier]) {
+                        let body = joint.inertia.placed(&placement);
+                        carrier.inertia =
+                            if carrier.inertia.is_massless() { body } else { carrier.inertia.merged(&body) };
+                    }
+                }
+            }
+        }
+        if joints.is_empty() {
+            return Err(RobotError::NoJoints { robot: self.name.clone() });
+        }
+        for joint in &mut joints {
+            // What a joint mimics stays if the joint does.
+            joint.mimic =
+                joint.mimic.and_then(|mimic| Some(Mimic { joint: new_index[mimic.joint]?, ..mimic }));
+        }
+        let mut frames = self.frames.clone();
+        for frame in &mut frames {
+            if let Some(seat) = frame.joint.map(|joint| seats[joint]) {
+                frame.joint = seat.carrier;
+                frame.placement = seat.placement.then(&frame.placement);
+            }
+        }
+        let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
+        let armature = self.armature.restricted_to(&kept);
+        Ok(Self { joints, independent, armature, frames, ..self.clone() })
+    }
+}

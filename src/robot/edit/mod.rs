@@ -1,0 +1,105 @@
+//! A loaded robot is changed: joints locked, payloads attached, figures of joints replaced.
+//!
+//! Each method returns another robot, checked as a new one is. The original is not changed.
+
+mod joints;
+mod lock;
+mod payload;
+
+use super::error::RobotError;
+use super::joint::{Friction, Limits};
+use super::link::LinkInertia;
+use super::model::Robot;
+use super::nearest::resembling;
+use super::options::LoadOptions;
+use super::warning::Warning;
+
+/// A change of a robot, as problem files and the command line describe it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RobotEdit {
+    /// [`Robot::with_gravity`].
+    Gravity([f64; 3]),
+    /// [`Robot::with_joint_armature`].
+    Armature(String, f64),
+    /// [`Robot::with_friction`].
+    Friction(String, Friction),
+    /// [`Robot::with_limits`].
+    Limits(String, Limits),
+    /// [`Robot::with_payload`].
+    Payload(String, LinkInertia),
+    /// [`Robot::lock`].
+    Lock(Vec<(String, f64)>),
+    /// [`Robot::reduced_to`] with the other joints at 0.
+    ReducedTo(Vec<String>),
+}
+
+impl Robot {
+    /// The robot after these changes, one after the other.
+    ///
+    /// # Errors
+    /// Those of the methods that [`RobotEdit`] names; [`RobotError::Strict`] for warnings that they cause, if
+    /// the options refuse warnings.
+    pub fn edited(&self, edits: &[RobotEdit], options: LoadOptions) -> Result<Self, RobotError> {
+        let mut robot = self.clone();
+        for edit in edits {
+            robot = match edit {
+                RobotEdit::Gravity(gravity) => robot.with_gravity(*gravity)?,
+                RobotEdit::Armature(joint, armature) => robot.with_joint_armature(joint, *armature)?,
+                RobotEdit::Friction(joint, friction) => robot.with_friction(joint, *friction)?,
+                RobotEdit::Limits(joint, limits) => robot.with_limits(joint, *limits)?,
+                RobotEdit::Payload(frame, payload) => robot.with_payload(frame, payload)?,
+                RobotEdit::Lock(joints) => {
+                    let joints: Vec<(&str, f64)> =
+                        joints.iter().map(|(joint, q)| (joint.as_str(), *q)).collect();
+                    robot.lock(&joints)?
+                }
+                RobotEdit::ReducedTo(joints) => {
+                    let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
+                    robot.reduced_to(&joints, &vec![0.0; robot.dof()])?
+                }
+            };
+        }
+        let caused = robot.warnings.iter().filter(|warning| !self.warnings.contains(warning));
+        let refused: Vec<Warning> =
+            caused.filter(|warning| warning.is_refused_when_strict()).cloned().collect();
+        if options.strict && !refused.is_empty() {
+            return Err(RobotError::Strict { warnings: refused });
+        }
+        Ok(robot)
+    }
+
+    /// Index of the joint of this name in [`joints`](Self::joints).
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownJoint`], with the names that resemble it.
+    pub fn joint_index(&self, name: &str) -> Result<usize, RobotError> {
+        self.joints.iter().position(|joint| joint.name == name).ok_or_else(|| RobotError::UnknownJoint {
+            joint: name.to_owned(),
+            nearest: resembling(name, self.joints.iter().map(|joint| joint.name.as_str())),
+        })
+    }
+
+    /// The same, of an independent joint.
+    fn independent_index(&self, name: &str) -> Result<usize, RobotError> {
+        let index = self.joint_index(name)?;
+        match self.joints[index].mimic {
+            None => Ok(index),
+            Some(mimic) => {
+                let master = self.joints[mimic.joint].name.clone();
+                Err(RobotError::DependentJoint { joint: name.to_owned(), master })
+            }
+        }
+    }
+
+    /// Checks what depends on the whole tree, and adds the warnings that are new.
+    fn checked(mut self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
+        super::checks::robot(&self.joints, &self.armature, &vec![true; self.joints.len()], &mut caused)?;
+        for warning in caused {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        Ok(self)
+    }
+}
