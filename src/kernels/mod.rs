@@ -12,12 +12,14 @@ mod triangle;
 mod two;
 mod two_pairs;
 mod velocity;
+mod world;
 
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
 pub(crate) use position::along_joint;
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
+pub(crate) use world::{ArticulatedBodies, TorqueDerivatives, WorldKernel};
 
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
@@ -134,20 +136,7 @@ impl<S: Scalar> KernelOne<S> {
     /// The scale of the rounding error of `M_kk`. For a revolute joint it is the largest inertia of the
     /// composite body about any axis through the joint origin, since M_kk may result from a rotation of it.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
-        let joints = tree.joints();
-        let entry = self.mass_matrix[(k, k)];
-        if joints[k].kind == JointKind::Prismatic {
-            return entry;
-        }
-        let mut reach = S::from_f64(joints[k].reach);
-        if joints[k].carries_slides {
-            for (joint, q) in tree.subtree(k).iter().map(|&j| (&joints[j], self.q[j])) {
-                if joint.kind == JointKind::Prismatic {
-                    reach += q.plus(joint.offset).abs().times(joint.subtree_mass.sqrt());
-                }
-            }
-        }
-        entry + (reach * reach).times(2.0)
+        size_of_entry(tree, k, &self.q, self.mass_matrix[(k, k)])
     }
 
     /// Conjugate momentum p = M v, n.
@@ -169,4 +158,27 @@ impl<S: Scalar> KernelOne<S> {
     pub fn l_qq(&self) -> &Matrix<S> {
         &self.l_qq
     }
+}
+
+/// See [`KernelOne::size_of_entry`]: for the entry `M_kk` at q.
+pub(crate) fn size_of_entry<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
+    if tree.joints()[k].kind == JointKind::Prismatic {
+        return entry;
+    }
+    let reach = reach_at(tree, k, q);
+    entry + (reach * reach).times(2.0)
+}
+
+/// [`reach`](crate::robot::JointFrame::reach) of joint k, with the prismatic joints beyond it at q.
+fn reach_at<S: Scalar>(tree: &Tree, k: usize, q: &[S]) -> S {
+    let joints = tree.joints();
+    let mut reach = S::from_f64(joints[k].reach);
+    if joints[k].carries_slides {
+        for (joint, &q) in tree.subtree(k).iter().map(|&j| (&joints[j], &q[j])) {
+            if joint.kind == JointKind::Prismatic {
+                reach += q.plus(joint.offset).abs().times(joint.subtree_mass.sqrt());
+            }
+        }
+    }
+    reach
 }

@@ -3,8 +3,8 @@
 use super::Lagrangian;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::friction;
-use crate::matrix::Matrix;
+use crate::kernels::{friction, size_of_entry};
+use crate::matrix::{Matrix, Panel};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
@@ -26,7 +26,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn forward_dynamics(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
-        self.accelerate(q, v, u)?;
+        self.accelerate_alone(q, v, u)?;
         Ok(self.acceleration())
     }
 
@@ -36,7 +36,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn evaluate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
-        self.accelerate(q, v, u)?;
+        self.accelerate_alone(q, v, u)?;
         Ok(&self.rate)
     }
 
@@ -56,8 +56,8 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
-        self.kernel.set_position(&self.tree, q)?;
-        Ok(self.kernel.mass_matrix())
+        self.place(q)?;
+        Ok(self.current_mass_matrix())
     }
 
     /// Kinetic energy `1/2 v' M v` and potential energy V (J); their difference is L(q, v).
@@ -90,10 +90,11 @@ impl<S: Scalar> Lagrangian<S> {
     /// M(q) and its factors.
     #[inline(never)]
     pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
-        self.kernel.set_position(&self.tree, q)?;
+        self.place(q)?;
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
-        let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
-        self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
+        let mass = if Panel::<S>::ONE_LANE { self.kernel.mass_matrix() } else { &self.mass };
+        let size_of = |k| size_of_entry(&self.tree, k, q, mass[(k, k)]);
+        self.factor.factor(mass, size_of).map_err(singular)
     }
 
     /// Factors M and fills (v, a); tau holds the inverse dynamics for a = 0.

@@ -74,8 +74,7 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
-        self.differentiate_flow()?;
-        self.take_torque_jacobian(v);
+        self.differentiate_torque(q, v)?;
         self.solve_jacobian();
         Ok(self.forward_jacobian())
     }
@@ -109,7 +108,7 @@ impl<S: Scalar> Lagrangian<S> {
         ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),
             a_z: &self.a_z,
-            mass_matrix: self.kernel.mass_matrix(),
+            mass_matrix: self.current_mass_matrix(),
         }
     }
 

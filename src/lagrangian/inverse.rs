@@ -55,13 +55,14 @@ impl<S: Scalar> Lagrangian<S> {
         a: &[S],
     ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
         self.inverse_dynamics(q, v, a)?;
-        self.differentiate(q, v, a)?;
-        self.take_torque_jacobian(v);
+        self.place(q)?;
+        self.rate[q.len()..].copy_from_slice(a);
+        self.differentiate_torque(q, v)?;
         Ok(InverseDynamicsLinearisation {
             tau: &self.tau,
             tau_q: &self.tau_q,
             tau_v: &self.tau_v,
-            tau_a: self.kernel.mass_matrix(),
+            tau_a: self.current_mass_matrix(),
         })
     }
 

@@ -22,6 +22,7 @@ mod forward;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
+mod routes;
 mod second_order;
 
 pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
@@ -31,11 +32,12 @@ pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessi
 
 use crate::error::EvalError;
 use crate::hamiltonian::check;
-use crate::kernels::{Factor, KernelOne, KernelTwo};
+use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel};
 use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use newton_euler::NewtonEuler;
+use routes::Routes;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
 ///
@@ -63,12 +65,18 @@ pub struct Lagrangian<S: Scalar> {
     tree: Tree,
     kernel: KernelOne<S>,
     along: KernelTwo<S>,
+    /// The same in the axes of the world, where that is faster.
+    world: Option<WorldKernel<S>>,
+    /// Forward dynamics in O(n), where that is faster.
+    bodies: Option<ArticulatedBodies<S>>,
     factor: Factor<S>,
     newton_euler: NewtonEuler<S>,
     zero: Vec<S>,
     tau: Vec<S>,
     tau_q: Matrix<S>,
     tau_v: Matrix<S>,
+    /// M of the kernel in the axes of the world.
+    mass: Matrix<S>,
     coriolis: Matrix<S>,
     /// `(v, a)`, 2n.
     rate: Vec<S>,
@@ -100,12 +108,15 @@ impl<S: Scalar> Lagrangian<S> {
         Self {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
+            world: routes.world().then(|| WorldKernel::new(&tree)),
+            bodies: routes.bodies.then(|| ArticulatedBodies::new(&tree)),
             factor: Factor::new(&tree),
             newton_euler: NewtonEuler::new(&tree),
             zero: vec![S::zero(); n],
             tau: vec![S::zero(); n],
             tau_q: square.clone(),
             tau_v: square.clone(),
+            mass: square.clone(),
             coriolis: square.clone(),
             rate: vec![S::zero(); 2 * n],
             inverse: square,

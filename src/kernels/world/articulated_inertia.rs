@@ -1,0 +1,115 @@
+//! Inertias of articulated bodies.
+
+use crate::robot::JointKind;
+use crate::scalar::{Scalar, inlined};
+use crate::spatial::{Force, Symmetric3, Vec3};
+
+/// Inertia of an articulated body: `(n; f) = (A w + B v; B' w + C v)`, B by rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Articulated<S> {
+    a: Symmetric3<S>,
+    b: [Vec3<S>; 3],
+    c: Symmetric3<S>,
+}
+
+impl<S: Scalar> Articulated<S> {
+    pub fn zero() -> Self {
+        Self { a: Symmetric3::zero(), b: [Vec3::zero(); 3], c: Symmetric3::zero() }
+    }
+
+    /// Of a rigid body with J, h and m.
+    #[inline(always)]
+    pub fn rigid(matrix: Symmetric3<S>, h: Vec3<S>, mass: S) -> Self {
+        let zero = S::zero();
+        Self {
+            a: matrix,
+            b: [Vec3::new(zero, -h.z, h.y), Vec3::new(h.z, zero, -h.x), Vec3::new(-h.y, h.x, zero)],
+            c: Symmetric3 { xx: mass, yy: mass, zz: mass, xy: zero, xz: zero, yz: zero },
+        }
+    }
+
+    /// `IA S` for the axis of a joint.
+    #[inline(always)]
+    pub fn along(&self, kind: JointKind, axis: Vec3<S>) -> Force<S> {
+        inlined!(S, {
+            let [x, y, z] = self.b;
+            match kind {
+                JointKind::Revolute => Force {
+                    moment: self.a.apply(axis),
+                    force: x.scaled(axis.x).plus_scaled(y, axis.y).plus_scaled(z, axis.z),
+                },
+                JointKind::Prismatic => Force {
+                    moment: Vec3::new(x.dot(axis), y.dot(axis), z.dot(axis)),
+                    force: self.c.apply(axis),
+                },
+            }
+        })
+    }
+
+    /// `IA - U g'`, `g = U / D`.
+    #[inline(always)]
+    pub fn less(&self, u: &Force<S>, g: &Force<S>) -> Self {
+        inlined!(S, {
+            let (n, f) = (g.moment, -u.force);
+            Self {
+                a: plus_square(&self.a, -u.moment, n),
+                b: [(self.b[0], n.x), (self.b[1], n.y), (self.b[2], n.z)].map(|(row, n)| row.plus_scaled(f, n)),
+                c: plus_square(&self.c, f, g.force),
+            }
+        })
+    }
+
+    /// The same body about the origin where the arm r begins: `B + r x C`, and in A
+    /// `r x B' - (B + r x C) r x`.
+    #[inline(always)]
+    pub fn shifted(&self, r: Vec3<S>) -> Self {
+        inlined!(S, {
+            let Symmetric3 { xx, yy, zz, xy, xz, yz } = self.c;
+            let [bx, by, bz] = self.b;
+            // Row a of r x C.
+            let b = [
+                bx.plus_scaled(Vec3::new(xz, yz, zz), r.y).plus_scaled(Vec3::new(xy, yy, yz), -r.z),
+                by.plus_scaled(Vec3::new(xx, xy, xz), r.z).plus_scaled(Vec3::new(xz, yz, zz), -r.x),
+                bz.plus_scaled(Vec3::new(xy, yy, yz), r.x).plus_scaled(Vec3::new(xx, xy, xz), -r.y),
+            ];
+            let cross = [
+                |r: Vec3<S>, b: Vec3<S>, term: S| r.y.mul_add(b.z, (-r.z).mul_add(b.y, term)),
+                |r: Vec3<S>, b: Vec3<S>, term: S| r.z.mul_add(b.x, (-r.x).mul_add(b.z, term)),
+                |r: Vec3<S>, b: Vec3<S>, term: S| r.x.mul_add(b.y, (-r.y).mul_add(b.x, term)),
+            ];
+            let entry = |i: usize, j: usize, term: S| {
+                cross[i](r, self.b[j], cross[j](r, b[i], term))
+            };
+            let a = &self.a;
+            let a = Symmetric3 {
+                xx: entry(0, 0, a.xx),
+                yy: entry(1, 1, a.yy),
+                zz: entry(2, 2, a.zz),
+                xy: entry(0, 1, a.xy),
+                xz: entry(0, 2, a.xz),
+                yz: entry(1, 2, a.yz),
+            };
+            Self { a, b, c: self.c }
+        })
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self) {
+        self.a += other.a;
+        self.c += other.c;
+        self.b.iter_mut().zip(other.b).for_each(|(row, other)| *row = *row + other);
+    }
+}
+
+/// `A + u v'`, which is symmetric.
+#[inline(always)]
+fn plus_square<S: Scalar>(a: &Symmetric3<S>, u: Vec3<S>, v: Vec3<S>) -> Symmetric3<S> {
+    Symmetric3 {
+        xx: u.x.mul_add(v.x, a.xx),
+        yy: u.y.mul_add(v.y, a.yy),
+        zz: u.z.mul_add(v.z, a.zz),
+        xy: u.x.mul_add(v.y, a.xy),
+        xz: u.x.mul_add(v.z, a.xz),
+        yz: u.y.mul_add(v.z, a.yz),
+    }
+}

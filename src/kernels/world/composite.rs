@@ -1,0 +1,177 @@
+//! Composite bodies in the axes of the world, and the mass matrix.
+
+use super::WorldKernel;
+use super::group::{Body, add_force, add_matrix, force_lane, matrix_lane};
+use super::motion::inward;
+use crate::matrix::{Matrix, Panel};
+use crate::robot::{JointKind, Tree};
+use crate::scalar::{MOST_LANES, Pack, Scalar, inlined};
+use crate::spatial::{Force, Symmetric3, Vec3};
+
+/// `2 (r.w) 1 - r w' - w r'`: what a first moment 2 w adds to an inertia matrix about an origin that is moved
+/// by r.
+#[inline(always)]
+fn spread<S: Scalar>(r: Vec3<S>, w: Vec3<S>) -> Symmetric3<S> {
+    inlined!(S, {
+        let (x, y, z) = (r.x * w.x, r.y * w.y, r.z * w.z);
+        let twice = |a: S| a + a;
+        Symmetric3 {
+            xx: twice(y + z),
+            yy: twice(x + z),
+            zz: twice(x + y),
+            xy: -r.x.mul_add(w.y, r.y * w.x),
+            xz: -r.x.mul_add(w.z, r.z * w.x),
+            yz: -r.y.mul_add(w.z, r.z * w.y),
+        }
+    })
+}
+
+impl<S: Scalar> WorldKernel<S> {
+    /// Composite bodies at the position set last, and F = IC S.
+    #[inline(never)]
+    pub fn compose(&mut self, tree: &Tree) {
+        for (group, links) in self.groups.iter_mut().zip(&self.links) {
+            group.composite = Body { mass: links.composite_mass, ..group.body };
+        }
+        for (k, place) in self.places.iter().enumerate().rev() {
+            let Some(parent) = place.parent else { continue };
+            let (mass, arm) = (tree.joints()[place.joint].lumped_mass, self.joints[k].arm);
+            let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
+            let h: Vec3<S> = group.composite.first_moment.lane(lane);
+            let mut matrix = matrix_lane(&group.composite.matrix, lane);
+            matrix += spread(arm, h + arm.times(0.5 * mass));
+            let (to, lane) = (&mut self.groups[parent / Self::LANES].composite, parent % Self::LANES);
+            let sum = to.first_moment.lane(lane) + h + arm.times(mass);
+            to.first_moment.set_lane(lane, sum);
+            add_matrix(&mut to.matrix, lane, &matrix);
+        }
+        for group in &mut self.groups {
+            group.carried.inertial = group.composite.apply(group.axis);
+        }
+    }
+
+    /// Momenta, forces and rates of inertia of the composite bodies, at the motion set last.
+    #[inline(never)]
+    pub(super) fn compose_motion(&mut self) {
+        for group in &mut self.groups {
+            group.rate = rate_of_matrix(&group.body, group.velocity.angular, group.velocity.linear);
+        }
+        for (k, place) in self.places.iter().enumerate().rev() {
+            let Some(parent) = place.parent else { continue };
+            let (group, lane, arm) = (&self.groups[k / Self::LANES], k % Self::LANES, self.joints[k].arm);
+            let momentum: Force<S> = force_lane(&group.momentum, lane);
+            let force: Force<S> = force_lane(&group.force, lane);
+            let mut rate = matrix_lane(&group.rate, lane);
+            // The rate of the first moment is the linear momentum.
+            rate += spread(arm, momentum.force);
+            let (to, lane) = (&mut self.groups[parent / Self::LANES], parent % Self::LANES);
+            add_force(&mut to.momentum, lane, inward(momentum, arm));
+            add_force(&mut to.force, lane, inward(force, arm));
+            add_matrix(&mut to.rate, lane, &rate);
+        }
+    }
+
+    /// M without armature, n x n, at the composite bodies of the position set last. Entries of joints on
+    /// different branches are left as they are.
+    #[inline(never)]
+    pub fn mass_matrix(&mut self, m: &mut Matrix<S>) {
+        for k in 0..self.places.len() {
+            let (place, joint) = (self.places[k], &self.joints[k]);
+            let axis: Vec3<S::Pack> = joint.axes[2].splat();
+            let origin: Vec3<S::Pack> = joint.origin.splat();
+            let (first, row) = (k / Self::LANES, self.upper[0].row_mut(k));
+            let groups = self.groups[first..place.end.div_ceil(Self::LANES)].iter();
+            for (group, entry) in groups.zip(&mut row[first..]) {
+                let Force { moment, force } = group.carried.inertial;
+                *entry = match place.kind {
+                    JointKind::Revolute => {
+                        axis.dot_plus(moment, axis.cross(group.origin - origin).dot(force))
+                    }
+                    JointKind::Prismatic => axis.dot(force),
+                };
+            }
+            self.clear_beyond(k, 0);
+        }
+        self.store(&self.upper[0], &self.upper[0], m);
+    }
+
+    /// Zeros in the lanes after the subtree of place k in row k of this upper matrix.
+    #[inline(always)]
+    pub(super) fn clear_beyond(&mut self, k: usize, matrix: usize) {
+        let end = self.places[k].end;
+        for after in end..end.next_multiple_of(Self::LANES).min(self.places.len()) {
+            self.upper[matrix].set(k, after, S::zero());
+            self.lower[matrix].set(k, after, S::zero());
+        }
+    }
+
+    /// Entries (i, j) from the upper matrix, (j, i) from the lower one, j in the subtree of i.
+    pub(super) fn store(&self, upper: &Panel<S>, lower: &Panel<S>, to: &mut Matrix<S>) {
+        if !self.in_order || Panel::<S>::ONE_LANE {
+            for (k, place) in self.places.iter().enumerate() {
+                for (l, beyond) in self.places.iter().enumerate().take(place.end).skip(k) {
+                    to[(beyond.joint, place.joint)] = lower.get(k, l);
+                    to[(place.joint, beyond.joint)] = upper.get(k, l);
+                }
+            }
+            return;
+        }
+        let n = self.places.len();
+        for top in 0..n.div_ceil(Self::LANES) {
+            for left in top..n.div_ceil(Self::LANES) {
+                store_block(upper, lower, [top, left], to);
+            }
+        }
+    }
+}
+
+/// The square block of packs at rows `LANES top`, place `left >= top`, and its mirror image.
+#[inline(always)]
+fn store_block<S: Scalar>(upper: &Panel<S>, lower: &Panel<S>, [top, left]: [usize; 2], to: &mut Matrix<S>) {
+    let (lanes, n) = (Panel::<S>::LANES, to.rows());
+    let (first, side) = (top * lanes, left * lanes);
+    let mut above = [S::Pack::zero(); MOST_LANES];
+    let mut below = above;
+    for r in 0..lanes.min(n - first) {
+        above[r] = upper.row(first + r)[left];
+        below[r] = lower.row(first + r)[left];
+    }
+    S::Pack::transpose(&mut below[..lanes]);
+    if top == left {
+        for (r, (above, below)) in above.iter_mut().zip(&below).enumerate().take(lanes) {
+            for lane in 0..r {
+                *above = above.with_lane(lane, below.lane(lane));
+            }
+        }
+    } else {
+        for (r, pack) in below.iter().enumerate().take(lanes.min(n - side)) {
+            write(pack, &mut to.row_mut(side + r)[first..]);
+        }
+    }
+    for (r, pack) in above.iter().enumerate().take(lanes.min(n - first)) {
+        write(pack, &mut to.row_mut(first + r)[side..]);
+    }
+}
+
+/// As many lanes as fit.
+#[inline(always)]
+fn write<S: Scalar>(pack: &S::Pack, to: &mut [S]) {
+    pack.write(to);
+}
+
+/// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h v'`.
+#[inline(always)]
+fn rate_of_matrix<P: Scalar>(body: &Body<P>, w: Vec3<P>, v: Vec3<P>) -> Symmetric3<P> {
+    inlined!(P, {
+        let (h, j) = (body.first_moment, &body.matrix);
+        let mut rate = spread(v, h);
+        let twice = |a: P| a + a;
+        rate.xx += twice(w.y.mul_add(j.xz, -(w.z * j.xy)));
+        rate.yy += twice(w.z.mul_add(j.xy, -(w.x * j.yz)));
+        rate.zz += twice(w.x.mul_add(j.yz, -(w.y * j.xz)));
+        rate.xy += w.y.mul_add(j.yz, w.z.mul_add(j.xx - j.yy, -(w.x * j.xz)));
+        rate.xz += w.z.mul_add(-j.yz, w.y.mul_add(j.zz - j.xx, w.x * j.xy));
+        rate.yz += w.z.mul_add(j.xz, w.x.mul_add(j.yy - j.zz, -(w.y * j.xy)));
+        rate
+    })
+}
