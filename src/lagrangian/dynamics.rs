@@ -1,10 +1,12 @@
 //! Inverse and forward dynamics, gravity and energy, without derivatives.
 
 use super::Lagrangian;
+use super::routes::current_mass_matrix;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::{friction, size_of_entry};
-use crate::matrix::{Matrix, Panel};
+use crate::kernels::{Factor, friction, size_of_entry};
+use crate::matrix::Matrix;
+use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
@@ -57,7 +59,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
         self.place(q)?;
-        Ok(self.current_mass_matrix())
+        Ok(current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()))
     }
 
     /// Kinetic energy `1/2 v' M v` and potential energy V (J); their difference is L(q, v).
@@ -91,10 +93,14 @@ impl<S: Scalar> Lagrangian<S> {
     #[inline(never)]
     pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
         self.place(q)?;
-        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
-        let mass = if Panel::<S>::ONE_LANE { self.kernel.mass_matrix() } else { &self.mass };
-        let size_of = |k| size_of_entry(&self.tree, k, q, mass[(k, k)]);
-        self.factor.factor(mass, size_of).map_err(singular)
+        let mass_matrix = current_mass_matrix(self.routes, &self.kernel, self.world.as_ref());
+        factor(&self.tree, mass_matrix, q, &mut self.factor)
+    }
+
+    /// The same by kernel one.
+    pub(super) fn factor_by_kernel(&mut self, q: &[S]) -> Result<(), EvalError> {
+        self.kernel.set_position(&self.tree, q)?;
+        factor(&self.tree, self.kernel.mass_matrix(), q, &mut self.factor)
     }
 
     /// Factors M and fills (v, a); tau holds the inverse dynamics for a = 0.
@@ -107,8 +113,12 @@ impl<S: Scalar> Lagrangian<S> {
     /// As [`accelerate`](Self::accelerate), where M(q) is factored already.
     #[inline(never)]
     pub(super) fn accelerate_factored(&mut self, q: &[S], v: &[S], u: &[S]) {
-        self.newton_euler.solve(&self.tree, q, v, &self.zero);
-        self.subtract_friction(v);
+        self.set_bias(q, v);
+        self.accelerate_against(v, u);
+    }
+
+    /// `a = M^-1 (u - tau)` with the factors of M.
+    pub(super) fn accelerate_against(&mut self, v: &[S], u: &[S]) {
         let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.dof());
         rate_q.copy_from_slice(v);
         for ((a, &u), &tau) in rate_v.iter_mut().zip(u).zip(&self.tau) {
@@ -116,4 +126,16 @@ impl<S: Scalar> Lagrangian<S> {
         }
         self.factor.solve(rate_v);
     }
+}
+
+/// Factors M(q).
+fn factor<S: Scalar>(
+    tree: &Tree,
+    mass_matrix: &Matrix<S>,
+    q: &[S],
+    factor: &mut Factor<S>,
+) -> Result<(), EvalError> {
+    let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
+    let size_of = |k| size_of_entry(tree, k, q, mass_matrix[(k, k)]);
+    factor.factor(mass_matrix, size_of).map_err(singular)
 }

@@ -1,6 +1,7 @@
 //! The Jacobian of forward dynamics and of the state equation.
 
 use super::Lagrangian;
+use super::routes::current_mass_matrix;
 use crate::error::EvalError;
 use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
@@ -74,7 +75,7 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
-        self.differentiate_torque(q, v)?;
+        self.differentiate_torque(v)?;
         self.solve_jacobian();
         Ok(self.forward_jacobian())
     }
@@ -87,6 +88,20 @@ impl<S: Scalar> Lagrangian<S> {
         self.linearise_forward_dynamics(q, v, u)?;
         self.assemble();
         Ok(self.state())
+    }
+
+    /// The same by kernels one and two, which then hold P and the rates of M and P.
+    pub(super) fn linearise_by_kernels(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.factor_by_kernel(q)?;
+        self.newton_euler.solve(&self.tree, q, v, &self.zero);
+        self.subtract_friction(v);
+        self.accelerate_against(v, u);
+        self.differentiate_flow()?;
+        self.take_torque_jacobian(v);
+        self.solve_jacobian();
+        self.assemble();
+        Ok(())
     }
 
     /// f_x and f_u from a_z.
@@ -108,7 +123,7 @@ impl<S: Scalar> Lagrangian<S> {
         ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),
             a_z: &self.a_z,
-            mass_matrix: self.current_mass_matrix(),
+            mass_matrix: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
         }
     }
 

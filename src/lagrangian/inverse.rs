@@ -1,6 +1,7 @@
 //! The Jacobian of inverse dynamics, from kernel two along (v, a).
 
 use super::Lagrangian;
+use super::routes::current_mass_matrix;
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, friction};
 use crate::matrix::Matrix;
@@ -54,15 +55,18 @@ impl<S: Scalar> Lagrangian<S> {
         v: &[S],
         a: &[S],
     ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
-        self.inverse_dynamics(q, v, a)?;
+        self.check(&[("q", q), ("v", v), ("a", a)])?;
         self.place(q)?;
-        self.rate[q.len()..].copy_from_slice(a);
-        self.differentiate_torque(q, v)?;
+        let (rate_q, rate_v) = self.rate.split_at_mut(q.len());
+        rate_q.copy_from_slice(v);
+        rate_v.copy_from_slice(a);
+        self.differentiate_torque(v)?;
+        self.take_torques(q, v, a);
         Ok(InverseDynamicsLinearisation {
             tau: &self.tau,
             tau_q: &self.tau_q,
             tau_v: &self.tau_v,
-            tau_a: self.current_mass_matrix(),
+            tau_a: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
         })
     }
 

@@ -75,7 +75,7 @@ impl<S: Scalar> LegendreTransform<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn at(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<LegendreMap<'_, S>, EvalError> {
-        self.lagrangian.linearise(q, v, u)?;
+        self.lagrangian.linearise_by_kernels(q, v, u)?;
         Ok(LegendreMap(self))
     }
 
@@ -88,7 +88,7 @@ impl<S: Scalar> LegendreTransform<S> {
         self.lagrangian.factor(q)?;
         self.v.copy_from_slice(p);
         self.lagrangian.factor.solve(&mut self.v);
-        self.lagrangian.linearise(q, &self.v, u)?;
+        self.lagrangian.linearise_by_kernels(q, &self.v, u)?;
         Ok(LegendreMap(self))
     }
 }

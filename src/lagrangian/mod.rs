@@ -65,7 +65,8 @@ pub struct Lagrangian<S: Scalar> {
     tree: Tree,
     kernel: KernelOne<S>,
     along: KernelTwo<S>,
-    /// The same in the axes of the world, where that is faster.
+    routes: Routes,
+    /// The dynamics in the axes of the world, where a route needs them.
     world: Option<WorldKernel<S>>,
     /// Forward dynamics in O(n), where that is faster.
     bodies: Option<ArticulatedBodies<S>>,
@@ -75,8 +76,6 @@ pub struct Lagrangian<S: Scalar> {
     tau: Vec<S>,
     tau_q: Matrix<S>,
     tau_v: Matrix<S>,
-    /// M of the kernel in the axes of the world.
-    mass: Matrix<S>,
     coriolis: Matrix<S>,
     /// `(v, a)`, 2n.
     rate: Vec<S>,
@@ -102,12 +101,14 @@ impl<S: Scalar> Lagrangian<S> {
     #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
+        let routes = Routes::of::<S>(&tree);
         let square = Matrix::zeros(n, n);
         let mut f_x = Matrix::zeros(2 * n, 2 * n);
         (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
         Self {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
+            routes,
             world: routes.world().then(|| WorldKernel::new(&tree)),
             bodies: routes.bodies.then(|| ArticulatedBodies::new(&tree)),
             factor: Factor::new(&tree),
@@ -116,7 +117,6 @@ impl<S: Scalar> Lagrangian<S> {
             tau: vec![S::zero(); n],
             tau_q: square.clone(),
             tau_v: square.clone(),
-            mass: square.clone(),
             coriolis: square.clone(),
             rate: vec![S::zero(); 2 * n],
             inverse: square,

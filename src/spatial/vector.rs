@@ -50,11 +50,7 @@ impl<S: Scalar> Vec3<S> {
     pub(crate) fn plus_scaled(self, a: Self, factor: S) -> Self {
         inlined!(
             S,
-            Self::new(
-                a.x.mul_add(factor, self.x),
-                a.y.mul_add(factor, self.y),
-                a.z.mul_add(factor, self.z)
-            )
+            Self::new(a.x.mul_add(factor, self.x), a.y.mul_add(factor, self.y), a.z.mul_add(factor, self.z))
         )
     }
 

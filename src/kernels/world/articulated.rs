@@ -2,12 +2,12 @@
 
 use super::WorldKernel;
 use super::articulated_inertia::Articulated;
-use super::group::{Body, force_lane, matrix_lane};
+use super::group::{Body, along_axis, force_lane, matrix_lane};
 use super::motion::{inward, moved};
-use crate::robot::{JointKind, Tree};
 use crate::kernels::reach_at;
+use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
-use crate::spatial::{Force, Motion, Vec3};
+use crate::spatial::{Force, Motion};
 
 /// Articulated bodies of a tree: `a = M^-1 (u - C v - g)` in O(n), for armature that couples no joints.
 ///
@@ -39,14 +39,6 @@ pub(crate) struct ArticulatedBodies<S> {
 struct Gain<S> {
     force: Force<S>,
     rate: S,
-}
-
-#[inline(always)]
-fn along<S: Scalar>(kind: JointKind, axis: Vec3<S>, force: &Force<S>) -> S {
-    match kind {
-        JointKind::Revolute => axis.dot(force.moment),
-        JointKind::Prismatic => axis.dot(force.force),
-    }
 }
 
 impl<S: Scalar> ArticulatedBodies<S> {
@@ -86,10 +78,10 @@ impl<S: Scalar> ArticulatedBodies<S> {
             let (joint, kind, axis) = (place.joint, place.kind, kernel.joints[k].axes[2]);
             let (inertia, force) = (&self.inertias[k], self.forces[k]);
             let u = inertia.along(kind, axis);
-            let pivot = along(kind, axis, &u).plus(self.armature[joint]);
+            let pivot = along_axis(kind, axis, &u).plus(self.armature[joint]);
             let inverse = pivot.recip();
             let gain = Force { moment: u.moment.scaled(inverse), force: u.force.scaled(inverse) };
-            let rest = a[joint] - along(kind, axis, &force);
+            let rest = a[joint] - along_axis(kind, axis, &force);
             self.pivots[k] = pivot;
             self.gains[k] = Gain { force: gain, rate: rest * inverse };
             if let Some(parent) = place.parent {
@@ -171,7 +163,7 @@ impl<S: Scalar> ArticulatedBodies<S> {
             let (axis, gain) = (kernel.joints[k].axes[2], &self.gains[k].force);
             let change = &self.inertias[k];
             let u = change.along(place.kind, axis);
-            let pivot = along(place.kind, axis, &u) + self.sizes[k];
+            let pivot = along_axis(place.kind, axis, &u) + self.sizes[k];
             if !S::all(pivot.times(unit).less(self.pivots[k])) {
                 first = Err(place.joint);
             }

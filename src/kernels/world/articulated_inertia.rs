@@ -53,7 +53,8 @@ impl<S: Scalar> Articulated<S> {
             let (n, f) = (g.moment, -u.force);
             Self {
                 a: plus_square(&self.a, -u.moment, n),
-                b: [(self.b[0], n.x), (self.b[1], n.y), (self.b[2], n.z)].map(|(row, n)| row.plus_scaled(f, n)),
+                b: [(self.b[0], n.x), (self.b[1], n.y), (self.b[2], n.z)]
+                    .map(|(row, n)| row.plus_scaled(f, n)),
                 c: plus_square(&self.c, f, g.force),
             }
         })
@@ -77,9 +78,7 @@ impl<S: Scalar> Articulated<S> {
                 |r: Vec3<S>, b: Vec3<S>, term: S| r.z.mul_add(b.x, (-r.x).mul_add(b.z, term)),
                 |r: Vec3<S>, b: Vec3<S>, term: S| r.x.mul_add(b.y, (-r.y).mul_add(b.x, term)),
             ];
-            let entry = |i: usize, j: usize, term: S| {
-                cross[i](r, self.b[j], cross[j](r, b[i], term))
-            };
+            let entry = |i: usize, j: usize, term: S| cross[i](r, self.b[j], cross[j](r, b[i], term));
             let a = &self.a;
             let a = Symmetric3 {
                 xx: entry(0, 0, a.xx),

@@ -3,9 +3,9 @@
 use super::WorldKernel;
 use super::group::{Body, add_force, add_matrix, force_lane, matrix_lane};
 use super::motion::inward;
-use crate::matrix::{Matrix, Panel};
+use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::{MOST_LANES, Pack, Scalar, inlined};
+use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Symmetric3, Vec3};
 
 /// `2 (r.w) 1 - r w' - w r'`: what a first moment 2 w adds to an inertia matrix about an origin that is moved
@@ -27,7 +27,7 @@ fn spread<S: Scalar>(r: Vec3<S>, w: Vec3<S>) -> Symmetric3<S> {
 }
 
 impl<S: Scalar> WorldKernel<S> {
-    /// Composite bodies at the position set last, and F = IC S.
+    /// Composite bodies, F = IC S and M with armature at the position set last.
     #[inline(never)]
     pub fn compose(&mut self, tree: &Tree) {
         for (group, links) in self.groups.iter_mut().zip(&self.links) {
@@ -48,6 +48,18 @@ impl<S: Scalar> WorldKernel<S> {
         for group in &mut self.groups {
             group.carried.inertial = group.composite.apply(group.axis);
         }
+        self.fill_mass_matrix();
+        for &(i, j, value) in tree.armature() {
+            let on_one_branch = tree.subtree(j).contains(&i);
+            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
+            self.mass_matrix[(i, j)] = entry;
+            self.mass_matrix[(j, i)] = entry;
+        }
+    }
+
+    /// Mass matrix M, armature included, n x n.
+    pub fn mass_matrix(&self) -> &Matrix<S> {
+        &self.mass_matrix
     }
 
     /// Momenta, forces and rates of inertia of the composite bodies, at the motion set last.
@@ -71,10 +83,10 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// M without armature, n x n, at the composite bodies of the position set last. Entries of joints on
-    /// different branches are left as they are.
+    /// M without armature, n x n, at the composite bodies. Entries of joints on different branches are left as
+    /// they are.
     #[inline(never)]
-    pub fn mass_matrix(&mut self, m: &mut Matrix<S>) {
+    fn fill_mass_matrix(&mut self) {
         for k in 0..self.places.len() {
             let (place, joint) = (self.places[k], &self.joints[k]);
             let axis: Vec3<S::Pack> = joint.axes[2].splat();
@@ -92,7 +104,7 @@ impl<S: Scalar> WorldKernel<S> {
             }
             self.clear_beyond(k, 0);
         }
-        self.store(&self.upper[0], &self.upper[0], m);
+        self.places.store(&self.upper[0], &self.upper[0], &mut self.mass_matrix);
     }
 
     /// Zeros in the lanes after the subtree of place k in row k of this upper matrix.
@@ -104,59 +116,6 @@ impl<S: Scalar> WorldKernel<S> {
             self.lower[matrix].set(k, after, S::zero());
         }
     }
-
-    /// Entries (i, j) from the upper matrix, (j, i) from the lower one, j in the subtree of i.
-    pub(super) fn store(&self, upper: &Panel<S>, lower: &Panel<S>, to: &mut Matrix<S>) {
-        if !self.in_order || Panel::<S>::ONE_LANE {
-            for (k, place) in self.places.iter().enumerate() {
-                for (l, beyond) in self.places.iter().enumerate().take(place.end).skip(k) {
-                    to[(beyond.joint, place.joint)] = lower.get(k, l);
-                    to[(place.joint, beyond.joint)] = upper.get(k, l);
-                }
-            }
-            return;
-        }
-        let n = self.places.len();
-        for top in 0..n.div_ceil(Self::LANES) {
-            for left in top..n.div_ceil(Self::LANES) {
-                store_block(upper, lower, [top, left], to);
-            }
-        }
-    }
-}
-
-/// The square block of packs at rows `LANES top`, place `left >= top`, and its mirror image.
-#[inline(always)]
-fn store_block<S: Scalar>(upper: &Panel<S>, lower: &Panel<S>, [top, left]: [usize; 2], to: &mut Matrix<S>) {
-    let (lanes, n) = (Panel::<S>::LANES, to.rows());
-    let (first, side) = (top * lanes, left * lanes);
-    let mut above = [S::Pack::zero(); MOST_LANES];
-    let mut below = above;
-    for r in 0..lanes.min(n - first) {
-        above[r] = upper.row(first + r)[left];
-        below[r] = lower.row(first + r)[left];
-    }
-    S::Pack::transpose(&mut below[..lanes]);
-    if top == left {
-        for (r, (above, below)) in above.iter_mut().zip(&below).enumerate().take(lanes) {
-            for lane in 0..r {
-                *above = above.with_lane(lane, below.lane(lane));
-            }
-        }
-    } else {
-        for (r, pack) in below.iter().enumerate().take(lanes.min(n - side)) {
-            write(pack, &mut to.row_mut(side + r)[first..]);
-        }
-    }
-    for (r, pack) in above.iter().enumerate().take(lanes.min(n - first)) {
-        write(pack, &mut to.row_mut(first + r)[side..]);
-    }
-}
-
-/// As many lanes as fit.
-#[inline(always)]
-fn write<S: Scalar>(pack: &S::Pack, to: &mut [S]) {
-    pack.write(to);
 }
 
 /// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h v'`.

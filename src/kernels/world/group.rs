@@ -114,14 +114,8 @@ impl<P: Scalar> Group<P> {
         };
         let [a, b, c] = [[x.x, p.x, z.x, g.x], [x.y, p.y, z.y, g.y], [x.z, p.z, z.z, g.z]];
         let own = |[x, p, z, g]: [P; 4]| twice(x.mul_add(p, z * g)) + links.spherical;
-        let matrix = Symmetric3 {
-            xx: own(a),
-            yy: own(b),
-            zz: own(c),
-            xy: both(a, b),
-            xz: both(a, c),
-            yz: both(b, c),
-        };
+        let matrix =
+            Symmetric3 { xx: own(a), yy: own(b), zz: own(c), xy: both(a, b), xz: both(a, c), yz: both(b, c) };
         self.body = Body { mass: links.mass, first_moment: along(links.first_moment), matrix };
     }
 }
@@ -159,6 +153,15 @@ pub(super) fn motion_along<S: Scalar>(kind: JointKind, axis: Vec3<S>) -> Motion<
     match kind {
         JointKind::Revolute => Motion { angular: axis, linear: Vec3::zero() },
         JointKind::Prismatic => Motion { angular: Vec3::zero(), linear: axis },
+    }
+}
+
+/// `S . f` for the axis of a joint.
+#[inline(always)]
+pub(super) fn along_axis<S: Scalar>(kind: JointKind, axis: Vec3<S>, force: &Force<S>) -> S {
+    match kind {
+        JointKind::Revolute => axis.dot(force.moment),
+        JointKind::Prismatic => axis.dot(force.force),
     }
 }
 

@@ -10,15 +10,17 @@ mod articulated_inertia;
 mod composite;
 mod group;
 mod motion;
+mod places;
 mod torque;
 
-use crate::matrix::Panel;
-use crate::robot::{JointKind, Tree};
+use crate::matrix::{Matrix, Panel};
+use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{JointPosition, Motion, Vec3};
 pub(crate) use articulated::ArticulatedBodies;
-pub(crate) use torque::TorqueDerivatives;
 use group::{Group, Links, motion_along, set_motion};
+use places::Places;
+pub(crate) use torque::TorqueDerivatives;
 
 /// The joints of a tree in the axes of the world: positions, motions, forces, M, and the derivatives of
 /// inverse dynamics.
@@ -26,9 +28,7 @@ use group::{Group, Links, motion_along, set_motion};
 /// A subtree is a range of places: the order is depth first.
 #[derive(Clone, Debug)]
 pub(crate) struct WorldKernel<S: Scalar> {
-    places: Vec<Place>,
-    /// Whether the order of the joints is depth first.
-    in_order: bool,
+    places: Places,
     turns: Vec<JointPosition<S>>,
     links: Vec<Links<S::Pack>>,
     groups: Vec<Group<S::Pack>>,
@@ -36,19 +36,7 @@ pub(crate) struct WorldKernel<S: Scalar> {
     /// Rows i of entries (i, j), and of (j, i), j beyond i.
     upper: [Panel<S>; 2],
     lower: [Panel<S>; 2],
-}
-
-/// Where a joint stands in the order.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    joint: usize,
-    /// Place of the parent.
-    parent: Option<usize>,
-    /// One after the last place of the subtree.
-    end: usize,
-    kind: JointKind,
-    /// Whether a joint before it on its branch is revolute.
-    turns: bool,
+    mass_matrix: Matrix<S>,
 }
 
 /// What the next joint needs of a joint.
@@ -70,16 +58,7 @@ impl<S: Scalar> WorldKernel<S> {
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
-        let mut place_of = vec![0; n];
-        let mut places: Vec<Place> = Vec::with_capacity(n);
-        let roots = (0..n).filter(|&i| tree.joints()[i].parent.is_none());
-        for i in roots.flat_map(|root| tree.subtree(root).iter().copied()) {
-            let (k, joint) = (places.len(), &tree.joints()[i]);
-            place_of[i] = k;
-            let parent = joint.parent.map(|parent| place_of[parent]);
-            let turns = parent.is_some_and(|p| places[p].turns || places[p].kind == JointKind::Revolute);
-            places.push(Place { joint: i, parent, end: k + tree.subtree(i).len(), kind: joint.kind, turns });
-        }
+        let places = Places::new(tree);
         let chunks = places.chunks(Self::LANES);
         let links = chunks.map(|some| {
             let joints: Vec<_> = some.iter().map(|place| &tree.joints()[place.joint]).collect();
@@ -90,13 +69,13 @@ impl<S: Scalar> WorldKernel<S> {
             Joint { axes: [none; 3], arm: none, origin: none, velocity: still, acceleration: still };
         let panel = Panel::zeros(n, n);
         Self {
-            in_order: places.iter().enumerate().all(|(k, place)| place.joint == k),
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             links: links.collect(),
             groups: vec![Group::zero(); n.div_ceil(Self::LANES)],
             joints: vec![at_rest; n],
             upper: [panel.clone(), panel.clone()],
             lower: [panel.clone(), panel],
+            mass_matrix: Matrix::zeros(n, n),
             places,
         }
     }

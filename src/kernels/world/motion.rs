@@ -1,7 +1,7 @@
 //! Velocities, accelerations and forces in the axes of the world: inverse dynamics.
 
 use super::WorldKernel;
-use super::group::{add_force, force_lane, motion_lane, set_motion};
+use super::group::{add_force, along_axis, force_lane, motion_lane, set_motion};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Motion, Vec3};
@@ -62,18 +62,14 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// `tau = M a + C v + g`, n, without friction, springs and armature, at the motion set last; the forces of
+    /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last; the forces of
     /// links are added up.
     #[inline(never)]
     pub fn sum_forces(&mut self, tau: &mut [S]) {
         for (k, place) in self.places.iter().enumerate().rev() {
             let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
             let force: Force<S> = force_lane(&group.force, lane);
-            let axis = self.joints[k].axes[2];
-            tau[place.joint] = match place.kind {
-                JointKind::Revolute => axis.dot(force.moment),
-                JointKind::Prismatic => axis.dot(force.force),
-            };
+            tau[place.joint] = along_axis(place.kind, self.joints[k].axes[2], &force);
             if let Some(parent) = place.parent {
                 let to = &mut self.groups[parent / Self::LANES].force;
                 add_force(to, parent % Self::LANES, inward(force, self.joints[k].arm));

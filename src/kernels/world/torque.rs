@@ -1,9 +1,9 @@
 //! The derivatives of inverse dynamics as scalar products of pairs of joints.
 
 use super::WorldKernel;
-use super::group::{Carried, Group};
+use super::group::{Carried, Group, along_axis, force_lane};
 use crate::matrix::Matrix;
-use crate::robot::{JointKind, Tree};
+use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Motion, Vec3};
 
@@ -53,8 +53,8 @@ impl<S: Scalar> WorldKernel<S> {
             }
             (0..2).for_each(|matrix| self.clear_beyond(k, matrix));
         }
-        self.store(&self.upper[0], &self.lower[0], tau.by_position);
-        self.store(&self.upper[1], &self.lower[1], tau.by_velocity);
+        self.places.store(&self.upper[0], &self.lower[0], tau.by_position);
+        self.places.store(&self.upper[1], &self.lower[1], tau.by_velocity);
     }
 
     /// Row k of the products.
@@ -78,18 +78,12 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// M with armature, and what armature and springs add to the derivatives, is added by the caller; this is
-    /// the tree's part of tau at the motion set last: `S . f`, after
+    /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after
     /// [`torque_derivatives`](Self::torque_derivatives).
-    pub fn torques(&self, tree: &Tree, tau: &mut [S]) {
-        debug_assert_eq!(tree.dof(), tau.len());
+    pub fn torques(&self, tau: &mut [S]) {
         for (k, place) in self.places.iter().enumerate() {
-            let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
-            let axis = self.joints[k].axes[2];
-            tau[place.joint] = match place.kind {
-                JointKind::Revolute => axis.dot(group.force.moment.lane(lane)),
-                JointKind::Prismatic => axis.dot(group.force.force.lane(lane)),
-            };
+            let force = force_lane(&self.groups[k / Self::LANES].force, k % Self::LANES);
+            tau[place.joint] = along_axis(place.kind, self.joints[k].axes[2], &force);
         }
     }
 }
