@@ -19,7 +19,7 @@ pub use factor::Factor;
 pub(crate) use position::along_joint;
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
-pub(crate) use world::{ArticulatedBodies, TorqueDerivatives, WorldKernel};
+pub(crate) use world::{ArticulatedBodies, WorldKernel};
 
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
@@ -165,12 +165,6 @@ pub(crate) fn size_of_entry<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S)
     if tree.joints()[k].kind == JointKind::Prismatic {
         return entry;
     }
-    let reach = reach_at(tree, k, q);
-    entry + (reach * reach).times(2.0)
-}
-
-/// [`reach`](crate::robot::JointFrame::reach) of joint k, with the prismatic joints beyond it at q.
-fn reach_at<S: Scalar>(tree: &Tree, k: usize, q: &[S]) -> S {
     let joints = tree.joints();
     let mut reach = S::from_f64(joints[k].reach);
     if joints[k].carries_slides {
@@ -180,5 +174,5 @@ fn reach_at<S: Scalar>(tree: &Tree, k: usize, q: &[S]) -> S {
             }
         }
     }
-    reach
+    entry + (reach * reach).times(2.0)
 }

@@ -1,9 +1,10 @@
 //! The adjoint product y'f_x of the Lagrangian state equation, without f_x.
 
 use super::Lagrangian;
+use super::forward::write_packs;
 use crate::error::EvalError;
 use crate::matrix::add_scaled;
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Lagrangian<S> {
     /// Solves `M(q) w = y` in place (n entries). M stays factored for
@@ -38,12 +39,13 @@ impl<S: Scalar> Lagrangian<S> {
         self.differentiate_torque(v)?;
         f.copy_from_slice(&self.rate);
         let (in_q, in_v) = y_a_x.split_at_mut(v.len());
-        in_q.fill(S::zero());
-        in_v.fill(S::zero());
-        for (i, &w) in w.iter().enumerate() {
-            add_scaled(in_q, -w, self.tau_q.row(i));
-            add_scaled(in_v, -w, self.tau_v.row(i));
-        }
+        // The first row of a panel that is free here takes the sums.
+        let sums = self.solved.row_mut(0);
+        sums.fill(S::Pack::zero());
+        w.iter().enumerate().for_each(|(i, &w)| add_scaled(sums, S::Pack::splat(-w), self.torque.row(i)));
+        let (by_q, by_v) = sums.split_at(sums.len() / 2);
+        write_packs(by_q, in_q, |pack| pack);
+        write_packs(by_v, in_v, |pack| pack);
         Ok(())
     }
 }

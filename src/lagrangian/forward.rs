@@ -3,8 +3,8 @@
 use super::Lagrangian;
 use super::routes::current_mass_matrix;
 use crate::error::EvalError;
-use crate::matrix::{Block, Matrix};
-use crate::scalar::Scalar;
+use crate::matrix::{Block, Left, Matrix, Panel, Part, sized};
+use crate::scalar::{Pack, Scalar};
 
 /// Forward dynamics and its Jacobian in z = (q, v, u); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +99,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.accelerate_against(v, u);
         self.differentiate_flow()?;
         self.take_torque_jacobian(v);
+        self.pack_torque();
         self.solve_jacobian();
         self.assemble();
         Ok(())
@@ -127,22 +128,35 @@ impl<S: Scalar> Lagrangian<S> {
         }
     }
 
-    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`; M is factored.
+    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panel of `[tau_q, tau_v]`; M is factored.
+    ///
+    /// Packs of several lanes: one product with M^-1, whose sums stay in registers. It takes as many products
+    /// as solving with the factors of a chain.
     #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.dof();
-        for i in 0..n {
-            let (left, right) = self.torque.row_mut(i).split_at_mut(n);
-            left.copy_from_slice(self.tau_q.row(i));
-            right.copy_from_slice(self.tau_v.row(i));
+        let factor = &mut self.factor;
+        sized!(S, n, factor.form_inverse(&mut self.inverse));
+        if Panel::<S>::ONE_LANE {
+            self.solved.copy_from::<0, 0>(&self.torque);
+            self.factor.solve_panel(&mut self.solved);
+        } else {
+            self.solved.set_product::<0, 0>(Left::Rows(&self.inverse), &self.torque, Part::Whole);
         }
-        self.solved.read::<0>(&self.torque);
-        self.factor.solve_panel(&mut self.solved);
-        self.factor.inverse(&mut self.inverse);
         for i in 0..n {
-            let (left, right) = self.a_z.row_mut(i).split_at_mut(2 * n);
-            self.solved.write_row::<0>(i, left, |solved| -solved);
-            right.copy_from_slice(self.inverse.row(i));
+            let (in_q, rest) = self.a_z.row_mut(i).split_at_mut(n);
+            let (in_v, in_u) = rest.split_at_mut(n);
+            let (by_q, by_v) = self.solved.row(i).split_at(self.solved.width::<0>() / 2);
+            write_packs(by_q, in_q, |pack| -pack);
+            write_packs(by_v, in_v, |pack| -pack);
+            write_packs(self.inverse.row(i), in_u, |pack| pack);
         }
     }
+}
+
+/// A function of the packs, as many lanes as there are numbers.
+#[inline(always)]
+pub(super) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
+    let chunks = to.chunks_mut(<S::Pack as Pack<S>>::LANES);
+    chunks.zip(from).for_each(|(to, &pack)| function(pack).write(to));
 }

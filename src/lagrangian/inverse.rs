@@ -1,12 +1,13 @@
 //! The Jacobian of inverse dynamics, from kernel two along (v, a).
 
 use super::Lagrangian;
+use super::forward::write_packs;
 use super::routes::current_mass_matrix;
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, friction};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, Panel};
 use crate::robot::Tree;
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 /// Inverse dynamics and its Jacobian in (q, v, a); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +62,7 @@ impl<S: Scalar> Lagrangian<S> {
         rate_q.copy_from_slice(v);
         rate_v.copy_from_slice(a);
         self.differentiate_torque(v)?;
+        self.unpack_torque();
         self.take_torques(q, v, a);
         Ok(InverseDynamicsLinearisation {
             tau: &self.tau,
@@ -68,6 +70,28 @@ impl<S: Scalar> Lagrangian<S> {
             tau_v: &self.tau_v,
             tau_a: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
         })
+    }
+
+    /// Puts tau_q and tau_v into the panel.
+    pub(super) fn pack_torque(&mut self) {
+        let width = self.torque.width::<0>() / 2;
+        for (i, (in_q, in_v)) in self.tau_q.view().iter_rows().zip(self.tau_v.view().iter_rows()).enumerate() {
+            let (left, right) = self.torque.row_mut(i).split_at_mut(width);
+            for (half, row) in [(left, in_q), (right, in_v)] {
+                let packs = row.chunks(Panel::<S>::LANES).map(S::Pack::read);
+                half.iter_mut().zip(packs).for_each(|(to, pack)| *to = pack);
+            }
+        }
+    }
+
+    /// Takes tau_q and tau_v from the panel.
+    pub(super) fn unpack_torque(&mut self) {
+        let width = self.torque.width::<0>() / 2;
+        for i in 0..self.tree.dof() {
+            let (left, right) = self.torque.row(i).split_at(width);
+            write_packs(left, self.tau_q.row_mut(i), |pack| pack);
+            write_packs(right, self.tau_v.row_mut(i), |pack| pack);
+        }
     }
 
     /// Fills tau_q and tau_v from the kernels.

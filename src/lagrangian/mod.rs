@@ -79,9 +79,9 @@ pub struct Lagrangian<S: Scalar> {
     coriolis: Matrix<S>,
     /// `(v, a)`, 2n.
     rate: Vec<S>,
-    inverse: Matrix<S>,
-    /// `[tau_q, tau_v]`, then the intermediate results of `M^-1 [tau_q, tau_v]`; n x 2n.
-    torque: Matrix<S>,
+    inverse: Panel<S>,
+    /// `[tau_q, tau_v]`, each in whole packs, and the same times M^-1.
+    torque: Panel<S>,
     solved: Panel<S>,
     /// `[a_q, a_v, a_u]`, n x 3n.
     a_z: Matrix<S>,
@@ -103,6 +103,7 @@ impl<S: Scalar> Lagrangian<S> {
         let n = tree.dof();
         let routes = Routes::of::<S>(&tree);
         let square = Matrix::zeros(n, n);
+        let torque = Panel::zeros(n, 2 * n.next_multiple_of(Panel::<S>::LANES));
         let mut f_x = Matrix::zeros(2 * n, 2 * n);
         (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
         Self {
@@ -117,11 +118,11 @@ impl<S: Scalar> Lagrangian<S> {
             tau: vec![S::zero(); n],
             tau_q: square.clone(),
             tau_v: square.clone(),
-            coriolis: square.clone(),
+            coriolis: square,
             rate: vec![S::zero(); 2 * n],
-            inverse: square,
-            torque: Matrix::zeros(n, 2 * n),
-            solved: Panel::zeros(n, 2 * n),
+            inverse: Panel::zeros(n, n),
+            solved: torque.clone(),
+            torque,
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),

@@ -9,7 +9,7 @@
 
 use super::Lagrangian;
 use crate::error::EvalError;
-use crate::kernels::{ArticulatedBodies, KernelOne, TorqueDerivatives, WorldKernel, friction};
+use crate::kernels::{ArticulatedBodies, KernelOne, WorldKernel, friction};
 use crate::matrix::{Matrix, Panel};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -109,26 +109,29 @@ impl<S: Scalar> Lagrangian<S> {
         world.set_position(&self.tree, q);
         world.set_motion(&self.tree, v, None);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
-        bodies.solve(&self.tree, world, q, rate_v).map_err(singular)
+        bodies.solve(&self.tree, world, rate_v).map_err(singular)
     }
 
-    /// Fills tau_q and tau_v at v and the acceleration computed last, where [`place`](Self::place) was called
-    /// at the same q.
+    /// Fills the panel of `[tau_q, tau_v]` at v and the acceleration computed last, where
+    /// [`place`](Self::place) was called at the same q.
     #[inline(never)]
     pub(super) fn differentiate_torque(&mut self, v: &[S]) -> Result<(), EvalError> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             self.differentiate_flow()?;
             self.take_torque_jacobian(v);
+            self.pack_torque();
             return Ok(());
         };
         world.set_motion(&self.tree, v, Some(&self.rate[self.tree.dof()..]));
-        let (by_position, by_velocity) = (&mut self.tau_q, &mut self.tau_v);
-        world.torque_derivatives(TorqueDerivatives { by_position, by_velocity });
+        world.torque_derivatives(&mut self.torque);
+        let half = self.torque.columns() / 2;
         for &i in self.tree.with_friction() {
-            self.tau_v[(i, i)] -= friction(&self.tree.joints()[i].friction, v[i]).first;
+            let slope = friction(&self.tree.joints()[i].friction, v[i]).first;
+            self.torque.set(i, half + i, self.torque.get(i, half + i) - slope);
         }
         for &i in self.tree.with_spring() {
-            self.tau_q[(i, i)] = self.tau_q[(i, i)].plus(self.tree.joints()[i].spring.stiffness);
+            let entry = self.torque.get(i, i).plus(self.tree.joints()[i].spring.stiffness);
+            self.torque.set(i, i, entry);
         }
         Ok(())
     }

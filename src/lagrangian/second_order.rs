@@ -173,6 +173,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.differentiate(q, v)?;
         let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
         torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
+        self.first.pack_torque();
         self.first.solve_jacobian();
         self.first.assemble();
         self.transform();

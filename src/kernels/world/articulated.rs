@@ -4,7 +4,6 @@ use super::WorldKernel;
 use super::articulated_inertia::Articulated;
 use super::group::{Body, along_axis, force_lane, matrix_lane};
 use super::motion::{inward, moved};
-use crate::kernels::reach_at;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Motion};
@@ -29,9 +28,11 @@ pub(crate) struct ArticulatedBodies<S> {
     forces: Vec<Force<S>>,
     gains: Vec<Gain<S>>,
     motions: Vec<Motion<S>>,
-    /// D, and the scales of the rounding errors of M_kk, by place.
+    /// D, and the scales of their rounding errors, by place.
     pivots: Vec<S>,
     sizes: Vec<S>,
+    /// What the joints beyond add to the scale of a revolute joint.
+    scales: Vec<S>,
 }
 
 /// `U / D` and x.
@@ -62,6 +63,7 @@ impl<S: Scalar> ArticulatedBodies<S> {
             motions: vec![Motion::zero(); n],
             pivots: vec![S::zero(); n],
             sizes: vec![S::zero(); n],
+            scales: vec![S::zero(); n],
         }
     }
 
@@ -70,10 +72,11 @@ impl<S: Scalar> ArticulatedBodies<S> {
     ///
     /// # Errors
     /// The index of a joint whose pivot is not above its rounding error, as
-    /// [`Factor::factor`](crate::kernels::Factor::factor); `q` are the positions.
+    /// [`Factor::factor`](crate::kernels::Factor::factor).
     #[inline(never)]
-    pub fn solve(&mut self, tree: &Tree, kernel: &WorldKernel<S>, q: &[S], a: &mut [S]) -> Result<(), usize> {
+    pub fn solve(&mut self, tree: &Tree, kernel: &WorldKernel<S>, a: &mut [S]) -> Result<(), usize> {
         self.take_links(kernel);
+        self.scales.fill(S::zero());
         for (k, place) in kernel.places.iter().enumerate().rev() {
             let (joint, kind, axis) = (place.joint, place.kind, kernel.joints[k].axes[2]);
             let (inertia, force) = (&self.inertias[k], self.forces[k]);
@@ -83,9 +86,21 @@ impl<S: Scalar> ArticulatedBodies<S> {
             let gain = Force { moment: u.moment.scaled(inverse), force: u.force.scaled(inverse) };
             let rest = a[joint] - along_axis(kind, axis, &force);
             self.pivots[k] = pivot;
+            let scale = if S::CHECKED { self.scales[k] + inertia.turning_scale() } else { S::zero() };
+            if S::CHECKED {
+                self.sizes[k] = match kind {
+                    JointKind::Revolute => scale.plus(self.armature[joint]),
+                    JointKind::Prismatic => {
+                        S::from_f64(tree.joints()[joint].subtree_mass + self.armature[joint])
+                    }
+                };
+            }
             self.gains[k] = Gain { force: gain, rate: rest * inverse };
             if let Some(parent) = place.parent {
                 let arm = kernel.joints[k].arm;
+                if S::CHECKED {
+                    self.scales[parent] += inertia.pulling_scale().mul_add(arm.dot(arm), scale);
+                }
                 let moved = inertia.less(&u, &gain).shifted(arm);
                 self.inertias[parent].add(&moved);
                 let force = Force {
@@ -96,7 +111,7 @@ impl<S: Scalar> ArticulatedBodies<S> {
             }
         }
         self.accelerate(kernel, a);
-        if S::CHECKED { self.check_pivots(tree, kernel, q) } else { Ok(()) }
+        if S::CHECKED { self.check_pivots(kernel) } else { Ok(()) }
     }
 
     /// Links and the forces on them.
@@ -135,21 +150,11 @@ impl<S: Scalar> ArticulatedBodies<S> {
     /// Compares each pivot with its possible rounding error, as the factorisation does: `eps sum_k U_ki^2
     /// size_k`, which is the derivative of pivot D_i when the entries of armature grow by `eps size_k`.
     ///
-    /// The sizes here are a little larger: `M_kk` is replaced by a bound that needs no composite body.
-    fn check_pivots(&mut self, tree: &Tree, kernel: &WorldKernel<S>, q: &[S]) -> Result<(), usize> {
-        let mut settled = true;
-        for (place, (pivot, size)) in kernel.places.iter().zip(self.pivots.iter().zip(&mut self.sizes)) {
-            let i = place.joint;
-            let armature = self.armature[i];
-            *size = match place.kind {
-                JointKind::Revolute => {
-                    let reach = reach_at(tree, i, q);
-                    (reach * reach).times(3.0).plus(armature)
-                }
-                JointKind::Prismatic => S::from_f64(tree.joints()[i].subtree_mass + armature),
-            };
-            settled &= S::all(size.times(1e-3).less(*pivot));
-        }
+    /// The sizes are those of what was added up: inertias of articulated bodies, which are smaller than those
+    /// of the composite bodies in M.
+    fn check_pivots(&mut self, kernel: &WorldKernel<S>) -> Result<(), usize> {
+        let mut both = self.pivots.iter().zip(&self.sizes);
+        let settled = both.all(|(pivot, size)| S::all(size.times(1e-3).less(*pivot)));
         if settled { Ok(()) } else { self.check_changes(kernel) }
     }
 

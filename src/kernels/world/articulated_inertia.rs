@@ -92,6 +92,18 @@ impl<S: Scalar> Articulated<S> {
         })
     }
 
+    /// Sum of the moments of inertia about the axes.
+    #[inline(always)]
+    pub fn turning_scale(&self) -> S {
+        self.a.xx.abs() + self.a.yy.abs() + self.a.zz.abs()
+    }
+
+    /// Sum of the masses along the axes.
+    #[inline(always)]
+    pub fn pulling_scale(&self) -> S {
+        self.c.xx.abs() + self.c.yy.abs() + self.c.zz.abs()
+    }
+
     #[inline(always)]
     pub fn add(&mut self, other: &Self) {
         self.a += other.a;

@@ -5,7 +5,7 @@ use super::group::{Body, add_force, add_matrix, force_lane, matrix_lane};
 use super::motion::inward;
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
-use crate::scalar::{Scalar, inlined};
+use crate::scalar::{Pack, Scalar, inlined};
 use crate::spatial::{Force, Symmetric3, Vec3};
 
 /// `2 (r.w) 1 - r w' - w r'`: what a first moment 2 w adds to an inertia matrix about an origin that is moved
@@ -45,8 +45,8 @@ impl<S: Scalar> WorldKernel<S> {
             to.first_moment.set_lane(lane, sum);
             add_matrix(&mut to.matrix, lane, &matrix);
         }
-        for group in &mut self.groups {
-            group.carried.inertial = group.composite.apply(group.axis);
+        for (group, carried) in self.groups.iter().zip(&mut self.carried) {
+            carried.inertial = group.composite.apply(group.axis);
         }
         self.fill_mass_matrix();
         for &(i, j, value) in tree.armature() {
@@ -83,39 +83,44 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// M without armature, n x n, at the composite bodies. Entries of joints on different branches are left as
-    /// they are.
+    /// M without armature, n x n, at the composite bodies.
     #[inline(never)]
     fn fill_mass_matrix(&mut self) {
-        for k in 0..self.places.len() {
-            let (place, joint) = (self.places[k], &self.joints[k]);
+        let places = &self.places;
+        for (k, place) in places.iter().enumerate() {
+            let joint = &self.joints[k];
             let axis: Vec3<S::Pack> = joint.axes[2].splat();
             let origin: Vec3<S::Pack> = joint.origin.splat();
-            let (first, row) = (k / Self::LANES, self.upper[0].row_mut(k));
-            let groups = self.groups[first..place.end.div_ceil(Self::LANES)].iter();
-            for (group, entry) in groups.zip(&mut row[first..]) {
-                let Force { moment, force } = group.carried.inertial;
+            let (first, row) = (k / Self::LANES, self.lower.row_mut(k));
+            let forces = self.carried[first..place.end.div_ceil(Self::LANES)].iter();
+            for (carried, entry) in forces.zip(&mut row[first..]) {
+                let Force { moment, force } = carried.inertial;
                 *entry = match place.kind {
                     JointKind::Revolute => {
-                        axis.dot_plus(moment, axis.cross(group.origin - origin).dot(force))
+                        axis.dot_plus(moment, axis.cross(carried.origin - origin).dot(force))
                     }
                     JointKind::Prismatic => axis.dot(force),
                 };
             }
-            self.clear_beyond(k, 0);
+            clear_beyond::<S>(row, place.end);
         }
-        self.places.store(&self.upper[0], &self.upper[0], &mut self.mass_matrix);
+        places.mirror(&mut self.lower, None, 0);
+        if !places.are_in_order() {
+            places.reorder(&self.lower, 0, |i, j, entry| self.mass_matrix[(i, j)] = entry);
+            return;
+        }
+        for k in 0..places.len() {
+            let row = self.mass_matrix.row_mut(k).chunks_mut(Self::LANES);
+            row.zip(self.lower.row(k)).for_each(|(to, pack)| pack.write(to));
+        }
     }
+}
 
-    /// Zeros in the lanes after the subtree of place k in row k of this upper matrix.
-    #[inline(always)]
-    pub(super) fn clear_beyond(&mut self, k: usize, matrix: usize) {
-        let end = self.places[k].end;
-        for after in end..end.next_multiple_of(Self::LANES).min(self.places.len()) {
-            self.upper[matrix].set(k, after, S::zero());
-            self.lower[matrix].set(k, after, S::zero());
-        }
-    }
+/// Zeros in the lanes of a row after a subtree that ends before place `end`, in its last pack.
+#[inline(always)]
+pub(super) fn clear_beyond<S: Scalar>(row: &mut [S::Pack], end: usize) {
+    let lanes = <S::Pack as Pack<S>>::LANES;
+    (end..end.next_multiple_of(lanes)).for_each(|k| row[k / lanes].set_lane(k % lanes, S::zero()));
 }
 
 /// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h v'`.

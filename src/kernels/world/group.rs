@@ -49,8 +49,6 @@ pub(super) struct Group<P> {
     pub axes: [Vec3<P>; 3],
     /// S: the joint axis is its angular part for a revolute joint, its linear part for a prismatic one.
     pub axis: Motion<P>,
-    /// Origin of the joint, seen from that of the first revolute joint of its branch.
-    pub origin: Vec3<P>,
     pub velocity: Motion<P>,
     pub acceleration: Motion<P>,
     /// `psi = v x S`.
@@ -64,12 +62,13 @@ pub(super) struct Group<P> {
     pub momentum: Force<P>,
     pub force: Force<P>,
     pub rate: Symmetric3<P>,
-    pub carried: Carried<P>,
 }
 
-/// The forces of which every entry is a scalar product.
+/// The forces of which every entry is a scalar product, about the origins of their joints.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried<P> {
+    /// Origin of the joint, seen from that of the first revolute joint of its branch.
+    pub origin: Vec3<P>,
     /// F.
     pub inertial: Force<P>,
     /// The moment E; its force is zero.
@@ -80,6 +79,13 @@ pub(super) struct Carried<P> {
     pub by_velocity: Force<P>,
 }
 
+impl<P: Scalar> Carried<P> {
+    pub fn zero() -> Self {
+        let (none, slack) = (Vec3::zero(), Force::zero());
+        Self { origin: none, inertial: slack, turning: none, by_position: slack, by_velocity: slack }
+    }
+}
+
 impl<P: Scalar> Group<P> {
     pub fn zero() -> Self {
         let (none, still, slack) = (Vec3::zero(), Motion::zero(), Force::zero());
@@ -87,7 +93,6 @@ impl<P: Scalar> Group<P> {
         Self {
             axes: [none; 3],
             axis: still,
-            origin: none,
             velocity: still,
             acceleration: still,
             psi: still,
@@ -97,7 +102,6 @@ impl<P: Scalar> Group<P> {
             momentum: slack,
             force: slack,
             rate: Symmetric3::zero(),
-            carried: Carried { inertial: slack, turning: none, by_position: slack, by_velocity: slack },
         }
     }
 

@@ -18,9 +18,8 @@ use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{JointPosition, Motion, Vec3};
 pub(crate) use articulated::ArticulatedBodies;
-use group::{Group, Links, motion_along, set_motion};
+use group::{Carried, Group, Links, motion_along, set_motion};
 use places::Places;
-pub(crate) use torque::TorqueDerivatives;
 
 /// The joints of a tree in the axes of the world: positions, motions, forces, M, and the derivatives of
 /// inverse dynamics.
@@ -33,9 +32,10 @@ pub(crate) struct WorldKernel<S: Scalar> {
     links: Vec<Links<S::Pack>>,
     groups: Vec<Group<S::Pack>>,
     joints: Vec<Joint<S>>,
-    /// Rows i of entries (i, j), and of (j, i), j beyond i.
-    upper: [Panel<S>; 2],
-    lower: [Panel<S>; 2],
+    carried: Vec<Carried<S::Pack>>,
+    /// Rows i of entries (i, j), and of (j, i), j beyond i: those of tau_q, then those of tau_v.
+    upper: Panel<S>,
+    lower: Panel<S>,
     mass_matrix: Matrix<S>,
 }
 
@@ -67,14 +67,16 @@ impl<S: Scalar> WorldKernel<S> {
         let (none, still) = (Vec3::zero(), Motion::zero());
         let at_rest =
             Joint { axes: [none; 3], arm: none, origin: none, velocity: still, acceleration: still };
-        let panel = Panel::zeros(n, n);
+        let groups = n.div_ceil(Self::LANES);
+        let panel = Panel::zeros(n, 2 * groups * Self::LANES);
         Self {
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             links: links.collect(),
-            groups: vec![Group::zero(); n.div_ceil(Self::LANES)],
+            groups: vec![Group::zero(); groups],
+            carried: vec![Carried::zero(); groups],
             joints: vec![at_rest; n],
-            upper: [panel.clone(), panel.clone()],
-            lower: [panel.clone(), panel],
+            upper: panel.clone(),
+            lower: panel,
             mass_matrix: Matrix::zeros(n, n),
             places,
         }
@@ -120,7 +122,7 @@ impl<S: Scalar> WorldKernel<S> {
             let (group, lane) = (&mut self.groups[k / Self::LANES], k % Self::LANES);
             group.axes.iter_mut().zip([x, y, z]).for_each(|(to, axis)| to.set_lane(lane, axis));
             set_motion(&mut group.axis, lane, motion_along(place.kind, z));
-            group.origin.set_lane(lane, origin);
+            self.carried[k / Self::LANES].origin.set_lane(lane, origin);
         }
         for (group, links) in self.groups.iter_mut().zip(&self.links) {
             group.turn_links(links);

@@ -1,6 +1,6 @@
 //! The order of the joints: a subtree is a range of places, and so is a row of a matrix.
 
-use crate::matrix::{Matrix, Panel};
+use crate::matrix::Panel;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 
@@ -50,53 +50,47 @@ impl Places {
         Self { places, in_order }
     }
 
-    /// Entries (i, j) from row i of the upper matrix and (j, i) from row i of the lower one, j in the subtree
-    /// of i, to the rows and columns of the joints. Other entries are left as they are or set to zero.
+    /// Whether this is the order of the joints.
     #[inline(always)]
-    pub fn store<S: Scalar>(&self, upper: &Panel<S>, lower: &Panel<S>, to: &mut Matrix<S>) {
-        let lanes = Panel::<S>::LANES;
-        if Panel::<S>::ONE_LANE || !self.in_order {
-            for (k, place) in self.iter().enumerate() {
-                for (l, beyond) in self[..place.end].iter().enumerate().skip(k) {
-                    to[(beyond.joint, place.joint)] = lower.get(k, l);
-                    to[(place.joint, beyond.joint)] = upper.get(k, l);
+    pub fn are_in_order(&self) -> bool {
+        self.in_order
+    }
+
+    /// Completes a square matrix, which starts at pack `left` of each row, below its diagonal: entry (j, i), j
+    /// in the subtree of i, from entry (i, j) of the lower matrix or, if it is symmetric, of the same.
+    #[inline(always)]
+    pub fn mirror<S: Scalar>(&self, entries: &mut Panel<S>, lower: Option<&Panel<S>>, left: usize) {
+        let (lanes, width) = (Panel::<S>::LANES, entries.width::<0>());
+        for (top, some) in self.chunks(lanes).enumerate() {
+            let end = some.iter().fold(0, |end, place| end.max(place.end)).div_ceil(lanes);
+            for side in top..end {
+                let mut block = [S::Pack::zero(); MOST_LANES];
+                let rows = lower.unwrap_or(entries).packs();
+                for (r, pack) in block.iter_mut().enumerate().take(lanes) {
+                    *pack = rows[(top * lanes + r) * width + left + side];
+                }
+                S::Pack::transpose(&mut block[..lanes]);
+                let rows = entries.packs_mut();
+                for (r, pack) in block.iter().enumerate().take(lanes) {
+                    let to = &mut rows[(side * lanes + r) * width + left + top];
+                    if side > top {
+                        *to = *pack;
+                        continue;
+                    }
+                    // Entries left of the diagonal.
+                    (0..r).for_each(|lane| to.set_lane(lane, pack.lane(lane)));
                 }
             }
-            return;
-        }
-        for (top, some) in self.chunks(lanes).enumerate() {
-            let end = some.iter().fold(0, |end, place| end.max(place.end));
-            for left in top..end.div_ceil(lanes) {
-                store_block(upper, lower, [top, left], to);
-            }
         }
     }
-}
 
-/// The square block of packs at rows `LANES top`, place `left >= top`, and its mirror image.
-#[inline(always)]
-fn store_block<S: Scalar>(upper: &Panel<S>, lower: &Panel<S>, [top, left]: [usize; 2], to: &mut Matrix<S>) {
-    let (lanes, n) = (Panel::<S>::LANES, to.rows());
-    let (first, side) = (top * lanes, left * lanes);
-    let mut above = [S::Pack::zero(); MOST_LANES];
-    let mut below = above;
-    for r in 0..lanes.min(n - first) {
-        above[r] = upper.row(first + r)[left];
-        below[r] = lower.row(first + r)[left];
-    }
-    S::Pack::transpose(&mut below[..lanes]);
-    if top == left {
-        for (r, (above, below)) in above.iter_mut().zip(&below).enumerate().take(lanes) {
-            for lane in 0..r {
-                *above = above.with_lane(lane, below.lane(lane));
+    /// Sets entry (i, j) of the joints from a square matrix by places, which starts at pack `left` of each row.
+    pub fn reorder<S: Scalar>(&self, from: &Panel<S>, left: usize, mut set: impl FnMut(usize, usize, S)) {
+        let left = left * Panel::<S>::LANES;
+        for (k, row) in self.iter().enumerate() {
+            for (l, column) in self.iter().enumerate() {
+                set(row.joint, column.joint, from.get(k, left + l));
             }
         }
-    } else {
-        for (r, pack) in below.iter().enumerate().take(lanes.min(n - side)) {
-            pack.write(&mut to.row_mut(side + r)[first..]);
-        }
-    }
-    for (r, pack) in above.iter().enumerate().take(lanes.min(n - first)) {
-        pack.write(&mut to.row_mut(first + r)[side..]);
     }
 }

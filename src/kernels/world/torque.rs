@@ -1,18 +1,12 @@
 //! The derivatives of inverse dynamics as scalar products of pairs of joints.
 
 use super::WorldKernel;
+use super::composite::clear_beyond;
 use super::group::{Carried, Group, along_axis, force_lane};
-use crate::matrix::Matrix;
+use crate::matrix::Panel;
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Motion, Vec3};
-
-/// Derivatives of inverse dynamics without springs, friction and armature, n x n.
-#[derive(Debug)]
-pub(crate) struct TorqueDerivatives<'a, S> {
-    pub by_position: &'a mut Matrix<S>,
-    pub by_velocity: &'a mut Matrix<S>,
-}
 
 /// The motions of joint i that meet the forces of the joints beyond it, the same in every lane.
 struct Meeting<P> {
@@ -22,9 +16,15 @@ struct Meeting<P> {
     psi_rate: Motion<P>,
 }
 
+/// What row i of the products adds to the panels: entries (i, j) and (j, i) of tau_q and of tau_v.
+struct Rows<'a, P> {
+    upper: [&'a mut [P]; 2],
+    lower: [&'a mut [P]; 2],
+}
+
 impl<S: Scalar> WorldKernel<S> {
-    /// `tau_q` and `tau_v` at the motion set last and the composite bodies of its position. Entries of joints
-    /// on different branches are left as they are.
+    /// `[tau_q, tau_v]`, without springs, friction and armature, at the motion set last and the composite
+    /// bodies of its position: two n x n matrices side by side, each of whole packs.
     ///
     /// With J', L and N the rate of the inertia matrix, the linear and the angular momentum of the composite
     /// body of joint j about its origin, f the force on it, w and s angular and linear part of a motion, the
@@ -41,41 +41,42 @@ impl<S: Scalar> WorldKernel<S> {
     /// (S. Singh, R. Russell, P. Wensing, IEEE Robotics and Automation Letters 7 (2022) 1752-1759, in other
     /// terms.) The linear part of E is zero.
     #[inline(never)]
-    pub fn torque_derivatives(&mut self, tau: TorqueDerivatives<'_, S>) {
+    pub fn torque_derivatives(&mut self, tau: &mut Panel<S>) {
         self.compose_motion();
-        for group in &mut self.groups {
-            group.carry();
+        for (group, carried) in self.groups.iter_mut().zip(&mut self.carried) {
+            group.carry(carried);
         }
-        for k in 0..self.places.len() {
-            match self.places[k].kind {
-                JointKind::Revolute => self.meet(k, revolute),
-                JointKind::Prismatic => self.meet(k, prismatic),
-            }
-            (0..2).for_each(|matrix| self.clear_beyond(k, matrix));
+        if self.places.are_in_order() {
+            return self.meet_all(tau);
         }
-        self.places.store(&self.upper[0], &self.lower[0], tau.by_position);
-        self.places.store(&self.upper[1], &self.lower[1], tau.by_velocity);
+        let mut upper = std::mem::replace(&mut self.upper, Panel::zeros(0, 0));
+        self.meet_all(&mut upper);
+        self.upper = upper;
+        for left in [0, self.groups.len()] {
+            let shift = left * Self::LANES;
+            self.places.reorder(&self.upper, left, |i, j, entry| tau.set(i, shift + j, entry));
+        }
     }
 
-    /// Row k of the products.
-    #[inline(always)]
-    fn meet(&mut self, k: usize, entries: impl Fn(&Meeting<S::Pack>, &Group<S::Pack>) -> [S::Pack; 4]) {
-        let (joint, [psi, psi_rate]) = (&self.joints[k], self.psi(k));
-        let meeting = Meeting {
-            axis: joint.axes[2].splat(),
-            origin: joint.origin.splat(),
-            psi: psi.splat(),
-            psi_rate: psi_rate.splat(),
-        };
-        let (first, end) = (k / Self::LANES, self.places[k].end.div_ceil(Self::LANES));
-        let ([q_upper, v_upper], [q_lower, v_lower]) = (&mut self.upper, &mut self.lower);
-        let rows = [q_upper, q_lower, v_upper, v_lower].map(|panel| &mut panel.row_mut(k)[first..end]);
-        let [q_row, q_column, v_row, v_column] = rows;
-        let upper = q_row.iter_mut().zip(v_row);
-        let lower = q_column.iter_mut().zip(v_column);
-        for ((group, upper), lower) in self.groups[first..end].iter().zip(upper).zip(lower) {
-            [*upper.0, *lower.0, *upper.1, *lower.1] = entries(&meeting, group);
+    /// All entries, by places.
+    fn meet_all(&mut self, to: &mut Panel<S>) {
+        let width = self.groups.len();
+        for (k, place) in self.places.iter().enumerate() {
+            let (joint, end) = (&self.joints[k], place.end.div_ceil(Self::LANES));
+            let [psi, psi_rate] = self.psi(k).map(Motion::splat);
+            let meeting =
+                Meeting { axis: joint.axes[2].splat(), origin: joint.origin.splat(), psi, psi_rate };
+            let (upper, lower) =
+                (to.row_mut(k).split_at_mut(width), self.lower.row_mut(k).split_at_mut(width));
+            let mut rows = Rows { upper: [upper.0, upper.1], lower: [lower.0, lower.1] };
+            let first = k / Self::LANES;
+            match place.kind {
+                JointKind::Revolute => rows.fill(first, &self.carried[..end], &meeting, revolute),
+                JointKind::Prismatic => rows.fill(first, &self.carried[..end], &meeting, prismatic),
+            }
+            rows.upper.into_iter().chain(rows.lower).for_each(|row| clear_beyond::<S>(row, place.end));
         }
+        (0..2).for_each(|half| self.places.mirror(to, Some(&self.lower), half * width));
     }
 
     /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after
@@ -88,10 +89,29 @@ impl<S: Scalar> WorldKernel<S> {
     }
 }
 
+impl<P: Scalar> Rows<'_, P> {
+    /// Entries of joint i and the joints of the groups from `first` on.
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        first: usize,
+        groups: &[Carried<P>],
+        meeting: &Meeting<P>,
+        entries: impl Fn(&Meeting<P>, &Carried<P>) -> [P; 4],
+    ) {
+        let ([q_upper, v_upper], [q_lower, v_lower]) = (&mut self.upper, &mut self.lower);
+        let upper = q_upper[first..].iter_mut().zip(&mut v_upper[first..]);
+        let lower = q_lower[first..].iter_mut().zip(&mut v_lower[first..]);
+        for ((group, upper), lower) in groups[first..].iter().zip(upper).zip(lower) {
+            [*upper.0, *lower.0, *upper.1, *lower.1] = entries(meeting, group);
+        }
+    }
+}
+
 impl<P: Scalar> Group<P> {
     /// The forces of all joints of the group, see [`WorldKernel::torque_derivatives`]; F is there.
     #[inline(always)]
-    fn carry(&mut self) {
+    fn carry(&mut self, carried: &mut Carried<P>) {
         let (axis, psi, a, v) = (self.axis, self.psi, self.acceleration, self.velocity);
         let psi_rate = Motion {
             angular: a.angular.cross(axis.angular).plus_product(v.angular, psi.angular),
@@ -111,8 +131,9 @@ impl<P: Scalar> Group<P> {
         let pushed = self.composite.apply(psi_rate);
         let swept = linear.cross(psi.angular);
         let f = self.force;
-        self.carried = Carried {
-            inertial: self.carried.inertial,
+        *carried = Carried {
+            origin: carried.origin,
+            inertial: carried.inertial,
             turning: twice(linear.cross(axis.linear)) + turned + crossed,
             by_velocity: Force {
                 moment: twice(shifted.moment) + turned - crossed,
@@ -130,10 +151,10 @@ impl<P: Scalar> Group<P> {
 
 /// tau_q and tau_v for joint i, revolute, and each joint of a group: ij, ji of both.
 #[inline(always)]
-fn revolute<P: Scalar>(i: &Meeting<P>, group: &Group<P>) -> [P; 4] {
+fn revolute<P: Scalar>(i: &Meeting<P>, group: &Carried<P>) -> [P; 4] {
     inlined!(P, {
-        let Carried { inertial, turning, by_position, by_velocity } = &group.carried;
-        let distance = group.origin - i.origin;
+        let Carried { origin, inertial, turning, by_position, by_velocity } = group;
+        let distance = *origin - i.origin;
         let lever = i.axis.cross(distance);
         let psi = i.psi.linear.plus_product(i.psi.angular, distance);
         let psi_rate = i.psi_rate.linear.plus_product(i.psi_rate.angular, distance);
@@ -150,9 +171,8 @@ fn revolute<P: Scalar>(i: &Meeting<P>, group: &Group<P>) -> [P; 4] {
 
 /// The same for joint i prismatic: its psi has no angular part.
 #[inline(always)]
-fn prismatic<P: Scalar>(i: &Meeting<P>, group: &Group<P>) -> [P; 4] {
+fn prismatic<P: Scalar>(i: &Meeting<P>, carried: &Carried<P>) -> [P; 4] {
     inlined!(P, {
-        let carried = &group.carried;
         let along = i.psi.linear.dot(carried.inertial.force);
         [
             i.axis.dot(carried.by_position.force),
