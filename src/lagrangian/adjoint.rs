@@ -39,13 +39,13 @@ impl<S: Scalar> Lagrangian<S> {
         self.differentiate_torque(v)?;
         f.copy_from_slice(&self.rate);
         let (in_q, in_v) = y_a_x.split_at_mut(v.len());
-        // The first row of a panel that is free here takes the sums.
-        let sums = self.solved.row_mut(0);
-        sums.fill(S::Pack::zero());
-        w.iter().enumerate().for_each(|(i, &w)| add_scaled(sums, S::Pack::splat(-w), self.torque.row(i)));
-        let (by_q, by_v) = sums.split_at(sums.len() / 2);
-        write_packs(by_q, in_q, |pack| pack);
-        write_packs(by_v, in_v, |pack| pack);
+        for ((torque, sums), product) in self.torque.iter().zip(&mut self.solved).zip([in_q, in_v]) {
+            // A row that is free here takes the sums.
+            let sums = sums.row_mut(0);
+            sums.fill(S::Pack::zero());
+            w.iter().enumerate().for_each(|(i, &w)| add_scaled(sums, S::Pack::splat(-w), torque.row(i)));
+            write_packs(sums, product, |pack| pack);
+        }
         Ok(())
     }
 }

@@ -128,7 +128,7 @@ impl<S: Scalar> Lagrangian<S> {
         }
     }
 
-    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panel of `[tau_q, tau_v]`; M is factored.
+    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panels of tau_q and tau_v; M is factored.
     ///
     /// Packs of several lanes: one product with M^-1, whose sums stay in registers. It takes as many products
     /// as solving with the factors of a chain.
@@ -137,18 +137,20 @@ impl<S: Scalar> Lagrangian<S> {
         let n = self.tree.dof();
         let factor = &mut self.factor;
         sized!(S, n, factor.form_inverse(&mut self.inverse));
-        if Panel::<S>::ONE_LANE {
-            self.solved.copy_from::<0, 0>(&self.torque);
-            self.factor.solve_panel(&mut self.solved);
-        } else {
-            self.solved.set_product::<0, 0>(Left::Rows(&self.inverse), &self.torque, Part::Whole);
+        for (solved, torque) in self.solved.iter_mut().zip(&self.torque) {
+            if Panel::<S>::ONE_LANE {
+                solved.copy_from::<0, 0>(torque);
+                self.factor.solve_panel(solved);
+            } else {
+                sized!(S, n, solved.set_product(Left::Rows(&self.inverse), torque, Part::Whole));
+            }
         }
         for i in 0..n {
             let (in_q, rest) = self.a_z.row_mut(i).split_at_mut(n);
             let (in_v, in_u) = rest.split_at_mut(n);
-            let (by_q, by_v) = self.solved.row(i).split_at(self.solved.width::<0>() / 2);
-            write_packs(by_q, in_q, |pack| -pack);
-            write_packs(by_v, in_v, |pack| -pack);
+            let [by_q, by_v] = &self.solved;
+            write_packs(by_q.row(i), in_q, |pack| -pack);
+            write_packs(by_v.row(i), in_v, |pack| -pack);
             write_packs(self.inverse.row(i), in_u, |pack| pack);
         }
     }

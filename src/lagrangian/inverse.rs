@@ -1,13 +1,12 @@
 //! The Jacobian of inverse dynamics, from kernel two along (v, a).
 
 use super::Lagrangian;
-use super::forward::write_packs;
 use super::routes::current_mass_matrix;
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, friction};
-use crate::matrix::{Matrix, Panel};
+use crate::matrix::Matrix;
 use crate::robot::Tree;
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::Scalar;
 
 /// Inverse dynamics and its Jacobian in (q, v, a); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
@@ -72,26 +71,18 @@ impl<S: Scalar> Lagrangian<S> {
         })
     }
 
-    /// Puts tau_q and tau_v into the panel.
+    /// Puts tau_q and tau_v into the panels.
     pub(super) fn pack_torque(&mut self) {
-        let width = self.torque.width::<0>() / 2;
-        for (i, (in_q, in_v)) in self.tau_q.view().iter_rows().zip(self.tau_v.view().iter_rows()).enumerate() {
-            let (left, right) = self.torque.row_mut(i).split_at_mut(width);
-            for (half, row) in [(left, in_q), (right, in_v)] {
-                let packs = row.chunks(Panel::<S>::LANES).map(S::Pack::read);
-                half.iter_mut().zip(packs).for_each(|(to, pack)| *to = pack);
-            }
-        }
+        let [in_q, in_v] = &mut self.torque;
+        in_q.read::<0>(&self.tau_q);
+        in_v.read::<0>(&self.tau_v);
     }
 
-    /// Takes tau_q and tau_v from the panel.
+    /// Takes tau_q and tau_v from the panels.
     pub(super) fn unpack_torque(&mut self) {
-        let width = self.torque.width::<0>() / 2;
-        for i in 0..self.tree.dof() {
-            let (left, right) = self.torque.row(i).split_at(width);
-            write_packs(left, self.tau_q.row_mut(i), |pack| pack);
-            write_packs(right, self.tau_v.row_mut(i), |pack| pack);
-        }
+        let [in_q, in_v] = &self.torque;
+        in_q.write(&mut self.tau_q);
+        in_v.write(&mut self.tau_v);
     }
 
     /// Fills tau_q and tau_v from the kernels.

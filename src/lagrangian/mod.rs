@@ -80,9 +80,9 @@ pub struct Lagrangian<S: Scalar> {
     /// `(v, a)`, 2n.
     rate: Vec<S>,
     inverse: Panel<S>,
-    /// `[tau_q, tau_v]`, each in whole packs, and the same times M^-1.
-    torque: Panel<S>,
-    solved: Panel<S>,
+    /// tau_q and tau_v as panels, and the same times M^-1.
+    torque: [Panel<S>; 2],
+    solved: [Panel<S>; 2],
     /// `[a_q, a_v, a_u]`, n x 3n.
     a_z: Matrix<S>,
     /// `[0 1 ; a_q a_v]`, 2n x 2n.
@@ -103,7 +103,7 @@ impl<S: Scalar> Lagrangian<S> {
         let n = tree.dof();
         let routes = Routes::of::<S>(&tree);
         let square = Matrix::zeros(n, n);
-        let torque = Panel::zeros(n, 2 * n.next_multiple_of(Panel::<S>::LANES));
+        let torque = [Panel::zeros(n, n), Panel::zeros(n, n)];
         let mut f_x = Matrix::zeros(2 * n, 2 * n);
         (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
         Self {

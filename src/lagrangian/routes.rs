@@ -112,7 +112,7 @@ impl<S: Scalar> Lagrangian<S> {
         bodies.solve(&self.tree, world, rate_v).map_err(singular)
     }
 
-    /// Fills the panel of `[tau_q, tau_v]` at v and the acceleration computed last, where
+    /// Fills the panels of tau_q and tau_v at v and the acceleration computed last, where
     /// [`place`](Self::place) was called at the same q.
     #[inline(never)]
     pub(super) fn differentiate_torque(&mut self, v: &[S]) -> Result<(), EvalError> {
@@ -124,14 +124,13 @@ impl<S: Scalar> Lagrangian<S> {
         };
         world.set_motion(&self.tree, v, Some(&self.rate[self.tree.dof()..]));
         world.torque_derivatives(&mut self.torque);
-        let half = self.torque.columns() / 2;
+        let [in_q, in_v] = &mut self.torque;
         for &i in self.tree.with_friction() {
             let slope = friction(&self.tree.joints()[i].friction, v[i]).first;
-            self.torque.set(i, half + i, self.torque.get(i, half + i) - slope);
+            in_v.set(i, i, in_v.get(i, i) - slope);
         }
         for &i in self.tree.with_spring() {
-            let entry = self.torque.get(i, i).plus(self.tree.joints()[i].spring.stiffness);
-            self.torque.set(i, i, entry);
+            in_q.set(i, i, in_q.get(i, i).plus(self.tree.joints()[i].spring.stiffness));
         }
         Ok(())
     }

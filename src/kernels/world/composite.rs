@@ -1,7 +1,7 @@
 //! Composite bodies in the axes of the world, and the mass matrix.
 
 use super::WorldKernel;
-use super::group::{Body, add_force, add_matrix, force_lane, matrix_lane};
+use super::group::{Body, Carried, add_force, add_matrix, force_lane, matrix_lane};
 use super::motion::inward;
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
@@ -86,32 +86,31 @@ impl<S: Scalar> WorldKernel<S> {
     /// M without armature, n x n, at the composite bodies.
     #[inline(never)]
     fn fill_mass_matrix(&mut self) {
-        let places = &self.places;
+        let (places, [entries, _]) = (&self.places, &mut self.upper);
         for (k, place) in places.iter().enumerate() {
-            let joint = &self.joints[k];
-            let axis: Vec3<S::Pack> = joint.axes[2].splat();
-            let origin: Vec3<S::Pack> = joint.origin.splat();
-            let (first, row) = (k / Self::LANES, self.lower.row_mut(k));
+            let axis: Vec3<S::Pack> = self.joints[k].axes[2].splat();
+            let origin: Vec3<S::Pack> = self.joints[k].origin.splat();
+            let (first, row) = (k / Self::LANES, entries.row_mut(k));
             let forces = self.carried[first..place.end.div_ceil(Self::LANES)].iter();
-            for (carried, entry) in forces.zip(&mut row[first..]) {
-                let Force { moment, force } = carried.inertial;
-                *entry = match place.kind {
-                    JointKind::Revolute => {
-                        axis.dot_plus(moment, axis.cross(carried.origin - origin).dot(force))
-                    }
-                    JointKind::Prismatic => axis.dot(force),
-                };
+            let entries = forces.zip(&mut row[first..]);
+            match place.kind {
+                JointKind::Revolute => entries.for_each(|(Carried { origin: end, inertial, .. }, entry)| {
+                    let lever = axis.cross(*end - origin);
+                    *entry = axis.dot_plus(inertial.moment, lever.dot(inertial.force));
+                }),
+                JointKind::Prismatic => entries.for_each(|(carried, entry)| {
+                    *entry = axis.dot(carried.inertial.force);
+                }),
             }
             clear_beyond::<S>(row, place.end);
         }
-        places.mirror(&mut self.lower, None, 0);
-        if !places.are_in_order() {
-            places.reorder(&self.lower, 0, |i, j, entry| self.mass_matrix[(i, j)] = entry);
-            return;
-        }
-        for k in 0..places.len() {
-            let row = self.mass_matrix.row_mut(k).chunks_mut(Self::LANES);
-            row.zip(self.lower.row(k)).for_each(|(to, pack)| pack.write(to));
+        let m = &mut self.mass_matrix;
+        if places.are_in_order() {
+            places.spread(entries, entries, |row, pack, entries| {
+                entries.write(&mut m.row_mut(row)[pack * Self::LANES..]);
+            });
+        } else {
+            places.spread(entries, entries, places.reorder(|i, j, entry| m[(i, j)] = entry));
         }
     }
 }
@@ -119,8 +118,8 @@ impl<S: Scalar> WorldKernel<S> {
 /// Zeros in the lanes of a row after a subtree that ends before place `end`, in its last pack.
 #[inline(always)]
 pub(super) fn clear_beyond<S: Scalar>(row: &mut [S::Pack], end: usize) {
-    let lanes = <S::Pack as Pack<S>>::LANES;
-    (end..end.next_multiple_of(lanes)).for_each(|k| row[k / lanes].set_lane(k % lanes, S::zero()));
+    let last = (end - 1) / <S::Pack as Pack<S>>::LANES;
+    row[last] = row[last].before(end - last * <S::Pack as Pack<S>>::LANES, S::Pack::zero());
 }
 
 /// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h v'`.

@@ -34,8 +34,8 @@ pub(crate) struct WorldKernel<S: Scalar> {
     joints: Vec<Joint<S>>,
     carried: Vec<Carried<S::Pack>>,
     /// Rows i of entries (i, j), and of (j, i), j beyond i: those of tau_q, then those of tau_v.
-    upper: Panel<S>,
-    lower: Panel<S>,
+    upper: [Panel<S>; 2],
+    lower: [Panel<S>; 2],
     mass_matrix: Matrix<S>,
 }
 
@@ -68,15 +68,15 @@ impl<S: Scalar> WorldKernel<S> {
         let at_rest =
             Joint { axes: [none; 3], arm: none, origin: none, velocity: still, acceleration: still };
         let groups = n.div_ceil(Self::LANES);
-        let panel = Panel::zeros(n, 2 * groups * Self::LANES);
+        let panel = Panel::zeros(n, n);
         Self {
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             links: links.collect(),
             groups: vec![Group::zero(); groups],
             carried: vec![Carried::zero(); groups],
             joints: vec![at_rest; n],
-            upper: panel.clone(),
-            lower: panel,
+            upper: [panel.clone(), panel.clone()],
+            lower: [panel.clone(), panel],
             mass_matrix: Matrix::zeros(n, n),
             places,
         }

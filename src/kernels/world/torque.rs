@@ -7,6 +7,7 @@ use crate::matrix::Panel;
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Motion, Vec3};
+use std::ops::Range;
 
 /// The motions of joint i that meet the forces of the joints beyond it, the same in every lane.
 struct Meeting<P> {
@@ -16,15 +17,9 @@ struct Meeting<P> {
     psi_rate: Motion<P>,
 }
 
-/// What row i of the products adds to the panels: entries (i, j) and (j, i) of tau_q and of tau_v.
-struct Rows<'a, P> {
-    upper: [&'a mut [P]; 2],
-    lower: [&'a mut [P]; 2],
-}
-
 impl<S: Scalar> WorldKernel<S> {
-    /// `[tau_q, tau_v]`, without springs, friction and armature, at the motion set last and the composite
-    /// bodies of its position: two n x n matrices side by side, each of whole packs.
+    /// tau_q and tau_v, n x n, without springs, friction and armature, at the motion set last and the composite
+    /// bodies of its position. Entries of joints on different branches are left as they are.
     ///
     /// With J', L and N the rate of the inertia matrix, the linear and the angular momentum of the composite
     /// body of joint j about its origin, f the force on it, w and s angular and linear part of a motion, the
@@ -41,42 +36,44 @@ impl<S: Scalar> WorldKernel<S> {
     /// (S. Singh, R. Russell, P. Wensing, IEEE Robotics and Automation Letters 7 (2022) 1752-1759, in other
     /// terms.) The linear part of E is zero.
     #[inline(never)]
-    pub fn torque_derivatives(&mut self, tau: &mut Panel<S>) {
+    pub fn torque_derivatives(&mut self, tau: &mut [Panel<S>; 2]) {
         self.compose_motion();
         for (group, carried) in self.groups.iter_mut().zip(&mut self.carried) {
             group.carry(carried);
         }
-        if self.places.are_in_order() {
-            return self.meet_all(tau);
-        }
-        let mut upper = std::mem::replace(&mut self.upper, Panel::zeros(0, 0));
-        self.meet_all(&mut upper);
-        self.upper = upper;
-        for left in [0, self.groups.len()] {
-            let shift = left * Self::LANES;
-            self.places.reorder(&self.upper, left, |i, j, entry| tau.set(i, shift + j, entry));
+        self.meet_all();
+        let places = &self.places;
+        for ((tau, upper), lower) in tau.iter_mut().zip(&self.upper).zip(&self.lower) {
+            if places.are_in_order() {
+                places.spread(upper, lower, |row, pack, entries| tau.row_mut(row)[pack] = entries);
+            } else {
+                places.spread(upper, lower, places.reorder(|i, j, entry| tau.set(i, j, entry)));
+            }
         }
     }
 
     /// All entries, by places.
-    fn meet_all(&mut self, to: &mut Panel<S>) {
-        let width = self.groups.len();
-        for (k, place) in self.places.iter().enumerate() {
-            let (joint, end) = (&self.joints[k], place.end.div_ceil(Self::LANES));
-            let [psi, psi_rate] = self.psi(k).map(Motion::splat);
-            let meeting =
-                Meeting { axis: joint.axes[2].splat(), origin: joint.origin.splat(), psi, psi_rate };
-            let (upper, lower) =
-                (to.row_mut(k).split_at_mut(width), self.lower.row_mut(k).split_at_mut(width));
-            let mut rows = Rows { upper: [upper.0, upper.1], lower: [lower.0, lower.1] };
-            let first = k / Self::LANES;
+    #[inline(never)]
+    fn meet_all(&mut self) {
+        for k in 0..self.places.len() {
+            let (place, joint, [psi, psi_rate]) = (self.places[k], &self.joints[k], self.psi(k));
+            let meeting = Meeting {
+                axis: joint.axes[2].splat(),
+                origin: joint.origin.splat(),
+                psi: psi.splat(),
+                psi_rate: psi_rate.splat(),
+            };
+            let ([q_upper, v_upper], [q_lower, v_lower]) = (&mut self.upper, &mut self.lower);
+            let rows = [q_upper, q_lower, v_upper, v_lower].map(|panel| panel.row_mut(k));
+            let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
             match place.kind {
-                JointKind::Revolute => rows.fill(first, &self.carried[..end], &meeting, revolute),
-                JointKind::Prismatic => rows.fill(first, &self.carried[..end], &meeting, prismatic),
+                JointKind::Revolute => fill(rows, &self.carried, groups, &meeting, revolute),
+                JointKind::Prismatic => fill(rows, &self.carried, groups, &meeting, prismatic),
             }
-            rows.upper.into_iter().chain(rows.lower).for_each(|row| clear_beyond::<S>(row, place.end));
+            for panel in self.upper.iter_mut().chain(&mut self.lower) {
+                clear_beyond::<S>(panel.row_mut(k), place.end);
+            }
         }
-        (0..2).for_each(|half| self.places.mirror(to, Some(&self.lower), half * width));
     }
 
     /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after
@@ -89,22 +86,18 @@ impl<S: Scalar> WorldKernel<S> {
     }
 }
 
-impl<P: Scalar> Rows<'_, P> {
-    /// Entries of joint i and the joints of the groups from `first` on.
-    #[inline(always)]
-    fn fill(
-        &mut self,
-        first: usize,
-        groups: &[Carried<P>],
-        meeting: &Meeting<P>,
-        entries: impl Fn(&Meeting<P>, &Carried<P>) -> [P; 4],
-    ) {
-        let ([q_upper, v_upper], [q_lower, v_lower]) = (&mut self.upper, &mut self.lower);
-        let upper = q_upper[first..].iter_mut().zip(&mut v_upper[first..]);
-        let lower = q_lower[first..].iter_mut().zip(&mut v_lower[first..]);
-        for ((group, upper), lower) in groups[first..].iter().zip(upper).zip(lower) {
-            [*upper.0, *lower.0, *upper.1, *lower.1] = entries(meeting, group);
-        }
+/// Entries ij, ji of tau_q and of tau_v for joint i and the joints of these groups.
+#[inline(always)]
+fn fill<P: Scalar>(
+    rows: [&mut [P]; 4],
+    carried: &[Carried<P>],
+    groups: Range<usize>,
+    meeting: &Meeting<P>,
+    entries: impl Fn(&Meeting<P>, &Carried<P>) -> [P; 4],
+) {
+    let [a, b, c, d] = rows.map(|row| row[groups.clone()].iter_mut());
+    for ((((carried, a), b), c), d) in carried[groups].iter().zip(a).zip(b).zip(c).zip(d) {
+        [*a, *b, *c, *d] = entries(meeting, carried);
     }
 }
 
