@@ -206,7 +206,7 @@ impl<S: Scalar> ArticulatedBodies<S> {
             let change = &self.changes[k];
             let u = change.along(place.kind, axis);
             let pivot = along_axis(place.kind, axis, &u) + self.sizes[k];
-            if !S::all(pivot.times(unit).less(self.pivots[k])) {
+            if first.is_ok() && !S::all(pivot.times(unit).less(self.pivots[k])) {
                 first = Err(place.joint);
             }
             if let Some(parent) = place.parent {

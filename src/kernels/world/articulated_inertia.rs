@@ -124,3 +124,54 @@ fn plus_square<S: Scalar>(a: &Symmetric3<S>, u: Vec3<S>, v: Vec3<S>) -> Symmetri
         yz: u.y.mul_add(v.z, a.yz),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+
+    fn dense(inertia: &Articulated<f64>) -> Matrix6<f64> {
+        let square = |j: &Symmetric3<f64>| Matrix3::new(j.xx, j.xy, j.xz, j.xy, j.yy, j.yz, j.xz, j.yz, j.zz);
+        let b = Matrix3::from_fn(|i, j| [inertia.b[i].x, inertia.b[i].y, inertia.b[i].z][j]);
+        let mut all = Matrix6::zeros();
+        all.fixed_view_mut::<3, 3>(0, 0).copy_from(&square(&inertia.a));
+        all.fixed_view_mut::<3, 3>(0, 3).copy_from(&b);
+        all.fixed_view_mut::<3, 3>(3, 0).copy_from(&b.transpose());
+        all.fixed_view_mut::<3, 3>(3, 3).copy_from(&square(&inertia.c));
+        all
+    }
+
+    fn column(force: &Force<f64>) -> Vector6<f64> {
+        let (n, f) = (force.moment, force.force);
+        Vector6::new(n.x, n.y, n.z, f.x, f.y, f.z)
+    }
+
+    #[test]
+    fn steps_of_articulated_bodies_are_those_of_dense_matrices() {
+        let matrix = Symmetric3 { xx: 1.3, yy: 0.9, zz: 1.7, xy: 0.2, xz: -0.1, yz: 0.3 };
+        let axis = Vec3::new(0.6, 0.0, 0.8);
+        let mut body = Articulated::rigid(matrix, Vec3::new(0.3, -0.5, 0.2), 2.5);
+        for (kind, start) in [(JointKind::Revolute, 0), (JointKind::Prismatic, 3)] {
+            let mut s = Vector6::zeros();
+            s.fixed_rows_mut::<3>(start).copy_from(&Vector3::new(axis.x, axis.y, axis.z));
+            let before = dense(&body);
+            let u = body.along(kind, axis);
+            assert!((column(&u) - before * s).amax() < 1e-15);
+            let inverse = 1.0 / s.dot(&column(&u));
+            let gain = Force { moment: u.moment.scaled(inverse), force: u.force.scaled(inverse) };
+            let less = body.less(&u, &gain);
+            let expected = before - column(&u) * column(&u).transpose() * inverse;
+            assert!((dense(&less) - expected).amax() < 1e-14);
+
+            // Motions of the two origins: v' = v + w x r.
+            let r = Vector3::new(0.4, -0.7, 1.1);
+            let mut motion = Matrix6::identity();
+            motion.fixed_view_mut::<3, 3>(3, 0).copy_from(&-r.cross_matrix());
+            let shifted = less.shifted(Vec3::new(r.x, r.y, r.z));
+            assert!((dense(&shifted) - motion.transpose() * expected * motion).amax() < 1e-14);
+            body = shifted;
+            body.add(&less);
+            assert!((dense(&body) - dense(&shifted) - dense(&less)).amax() < 1e-14);
+        }
+    }
+}
