@@ -55,6 +55,33 @@ pub enum EvalError {
         /// The joint whose pivot vanished.
         joint: String,
     },
+    /// There is no frame of this number.
+    #[error(
+        "there is no frame {frame}: the robot has frames 0 to {last}; `Robot::frame_index` finds them by name"
+    )]
+    NoFrame {
+        /// The number given.
+        frame: usize,
+        /// The largest number of a frame.
+        last: usize,
+    },
+    /// There is no wrench of this number.
+    #[error("there is no wrench {wrench}: the robot has {count}, counted from 0 in `Robot::wrenches`")]
+    NoWrench {
+        /// The number given.
+        wrench: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A wrench has a number that is not finite.
+    #[error("the moment or force of wrench {wrench} is not finite; check the computation that produced it")]
+    BadWrench {
+        /// Its number.
+        wrench: usize,
+    },
+    /// The centre of mass of a robot whose links have no mass.
+    #[error("no link that moves has a mass, so that there is no centre of mass; give one of them a mass")]
+    Massless,
     /// A model of a user cannot be evaluated.
     #[error("the model cannot be evaluated: {reason}")]
     Model {

@@ -6,9 +6,12 @@
 
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
+use crate::kinematics::{Kinematics, ReferenceFrame};
 use crate::lagrangian::{LagrangianSecondOrder, LegendreTransform};
 use crate::robot::{Robot, Tree};
+use crate::spatial::Force;
 use crate::tensors::Christoffel;
+use nalgebra::Rotation3;
 
 /// Every quantity by every analytic route, at (q, p) and (q, v = p) with u, and y of length 2n.
 ///
@@ -43,7 +46,31 @@ pub fn for_f64(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError
     first.inverse_dynamics(q, p, u)?;
     first.linearise_inverse_dynamics(q, p, u)?;
     first.linearise_forward_dynamics(q, p, u)?;
+    first.forward_dynamics(q, p, u)?;
     first.energy(q, p)?;
     LegendreTransform::<f64>::new(robot).at(q, p, u)?;
+    kinematics(robot, [q, p, u, half])
+}
+
+/// All of the kinematics of the first joint frame, at (q, v = p, a = u) with weights from y.
+fn kinematics(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError> {
+    const FRAME: usize = 1;
+    let (weights, local) = ([y[0]; 3], ReferenceFrame::Local);
+    let wrench = Force { moment: weights.into(), force: weights.into() };
+    let mut kinematics = Kinematics::<f64>::new(robot);
+    kinematics.set_motion(q, p, u)?;
+    kinematics.twist(FRAME, local)?;
+    kinematics.acceleration(FRAME, local)?;
+    kinematics.jacobian(FRAME, local)?;
+    kinematics.jacobian_rate(FRAME, local)?;
+    kinematics.twist_jacobian(FRAME, local)?;
+    kinematics.contract_jacobian(FRAME, local, &wrench)?;
+    kinematics.contract_twist(FRAME, local, &wrench)?;
+    kinematics.position_hessian(FRAME, &weights)?;
+    kinematics.contract_orientation_error(FRAME, &Rotation3::identity(), &weights)?;
+    kinematics.momentum()?;
+    kinematics.contract_momentum(&weights, &weights)?;
+    kinematics.centre_of_mass()?;
+    kinematics.centre_of_mass_hessian(&weights)?;
     Ok(())
 }

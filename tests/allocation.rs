@@ -9,14 +9,17 @@ use costate::batch::Native;
 use costate::batch::{Batch, FirstOrderArrays, Model, SecondOrderArrays, StepArrays, StepMap};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
-use costate::robot::{Robot, Tree};
+use costate::robot::{Robot, Tree, Wrench, WrenchAxes};
+use costate::spatial::Force;
 use costate::step::{
     AutomaticStep, HamiltonianRobot, ImplicitMidpoint, OneStep, RungeKutta4, SemiImplicitEuler, Step,
     StoermerVerlet, Verlet,
 };
 use costate::tensors::{Christoffel, MassMatrixDerivatives};
+use nalgebra::Rotation3;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -28,6 +31,61 @@ fn robot(name: &str) -> Robot {
 #[test]
 fn the_counter_counts() {
     assert_eq!(allocations(|| drop(vec![0_u8; 100])), 1);
+}
+
+#[test]
+fn kinematics_do_not_allocate() {
+    for name in ["panda.urdf", "biped.toml", "cart_pole.toml"] {
+        let robot = robot(name);
+        let n = robot.dof();
+        let (q, v, a) = (vec![0.3; n], vec![0.7; n], vec![0.1; n]);
+        let (frame, w, mut product) = (robot.frames().len() - 1, [0.2, -1.0, 0.5], vec![0.0; n]);
+        let wrench = Force { moment: w.into(), force: w.into() };
+        let mut kinematics = Kinematics::<f64>::new(&robot);
+        let desired = Rotation3::identity();
+        let count = allocations(|| {
+            kinematics.set_position(&q).unwrap();
+            kinematics.set_state(&q, &v).unwrap();
+            kinematics.set_motion(&q, &v, &a).unwrap();
+            for axes in ReferenceFrame::ALL {
+                kinematics.jacobian(frame, axes).unwrap();
+                kinematics.jacobian_rate(frame, axes).unwrap();
+                kinematics.twist_jacobian(frame, axes).unwrap();
+                kinematics.contract_jacobian(frame, axes, &wrench).unwrap();
+                kinematics.contract_twist(frame, axes, &wrench).unwrap();
+            }
+            kinematics.position_hessian(frame, &w).unwrap();
+            kinematics.position_hessian_product(frame, &w, &v, &mut product).unwrap();
+            kinematics.contract_orientation_error(frame, &desired, &w).unwrap();
+            kinematics.orientation_error_hessian_product(frame, &desired, &w, &v, &mut product).unwrap();
+            kinematics.momentum().unwrap();
+            kinematics.contract_momentum(&w, &w).unwrap();
+            kinematics.centre_of_mass().unwrap();
+            kinematics.centre_of_mass_hessian(&w).unwrap();
+            kinematics.centre_of_mass_hessian_product(&w, &v, &mut product).unwrap();
+        });
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
+#[test]
+fn wrenches_do_not_allocate() {
+    let robot = robot("panda.urdf");
+    let pull = Wrench { force: [1.0, 2.0, -3.0], axes: WrenchAxes::World, ..Wrench::default() };
+    let robot = robot.with_wrench("panda_link8", pull).unwrap();
+    let (q, v, u, y) = ([0.3; 7], [0.7; 7], [0.1; 7], [0.4; 14]);
+    let mut hamiltonian = HamiltonianSecondOrder::<f64>::new(&robot);
+    let mut lagrangian = LagrangianSecondOrder::<f64>::new(&robot);
+    let count = allocations(|| {
+        hamiltonian.set_wrench(0, &[0.1; 3], &[2.0; 3]).unwrap();
+        hamiltonian.contract(&q, &v, &u, &y).unwrap();
+        hamiltonian.hessian_product(&q, &v, &y, &y).unwrap();
+        hamiltonian.first().adjoint(&q, &v, &u, &y).unwrap();
+        lagrangian.set_wrench(0, &[0.1; 3], &[2.0; 3]).unwrap();
+        lagrangian.contract(&q, &v, &u, &y).unwrap();
+        lagrangian.first().inverse_dynamics(&q, &v, &u).unwrap();
+    });
+    assert_eq!(count, 0);
 }
 
 #[test]

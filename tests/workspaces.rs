@@ -7,6 +7,7 @@ use costate::derivative::{
 use costate::dynamics::{Automatic, AutomaticCost, QuadraticCost};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::{Factor, KernelOne, KernelTwo};
+use costate::kinematics::Kinematics;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{Robot, Tree};
@@ -35,7 +36,7 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
     each!(cloned_and_shared:
         Tree, Matrix<f64>, KernelOne<f64>, KernelTwo<f64>, Factor<f64>,
         Hamiltonian<f64>, Hamiltonian<f64, Christoffel>, Momenta, DualPass<f64>, DualPass<f64, Christoffel>,
-        FullHessian<f64>, Lagrangian<f64>, Velocities, LegendreTransform<f64>,
+        FullHessian<f64>, Kinematics<f64>, Lagrangian<f64>, Velocities, LegendreTransform<f64>,
         MassMatrixDerivatives<f64>, ChristoffelKernel<f64>, IndexSets, QuadraticCost,
         PhaseVelocity, ForwardDynamics, OneStep<HamiltonianRobot, Verlet>, OneStep<LagrangianRobot, SemiImplicit>,
         RungeKutta4<f64, Momenta>, StoermerVerlet<f64, Momenta>, ImplicitMidpoint<f64, Velocities>,

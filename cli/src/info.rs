@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{Joint, Robot};
+use costate::robot::{Joint, Mimic, Robot, printable};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -55,6 +55,9 @@ fn as_json(robot: &Robot) -> Value {
             "mass": link.mass,
             "com": link.com.as_slice(),
             "inertia": rows(&link.inertia),
+            "mimic": joint.mimic.map(|mimic| {
+                json!({ "joint": robot.joints()[mimic.joint].name, "ratio": mimic.ratio, "offset": mimic.offset })
+            }),
             "armature": robot.armature_entry(i, i),
             "spring": { "stiffness": joint.spring.stiffness, "rest": joint.spring.rest },
             "friction": {
@@ -118,6 +121,13 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         ]);
     }
     writeln!(out, "{table}")?;
+    for joint in robot.joints() {
+        if let Some(mimic) = joint.mimic {
+            let [of, independent] = [joint, &robot.joints()[mimic.joint]].map(|joint| printable(&joint.name));
+            let Mimic { ratio, offset, .. } = mimic;
+            writeln!(out, "  '{of}' mimics '{independent}': q = {ratio} q_{independent} + {offset}")?;
+        }
+    }
     writeln!(
         out,
         "  Mass in kg; revolute joints: limits in rad, armature in kg m^2; prismatic joints: in m and kg."

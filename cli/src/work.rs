@@ -195,7 +195,7 @@ fn refuse(robot: &Robot, work: Work, each: &str, force: bool) -> Result<(), Stri
 
 /// Memory of the Christoffel route (bytes): of each joint with all triples of the joints that move it.
 fn tensor_bytes(robot: &Robot) -> f64 {
-    let mut depths: Vec<f64> = Vec::with_capacity(robot.dof());
+    let mut depths: Vec<f64> = Vec::with_capacity(robot.joints().len());
     for joint in robot.joints() {
         depths.push(1.0 + joint.parent.map_or(0.0, |parent| depths[parent]));
     }

@@ -147,7 +147,7 @@ impl<const N: usize> Arm<N> {
         step: impl Fn(&Robot) -> P,
     ) -> Result<Task<P, Quadratic, AutomaticCost<Reach>>, Box<dyn Error>> {
         let robot = Robot::from_file(robot(self.file))?;
-        let limits: Vec<f64> = robot.joints().iter().map(|joint| joint.limits.effort).collect();
+        let limits: Vec<f64> = robot.independent_joints().map(|joint| joint.limits.effort).collect();
         let hold = holding(&robot, &self.start)?;
         let below: Vec<f64> = limits.iter().map(|limit| -limit).collect();
         let mut x = self.start.to_vec();

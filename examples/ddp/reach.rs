@@ -33,6 +33,20 @@ pub struct Reach {
 }
 
 impl Reach {
+    /// The position of joint i, which may mimic another one.
+    fn position<S: Scalar>(&self, i: usize, q: &[S]) -> S {
+        let of = |joint: usize| {
+            self.robot
+                .independent_indices()
+                .binary_search(&joint)
+                .map_or(S::zero(), |coordinate| q[coordinate])
+        };
+        match self.robot.joints()[i].mimic {
+            Some(mimic) => of(mimic.joint).times(mimic.ratio).plus(mimic.offset),
+            None => of(i),
+        }
+    }
+
     /// r(q) in the world (m).
     pub fn tip<S: Scalar>(&self, q: &[S]) -> Vec3<S> {
         let joints = self.robot.joints();
@@ -40,9 +54,10 @@ impl Reach {
         let mut next = joints.len().checked_sub(1);
         while let Some(i) = next {
             let (joint, axis) = (&joints[i], joints[i].axis.into());
+            let position = self.position(i, q);
             r = match joint.kind {
-                JointKind::Revolute => rotated(r, axis, q[i]),
-                JointKind::Prismatic => r + scaled(axis, q[i]),
+                JointKind::Revolute => rotated(r, axis, position),
+                JointKind::Prismatic => r + scaled(axis, position),
             };
             let rows = [0, 1, 2].map(|row| {
                 let row = joint.placement.rotation.row(row);

@@ -17,7 +17,7 @@ pub fn robots() -> &'static [Robot] {
 /// Solutions of small problems, as they are saved.
 pub fn saved_solutions() -> Vec<Vec<u8>> {
     let saved = |robot: &Robot| {
-        let n = robot.joints().len();
+        let n = robot.dof();
         let problem = Problem::rest_to_rest(robot.clone(), &vec![0.0; n], &vec![0.4; n], 1.0);
         let options = SolverOptions::default().with_nodes(5).with_tolerance(1e-2);
         let solution = Solver::new(&problem, options).ok()?.solve();

@@ -64,8 +64,8 @@ fn robot(input: &[u8], format: RobotFormat, messages: &mut Vec<String>) -> bool 
 /// One evaluation of everything at q = 0.
 fn evaluate(robot: &Robot, messages: &mut Vec<String>) {
     let tree = Tree::from(robot);
-    let n = robot.joints().len();
-    if n > MOST_JOINTS {
+    let n = robot.dof();
+    if robot.joints().len() > MOST_JOINTS {
         return;
     }
     let (zeros, ones) = (vec![0.0; n], vec![1.0; 2 * n]);

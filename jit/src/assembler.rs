@@ -1,10 +1,15 @@
 //! The few AVX and FMA instructions that compiled programs are made of, as bytes.
 //!
-//! All of them have the form `VEX prefix, opcode, ModRM, displacement`: a target register, a first source
-//! register and a last operand, register or memory (Intel 64 and IA-32 Architectures Software Developer's
-//! Manual, volume 2, section 2.3).
+//! All of them have a target register, a first source register and a last operand, register or memory (Intel
+//! 64 and IA-32 Architectures Software Developer's Manual, volume 2, section 2.3).
+
+mod encode;
 
 use crate::place::{Base, Place, SLOTS, STRIDE};
+use encode::{Instruction, Last, Map, PREFIX_66, PREFIX_F2};
+use std::ops::Range;
+
+pub use encode::Width;
 
 /// A vector register, 0 to 15.
 pub(crate) type Register = u8;
@@ -14,15 +19,6 @@ pub(crate) type Register = u8;
 pub(crate) enum Operand {
     Register(Register),
     Memory(Place),
-}
-
-/// The content of a register.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Width {
-    /// One double.
-    One,
-    /// Four doubles with the same operations.
-    Four,
 }
 
 /// `target = source op operand`; the value is the opcode.
@@ -60,27 +56,19 @@ pub(crate) enum Form {
     F231 = 0x20,
 }
 
-/// The opcode maps and the mandatory prefixes of an encoding.
-#[derive(Clone, Copy)]
-enum Map {
-    Of0F = 1,
-    Of0F38 = 2,
-    Of0F3A = 3,
-}
-const PREFIX_66: u8 = 1;
-const PREFIX_F2: u8 = 3;
-
 /// Machine code while it is written.
 #[derive(Debug)]
 pub(crate) struct Assembler {
     code: Vec<u8>,
     width: Width,
+    /// Whether the upper halves of registers were written.
+    upper: bool,
 }
 
 impl Assembler {
     /// For numbers of this width.
     pub fn new(width: Width) -> Self {
-        Self { code: Vec::new(), width }
+        Self { code: Vec::new(), width, upper: width == Width::Four }
     }
 
     /// The bytes of one number in memory.
@@ -111,52 +99,86 @@ impl Assembler {
 
     /// `target = source op operand`.
     pub fn arithmetic(&mut self, op: Arithmetic, target: Register, source: Register, operand: Operand) {
-        self.vex(Map::Of0F, self.prefix(), false, op as u8, target, source, operand);
+        self.write(self.instruction(Map::Of0F, self.prefix(), op as u8), target, source, operand);
     }
 
     /// `target = sqrt(source)`; the packed instruction has no first source.
     pub fn sqrt(&mut self, target: Register, source: Register) {
         let first = if self.width == Width::One { source } else { 0 };
-        self.vex(Map::Of0F, self.prefix(), false, 0x51, target, first, Operand::Register(source));
+        self.write(
+            self.instruction(Map::Of0F, self.prefix(), 0x51),
+            target,
+            first,
+            Operand::Register(source),
+        );
     }
 
     /// A multiplication and a sum, rounded once.
     pub fn fused(&mut self, op: Fused, form: Form, target: Register, source: Register, operand: Operand) {
         let opcode = op as u8 + form as u8 + u8::from(self.width == Width::One);
-        self.vex(Map::Of0F38, PREFIX_66, true, opcode, target, source, operand);
+        let fused = Instruction { wide: true, ..self.instruction(Map::Of0F38, PREFIX_66, opcode) };
+        self.write(fused, target, source, operand);
     }
 
     /// `target = -source`; the operand holds numbers with only the sign bits set.
     pub fn negate(&mut self, target: Register, source: Register, signs: Operand) {
-        self.vex(Map::Of0F, PREFIX_66, false, 0x57, target, source, signs);
+        self.write(self.instruction(Map::Of0F, PREFIX_66, 0x57), target, source, signs);
     }
 
     /// All bits of the target are 1 where `source < operand`, else 0; 0 where one of them is not a number.
     pub fn less(&mut self, target: Register, source: Register, operand: Register) {
         const ORDERED_QUIET_LESS: u8 = 0x11;
-        self.vex(Map::Of0F, self.prefix(), false, 0xC2, target, source, Operand::Register(operand));
+        let less = self.instruction(Map::Of0F, self.prefix(), 0xC2);
+        self.write(less, target, source, Operand::Register(operand));
         self.code.push(ORDERED_QUIET_LESS);
     }
 
     /// `target = if mask { if_true } else { if_false }`.
     pub fn select(&mut self, target: Register, mask: Register, if_true: Register, if_false: Register) {
-        self.vex(Map::Of0F3A, PREFIX_66, false, 0x4B, target, if_false, Operand::Register(if_true));
+        let select = self.instruction(Map::Of0F3A, PREFIX_66, 0x4B);
+        self.write(select, target, if_false, Operand::Register(if_true));
         self.code.push(mask << 4);
     }
 
     /// `target = place`.
     pub fn load(&mut self, target: Register, place: Place) {
-        self.vex(Map::Of0F, self.prefix(), false, 0x10, target, 0, Operand::Memory(place));
+        self.write(self.instruction(Map::Of0F, self.prefix(), 0x10), target, 0, Operand::Memory(place));
     }
 
     /// `place = source`.
     pub fn store(&mut self, source: Register, place: Place) {
-        self.vex(Map::Of0F, self.prefix(), false, 0x11, source, 0, Operand::Memory(place));
+        self.write(self.instruction(Map::Of0F, self.prefix(), 0x11), source, 0, Operand::Memory(place));
+    }
+
+    /// `target = place`, in every lane of the register.
+    pub fn spread(&mut self, target: Register, place: Place) {
+        match self.width {
+            Width::One => {
+                self.upper = true;
+                let spread =
+                    Instruction { width: Width::Four, ..self.instruction(Map::Of0F38, PREFIX_66, 0x19) };
+                self.write(spread, target, 0, Operand::Memory(place));
+            }
+            Width::Four => self.load(target, place),
+        }
+    }
+
+    /// Stores a value that was [`spread`](Self::spread) in these outputs, as whole registers where possible.
+    pub fn fill(&mut self, source: Register, outputs: Range<u32>) {
+        let Range { mut start, end } = outputs;
+        if self.width == Width::One {
+            let four = Instruction { width: Width::Four, ..self.instruction(Map::Of0F, PREFIX_66, 0x11) };
+            while end - start >= 4 {
+                self.write(four, source, 0, Operand::Memory(Place::Output(start)));
+                start += 4;
+            }
+        }
+        (start..end).for_each(|output| self.store(source, Place::Output(output)));
     }
 
     /// `target = source`, registers.
     pub fn copy(&mut self, target: Register, source: Register) {
-        self.vex(Map::Of0F, PREFIX_66, false, 0x28, target, 0, Operand::Register(source));
+        self.write(self.instruction(Map::Of0F, PREFIX_66, 0x28), target, 0, Operand::Register(source));
     }
 
     /// Computes the further addresses of slots, at the begin of each stretch of code.
@@ -176,40 +198,26 @@ impl Assembler {
     /// Returns to the caller, with the upper halves of registers cleared for code that uses the lower ones
     /// only.
     pub fn back(&mut self) {
-        if self.width == Width::Four {
+        if self.upper {
             self.code.extend([0xC5, 0xF8, 0x77]);
         }
         self.code.push(0xC3);
     }
 
-    fn vex(&mut self, map: Map, prefix: u8, wide: bool, opcode: u8, target: u8, source: u8, last: Operand) {
-        let (last_number, displacement) = match last {
-            Operand::Register(register) => (register, None),
+    /// An instruction of the width of this code.
+    fn instruction(&self, map: Map, prefix: u8, opcode: u8) -> Instruction {
+        Instruction { map, prefix, opcode, wide: false, width: self.width }
+    }
+
+    fn write(&mut self, instruction: Instruction, target: Register, source: Register, last: Operand) {
+        let last = match last {
+            Operand::Register(register) => Last::Register(register),
             Operand::Memory(place) => {
-                let (base, displacement) = place.address(self.size());
-                (base.0, Some(displacement))
+                let (Base(base), displacement) = place.address(self.size());
+                Last::Memory { base, displacement }
             }
         };
-        let long = u8::from(self.width == Width::Four) << 2;
-        // The prefix holds the high bits of register numbers inverted.
-        let high = |register: u8| (register >> 3 & 1) ^ 1;
-        let tail = (source & 15 ^ 15) << 3 | long | prefix;
-        if matches!(map, Map::Of0F) && !wide && high(last_number) == 1 {
-            self.code.extend([0xC5, high(target) << 7 | tail]);
-        } else {
-            let first = high(target) << 7 | 1 << 6 | high(last_number) << 5 | map as u8;
-            self.code.extend([0xC4, first, u8::from(wide) << 7 | tail]);
-        }
-        self.code.push(opcode);
-        let mod_rm = (target & 7) << 3 | last_number & 7;
-        match displacement.map(|displacement| (displacement, i8::try_from(displacement))) {
-            None => self.code.push(0xC0 | mod_rm),
-            Some((_, Ok(short))) => self.code.extend([0x40 | mod_rm, short as u8]),
-            Some((displacement, Err(_))) => {
-                self.code.push(0x80 | mod_rm);
-                self.code.extend(displacement.to_le_bytes());
-            }
-        }
+        instruction.encode(&mut self.code, target, source, last);
     }
 }
 

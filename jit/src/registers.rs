@@ -7,6 +7,7 @@ use crate::assembler::{Assembler, Operand, Register, Width};
 use crate::error::JitError;
 use crate::place::Place;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 const REGISTERS: usize = 16;
 
@@ -165,6 +166,19 @@ impl Registers {
         let register = self.take(locked);
         self.assembler.load(register, home);
         Ok(register)
+    }
+
+    /// Writes a value that is in memory to ranges of outputs.
+    pub fn fill(&mut self, value: usize, outputs: &[Range<u32>]) -> Result<(), JitError> {
+        let home = self.home(value).ok_or(JitError::Malformed { node: value })?;
+        let register = self.take(Locked::default());
+        if outputs.iter().any(|outputs| outputs.len() > 1) {
+            self.assembler.spread(register, home);
+        } else {
+            self.assembler.load(register, home);
+        }
+        outputs.iter().for_each(|outputs| self.assembler.fill(register, outputs.clone()));
+        Ok(())
     }
 
     /// The register holds the value from here on.

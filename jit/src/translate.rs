@@ -7,7 +7,8 @@ use crate::place::{MOST, Place};
 use crate::plan::{Function, PlannedStage, plan};
 use crate::registers::Registers;
 use costate::codegen::{Id, Node, Program};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
 /// A function call: the place of its argument, and the slots of those of its values that are used.
 #[derive(Clone, Copy, Debug)]
@@ -171,12 +172,24 @@ fn step(
     Ok(())
 }
 
-/// Results that no step computes: constants, arguments, values of functions.
+/// Results that no step computes: constants, arguments, values of functions. Each is loaded once.
 fn copy(registers: &mut Registers, copied: &[(Place, usize)], time: u32) -> Result<(), JitError> {
-    for &(output, node) in copied {
+    let mut outputs: BTreeMap<usize, Vec<Range<u32>>> = BTreeMap::new();
+    for &(place, node) in copied {
+        let Place::Output(output) = place else {
+            let source = registers.load(node, registers.lock(&[]))?;
+            registers.assembler.store(source, place);
+            continue;
+        };
+        let ranges = outputs.entry(node).or_default();
+        match ranges.last_mut().filter(|range| range.end == output) {
+            Some(range) => range.end += 1,
+            None => ranges.push(output..output + 1),
+        }
+    }
+    for (node, outputs) in outputs {
         registers.pass(node, time);
-        let source = registers.load(node, registers.lock(&[]))?;
-        registers.assembler.store(source, output);
+        registers.fill(node, &outputs)?;
     }
     Ok(())
 }

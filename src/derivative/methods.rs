@@ -22,7 +22,7 @@ pub(super) struct Methods<S: Scalar> {
     full: FullHessian<S>,
     tensors: DualPass<S, Christoffel>,
     lagrangian: LagrangianSecondOrder<S>,
-    /// Without friction.
+    /// Without friction and wrenches.
     pub conservative: Hamiltonian<S>,
     packed: Matrix<S>,
 }
@@ -43,7 +43,7 @@ impl<S: Scalar> Methods<S> {
             full: FullHessian::from_tree(tree.clone()),
             lagrangian: LagrangianSecondOrder::from_tree(tree.clone()),
             tensors: DualPass::with_route(tree, Christoffel),
-            conservative: Hamiltonian::new(&robot.without_friction()),
+            conservative: Hamiltonian::new(&robot.without_friction().without_wrenches()),
             packed: Matrix::zeros(2 * n, 2 * n),
         }
     }
@@ -134,7 +134,7 @@ impl<S: Scalar> Methods<S> {
         Ok(())
     }
 
-    /// Without friction and actuation: symmetry of J F_x, and dH/dt = 0.
+    /// Without friction, wrenches and actuation: symmetry of J F_x, and dH/dt = 0.
     #[inline]
     fn conserved(
         &mut self,

@@ -39,6 +39,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         flow.first_order(tree, q, p)?;
         flow.kernel.second_order(tree);
         state.rate_of_change(tree, &flow.v, flow.kernel.l_q(), u);
+        state.add_wrenches(q);
         direction.set_costate(tree, &flow.v, y);
         flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
         let (product_q, product_p) = product.split_at_mut(n);
@@ -49,6 +50,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         for (k, &v) in direction.v.iter().enumerate() {
             add_scaled(product_q, -v, flow.kernel.l_vq().row(k));
         }
+        state.add_wrench_adjoint(q, &y[n..], product);
         Ok(AdjointProduct { f: &self.state.f, y_f_x: &self.product })
     }
 }

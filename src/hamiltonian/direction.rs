@@ -1,6 +1,6 @@
 //! The direction along which a costate contracts the derivatives of H.
 
-use crate::kernels::friction;
+use crate::kernels::friction_of;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -31,7 +31,7 @@ impl<S: Scalar> Direction<S> {
         self.q.iter_mut().zip(y_p).for_each(|(q, &y_p)| *q = -y_p);
         self.p.copy_from_slice(y_q);
         for &i in tree.with_friction() {
-            self.p[i] += friction(&tree.joints()[i].friction, velocity[i]).first * y_p[i];
+            self.p[i] += friction_of(tree, i, velocity[i]).first * y_p[i];
         }
     }
 }

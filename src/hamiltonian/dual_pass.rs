@@ -100,9 +100,12 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         self.take_values();
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.rate_of_change(tree, &flow.v, &self.l_q, u);
+        state.add_wrenches(q);
         state.assemble(tree, flow);
+        state.add_wrench_slopes(q);
         self.take_derivative();
         self.first.state.add_curvature(&self.first.tree, &y[n..], &mut self.y_f_xx);
+        self.first.state.add_wrench_curvature(q, &y[n..], &mut self.y_f_xx);
         let linearisation = self.first.state.linearisation(&self.mass_matrix);
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }

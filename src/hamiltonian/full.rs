@@ -23,7 +23,7 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Clone, Debug)]
 pub struct FullHessian<S: Scalar> {
-    second: HamiltonianSecondOrder<S>,
+    pub(super) second: HamiltonianSecondOrder<S>,
     zero: Vec<S>,
     tensor: HessianTensor<S>,
 }
@@ -54,6 +54,7 @@ impl<S: Scalar> FullHessian<S> {
             self.tensor.fill_slice(l, slice);
         }
         self.tensor.fill_friction(self.second.first());
+        self.tensor.fill_wrenches(self.second.first(), q);
         Ok(&self.tensor)
     }
 }

@@ -27,6 +27,7 @@ mod linearisation;
 mod second_order;
 mod state;
 mod tensor;
+mod wrenches;
 
 pub use adjoint::AdjointProduct;
 pub use contraction::HamiltonianContraction;
@@ -37,7 +38,8 @@ pub use linearisation::HamiltonianLinearisation;
 pub use second_order::HamiltonianSecondOrder;
 pub use tensor::HessianTensor;
 
-use crate::error::{EvalError, check_length};
+use crate::error::EvalError;
+pub(crate) use crate::kernels::check;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
@@ -55,6 +57,9 @@ use state::StateEquation;
 /// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
 /// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
 /// product overflows, they are infinite.
+///
+/// The generalised forces of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains tau(q),
+/// F_x and y'F_xx its derivatives.
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,
@@ -127,6 +132,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        self.state.add_wrenches(q);
         Ok(&self.state.f)
     }
 
@@ -144,7 +150,10 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.flow.first_order(&self.tree, q, p)?;
         self.flow.second_order(&self.tree);
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
-        Ok(self.assembled())
+        self.state.add_wrenches(q);
+        self.state.assemble(&self.tree, &self.flow);
+        self.state.add_wrench_slopes(q);
+        Ok(self.state.linearisation(self.flow.kernel.mass_matrix()))
     }
 
     /// Assembles F_x from the blocks of the conservative part.
@@ -217,19 +226,5 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// Every argument has n finite entries.
     fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
         arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
-    }
-}
-
-/// `values` must have `expected` finite entries; entry i belongs to joint i mod n.
-pub(crate) fn check<S: Scalar>(
-    tree: &Tree,
-    what: &'static str,
-    values: &[S],
-    expected: usize,
-) -> Result<(), EvalError> {
-    check_length(what, values, expected)?;
-    match values.iter().position(|value| S::CHECKED && !value.is_finite()) {
-        Some(index) => Err(EvalError::NonFinite { what, index, joint: tree.name(index % tree.dof()).into() }),
-        None => Ok(()),
     }
 }

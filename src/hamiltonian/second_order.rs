@@ -3,7 +3,7 @@
 use super::congruence::Congruence;
 use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
-use crate::kernels::{KernelTwo, friction};
+use crate::kernels::{KernelTwo, friction_of};
 use crate::matrix::{Matrix, add_scaled, dot};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -91,8 +91,9 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.first.linearise(q, p, u)?;
         self.differentiate(y)?;
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
-        let Hamiltonian { tree, flow, state, .. } = &self.first;
+        let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
+        state.add_wrench_curvature(q, &y[tree.dof()..], &mut self.y_f_xx);
         let linearisation = state.linearisation(flow.kernel.mass_matrix());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
@@ -119,10 +120,10 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         let (d_q, d_p) = d.split_at(n);
         flow.velocity_change(d_q, d_p, &mut self.change);
         let (b, c) = (self.along.l_vq(), self.along.mass_matrix());
-        for (i, joint) in tree.joints().iter().enumerate() {
+        for i in 0..n {
             self.pull[i] = dot(b.row(i), d_q) + dot(c.row(i), &self.change);
-            if joint.friction.coulomb != 0.0 {
-                let curvature = friction(&joint.friction, flow.v[i]).second;
+            if tree.has_coulomb_friction(i) {
+                let curvature = friction_of(tree, i, flow.v[i]).second;
                 self.pull[i] -= y[n + i] * curvature * self.change[i];
             }
         }
@@ -136,6 +137,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
             add_scaled(product_q, -self.change[k], b.row(k));
             add_scaled(product_q, self.pull[k], flow.kernel.l_vq().row(k));
         }
+        self.first.state.add_wrench_product(q, &y[n..], d_q, &mut self.product);
         Ok(&self.product)
     }
 

@@ -2,7 +2,8 @@
 
 use super::HamiltonianLinearisation;
 use super::conservative::Conservative;
-use crate::kernels::{FrictionDerivatives, friction};
+use crate::kernels::{FrictionDerivatives, friction_of};
+use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -17,6 +18,8 @@ pub(super) struct StateEquation<S: Scalar> {
     f_u: Matrix<S>,
     /// `W'`.
     across: Panel<S>,
+    /// Wrenches from outside, if the robot has any.
+    pub external: Option<Box<ExternalForces<S>>>,
 }
 
 impl<S: Scalar> StateEquation<S> {
@@ -32,6 +35,7 @@ impl<S: Scalar> StateEquation<S> {
             f_x: Matrix::zeros(2 * n, 2 * n),
             f_u,
             across: Panel::zeros(n, n),
+            external: ExternalForces::new(tree),
         }
     }
 
@@ -44,7 +48,7 @@ impl<S: Scalar> StateEquation<S> {
             *f_p = l_q + u;
         }
         for &i in tree.with_friction() {
-            self.friction[i] = friction(&tree.joints()[i].friction, v[i]);
+            self.friction[i] = friction_of(tree, i, v[i]);
             f_p[i] += self.friction[i].value;
         }
     }
@@ -82,7 +86,7 @@ impl<S: Scalar> StateEquation<S> {
     /// Adds `sum_k y_p,k D''_k V_k' V_k`, V_k the k-th row of `V = [-M^-1 P, M^-1]`, to both triangles.
     pub fn add_curvature(&self, tree: &Tree, y_p: &[S], y_f_xx: &mut Matrix<S>) {
         for &k in tree.with_friction() {
-            if tree.joints()[k].friction.coulomb == 0.0 {
+            if !tree.has_coulomb_friction(k) {
                 continue;
             }
             let (curvature, row) = (y_p[k] * self.friction[k].second, self.f_x.row(k));

@@ -18,6 +18,9 @@ pub struct HessianTensor<S> {
     n: usize,
     packed: Vec<S>,
     friction: Option<Friction<S>>,
+    /// `d2 tau_k / dq dq` of wrenches from outside, for each joint k; none without wrenches.
+    wrenches: Vec<Matrix<S>>,
+    unit: Vec<S>,
 }
 
 /// Slopes and curvatures of friction, for its second derivatives.
@@ -42,6 +45,8 @@ impl<S: Scalar> HessianTensor<S> {
             n,
             packed: vec![S::zero(); start(2 * n, n)],
             friction: (!tree.is_conservative()).then(friction),
+            wrenches: if tree.wrenches().is_empty() { Vec::new() } else { vec![Matrix::zeros(n, n); n] },
+            unit: vec![S::zero(); n],
         }
     }
 
@@ -65,6 +70,17 @@ impl<S: Scalar> HessianTensor<S> {
                 slope[i] = friction.first;
                 curvature[i] = friction.second;
                 velocity.row_mut(i).copy_from_slice(first.state.f_x.row(i));
+            }
+        }
+    }
+
+    /// Stores the second derivatives of the generalised forces of wrenches at q.
+    pub(super) fn fill_wrenches(&mut self, first: &mut Hamiltonian<S>, q: &[S]) {
+        if let Some(external) = &mut first.state.external {
+            for (k, curvature) in self.wrenches.iter_mut().enumerate() {
+                self.unit[k] = S::one();
+                curvature.copy_from(external.contract(q, &self.unit));
+                self.unit[k] = S::zero();
             }
         }
     }
@@ -105,7 +121,10 @@ impl<S: Scalar> HessianTensor<S> {
         if k < self.n {
             return self.third(self.n + k, i, j);
         }
-        let (joint, entry) = (k - self.n, -self.third(k - self.n, i, j));
+        let (joint, mut entry) = (k - self.n, -self.third(k - self.n, i, j));
+        if let (Some(curvature), true) = (self.wrenches.get(joint), i.max(j) < self.n) {
+            entry += curvature[(i, j)];
+        }
         match &self.friction {
             None => entry,
             Some(Friction { slope, curvature, velocity }) => {

@@ -33,7 +33,7 @@ pub(super) enum Source {
 impl Blocks {
     /// For blocks of this many lanes.
     pub fn new(tree: &Tree, lanes: usize) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         // Lanes and source of each block, joint by joint, from the tips inward.
         let mut blocks: Vec<Vec<(Vec<usize>, Source)>> = vec![Vec::new(); n];
         let mut own = vec![(0, 0); n];

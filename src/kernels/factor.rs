@@ -7,7 +7,7 @@ use crate::scalar::{Pack, Scalar};
 
 /// `M = L' D L` with unit lower triangular L, no pivoting (Featherstone's branch-induced sparsity).
 ///
-/// Row k of L has entries only at the ancestors of joint k; where armature couples joints of different
+/// Row k of L has entries only at the ancestors of joint k; where armature or mimic joints couple different
 /// branches, the pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {

@@ -36,20 +36,22 @@ impl<S: Scalar> KernelOne<S> {
                 if kind == JointKind::Revolute {
                     entries += gravity_power(gravity, carried);
                 }
-                self.blocks.store_both(i, block, entries, &mut self.l_qq);
+                self.blocks.store_both(i, block, entries, &mut self.l_qq.all);
                 let pair = [along_joint(kind, rate), psi.power(carried)];
-                self.blocks.store(i, block, pair, &mut self.l_vq);
+                self.blocks.store(i, block, pair, &mut self.l_vq.all);
             }
         }
         for &i in tree.with_spring() {
-            self.l_qq[(i, i)] = self.l_qq[(i, i)].plus(-tree.joints()[i].spring.stiffness);
+            self.l_qq.all[(i, i)] = self.l_qq.all[(i, i)].plus(-tree.joints()[i].spring.stiffness);
         }
+        self.l_vq.sum(tree);
+        self.l_qq.sum_symmetric(tree);
     }
 
     /// Row and column i of P and L_qq for a joint on the fixed base, where `psi_i = 0`.
     fn meet_root_again(&mut self, tree: &Tree, i: usize) {
-        self.l_vq[(i, i)] = S::zero();
-        self.l_qq[(i, i)] = match tree.joints()[i].kind {
+        self.l_vq.all[(i, i)] = S::zero();
+        self.l_qq.all[(i, i)] = match tree.joints()[i].kind {
             JointKind::Revolute => {
                 let (block, lane) = self.blocks.own(i);
                 gravity_power(self.bodies[i].gravity.splat(), &self.carried[block]).lane(lane)
@@ -61,8 +63,8 @@ impl<S: Scalar> KernelOne<S> {
             let (motion, gravity) = (root.motion.splat(), root.gravity.splat());
             for block in self.blocks.of(child) {
                 let (carried, rate) = (&self.carried[block], &self.rates[block]);
-                self.blocks.store_both(i, block, gravity.dot(carried.force), &mut self.l_qq);
-                self.blocks.store(i, block, [rate.dot(motion), S::Pack::zero()], &mut self.l_vq);
+                self.blocks.store_both(i, block, gravity.dot(carried.force), &mut self.l_qq.all);
+                self.blocks.store(i, block, [rate.dot(motion), S::Pack::zero()], &mut self.l_vq.all);
             }
         }
     }

@@ -1,7 +1,9 @@
 //! The numerical kernels: the Hessian of the Lagrangian and the factorisation of the mass matrix.
 
+mod arguments;
 mod blocks;
 mod congruence;
+mod coupling;
 mod dissipation;
 mod factor;
 mod hessian;
@@ -14,9 +16,12 @@ mod two_pairs;
 mod velocity;
 mod world;
 
+pub(crate) use arguments::check;
+pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
+pub(crate) use dissipation::friction_of;
 pub use dissipation::{FrictionDerivatives, friction};
 pub use factor::Factor;
-pub(crate) use position::along_joint;
+pub(crate) use position::{along_joint, unit_momentum};
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
 pub(crate) use world::{ArticulatedBodies, WorldKernel};
@@ -45,7 +50,8 @@ use blocks::Blocks;
 /// All is computed in body frames with the joint axis along z, where S is a unit vector and most products
 /// vanish; `docs/frames.md` compares this with one common frame. The F_j and G_j beyond a joint are
 /// transformed together. For a joint on the fixed base, its S and gamma are transformed outward instead.
-/// Armature is added to M and p, springs to L_q and L_qq.
+/// Armature is added to M and p, springs to L_q and L_qq. All of this is of the N joints of the tree; where
+/// some mimic others, rows and columns are summed into those of the n coordinates at the end of each stage.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S: Scalar> {
     bodies: Vec<Body<S>>,
@@ -54,13 +60,14 @@ pub struct KernelOne<S: Scalar> {
     carried: Vec<Force<S::Pack>>,
     /// G_j in frame i, likewise.
     rates: Vec<Force<S::Pack>>,
+    /// Positions and velocities of all joints.
     q: Vec<S>,
     v: Vec<S>,
-    mass_matrix: Matrix<S>,
-    momentum: Vec<S>,
-    l_q: Vec<S>,
-    l_vq: Matrix<S>,
-    l_qq: Matrix<S>,
+    mass_matrix: Coupled<Matrix<S>>,
+    momentum: Coupled<Vec<S>>,
+    l_q: Coupled<Vec<S>>,
+    l_vq: Coupled<Matrix<S>>,
+    l_qq: Coupled<Matrix<S>>,
 }
 
 /// Quantities of one joint, in its frame.
@@ -111,7 +118,7 @@ impl<S: Scalar> KernelOne<S> {
     /// Buffers for a tree.
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
         Self {
             bodies: tree.joints().iter().map(|joint| Body::at_rest(joint.position(S::zero()))).collect(),
@@ -120,48 +127,50 @@ impl<S: Scalar> KernelOne<S> {
             blocks,
             q: vec![S::zero(); n],
             v: vec![S::zero(); n],
-            mass_matrix: Matrix::zeros(n, n),
-            momentum: vec![S::zero(); n],
-            l_q: vec![S::zero(); n],
-            l_vq: Matrix::zeros(n, n),
-            l_qq: Matrix::zeros(n, n),
+            mass_matrix: Coupled::square(tree),
+            momentum: Coupled::row(tree),
+            l_q: Coupled::row(tree),
+            l_vq: Coupled::square(tree),
+            l_qq: Coupled::square(tree),
         }
     }
 
     /// Mass matrix M, armature included, n x n, symmetric (kg m^2, kg m, kg).
     pub fn mass_matrix(&self) -> &Matrix<S> {
-        &self.mass_matrix
+        self.mass_matrix.get()
     }
 
     /// The scale of the rounding error of `M_kk`. For a revolute joint it is the largest inertia of the
     /// composite body about any axis through the joint origin, since M_kk may result from a rotation of it.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
-        size_of_entry(tree, k, &self.q, self.mass_matrix[(k, k)])
+        size_of_sum(tree, k, |joint| {
+            size_of_joint(tree, joint, &self.q, self.mass_matrix.all[(joint, joint)])
+        })
     }
 
     /// Conjugate momentum p = M v, n.
     pub fn momentum(&self) -> &[S] {
-        &self.momentum
+        self.momentum.get()
     }
 
     /// `L_q = 1/2 v' M,q v - V,q` at fixed v, n.
     pub fn l_q(&self) -> &[S] {
-        &self.l_q
+        self.l_q.get()
     }
 
     /// `P = d(M v)/dq` at fixed v, n x n: `P_ij = sum_l M_il,j v_l` (21a).
     pub fn l_vq(&self) -> &Matrix<S> {
-        &self.l_vq
+        self.l_vq.get()
     }
 
     /// `L_qq = 1/2 v' M,ij v - V,ij`, n x n, symmetric (21c).
     pub fn l_qq(&self) -> &Matrix<S> {
-        &self.l_qq
+        self.l_qq.get()
     }
 }
 
-/// See [`KernelOne::size_of_entry`]: for the entry `M_kk` at q.
-pub(crate) fn size_of_entry<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
+/// See [`KernelOne::size_of_entry`]: for the entry `M_kk` of joint k of all joints, at their positions.
+pub(crate) fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
     if tree.joints()[k].kind == JointKind::Prismatic {
         return entry;
     }

@@ -1,6 +1,7 @@
 //! First stage of kernel one: transforms, composite inertias, mass matrix, potential.
 
 use super::blocks::{Blocks, Source};
+use super::coupling::positions;
 use super::pass::{Inward, Outward};
 use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
@@ -10,7 +11,7 @@ use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Turn, Vec
 
 /// `F = IC S`: momentum of the composite body at unit joint velocity.
 #[inline(always)]
-pub(super) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) -> Force<S> {
+pub(crate) fn unit_momentum<S: Scalar>(kind: JointKind, composite: &Inertia<S>) -> Force<S> {
     let (h, j) = (composite.first_moment, &composite.matrix);
     match kind {
         JointKind::Revolute => {
@@ -91,7 +92,7 @@ impl<S: Scalar> KernelOne<S> {
     #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         check_length("q", q, tree.dof())?;
-        self.q.copy_from_slice(q);
+        positions(tree, q, &mut self.q);
         self.place(tree);
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             if joint.parent.is_none() {
@@ -107,15 +108,17 @@ impl<S: Scalar> KernelOne<S> {
             put(&self.blocks, i, own, &mut self.carried);
             for block in self.blocks.of(i) {
                 let entries = along_joint(joint.kind, &self.carried[block]);
-                self.blocks.store_both(i, block, entries, &mut self.mass_matrix);
+                self.blocks.store_both(i, block, entries, &mut self.mass_matrix.all);
             }
         }
         for &(i, j, value) in tree.armature() {
             let on_one_branch = tree.subtree(j).contains(&i);
-            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
-            self.mass_matrix[(i, j)] = entry;
-            self.mass_matrix[(j, i)] = entry;
+            let entry =
+                if on_one_branch { self.mass_matrix.all[(i, j)].plus(value) } else { S::from_f64(value) };
+            self.mass_matrix.all[(i, j)] = entry;
+            self.mass_matrix.all[(j, i)] = entry;
         }
+        self.mass_matrix.sum_symmetric(tree);
         Ok(())
     }
 
@@ -126,7 +129,7 @@ impl<S: Scalar> KernelOne<S> {
         let kind = tree.joints()[i].kind;
         let own = unit_momentum(kind, &self.bodies[i].composite);
         put(&self.blocks, i, own, &mut self.carried);
-        self.mass_matrix[(i, i)] = along_joint(kind, &own);
+        self.mass_matrix.all[(i, i)] = along_joint(kind, &own);
         for &child in tree.children(i) {
             let transform = self.transform(tree, child);
             let gravity = self.bodies[i].gravity;
@@ -140,7 +143,7 @@ impl<S: Scalar> KernelOne<S> {
             let motion = root.motion.splat();
             for block in self.blocks.of(child) {
                 let entries = self.carried[block].dot(motion);
-                self.blocks.store_both(i, block, entries, &mut self.mass_matrix);
+                self.blocks.store_both(i, block, entries, &mut self.mass_matrix.all);
             }
             self.bodies[child].root = root;
         }

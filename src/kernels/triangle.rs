@@ -4,8 +4,8 @@ use crate::matrix::{Panel, add_rows, sum_rows};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
-/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature couples
-/// joints of different branches, the pattern is closed under elimination.
+/// Unit lower triangular L, n x n: row k has entries only at the ancestors of joint k; where armature or
+/// mimic joints couple different branches, the pattern is closed under elimination.
 ///
 /// Const parameters W of the methods: the number of packs per row if known at compile time, else 0.
 #[derive(Clone, Debug)]
@@ -26,10 +26,10 @@ struct Pattern {
 }
 
 impl Pattern {
-    fn new(n: usize, has: impl Fn(usize, usize) -> bool) -> Self {
+    fn new(of: Vec<Vec<usize>>) -> Self {
         let (mut starts, mut entries) = (vec![0], Vec::new());
-        for k in 0..n {
-            entries.extend((0..n).filter(|&i| has(k, i)));
+        for mut of in of {
+            entries.append(&mut of);
             starts.push(entries.len());
         }
         Self { starts, entries }
@@ -46,22 +46,11 @@ impl<S: Scalar> Triangle<S> {
     /// The identity, with the pattern of the factors of the mass matrix.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
-        let mut filled = vec![vec![false; n]; n];
-        (0..n).for_each(|i| tree.subtree(i).iter().for_each(|&k| filled[k][i] = k != i));
-        tree.armature().iter().for_each(|&(i, j, _)| filled[i][j] |= j < i);
-        for k in (0..n).rev() {
-            let row: Vec<usize> = (0..k).filter(|&i| filled[k][i]).collect();
-            for (a, &i) in row.iter().enumerate() {
-                row[..a].iter().for_each(|&j| filled[i][j] = true);
-            }
-        }
-        let rows = Pattern::new(n, |k, i| filled[k][i]);
-        Self {
-            full: rows.entries.len() == n * (n - 1) / 2,
-            columns: Pattern::new(n, |i, k| filled[k][i]),
-            rows,
-            entries: Panel::zeros(n, n),
-        }
+        let filled = tree.factor_pattern();
+        let mut columns = vec![Vec::new(); n];
+        filled.iter().enumerate().for_each(|(k, row)| row.iter().for_each(|&i| columns[i].push(k)));
+        let (rows, columns) = (Pattern::new(filled), Pattern::new(columns));
+        Self { full: rows.entries.len() == n * (n - 1) / 2, columns, rows, entries: Panel::zeros(n, n) }
     }
 
     /// Whether every entry below the diagonal is in the pattern.

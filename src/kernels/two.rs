@@ -2,6 +2,7 @@
 
 use super::KernelOne;
 use super::blocks::Blocks;
+use super::coupling::{Coupled, Spread};
 use super::pass::{Inward, Outward};
 use super::position::{across_joint, unit_momentum};
 use super::velocity::AxisRate;
@@ -35,9 +36,11 @@ pub struct KernelTwo<S: Scalar> {
     pub(super) forces: Vec<Force<S::Pack>>,
     /// dG_j, likewise.
     pub(super) rates: Vec<Force<S::Pack>>,
-    pub(super) mass_matrix: Matrix<S>,
-    pub(super) l_vq: Matrix<S>,
-    pub(super) l_qq: Matrix<S>,
+    pub(super) mass_matrix: Coupled<Matrix<S>>,
+    pub(super) l_vq: Coupled<Matrix<S>>,
+    pub(super) l_qq: Coupled<Matrix<S>>,
+    /// dq and dv of all joints.
+    along: [Spread<S>; 2],
 }
 
 /// Changes of the quantities in a [`Body`](super::Body), in the frame of the joint, which moves by S dq.
@@ -111,8 +114,7 @@ impl<S: Scalar> KernelTwo<S> {
     /// Buffers for a tree.
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.dof();
-        let (square, zero) = (Matrix::zeros(n, n), Vec3::zero());
+        let (n, zero) = (tree.joints().len(), Vec3::zero());
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES).len();
         let still = Change {
             dq: S::zero(),
@@ -125,9 +127,10 @@ impl<S: Scalar> KernelTwo<S> {
             bodies: vec![still; n],
             forces: vec![Force::zero(); blocks],
             rates: vec![Force::zero(); blocks],
-            mass_matrix: square.clone(),
-            l_vq: square.clone(),
-            l_qq: square,
+            mass_matrix: Coupled::square(tree),
+            l_vq: Coupled::square(tree),
+            l_qq: Coupled::square(tree),
+            along: [Spread::new(tree), Spread::new(tree)],
         }
     }
 
@@ -148,26 +151,31 @@ impl<S: Scalar> KernelTwo<S> {
         self.outward(tree, kernel, dq, dv);
         self.inward(tree, kernel);
         self.pairs(tree, kernel);
+        self.mass_matrix.sum_symmetric(tree);
+        self.l_vq.sum(tree);
+        self.l_qq.sum_symmetric(tree);
         Ok(())
     }
 
     /// `D M`, n x n, symmetric: along (v, a) the rate of the mass matrix.
     pub fn mass_matrix(&self) -> &Matrix<S> {
-        &self.mass_matrix
+        self.mass_matrix.get()
     }
 
     /// `D P = D L_vq`, n x n.
     pub fn l_vq(&self) -> &Matrix<S> {
-        &self.l_vq
+        self.l_vq.get()
     }
 
     /// `D L_qq`, n x n, symmetric.
     pub fn l_qq(&self) -> &Matrix<S> {
-        &self.l_qq
+        self.l_qq.get()
     }
 
     /// Changes of velocities and gravity, from the base outward.
     fn outward(&mut self, tree: &Tree, kernel: &KernelOne<S>, dq: &[S], dv: &[S]) {
+        let [along_q, along_v] = &mut self.along;
+        let (dq, dv) = (along_q.rates(tree, dq), along_v.rates(tree, dv));
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
         for (i, ((joint, body), (&dq, &dv))) in

@@ -61,10 +61,10 @@ impl<S: Scalar> KernelTwo<S> {
                 if kind == JointKind::Revolute {
                     entries += weight(dgamma, carried) + weight(gamma, dcarried);
                 }
-                kernel.blocks.store_both(i, block, entries, &mut self.l_qq);
+                kernel.blocks.store_both(i, block, entries, &mut self.l_qq.all);
                 let pair = [along_joint(kind, drate), dpsi.power(carried) + psi.power(dcarried)];
-                kernel.blocks.store(i, block, pair, &mut self.l_vq);
-                kernel.blocks.store_both(i, block, along_joint(kind, dcarried), &mut self.mass_matrix);
+                kernel.blocks.store(i, block, pair, &mut self.l_vq.all);
+                kernel.blocks.store_both(i, block, along_joint(kind, dcarried), &mut self.mass_matrix.all);
             }
         }
     }
@@ -86,9 +86,9 @@ impl<S: Scalar> KernelTwo<S> {
             (gravity_of_axis(kernel.bodies[i].gravity), gravity_of_axis(self.bodies[i].gravity));
         let (block, lane) = kernel.blocks.own(i);
         let (own, change) = (&kernel.carried[block], &self.forces[block]);
-        self.mass_matrix[(i, i)] = along_joint(kind, change).lane(lane);
-        self.l_vq[(i, i)] = S::zero();
-        self.l_qq[(i, i)] = match kind {
+        self.mass_matrix.all[(i, i)] = along_joint(kind, change).lane(lane);
+        self.l_vq.all[(i, i)] = S::zero();
+        self.l_qq.all[(i, i)] = match kind {
             JointKind::Revolute => {
                 let splat = |gamma: [S; 2]| gamma.map(S::Pack::splat);
                 (weight(splat(dgamma), own) + weight(splat(gamma), change)).lane(lane)
@@ -102,11 +102,11 @@ impl<S: Scalar> KernelTwo<S> {
                 let (carried, rate) = (&kernel.carried[block], &kernel.rates[block]);
                 let (dcarried, drate) = (&self.forces[block], &self.rates[block]);
                 let entries = carried.dot(change.motion) + dcarried.dot(root.motion);
-                kernel.blocks.store_both(i, block, entries, &mut self.mass_matrix);
+                kernel.blocks.store_both(i, block, entries, &mut self.mass_matrix.all);
                 let entries = rate.dot(change.motion) + drate.dot(root.motion);
-                kernel.blocks.store(i, block, [entries, S::Pack::zero()], &mut self.l_vq);
+                kernel.blocks.store(i, block, [entries, S::Pack::zero()], &mut self.l_vq.all);
                 let entries = change.gravity.dot(carried.force) + root.gravity.dot(dcarried.force);
-                kernel.blocks.store_both(i, block, entries, &mut self.l_qq);
+                kernel.blocks.store_both(i, block, entries, &mut self.l_qq.all);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Second stage of kernel one: velocities, momenta, and the gradient of the Lagrangian.
 
 use super::KernelOne;
+use super::coupling::rates;
 use super::pass::{Inward, Outward};
 use super::position::along_joint;
 use crate::error::{EvalError, check_length};
@@ -102,10 +103,10 @@ impl<S: Scalar> KernelOne<S> {
     #[inline(never)]
     pub fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.dof())?;
-        self.v.copy_from_slice(v);
+        rates(tree, v, &mut self.v);
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
-        for (i, (joint, &v)) in tree.joints().iter().zip(v).enumerate() {
+        for (i, (joint, &v)) in tree.joints().iter().zip(&self.v).enumerate() {
             let mut velocity = match joint.parent {
                 Some(parent) => {
                     let outer = before.of(parent, bodies, |body| body.velocity);
@@ -131,32 +132,34 @@ impl<S: Scalar> KernelOne<S> {
                 inward.hand(parent, joint.transform_at(bodies[i].position).force_up(total));
             }
         }
-        self.first_derivatives(tree, v);
+        self.first_derivatives(tree);
+        self.momentum.sum(tree);
+        self.l_q.sum(tree);
         Ok(())
     }
 
     /// `p_i = S_i . H_i` (+ armature), `L_q,i = H_i . psi_i + F_i . a_g` (- spring force).
-    fn first_derivatives(&mut self, tree: &Tree, v: &[S]) {
+    fn first_derivatives(&mut self, tree: &Tree) {
         for (i, (joint, body)) in tree.joints().iter().zip(&self.bodies).enumerate() {
-            self.momentum[i] = along_joint(joint.kind, &body.momentum);
+            self.momentum.all[i] = along_joint(joint.kind, &body.momentum);
             let mut gradient = weight(joint.kind, &body.composite, body.gravity);
             if joint.parent.is_some() {
                 gradient += AxisRate::new(joint.kind, &body.velocity).power(&body.momentum);
             } else {
                 for body in tree.children(i).iter().map(|&child| &self.bodies[child]) {
-                    self.momentum[i] += body.momentum.dot(body.root.motion);
+                    self.momentum.all[i] += body.momentum.dot(body.root.motion);
                 }
             }
-            self.l_q[i] = gradient;
+            self.l_q.all[i] = gradient;
         }
         for &i in tree.with_spring() {
             let spring = tree.joints()[i].spring;
-            self.l_q[i] -= self.q[i].plus(-spring.rest).times(spring.stiffness);
+            self.l_q.all[i] -= self.q[i].plus(-spring.rest).times(spring.stiffness);
         }
         for &(i, j, value) in tree.armature() {
-            self.momentum[i] += v[j].times(value);
+            self.momentum.all[i] += self.v[j].times(value);
             if i != j {
-                self.momentum[j] += v[i].times(value);
+                self.momentum.all[j] += self.v[i].times(value);
             }
         }
     }

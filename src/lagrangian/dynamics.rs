@@ -1,12 +1,11 @@
 //! Inverse and forward dynamics, gravity and energy, without derivatives.
 
 use super::Lagrangian;
-use super::routes::current_mass_matrix;
+use super::choice::current_mass_matrix;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::{Factor, friction, size_of_entry};
+use crate::kernels::{friction_of, size_of_joint};
 use crate::matrix::Matrix;
-use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
@@ -19,6 +18,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.check(&[("q", q), ("v", v), ("a", a)])?;
         self.newton_euler.solve(&self.tree, q, v, a);
         self.subtract_friction(v);
+        self.subtract_wrenches(q);
         Ok(&self.tau)
     }
 
@@ -49,7 +49,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub fn gravity(&mut self, q: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q)])?;
         self.newton_euler.solve(&self.tree, q, &self.zero, &self.zero);
-        Ok(&self.newton_euler.tau)
+        Ok(self.newton_euler.tau())
     }
 
     /// Mass matrix M(q), armature included, n x n, symmetric (kg m^2, kg m, kg).
@@ -81,26 +81,33 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// tau from the last sweep, with friction subtracted.
     pub(super) fn subtract_friction(&mut self, v: &[S]) {
-        self.tau.copy_from_slice(&self.newton_euler.tau);
-        for ((tau, joint), &v) in self.tau.iter_mut().zip(self.tree.joints()).zip(v) {
-            if !joint.friction.is_none() {
-                *tau -= friction(&joint.friction, v).value;
-            }
+        self.tau.copy_from_slice(self.newton_euler.tau());
+        for &i in self.tree.with_friction() {
+            self.tau[i] -= friction_of(&self.tree, i, v[i]).value;
         }
     }
 
     /// M(q) and its factors.
     #[inline(never)]
     pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
-        self.place(q)?;
-        let mass_matrix = current_mass_matrix(self.routes, &self.kernel, self.world.as_ref());
-        factor(&self.tree, mass_matrix, q, &mut self.factor)
+        let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
+            return self.factor_by_kernel(q);
+        };
+        let tree = &self.tree;
+        world.set_position(tree, q);
+        world.compose(tree);
+        let mass_matrix = world.mass_matrix();
+        let size_of = |k| size_of_joint(tree, k, q, mass_matrix[(k, k)]);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
+        self.factor.factor(mass_matrix, size_of).map_err(singular)
     }
 
     /// The same by kernel one.
     pub(super) fn factor_by_kernel(&mut self, q: &[S]) -> Result<(), EvalError> {
         self.kernel.set_position(&self.tree, q)?;
-        factor(&self.tree, self.kernel.mass_matrix(), q, &mut self.factor)
+        let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
+        self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
     }
 
     /// Factors M and fills (v, a); tau holds the inverse dynamics for a = 0.
@@ -126,16 +133,4 @@ impl<S: Scalar> Lagrangian<S> {
         }
         self.factor.solve(rate_v);
     }
-}
-
-/// Factors M(q).
-fn factor<S: Scalar>(
-    tree: &Tree,
-    mass_matrix: &Matrix<S>,
-    q: &[S],
-    factor: &mut Factor<S>,
-) -> Result<(), EvalError> {
-    let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-    let size_of = |k| size_of_entry(tree, k, q, mass_matrix[(k, k)]);
-    factor.factor(mass_matrix, size_of).map_err(singular)
 }

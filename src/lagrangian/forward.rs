@@ -1,7 +1,7 @@
 //! The Jacobian of forward dynamics and of the state equation.
 
 use super::Lagrangian;
-use super::routes::current_mass_matrix;
+use super::choice::current_mass_matrix;
 use crate::error::EvalError;
 use crate::matrix::{Block, Left, Matrix, Panel, Part, sized};
 use crate::scalar::{Pack, Scalar};
@@ -75,7 +75,7 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
-        self.differentiate_torque(v)?;
+        self.differentiate_torque(q, v)?;
         self.solve_jacobian();
         Ok(self.forward_jacobian())
     }
@@ -94,12 +94,9 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn linearise_by_kernels(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.factor_by_kernel(q)?;
-        self.newton_euler.solve(&self.tree, q, v, &self.zero);
-        self.subtract_friction(v);
+        self.set_bias_by_recursion(q, v);
         self.accelerate_against(v, u);
-        self.differentiate_flow()?;
-        self.take_torque_jacobian(v);
-        self.pack_torque();
+        self.differentiate_torque_by_kernels(q, v)?;
         self.solve_jacobian();
         self.assemble();
         Ok(())
@@ -130,15 +127,15 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panels of tau_q and tau_v; M is factored.
     ///
-    /// Packs of several lanes: one product with M^-1, whose sums stay in registers. It takes as many products
-    /// as solving with the factors of a chain.
+    /// One product with M^-1 where the matrices fit into registers; else the factors, which branches leave
+    /// sparse.
     #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.dof();
         let factor = &mut self.factor;
         sized!(S, n, factor.form_inverse(&mut self.inverse));
         for (solved, torque) in self.solved.iter_mut().zip(&self.torque) {
-            if Panel::<S>::ONE_LANE {
+            if Panel::<S>::ONE_LANE || n > MOST_BY_INVERSE {
                 solved.copy_from::<0, 0>(torque);
                 self.factor.solve_panel(solved);
             } else {
@@ -155,6 +152,10 @@ impl<S: Scalar> Lagrangian<S> {
         }
     }
 }
+
+/// The largest number of joints with packs whose Jacobian is a product with M^-1; that of the sizes which are
+/// known at compile time.
+const MOST_BY_INVERSE: usize = 12;
 
 /// A function of the packs, as many lanes as there are numbers.
 #[inline(always)]

@@ -1,9 +1,9 @@
 //! The Jacobian of inverse dynamics, from kernel two along (v, a).
 
 use super::Lagrangian;
-use super::routes::current_mass_matrix;
+use super::choice::current_mass_matrix;
 use crate::error::EvalError;
-use crate::kernels::{KernelOne, KernelTwo, friction};
+use crate::kernels::{KernelOne, KernelTwo, friction_of};
 use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -33,14 +33,14 @@ pub(super) fn torque_jacobian<S: Scalar, T: Scalar>(
     (tau_q, tau_v): (&mut Matrix<S>, &mut Matrix<S>),
 ) {
     let (p, l_qq, m_rate, p_rate) = (kernel.l_vq(), kernel.l_qq(), along.mass_matrix(), along.l_vq());
-    for (i, joint) in tree.joints().iter().enumerate() {
+    for i in 0..tree.dof() {
         for j in 0..tree.dof() {
             tau_q[(i, j)] = value(p_rate[(i, j)] - l_qq[(i, j)]);
             tau_v[(i, j)] = value(m_rate[(i, j)] + p[(i, j)] - p[(j, i)]);
         }
-        if !joint.friction.is_none() {
-            tau_v[(i, i)] -= friction(&joint.friction, v[i]).first;
-        }
+    }
+    for &i in tree.with_friction() {
+        tau_v[(i, i)] -= friction_of(tree, i, v[i]).first;
     }
 }
 
@@ -60,7 +60,7 @@ impl<S: Scalar> Lagrangian<S> {
         let (rate_q, rate_v) = self.rate.split_at_mut(q.len());
         rate_q.copy_from_slice(v);
         rate_v.copy_from_slice(a);
-        self.differentiate_torque(v)?;
+        self.differentiate_torque(q, v)?;
         self.unpack_torque();
         self.take_torques(q, v, a);
         Ok(InverseDynamicsLinearisation {

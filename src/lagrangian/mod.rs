@@ -16,6 +16,7 @@
 //! differentiation.
 
 mod adjoint;
+mod choice;
 mod coriolis;
 mod dynamics;
 mod forward;
@@ -24,6 +25,7 @@ mod legendre_transform;
 mod newton_euler;
 mod routes;
 mod second_order;
+mod wrenches;
 
 pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
 pub use inverse::InverseDynamicsLinearisation;
@@ -33,11 +35,12 @@ pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessi
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel};
+use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
+use choice::Routes;
 use newton_euler::NewtonEuler;
-use routes::Routes;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
 ///
@@ -45,6 +48,9 @@ use routes::Routes;
 /// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
 /// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
 /// product overflows, they are infinite.
+///
+/// The generalised forces of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all their
+/// derivatives: inverse dynamics subtracts them, forward dynamics adds them.
 ///
 /// ```
 /// use costate::lagrangian::Lagrangian;
@@ -89,6 +95,8 @@ pub struct Lagrangian<S: Scalar> {
     f_x: Matrix<S>,
     /// `[0 ; M^-1]`, 2n x n.
     f_u: Matrix<S>,
+    /// Wrenches from outside, if the robot has any.
+    external: Option<Box<ExternalForces<S>>>,
 }
 
 impl<S: Scalar> Lagrangian<S> {
@@ -126,6 +134,7 @@ impl<S: Scalar> Lagrangian<S> {
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),
+            external: ExternalForces::new(&tree),
             tree,
         }
     }

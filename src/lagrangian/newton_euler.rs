@@ -1,6 +1,6 @@
 //! Inverse dynamics by one outward and one inward sweep, without a matrix.
 
-use crate::kernels::along_joint;
+use crate::kernels::{Coupled, Spread, along_joint};
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, JointPosition, Motion, Vec3};
@@ -22,26 +22,36 @@ pub(super) struct NewtonEuler<S> {
     velocities: Vec<Motion<S>>,
     accelerations: Vec<Motion<S>>,
     forces: Vec<Force<S>>,
+    /// Positions, velocities and accelerations of all joints.
+    all: [Spread<S>; 3],
     /// Actuation without friction (N m, N).
-    pub tau: Vec<S>,
+    tau: Coupled<Vec<S>>,
 }
 
 impl<S: Scalar> NewtonEuler<S> {
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         Self {
             positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             velocities: vec![Motion::zero(); n],
             accelerations: vec![Motion::zero(); n],
             forces: vec![Force::zero(); n],
-            tau: vec![S::zero(); n],
+            all: [(); 3].map(|()| Spread::new(tree)),
+            tau: Coupled::row(tree),
         }
+    }
+
+    /// Actuation without friction, n (N m, N).
+    pub fn tau(&self) -> &[S] {
+        self.tau.get()
     }
 
     /// Fills tau from links, armature and springs; all arguments have length n.
     #[inline(never)]
     pub fn solve(&mut self, tree: &Tree, q: &[S], v: &[S], a: &[S]) {
+        let [all_q, all_v, all_a] = &mut self.all;
+        let (q, v, a) = (all_q.positions(tree, q), all_v.rates(tree, v), all_a.rates(tree, a));
         let base = Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) };
         for (i, joint) in tree.joints().iter().enumerate() {
             let to_here = joint.transform(q[i]);
@@ -59,9 +69,9 @@ impl<S: Scalar> NewtonEuler<S> {
             self.accelerations[i] = acceleration;
         }
         for (i, joint) in tree.joints().iter().enumerate().rev() {
-            self.tau[i] = along_joint(joint.kind, &self.forces[i]);
+            self.tau.all[i] = along_joint(joint.kind, &self.forces[i]);
             if joint.spring.stiffness != 0.0 {
-                self.tau[i] += q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
+                self.tau.all[i] += q[i].plus(-joint.spring.rest).times(joint.spring.stiffness);
             }
             if let Some(parent) = joint.parent {
                 let moved = joint.transform_at(self.positions[i]).force_up(self.forces[i]);
@@ -69,11 +79,12 @@ impl<S: Scalar> NewtonEuler<S> {
             }
         }
         for &(i, j, value) in tree.armature() {
-            self.tau[i] += a[j].times(value);
+            self.tau.all[i] += a[j].times(value);
             if i != j {
-                self.tau[j] += a[i].times(value);
+                self.tau.all[j] += a[i].times(value);
             }
         }
+        self.tau.sum(tree);
     }
 }
 

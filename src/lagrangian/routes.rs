@@ -1,60 +1,12 @@
-//! Which of two algorithms computes a quantity: decided once, when the workspace is built.
-//!
-//! | quantity | short chains, numbers of one lane | otherwise |
-//! |---|---|---|
-//! | a | M and its factors | articulated bodies, O(n) |
-//! | M, tau_q, tau_v | kernels one and two in body frames | products of pairs in the axes of the world |
-//!
-//! Both are tested against each other.
+//! Steps of inverse and forward dynamics, by the algorithm that [`Routes`](super::choice::Routes) has chosen.
 
 use super::Lagrangian;
 use crate::error::EvalError;
-use crate::kernels::{ArticulatedBodies, KernelOne, WorldKernel, friction};
-use crate::matrix::{Matrix, Panel};
-use crate::robot::Tree;
+use crate::kernels::friction_of;
 use crate::scalar::Scalar;
 
-/// From this number of joints on, articulated bodies take less time than M and its factors: with packs of
-/// several lanes, and with numbers one by one.
-const ARTICULATED_FROM: [usize; 2] = [16, 20];
-
-/// The algorithms for one tree and number type.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Routes {
-    /// M and the derivatives of inverse dynamics in the axes of the world.
-    pub derivatives: bool,
-    /// Forward dynamics by articulated bodies.
-    pub bodies: bool,
-}
-
-impl Routes {
-    /// For the numbers S.
-    pub fn of<S: Scalar>(tree: &Tree) -> Self {
-        let one_lane = Panel::<S>::ONE_LANE;
-        let enough = tree.dof() >= ARTICULATED_FROM[usize::from(one_lane)];
-        Self { derivatives: !one_lane, bodies: enough && ArticulatedBodies::<S>::suit(tree) }
-    }
-
-    /// Whether any of them works in the axes of the world.
-    pub fn world(self) -> bool {
-        self.derivatives || self.bodies
-    }
-}
-
-/// M, where it was computed last.
-pub(super) fn current_mass_matrix<'a, S: Scalar>(
-    routes: Routes,
-    kernel: &'a KernelOne<S>,
-    world: Option<&'a WorldKernel<S>>,
-) -> &'a Matrix<S> {
-    match world {
-        Some(world) if routes.derivatives => world.mass_matrix(),
-        _ => kernel.mass_matrix(),
-    }
-}
-
 impl<S: Scalar> Lagrangian<S> {
-    /// Fills M(q) for [`current_mass_matrix`].
+    /// Fills M(q) for [`current_mass_matrix`](super::choice::current_mass_matrix).
     pub(super) fn place(&mut self, q: &[S]) -> Result<(), EvalError> {
         match &mut self.world {
             Some(world) if self.routes.derivatives => {
@@ -66,7 +18,8 @@ impl<S: Scalar> Lagrangian<S> {
         }
     }
 
-    /// `tau = C v + g - D`, n, where [`place`](Self::place) was called at the same q.
+    /// `tau = C v + g - D`, n, without wrenches from outside too, where [`place`](Self::place) was called at
+    /// the same q.
     pub(super) fn set_bias(&mut self, q: &[S], v: &[S]) {
         match &mut self.world {
             Some(world) if self.routes.derivatives => {
@@ -74,22 +27,27 @@ impl<S: Scalar> Lagrangian<S> {
                 world.sum_forces(&mut self.tau);
                 self.add_joint_forces(q, v);
             }
-            _ => {
-                self.newton_euler.solve(&self.tree, q, v, &self.zero);
-                self.subtract_friction(v);
-            }
+            _ => self.set_bias_by_recursion(q, v),
         }
     }
 
-    /// Adds springs to tau and subtracts friction.
+    /// The same by the recursion of inverse dynamics.
+    pub(super) fn set_bias_by_recursion(&mut self, q: &[S], v: &[S]) {
+        self.newton_euler.solve(&self.tree, q, v, &self.zero);
+        self.subtract_friction(v);
+        self.subtract_wrenches(q);
+    }
+
+    /// Adds springs to tau, and subtracts friction and wrenches from outside.
     fn add_joint_forces(&mut self, q: &[S], v: &[S]) {
         for &i in self.tree.with_spring() {
             let spring = self.tree.joints()[i].spring;
             self.tau[i] += q[i].plus(-spring.rest).times(spring.stiffness);
         }
         for &i in self.tree.with_friction() {
-            self.tau[i] -= friction(&self.tree.joints()[i].friction, v[i]).value;
+            self.tau[i] -= friction_of(&self.tree, i, v[i]).value;
         }
+        self.subtract_wrenches(q);
     }
 
     /// Fills (v, a), by articulated bodies if they take less time than M and its factors.
@@ -112,26 +70,40 @@ impl<S: Scalar> Lagrangian<S> {
         bodies.solve(&self.tree, world, rate_v).map_err(singular)
     }
 
-    /// Fills the panels of tau_q and tau_v at v and the acceleration computed last, where
+    /// Fills the panels of tau_q and tau_v at (q, v) and the acceleration computed last, where
     /// [`place`](Self::place) was called at the same q.
     #[inline(never)]
-    pub(super) fn differentiate_torque(&mut self, v: &[S]) -> Result<(), EvalError> {
+    pub(super) fn differentiate_torque(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
-            self.differentiate_flow()?;
-            self.take_torque_jacobian(v);
-            self.pack_torque();
-            return Ok(());
+            return self.differentiate_torque_by_kernels(q, v);
         };
         world.set_motion(&self.tree, v, Some(&self.rate[self.tree.dof()..]));
         world.torque_derivatives(&mut self.torque);
         let [in_q, in_v] = &mut self.torque;
         for &i in self.tree.with_friction() {
-            let slope = friction(&self.tree.joints()[i].friction, v[i]).first;
+            let slope = friction_of(&self.tree, i, v[i]).first;
             in_v.set(i, i, in_v.get(i, i) - slope);
         }
         for &i in self.tree.with_spring() {
             in_q.set(i, i, in_q.get(i, i).plus(self.tree.joints()[i].spring.stiffness));
         }
+        if let Some(external) = &mut self.external {
+            let slopes = external.linearise(q);
+            for i in 0..q.len() {
+                for (j, &slope) in slopes.row(i).iter().enumerate() {
+                    in_q.set(i, j, in_q.get(i, j) - slope);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same by kernels one and two.
+    pub(super) fn differentiate_torque_by_kernels(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        self.differentiate_flow()?;
+        self.take_torque_jacobian(v);
+        self.subtract_wrench_slopes(q);
+        self.pack_torque();
         Ok(())
     }
 
@@ -151,6 +123,7 @@ impl<S: Scalar> Lagrangian<S> {
             _ => {
                 self.newton_euler.solve(&self.tree, q, v, a);
                 self.subtract_friction(v);
+                self.subtract_wrenches(q);
             }
         }
     }

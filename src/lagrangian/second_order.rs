@@ -4,7 +4,7 @@ use super::inverse::torque_jacobian;
 use super::{ForwardDynamicsLinearisation, Lagrangian, StateLinearisation};
 use crate::error::EvalError;
 use crate::hamiltonian::check;
-use crate::kernels::{KernelOne, KernelTwo, friction};
+use crate::kernels::{KernelOne, KernelTwo, friction_of};
 use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -173,6 +173,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.differentiate(q, v)?;
         let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
         torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
+        self.first.subtract_wrench_slopes(q);
         self.first.pack_torque();
         self.first.solve_jacobian();
         self.first.assemble();
@@ -213,6 +214,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.kernel.second_order(tree);
         self.along.differentiate(tree, &self.kernel, &self.direction_q, &self.direction_v)?;
         self.fill_torque_hessian(v);
+        self.first.subtract_wrench_curvature(q, &self.w, &mut self.w_tau_zz);
         Ok(())
     }
 
@@ -233,9 +235,10 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
                 h[(j, 2 * n + i)] = p[(i, j)].eps;
             }
         }
-        for (i, joint) in self.first.tree.joints().iter().enumerate() {
-            if joint.friction.coulomb != 0.0 {
-                h[(n + i, n + i)] -= self.w[i] * friction(&joint.friction, v[i]).second;
+        let tree = &self.first.tree;
+        for &i in tree.with_friction() {
+            if tree.has_coulomb_friction(i) {
+                h[(n + i, n + i)] -= self.w[i] * friction_of(tree, i, v[i]).second;
             }
         }
     }

@@ -6,6 +6,7 @@ use super::error::RobotError;
 use super::frame::{Frame, FrameKind, FrameList, FrameSpec};
 use super::joint::{Joint, JointSpec};
 use super::link::Placement;
+use super::mimic;
 use super::model::Robot;
 use super::options::LoadOptions;
 use super::warning::Warning;
@@ -88,7 +89,9 @@ impl RobotBuilder {
     /// # Errors
     /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`],
     /// [`RobotError::DuplicateName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
-    /// joints form no tree, [`RobotError::BadAxis`], [`RobotError::BadPlacement`], [`RobotError::BadValue`],
+    /// joints form no tree, [`RobotError::UnknownMimic`] and [`RobotError::MimicCycle`] where mimicry leads
+    /// to no independent joint, [`RobotError::BadAxis`], [`RobotError::BadPlacement`],
+    /// [`RobotError::BadValue`],
     /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
     /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
     /// [`RobotError::MovesNothing`] where M would be singular, [`RobotError::Strict`] where the options
@@ -99,6 +102,7 @@ impl RobotBuilder {
         let given = self.armature.take().map(|matrix| reordered(&matrix, &order)).transpose()?;
         let mut index_of: HashMap<&str, usize> = HashMap::with_capacity(n);
         let mut joints: Vec<Joint> = Vec::with_capacity(n);
+        let mimics = mimic::resolved(&self.joints, &order)?;
         for (index, spec) in order.iter().map(|&source| &self.joints[source]).enumerate() {
             checks::joint(spec)?;
             joints.push(Joint {
@@ -112,6 +116,7 @@ impl RobotBuilder {
                 spring: spec.spring,
                 friction: spec.friction,
                 limits: spec.limits,
+                mimic: mimics[index],
             });
             index_of.insert(&spec.name, index);
         }
@@ -127,6 +132,7 @@ impl RobotBuilder {
         };
         let virtual_links: Vec<bool> = order.iter().map(|&source| self.joints[source].virtual_link).collect();
         let mut warnings = self.warnings;
+        mimic::narrow_limits(&mut joints, &mut warnings);
         checks::robot(&joints, &armature, &virtual_links, &mut warnings)?;
         if self.options.strict {
             let refused: Vec<Warning> =
@@ -136,7 +142,17 @@ impl RobotBuilder {
             }
         }
         let frames = frames(&joints, self.frames)?;
-        Ok(Robot { name: self.name, gravity: self.gravity, joints, armature, frames, warnings })
+        let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
+        Ok(Robot {
+            name: self.name,
+            gravity: self.gravity,
+            joints,
+            independent,
+            armature,
+            frames,
+            wrenches: Vec::new(),
+            warnings,
+        })
     }
 
     /// Indices of the joints in the order given, except that parents come before their children.

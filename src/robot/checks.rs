@@ -4,14 +4,22 @@ use super::armature::Armature;
 use super::error::RobotError;
 use super::joint::{Joint, JointKind, JointSpec};
 use super::link::LinkInertia;
+use super::positive::mass_matrix_is_positive;
 use super::warning::Warning;
 
 /// Relative rounding that published figures are allowed.
 const ROUNDING: f64 = 1e-9;
 
+/// A principal moment of this size times the mass is that of a micrometre: rounding.
+const TINY_RADIUS_SQUARED: f64 = 1e-12;
+
+/// The size of a negative principal moment, relative to the largest one, up to which it may be a mistake in
+/// the figures of a real link; M shows whether it matters.
+const SLIGHTLY: f64 = 0.5;
+
 /// Least and largest size of a mass or inertia (kg, kg m^2) that is not zero: products of two of them with
 /// velocities and lengths neither vanish nor overflow.
-const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
+pub(super) const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
 
 /// Largest position limit of a revolute joint that passes without a warning (rad): two turns.
 const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
@@ -43,17 +51,29 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
     if let Some((what, value)) = sizes.into_iter().find(|(_, size)| *size != 0.0 && !RANGE.contains(size)) {
         return Err(RobotError::OutOfRange { link: link.into(), what, value });
     }
-    let [smallest, _, largest] = inertia.principal_moments();
-    if smallest < -ROUNDING * largest.abs().max(smallest.abs()) {
-        return Err(RobotError::IndefiniteInertia { link: link.into(), moment: smallest });
+    let moment = negative_moment(inertia);
+    if moment < 0.0 && moment < -SLIGHTLY * inertia.principal_moments()[2] {
+        return Err(RobotError::IndefiniteInertia { link: link.into(), moment });
     }
     Ok(())
 }
 
+/// The smallest principal moment where it is negative by more than rounding, else 0.
+fn negative_moment(inertia: &LinkInertia) -> f64 {
+    let [smallest, _, largest] = inertia.principal_moments();
+    let rounding = (ROUNDING * largest.abs()).max(TINY_RADIUS_SQUARED * inertia.mass);
+    if smallest < -rounding { smallest } else { 0.0 }
+}
+
 /// Whether the principal moments could be those of a rigid body; the warning if not.
-pub(super) fn triangle_inequality(link: &str, inertia: &LinkInertia) -> Option<Warning> {
+pub(super) fn principal_moments(link: &str, inertia: &LinkInertia) -> Option<Warning> {
     let moments @ [a, b, c] = inertia.principal_moments();
-    (a + b < c * (1.0 - ROUNDING)).then(|| Warning::TriangleInequality { link: link.into(), moments })
+    let moment = negative_moment(inertia);
+    if moment < 0.0 {
+        return Some(Warning::NegativeMoment { link: link.into(), moment });
+    }
+    let rounding = (ROUNDING * c).max(TINY_RADIUS_SQUARED * inertia.mass);
+    (a + b < c - rounding).then(|| Warning::TriangleInequality { link: link.into(), moments })
 }
 
 /// What one joint shows by itself.
@@ -121,17 +141,26 @@ pub(super) fn robot(
             is_last[parent] = false;
         }
     }
+    // Of independent joints: whether they, or joints that mimic them, move something; whether any mimics
+    // them.
+    let mut has_inertia: Vec<bool> = (0..n).map(|i| moves_mass[i] || armature.entry(i, i) != 0.0).collect();
+    let mut is_mimicked = vec![false; n];
+    for (i, mimic) in joints.iter().enumerate().filter_map(|(i, joint)| Some((i, joint.mimic?))) {
+        has_inertia[mimic.joint] |= has_inertia[i];
+        (is_mimicked[mimic.joint], is_mimicked[i]) = (true, true);
+    }
     for (i, joint) in joints.iter().enumerate() {
         let link = &joint.inertia;
-        if !moves_mass[i] && armature.entry(i, i) == 0.0 {
+        if joint.mimic.is_none() && !has_inertia[i] {
             return Err(RobotError::MovesNothing { joint: joint.name.clone() });
         }
         if link.is_massless() && !virtual_links[i] {
             warnings.push(Warning::MasslessLink { link: joint.link.clone() });
         }
-        warnings.extend(triangle_inequality(&joint.link, link));
+        warnings.extend(principal_moments(&joint.link, link));
         let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));
         if is_last[i]
+            && !is_mimicked[i]
             && joint.kind == JointKind::Revolute
             && armature.entry(i, i) == 0.0
             && about_axis <= 1e-14 * link.inertia_about_origin().amax()
@@ -139,5 +168,12 @@ pub(super) fn robot(
             warnings.push(Warning::OnAxis { joint: joint.name.clone() });
         }
     }
-    Ok(())
+    let negative = |joint: &&Joint| negative_moment(&joint.inertia) < 0.0;
+    match joints.iter().find(negative) {
+        Some(joint) if !mass_matrix_is_positive(joints, armature) => {
+            let moment = negative_moment(&joint.inertia);
+            Err(RobotError::IndefiniteInertia { link: joint.link.clone(), moment })
+        }
+        _ => Ok(()),
+    }
 }

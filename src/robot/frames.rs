@@ -1,11 +1,12 @@
 //! Rotates the frames of a robot so that every placement becomes a fixed screw.
 
+use super::frame::Frame;
 use super::joint::JointKind;
 use super::joint_frame::JointFrame;
-use super::link::LinkInertia;
-use super::link::snap;
+use super::link::{LinkInertia, Placement, snap};
 use super::model::Robot;
 use super::origins::{LEAST_SINE, origins};
+use super::tree_frame::TreeFrame;
 use crate::spatial::{ConstantInertia, FixedScrew, FixedTurn};
 use nalgebra::{Matrix3, Vector3};
 
@@ -27,7 +28,7 @@ pub(super) struct AlignedFrames<'a> {
 
 impl<'a> AlignedFrames<'a> {
     pub(super) fn new(robot: &'a Robot) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let is_fixed = robot.joints().iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
         Self {
             robot,
@@ -45,12 +46,34 @@ impl<'a> AlignedFrames<'a> {
 
     /// Frames that are only rotated, independently of all lengths: each origin remains where it is.
     pub(super) fn rotated_only(robot: &'a Robot) -> Self {
-        Self { moves_origins: false, origins: vec![Vector3::zeros(); robot.dof()], ..Self::new(robot) }
+        Self {
+            moves_origins: false,
+            origins: vec![Vector3::zeros(); robot.joints().len()],
+            ..Self::new(robot)
+        }
     }
 
     /// The rotations of the frame of joint `i` and of the translation to it.
     pub(super) fn rotation_and_arm(&self, i: usize) -> [Matrix3<f64>; 2] {
         [self.rotations[i].map(snap), self.arms[i].map(snap)]
+    }
+
+    /// The frames of the robot in the aligned ones, after all of those are placed.
+    pub(super) fn frames(&self) -> Vec<TreeFrame> {
+        let placed =
+            |frame: &Frame| frame.joint.map_or(frame.placement, |i| self.original(i).then(&frame.placement));
+        self.robot
+            .frames()
+            .iter()
+            .map(|frame| TreeFrame { joint: frame.joint, placement: placed(frame) })
+            .collect()
+    }
+
+    /// The original frame of joint `i` in the aligned one.
+    fn original(&self, i: usize) -> Placement {
+        let rotation = self.rotations[i].map(snap);
+        let moved = -(rotation * self.origins[i]);
+        Placement { rotation, translation: without_rounding(&moved, self.origins[i].norm()) }
     }
 
     /// Aligns frame `i`, after all frames before it.

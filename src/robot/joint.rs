@@ -86,6 +86,17 @@ impl Default for Limits {
     }
 }
 
+/// How a joint follows an independent one: `q = ratio q_joint + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mimic {
+    /// Index of the independent joint in [`Robot::joints`](super::Robot::joints).
+    pub joint: usize,
+    /// Its own velocity over that of the independent joint (1, m/rad, rad/m); any sign.
+    pub ratio: f64,
+    /// Its own position where that of the independent joint is zero (rad, m).
+    pub offset: f64,
+}
+
 /// A joint of a [`Robot`](super::Robot) and the link that it moves.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -108,8 +119,18 @@ pub struct Joint {
     pub spring: Spring,
     /// Friction.
     pub friction: Friction,
-    /// Limits.
+    /// Limits; those of an independent joint are narrowed by those of the joints that mimic it.
     pub limits: Limits,
+    /// How it follows an independent joint; `None` if it is independent itself, and so has an entry of q.
+    pub mimic: Option<Mimic>,
+}
+
+/// What a [`JointSpec`] says about the joint that it mimics.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MimicSpec {
+    pub joint: String,
+    pub ratio: f64,
+    pub offset: f64,
 }
 
 /// Description of one joint, for [`RobotBuilder::joint`](super::RobotBuilder::joint).
@@ -129,6 +150,7 @@ pub struct JointSpec {
     pub(crate) spring: Spring,
     pub(crate) friction: Friction,
     pub(crate) limits: Limits,
+    pub(crate) mimic: Option<MimicSpec>,
     /// The link is massless on purpose (one of the joints that a floating or planar joint became).
     pub(crate) virtual_link: bool,
 }
@@ -157,6 +179,7 @@ impl JointSpec {
             spring: Spring::default(),
             friction: Friction::none(),
             limits: Limits::default(),
+            mimic: None,
             virtual_link: false,
         }
     }
@@ -210,6 +233,29 @@ impl JointSpec {
     /// Joint friction.
     pub fn friction(mut self, friction: Friction) -> Self {
         self.friction = friction;
+        self
+    }
+
+    /// Makes it follow another joint, `q = ratio q_joint + offset` (ratio of any sign; offset in rad or m).
+    ///
+    /// The other joint may mimic a third one, and may be added later. A robot has one coordinate for each
+    /// joint that mimics none.
+    ///
+    /// ```
+    /// use costate::robot::{JointSpec, LinkInertia, Robot};
+    ///
+    /// let finger = |name: &str, side: f64| {
+    ///     JointSpec::prismatic(name).axis([0.0, side, 0.0]).carrying(LinkInertia::point(0.1, [0.0; 3]))
+    /// };
+    /// let gripper = Robot::builder("gripper")
+    ///     .joint(finger("left", 1.0))
+    ///     .joint(finger("right", -1.0).mimicking("left", 1.0, 0.0))
+    ///     .build()?;
+    /// assert_eq!((gripper.joints().len(), gripper.dof()), (2, 1));
+    /// # Ok::<(), costate::robot::RobotError>(())
+    /// ```
+    pub fn mimicking(mut self, joint: impl Into<String>, ratio: f64, offset: f64) -> Self {
+        self.mimic = Some(MimicSpec { joint: joint.into(), ratio, offset });
         self
     }
 

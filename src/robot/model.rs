@@ -5,7 +5,11 @@ use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameList, FrameSpec};
 use super::joint::{Friction, Joint};
+use super::joint_map;
 use super::warning::Warning;
+use super::wrench::AppliedWrench;
+use crate::EvalError;
+use crate::error::check_length;
 use nalgebra::{DMatrix, Vector3};
 
 /// A robot: a tree of one-degree-of-freedom joints with rigid links, on a base that does not move.
@@ -25,8 +29,11 @@ pub struct Robot {
     pub(super) name: String,
     pub(super) gravity: Vector3<f64>,
     pub(super) joints: Vec<Joint>,
+    /// Indices of the joints that mimic no other one.
+    pub(super) independent: Vec<usize>,
     pub(super) armature: Armature,
     pub(super) frames: Vec<Frame>,
+    pub(super) wrenches: Vec<AppliedWrench>,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -36,14 +43,38 @@ impl Robot {
         &self.name
     }
 
-    /// Number of joints and degrees of freedom, n.
+    /// Number of degrees of freedom, n: of the joints that mimic no other one.
     pub fn dof(&self) -> usize {
-        self.joints.len()
+        self.independent_joints().len()
     }
 
-    /// The joints, parents before children; this is the order of q, v, p and u.
+    /// All joints of the tree, parents before children, with those that mimic others.
+    ///
+    /// The entries of q, v, p and u belong to the [`independent_joints`](Self::independent_joints).
     pub fn joints(&self) -> &[Joint] {
         &self.joints
+    }
+
+    /// The joints that mimic no other one; this is the order of q, v, p and u.
+    pub fn independent_joints(&self) -> impl ExactSizeIterator<Item = &Joint> + DoubleEndedIterator + Clone {
+        self.independent.iter().map(|&i| &self.joints[i])
+    }
+
+    /// Their indices in [`joints`](Self::joints), rising.
+    pub fn independent_indices(&self) -> &[usize] {
+        &self.independent
+    }
+
+    /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints).
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`] unless q has n entries.
+    pub fn joint_positions(&self, q: &[f64]) -> Result<Vec<f64>, EvalError> {
+        check_length("q", q, self.dof())?;
+        Ok(match joint_map::rows(&self.joints) {
+            None => q.to_vec(),
+            Some(rows) => rows.iter().map(|row| row.ratio * q[row.coordinate] + row.offset).collect(),
+        })
     }
 
     /// Gravity acceleration in the world frame (m/s^2).
@@ -63,7 +94,8 @@ impl Robot {
         self.armature.entry(i, j)
     }
 
-    /// The armature matrix, n x n; it is made by this call, and takes 8 n^2 bytes.
+    /// The armature matrix, one row for each of the [`joints`](Self::joints); it is made by this call, and
+    /// takes 8 bytes for each entry.
     pub fn armature_matrix(&self) -> DMatrix<f64> {
         self.armature.matrix()
     }
@@ -95,6 +127,16 @@ impl Robot {
     /// [`RobotError::UnknownFrame`], with the names that resemble it.
     pub fn frame(&self, name: &str) -> Result<&Frame, RobotError> {
         FrameList::find(&self.frames, name)
+    }
+
+    /// The position of the frame of this name in [`frames`](Self::frames), found as by
+    /// [`frame`](Self::frame).
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFrame`], with the names that resemble it.
+    pub fn frame_index(&self, name: &str) -> Result<usize, RobotError> {
+        let frame = self.frame(name)?;
+        Ok(self.frames.iter().position(|other| std::ptr::eq(other, frame)).unwrap_or_default())
     }
 
     /// The same robot with one more frame.
@@ -131,13 +173,13 @@ impl Robot {
         Ok(Self { gravity: Vector3::from(gravity), ..self.clone() })
     }
 
-    /// The same robot with another armature matrix, n x n.
+    /// The same robot with another armature matrix: one row for each of the [`joints`](Self::joints).
     ///
     /// # Errors
     /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has
     /// none.
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
-        let n = self.dof();
+        let n = self.joints.len();
         if armature.shape() != (n, n) {
             let problem = format!("is {} x {}", armature.nrows(), armature.ncols());
             return Err(RobotError::BadArmature { problem, n });

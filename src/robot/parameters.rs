@@ -88,12 +88,12 @@ pub(crate) struct Directions {
 impl From<&Robot> for Directions {
     fn from(robot: &Robot) -> Self {
         let mut aligned = AlignedFrames::rotated_only(robot);
-        (0..robot.dof()).for_each(|i| aligned.place(i));
+        (0..robot.joints().len()).for_each(|i| aligned.place(i));
         let of_joint = |i| aligned.rotation_and_arm(i);
         Self {
-            joints: (0..robot.dof()).map(|i| aligned.joint(i, 0.0)).collect(),
-            turns: (0..robot.dof()).map(|i| of_joint(i)[0]).collect(),
-            arms: (0..robot.dof()).map(|i| of_joint(i)[1]).collect(),
+            joints: (0..robot.joints().len()).map(|i| aligned.joint(i, 0.0)).collect(),
+            turns: (0..robot.joints().len()).map(|i| of_joint(i)[0]).collect(),
+            arms: (0..robot.joints().len()).map(|i| of_joint(i)[1]).collect(),
             world: aligned.world.map(super::link::snap),
             armature: robot.armature().to_vec(),
         }

@@ -1,21 +1,20 @@
 //! `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world.
 
-use super::joint::{Joint, JointKind};
+use super::joint::JointKind;
 use super::link::Placement;
 use super::model::Robot;
 use crate::EvalError;
-use crate::error::check_length;
-use nalgebra::{Matrix3, Rotation3, Unit};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-impl Joint {
-    /// `J(q)`: the joint frame at q in the joint frame at q = 0; q in rad or m.
-    fn motion(&self, q: f64) -> Placement {
-        match self.kind {
+impl JointKind {
+    /// `J(q)`: the joint frame at q in the joint frame at q = 0, for a unit axis; q in rad or m.
+    pub(super) fn motion(self, axis: &Vector3<f64>, q: f64) -> Placement {
+        match self {
             JointKind::Revolute => {
-                let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(self.axis), q);
+                let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(*axis), q);
                 Placement { rotation: turn.into_inner(), ..Placement::identity() }
             }
-            JointKind::Prismatic => Placement { rotation: Matrix3::identity(), translation: self.axis * q },
+            JointKind::Prismatic => Placement { rotation: Matrix3::identity(), translation: axis * q },
         }
     }
 }
@@ -23,9 +22,9 @@ impl Joint {
 impl Robot {
     /// `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world, each moved by its own joint.
     ///
-    /// `q` has n entries (rad, m); there are n placements (m), in joint order. The frames are those of the
-    /// description: a link does not move in the frame of its joint, its centre of mass at
-    /// `joints()[i].inertia.com`.
+    /// `q` has n entries (rad, m); there is one placement (m) for each of the [`joints`](Self::joints). The
+    /// frames are those of the description: a link does not move in the frame of its joint, its centre of
+    /// mass at `joints()[i].inertia.com`.
     ///
     /// ```
     /// use costate::robot::{JointSpec, LinkInertia, Robot};
@@ -42,11 +41,11 @@ impl Robot {
     /// # Errors
     /// [`EvalError::WrongLength`].
     pub fn poses(&self, q: &[f64]) -> Result<Vec<Placement>, EvalError> {
-        check_length("q", q, self.dof())?;
-        let mut poses: Vec<Placement> = Vec::with_capacity(self.dof());
-        for (joint, &q) in self.joints().iter().zip(q) {
+        let positions = self.joint_positions(q)?;
+        let mut poses: Vec<Placement> = Vec::with_capacity(positions.len());
+        for (joint, &q) in self.joints().iter().zip(&positions) {
             let standing = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
-            poses.push(standing.then(&joint.motion(q)));
+            poses.push(standing.then(&joint.kind.motion(&joint.axis, q)));
         }
         Ok(poses)
     }

@@ -10,8 +10,13 @@
 use super::frames::AlignedFrames;
 use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
+use super::joint_map::JointMap;
+use super::link::snap;
 use super::model::Robot;
 use super::regroup::regroup;
+use super::tree_frame::TreeFrame;
+use super::wrench::AppliedWrench;
+use nalgebra::Matrix3;
 use std::ops::Range;
 
 /// The model that the kernels run on; built from a [`Robot`] once.
@@ -32,22 +37,53 @@ pub struct Tree {
     prismatic: Vec<usize>,
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
+    joint_map: Option<JointMap>,
+    frames: Vec<TreeFrame>,
+    wrenches: Vec<AppliedWrench>,
+    world: Matrix3<f64>,
 }
 
 impl Tree {
-    /// Number of joints and degrees of freedom, n.
+    /// Number of degrees of freedom, n.
     pub fn dof(&self) -> usize {
-        self.joints.len()
+        self.names.len()
     }
 
-    /// The joints, parents before children.
+    /// All joints, parents before children, with those that mimic others.
     pub fn joints(&self) -> &[JointFrame] {
         &self.joints
     }
 
-    /// Name of joint `i`.
+    /// Name of the independent joint of coordinate `i`.
     pub fn name(&self, i: usize) -> &str {
         &self.names[i]
+    }
+
+    /// The positions of all joints from the coordinates; `None` if every joint is independent.
+    pub(crate) fn joint_map(&self) -> Option<&JointMap> {
+        self.joint_map.as_ref()
+    }
+
+    /// The frames of [`Robot::frames`], in its order, placed in the aligned frames. After that of the world
+    /// come those of the joints, so that number `1 + i` is the frame of joint `i` as in [`Robot::joints`].
+    pub fn frames(&self) -> &[TreeFrame] {
+        &self.frames
+    }
+
+    /// The wrenches from outside, as in [`Robot::wrenches`].
+    pub fn wrenches(&self) -> &[AppliedWrench] {
+        &self.wrenches
+    }
+
+    /// The joints that move joint `i`, itself first, then its parent, to the base; none for `None`.
+    pub fn path(&self, i: Option<usize>) -> impl Iterator<Item = usize> {
+        std::iter::successors(i, |&i| self.joints[i].parent)
+    }
+
+    /// The rotation from the world of the robot to the aligned world: `x_aligned = R x`. Both have one
+    /// origin.
+    pub fn world_rotation(&self) -> &Matrix3<f64> {
+        &self.world
     }
 
     /// Gravity acceleration in the aligned world frame (m/s^2).
@@ -96,12 +132,18 @@ impl Tree {
         &self.with_spring
     }
 
-    /// The joints with friction.
+    /// The coordinates with friction.
     pub(crate) fn with_friction(&self) -> &[usize] {
         &self.with_friction
     }
 
-    /// Number of pairs `i <= j` in tree order.
+    /// Whether a joint of coordinate `i` has Coulomb friction.
+    pub(crate) fn has_coulomb_friction(&self, i: usize) -> bool {
+        let has = |joint: usize| self.joints[joint].friction.coulomb != 0.0;
+        self.joint_map.as_ref().map_or_else(|| has(i), |map| map.joints_of(i).iter().any(|&joint| has(joint)))
+    }
+
+    /// Number of pairs `i <= j` of joints in tree order.
     pub fn pairs(&self) -> usize {
         self.subtree_starts.last().copied().unwrap_or(0)
     }
@@ -115,13 +157,14 @@ impl Tree {
     pub fn without_friction(&self) -> Self {
         let mut tree = self.clone();
         tree.joints.iter_mut().for_each(|joint| joint.friction = Friction::none());
+        tree.with_friction.clear();
         tree
     }
 }
 
 impl From<&Robot> for Tree {
     fn from(robot: &Robot) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let mut aligned = AlignedFrames::new(robot);
         for i in 0..n {
             aligned.place(i);
@@ -135,19 +178,28 @@ impl From<&Robot> for Tree {
         set_reach(&mut joints);
         let fixed_potential = regroup(&mut joints, gravity);
         let armature = robot.armature().to_vec();
-        Self { fixed_potential, ..Self::from_parts(robot, joints, gravity, armature) }
+        let (frames, wrenches) = (aligned.frames(), robot.wrenches().to_vec());
+        let world = aligned.world.map(snap);
+        Self {
+            fixed_potential,
+            frames,
+            wrenches,
+            world,
+            ..Self::from_parts(robot, joints, gravity, armature)
+        }
     }
 }
 
 impl Tree {
-    /// From given constants of the joints of this robot; V of what does not move is zero.
+    /// From given constants of the joints of this robot; V of what does not move is zero, and the tree has
+    /// neither frames nor wrenches.
     pub(crate) fn from_parts(
         robot: &Robot,
         joints: Vec<JointFrame>,
         gravity: [f64; 3],
         armature: Vec<(usize, usize, f64)>,
     ) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let mut children = vec![Vec::new(); n];
         let mut size = vec![1; n];
         for (j, joint) in robot.joints().iter().enumerate() {
@@ -168,16 +220,30 @@ impl Tree {
             depth_first.push(i);
             next.extend(children[i].iter().rev());
         }
-        let those = |has: fn(&JointFrame) -> bool| (0..joints.len()).filter(|&i| has(&joints[i])).collect();
-        let (with_spring, with_friction) =
-            (those(|joint| joint.spring.stiffness != 0.0), those(|joint| !joint.friction.is_none()));
+        let those = |has: fn(&JointFrame) -> bool| -> Vec<usize> {
+            (0..joints.len()).filter(|&i| has(&joints[i])).collect()
+        };
+        let with_spring = those(|joint| joint.spring.stiffness != 0.0);
+        let mut with_friction = those(|joint| !joint.friction.is_none());
+        let on_one_branch = (0..n).flat_map(|i| {
+            let start = depth_first_position[i];
+            depth_first[start..start + size[i]].iter().map(move |&k| (k, i))
+        });
+        let joint_map =
+            JointMap::new(robot.joints(), on_one_branch.chain(armature.iter().map(|&(i, j, _)| (i, j))));
+        if let Some(map) = &joint_map {
+            with_friction.iter_mut().for_each(|joint| *joint = map.rows()[*joint].coordinate);
+            with_friction.sort_unstable();
+            with_friction.dedup();
+        }
         let (revolute, prismatic) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
             revolute,
             prismatic,
             with_spring,
             with_friction,
-            names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            names: robot.independent_joints().map(|joint| joint.name.clone()).collect(),
+            joint_map,
             joints,
             gravity,
             fixed_potential: 0.0,
@@ -186,6 +252,9 @@ impl Tree {
             subtree_starts: std::iter::once(0).chain(ends).collect(),
             depth_first,
             depth_first_position,
+            frames: Vec::new(),
+            wrenches: Vec::new(),
+            world: Matrix3::identity(),
         }
     }
 }

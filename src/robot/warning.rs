@@ -19,6 +19,13 @@ pub enum Warning {
         /// Principal moments (kg m^2), rising.
         moments: [f64; 3],
     },
+    /// A negative principal moment of a link; the mass matrix was positive wherever it was tried.
+    NegativeMoment {
+        /// The link.
+        link: String,
+        /// The moment (kg m^2).
+        moment: f64,
+    },
     /// All mass that the last joint moves lies on its axis: M is singular in every pose.
     OnAxis {
         /// The joint.
@@ -74,6 +81,14 @@ pub enum Warning {
         /// Its line, from 1.
         line: usize,
     },
+    /// No position of a joint is within both its limits and those of a joint that mimics it, which are
+    /// ignored.
+    MimicLimits {
+        /// The joint that mimics.
+        joint: String,
+        /// The independent joint.
+        master: String,
+    },
     /// Limits of revolute joints beyond two turns: they may be degrees.
     LargeLimits {
         /// The joints.
@@ -126,6 +141,13 @@ impl fmt::Display for Warning {
             Self::MasslessLink { link } => {
                 write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
             }
+            Self::NegativeMoment { link, moment } => write!(
+                f,
+                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
+                 M is positive where it was tried, and may be singular elsewhere: check the matrix",
+                printable(link),
+                printable_number(*moment)
+            ),
             Self::TriangleInequality { link, moments: [a, b, c] } => write!(
                 f,
                 "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
@@ -178,6 +200,13 @@ impl fmt::Display for Warning {
                  for a free base, attach it to a massless root link by a floating joint",
                 printable(link),
                 printable_number(*mass)
+            ),
+            Self::MimicLimits { joint, master } => write!(
+                f,
+                "no position of joint '{}' is within its limits and those of '{}', which mimics it; the latter \
+                 are not used: correct one of them",
+                printable(master),
+                printable(joint)
             ),
             Self::LargeLimits { joints: names, limit } => write!(
                 f,

@@ -56,6 +56,34 @@ impl<S: Scalar> Transform<'_, S> {
         })
     }
 
+    /// A free vector of the parent's frame, seen from this frame, and its product with the position of the
+    /// origin of this frame in the parent's.
+    #[inline(always)]
+    pub fn vector_down_with_arm(&self, mut a: Vec3<S>) -> (Vec3<S>, S) {
+        inlined!(S, {
+            let fixed = self.fixed;
+            if let Some(gamma) = &fixed.gamma {
+                [a.x, a.y] = gamma.undo([a.x, a.y]);
+            }
+            let mut arm = if fixed.is_along_x() {
+                a.x.times(fixed.translation[0])
+            } else {
+                a.dot_constant(fixed.translation)
+            };
+            [a.y, a.z] = fixed.alpha.undo([a.y, a.z]);
+            match &self.joint {
+                JointPosition::Rotated(turn) => {
+                    if fixed.rise != 0.0 {
+                        arm = arm.plus_times(a.z, fixed.rise);
+                    }
+                    [a.x, a.y] = turn.undo([a.x, a.y]);
+                }
+                &JointPosition::Translated(distance) => arm = a.z.mul_add(distance, arm),
+            }
+            (a, arm)
+        })
+    }
+
     /// A rigid motion seen from and referred to the parent's frame, now to this frame.
     #[inline(always)]
     pub fn motion_down(&self, parent: Motion<S>) -> Motion<S> {
@@ -232,6 +260,9 @@ mod tests {
             let t = Transform { fixed: &fixed, joint };
             let (r, o) = dense(&t);
             close(t.vector_down(a), r.transpose() * to_na(a));
+            let (down, arm) = t.vector_down_with_arm(a);
+            close(down, r.transpose() * to_na(a));
+            assert!((arm - o.dot(&to_na(a))).abs() < 1e-15);
             let m = t.motion_down(Motion { angular: a, linear: b });
             close(m.angular, r.transpose() * to_na(a));
             close(m.linear, r.transpose() * (to_na(b) + to_na(a).cross(&o)));

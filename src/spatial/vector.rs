@@ -67,12 +67,6 @@ impl<S: Scalar> Vec3<S> {
         )
     }
 
-    /// `factor self`.
-    #[inline(always)]
-    pub(crate) fn scaled(self, factor: S) -> Self {
-        Self::new(self.x * factor, self.y * factor, self.z * factor)
-    }
-
     /// The vector in lane `k`.
     #[inline(always)]
     pub(crate) fn lane<T: Scalar>(&self, k: usize) -> Vec3<T>
@@ -150,10 +144,29 @@ impl<S: Scalar> Vec3<S> {
         Self::new(self.x.times(factor), self.y.times(factor), self.z.times(factor))
     }
 
+    /// `factor self`.
+    #[inline(always)]
+    pub fn scaled(self, factor: S) -> Self {
+        Self::new(self.x * factor, self.y * factor, self.z * factor)
+    }
+
+    /// Its components.
+    #[inline(always)]
+    pub fn to_array(self) -> [S; 3] {
+        [self.x, self.y, self.z]
+    }
+
     /// `self + constant`.
     #[inline(always)]
     pub fn plus(self, [x, y, z]: [f64; 3]) -> Self {
         Self::new(self.x.plus(x), self.y.plus(y), self.z.plus(z))
+    }
+}
+
+impl<S: Scalar> From<[S; 3]> for Vec3<S> {
+    #[inline(always)]
+    fn from([x, y, z]: [S; 3]) -> Self {
+        Self::new(x, y, z)
     }
 }
 
@@ -202,6 +215,41 @@ impl<S: Scalar> Motion<S> {
     pub fn splat<P: Pack<S>>(self) -> Motion<P> {
         Motion { angular: self.angular.splat(), linear: self.linear.splat() }
     }
+
+    /// `factor self`.
+    #[inline(always)]
+    pub fn scaled(self, factor: S) -> Self {
+        Self { angular: self.angular.scaled(factor), linear: self.linear.scaled(factor) }
+    }
+
+    /// `self x other = (w x w' ; w x v' + v x w')`: the rate of `other` if it is fixed to a body that moves
+    /// by `self`.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        inlined!(
+            S,
+            Self {
+                angular: self.angular.cross(other.angular),
+                linear: self.angular.cross(other.linear) + self.linear.cross(other.angular),
+            }
+        )
+    }
+}
+
+impl<S: Scalar> Add for Motion<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { angular: self.angular + other.angular, linear: self.linear + other.linear }
+    }
+}
+
+impl<S: Scalar> Sub for Motion<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { angular: self.angular - other.angular, linear: self.linear - other.linear }
+    }
 }
 
 /// A spatial force vector: momentum or force on a rigid body, about the origin of a frame.
@@ -225,6 +273,18 @@ impl<S: Scalar> Force<S> {
     pub fn dot(self, motion: Motion<S>) -> S {
         inlined!(S, self.moment.dot(motion.angular) + self.force.dot(motion.linear))
     }
+
+    /// The force g with `g . b = self . (motion x b)` for every motion b.
+    #[inline(always)]
+    pub fn before(self, motion: Motion<S>) -> Self {
+        inlined!(
+            S,
+            Self {
+                moment: self.moment.cross(motion.angular) + self.force.cross(motion.linear),
+                force: self.force.cross(motion.angular),
+            }
+        )
+    }
 }
 
 impl<S: Scalar> Add for Force<S> {
@@ -237,7 +297,7 @@ impl<S: Scalar> Add for Force<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::Vec3;
+    use super::{Force, Motion, Vec3};
 
     #[test]
     fn products_agree_with_nalgebra() {
@@ -252,5 +312,15 @@ mod tests {
         same((ours_a - -ours_b + ours_b).times(2.0), (na + nb * 2.0) * 2.0);
         assert_eq!(ours_a.dot(ours_b), na.dot(&nb));
         assert_eq!(ours_a.dot_constant(b), na.dot(&nb));
+    }
+
+    #[test]
+    fn a_force_before_a_motion_is_the_transpose_of_its_product() {
+        let vector = |k: f64| Vec3::<f64>::constant([k, 1.0 - k * k, 0.3 * k - 2.0]);
+        let motion = |k: f64| Motion { angular: vector(k), linear: vector(k + 0.7) };
+        let force = Force { moment: vector(-0.4), force: vector(1.9) };
+        let (a, b) = (motion(0.3), motion(-1.1));
+        assert!((force.before(a).dot(b) - force.dot(a.cross(b))).abs() < 1e-14);
+        assert!((force.dot(a.cross(b)) + force.dot(b.cross(a))).abs() < 1e-14, "a x b = - b x a");
     }
 }

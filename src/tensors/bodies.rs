@@ -39,7 +39,7 @@ impl AugmentedBody {
             }
             body
         };
-        (0..tree.dof()).map(link).collect()
+        (0..tree.joints().len()).map(link).collect()
     }
 
     /// The same as scalars.

@@ -19,6 +19,9 @@ use crate::scalar::Scalar;
 /// Storage and time grow with the fourth power of the depth: a chain of 12 joints has 5434 second derivatives
 /// of both kinds, one of 100 joints 25 million (200 MB in `f64`).
 ///
+/// They belong to all joints of the tree: where some mimic others, the coordinates set the positions of all,
+/// and derivatives are those that independent joints would have.
+///
 /// Every independent number is stored once, in the order of [`IndexSets`](super::IndexSets). The accessors
 /// take any indices 0 to n - 1, in any order, and panic if one is out of range; for joints on different
 /// branches they return 0. Units follow from those of M (kg m^2, kg m, kg) and q (rad, m). Armature is

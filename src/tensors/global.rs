@@ -3,6 +3,7 @@
 use super::bodies::{AugmentedBody, Body};
 use super::paths::Paths;
 use crate::error::{EvalError, check_length};
+use crate::kernels::positions;
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Symmetric3, Transform, Vec3};
@@ -20,6 +21,8 @@ pub struct GlobalTensors<S> {
     /// Origin of each frame in the frame of its parent, with prismatic joints at zero.
     origins: Vec<[f64; 3]>,
     masses: Vec<f64>,
+    /// Coordinates of all joints.
+    q: Vec<S>,
     positions: Vec<JointPosition<S>>,
     pub(super) bodies: Vec<Body<S>>,
     /// Z_i in frame j.
@@ -40,7 +43,7 @@ impl<S: Scalar> GlobalTensors<S> {
         let augmented = AugmentedBody::of_links(tree, &origins);
         let pairs = paths.all_pairs();
         let mut axes = vec![Vec3::zero(); pairs];
-        for d in 0..tree.dof() {
+        for d in 0..tree.joints().len() {
             axes[paths.pairs(d).end - 1] = Vec3::constant([0.0, 0.0, 1.0]);
         }
         Self {
@@ -51,6 +54,7 @@ impl<S: Scalar> GlobalTensors<S> {
             arms: vec![Vec3::zero(); pairs],
             columns: vec![[Vec3::zero(); 2]; pairs],
             mass: vec![S::zero(); pairs],
+            q: vec![S::zero(); tree.joints().len()],
             paths,
             augmented,
             origins,
@@ -63,8 +67,9 @@ impl<S: Scalar> GlobalTensors<S> {
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         check_length("q", q, tree.dof())?;
+        positions(tree, q, &mut self.q);
         for (d, joint) in tree.joints().iter().enumerate() {
-            self.positions[d] = joint.position(q[d]);
+            self.positions[d] = joint.position(self.q[d]);
             self.bodies[d] = self.augmented[d].lift();
             if let Some(parent) = joint.parent {
                 self.carry_down(joint, d, parent);

@@ -2,7 +2,7 @@
 
 use super::derivatives::MassMatrixDerivatives;
 use crate::error::{EvalError, check_length};
-use crate::kernels::LagrangianHessian;
+use crate::kernels::{Coupled, LagrangianHessian, positions, rates, size_of_sum};
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
@@ -10,9 +10,9 @@ use crate::spatial::Vec3;
 
 /// `P_ik = sum_j M_ij,k v_j`, `L_qq,kl = 1/2 v' M,kl v - V,kl` from Christoffel coefficients: (20)-(22).
 ///
-/// Armature is added to M and p, springs to L_q and L_qq. Gravity: with `D_jj = int OP,j dm = Z_j x Pi_jj`
-/// (revolute) or `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i . (D_jj x g)` for i <= j,
-/// `w_i = sbar_i Z_i`.
+/// Armature is added to M and p, springs to L_q and L_qq; mimic joints are coupled last. Gravity: with `D_jj
+/// = int OP,j dm = Z_j x Pi_jj` (revolute) or `M_j Z_j` (prismatic), `-V,j = g . D_jj` and `-V,ij = w_i .
+/// (D_jj x g)` for i <= j, `w_i = sbar_i Z_i`.
 #[derive(Clone, Debug)]
 pub struct ChristoffelKernel<S> {
     derivatives: MassMatrixDerivatives<S>,
@@ -24,11 +24,11 @@ pub struct ChristoffelKernel<S> {
     upper: Vec<[S; 2]>,
     /// `v_i v_j`, i < j, and `1/2 v_i^2`.
     squares: Vec<S>,
-    mass_matrix: Matrix<S>,
-    momentum: Vec<S>,
-    l_q: Vec<S>,
-    l_vq: Matrix<S>,
-    l_qq: Matrix<S>,
+    mass_matrix: Coupled<Matrix<S>>,
+    momentum: Coupled<Vec<S>>,
+    l_q: Coupled<Vec<S>>,
+    l_vq: Coupled<Matrix<S>>,
+    l_qq: Coupled<Matrix<S>>,
 }
 
 impl<S: Scalar> ChristoffelKernel<S> {
@@ -39,16 +39,16 @@ impl<S: Scalar> ChristoffelKernel<S> {
 
     /// `M v`, armature included.
     fn set_momentum(&mut self, tree: &Tree) {
-        self.momentum.fill(S::zero());
+        self.momentum.all.fill(S::zero());
         let mut add = |i: usize, j: usize, entry: S| {
-            self.momentum[i] += entry * self.v[j];
+            self.momentum.all[i] += entry * self.v[j];
             if i != j {
-                self.momentum[j] += entry * self.v[i];
+                self.momentum.all[j] += entry * self.v[i];
             }
         };
         let paths = &self.derivatives.tensors.paths;
-        for d in 0..tree.dof() {
-            paths.of(d).iter().for_each(|&i| add(d, i, self.mass_matrix[(d, i)]));
+        for d in 0..tree.joints().len() {
+            paths.of(d).iter().for_each(|&i| add(d, i, self.mass_matrix.all[(d, i)]));
         }
         for &(i, j, value) in tree.armature() {
             if paths.on_one_branch([i, j]).is_none() {
@@ -61,7 +61,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
     fn set_gradient(&mut self, tree: &Tree) {
         let tensors = &self.derivatives.tensors;
         self.upper.fill([S::zero(); 2]);
-        for d in 0..tree.dof() {
+        for d in 0..tree.joints().len() {
             let (path, start) = (tensors.paths.of(d), tensors.paths.pairs(d).start);
             let h = path.len() - 1;
             let mut rates = self.derivatives.first.mass[tensors.paths.first_block(d)].iter();
@@ -93,20 +93,20 @@ impl<S: Scalar> ChristoffelKernel<S> {
             for (&i, upper) in path[..path.len() - 1].iter().zip(&self.upper[tensors.paths.pairs(k)]) {
                 gradient += self.v[i] * upper[0];
             }
-            self.l_q[k] = gradient;
+            self.l_q.all[k] = gradient;
         }
     }
 
     /// `P_ik = sum_j M_ij,k v_j` (21a).
     fn set_mixed(&mut self, tree: &Tree) {
         let paths = &self.derivatives.tensors.paths;
-        self.l_vq.fill_zero();
-        for k in 0..tree.dof() {
+        self.l_vq.all.fill_zero();
+        for k in 0..tree.joints().len() {
             for (&i, upper) in paths.of(k).iter().zip(&self.upper[paths.pairs(k)]) {
-                self.l_vq[(i, k)] = upper[0] + upper[1];
+                self.l_vq.all[(i, k)] = upper[0] + upper[1];
             }
         }
-        for d in 0..tree.dof() {
+        for d in 0..tree.joints().len() {
             let path = paths.of(d);
             let h = path.len() - 1;
             let mut rates = self.derivatives.first.mass[paths.first_block(d)].iter();
@@ -114,11 +114,11 @@ impl<S: Scalar> ChristoffelKernel<S> {
                 let v = self.v[path[i]];
                 for (&j, &rate) in path[i..h].iter().zip(rates.by_ref()) {
                     if j != path[i] {
-                        self.l_vq[(j, d)] += rate * v;
+                        self.l_vq.all[(j, d)] += rate * v;
                     }
                 }
                 for (&k, &rate) in path[i + 1..].iter().zip(rates.by_ref()) {
-                    self.l_vq[(d, k)] += rate * v;
+                    self.l_vq.all[(d, k)] += rate * v;
                 }
             }
         }
@@ -128,7 +128,7 @@ impl<S: Scalar> ChristoffelKernel<S> {
     fn set_curvature(&mut self, tree: &Tree) {
         self.set_weight(tree);
         let paths = &self.derivatives.tensors.paths;
-        for d in 0..tree.dof() {
+        for d in 0..tree.joints().len() {
             let (path, pairs) = (paths.of(d), paths.pairs(d));
             let h = path.len() - 1;
             let mut rates = self.derivatives.second.mass[paths.second_block(d)].iter();
@@ -136,20 +136,20 @@ impl<S: Scalar> ChristoffelKernel<S> {
                 for &j in &path[i..] {
                     let square = self.squares[paths.pairs(j).start + i];
                     for (&k, &rate) in path[i + 1..].iter().zip(rates.by_ref()) {
-                        self.l_qq[(k, d)] += rate * square;
+                        self.l_qq.all[(k, d)] += rate * square;
                     }
                 }
                 let square = self.squares[pairs.start + i];
                 for k in i + 1..h {
                     for (&l, &rate) in path[k..h].iter().zip(rates.by_ref()) {
-                        self.l_qq[(path[k], l)] += rate * square;
+                        self.l_qq.all[(path[k], l)] += rate * square;
                     }
                 }
             }
         }
-        for d in 0..tree.dof() {
+        for d in 0..tree.joints().len() {
             for &i in paths.of(d) {
-                self.l_qq[(d, i)] = self.l_qq[(i, d)];
+                self.l_qq.all[(d, i)] = self.l_qq.all[(i, d)];
             }
         }
     }
@@ -165,13 +165,13 @@ impl<S: Scalar> ChristoffelKernel<S> {
             };
             let on_path = tensors.paths.of(j).iter().zip(tensors.paths.kinds(j));
             for ((&i, kind), axis) in on_path.zip(&tensors.axes[tensors.paths.pairs(j)]) {
-                self.l_qq[(i, j)] = match kind {
+                self.l_qq.all[(i, j)] = match kind {
                     JointKind::Revolute => axis.dot(turned),
                     JointKind::Prismatic => S::zero(),
                 };
             }
             if joint.spring.stiffness != 0.0 {
-                self.l_qq[(j, j)] = self.l_qq[(j, j)].plus(-joint.spring.stiffness);
+                self.l_qq.all[(j, j)] = self.l_qq.all[(j, j)].plus(-joint.spring.stiffness);
             }
         }
     }
@@ -180,54 +180,58 @@ impl<S: Scalar> ChristoffelKernel<S> {
 impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     #[inline(never)]
     fn new(tree: &Tree) -> Self {
-        let (n, pairs) = (tree.dof(), tree.pairs());
-        let (vector, square) = (vec![S::zero(); n], Matrix::zeros(n, n));
+        let (n, pairs) = (tree.joints().len(), tree.pairs());
+        let vector = vec![S::zero(); n];
         Self {
             derivatives: MassMatrixDerivatives::new(tree),
             gravity: vec![Vec3::zero(); n],
             q: vector.clone(),
             v: vector.clone(),
-            half_v: vector.clone(),
+            half_v: vector,
             upper: vec![[S::zero(); 2]; pairs],
             squares: vec![S::zero(); pairs],
-            mass_matrix: square.clone(),
-            momentum: vector.clone(),
-            l_q: vector,
-            l_vq: square.clone(),
-            l_qq: square,
+            mass_matrix: Coupled::square(tree),
+            momentum: Coupled::row(tree),
+            l_q: Coupled::row(tree),
+            l_vq: Coupled::square(tree),
+            l_qq: Coupled::square(tree),
         }
     }
 
     #[inline(never)]
     fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.derivatives.set_position(tree, q)?;
-        self.q.copy_from_slice(q);
+        positions(tree, q, &mut self.q);
         let tensors = &self.derivatives.tensors;
         for (d, joint) in tree.joints().iter().enumerate() {
             let outer = joint.parent.map_or(Vec3::constant(tree.gravity()), |p| self.gravity[p]);
             self.gravity[d] = tensors.gravity_in(tree, d, outer);
             for (&i, &entry) in tensors.paths.of(d).iter().zip(&tensors.mass[tensors.paths.pairs(d)]) {
-                self.mass_matrix[(i, d)] = entry;
-                self.mass_matrix[(d, i)] = entry;
+                self.mass_matrix.all[(i, d)] = entry;
+                self.mass_matrix.all[(d, i)] = entry;
             }
         }
         for &(i, j, value) in tree.armature() {
             let on_one_branch = tensors.paths.on_one_branch([i, j]).is_some();
-            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
-            self.mass_matrix[(i, j)] = entry;
-            self.mass_matrix[(j, i)] = entry;
+            let entry =
+                if on_one_branch { self.mass_matrix.all[(i, j)].plus(value) } else { S::from_f64(value) };
+            self.mass_matrix.all[(i, j)] = entry;
+            self.mass_matrix.all[(j, i)] = entry;
         }
+        self.mass_matrix.sum_symmetric(tree);
         Ok(())
     }
 
     #[inline(never)]
     fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         check_length("v", v, tree.dof())?;
-        self.v.copy_from_slice(v);
-        self.half_v.iter_mut().zip(v).for_each(|(half, v)| *half = v.times(0.5));
+        rates(tree, v, &mut self.v);
+        self.half_v.iter_mut().zip(&self.v).for_each(|(half, v)| *half = v.times(0.5));
         self.derivatives.first_derivatives();
         self.set_momentum(tree);
         self.set_gradient(tree);
+        self.momentum.sum(tree);
+        self.l_q.sum(tree);
         Ok(())
     }
 
@@ -235,25 +239,29 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     fn second_order(&mut self, tree: &Tree) {
         self.derivatives.second_derivatives(tree);
         let paths = &self.derivatives.tensors.paths;
-        for d in 0..tree.dof() {
+        for d in 0..tree.joints().len() {
             for (&i, square) in paths.of(d).iter().zip(&mut self.squares[paths.pairs(d)]) {
                 *square = if i == d { self.half_v[d] * self.v[d] } else { self.v[i] * self.v[d] };
             }
         }
         self.set_mixed(tree);
         self.set_curvature(tree);
+        self.l_vq.sum(tree);
+        self.l_qq.sum_symmetric(tree);
     }
 
     fn mass_matrix(&self) -> &Matrix<S> {
-        &self.mass_matrix
+        self.mass_matrix.get()
     }
 
     fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
-        let mass = self.mass_matrix[(k, k)];
-        match tree.joints()[k].kind {
-            JointKind::Revolute => self.derivatives.tensors.size_of_mass(k, mass),
-            JointKind::Prismatic => mass,
-        }
+        size_of_sum(tree, k, |joint| {
+            let mass = self.mass_matrix.all[(joint, joint)];
+            match tree.joints()[joint].kind {
+                JointKind::Revolute => self.derivatives.tensors.size_of_mass(joint, mass),
+                JointKind::Prismatic => mass,
+            }
+        })
     }
 
     #[inline(never)]
@@ -272,18 +280,18 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     }
 
     fn momentum(&self) -> &[S] {
-        &self.momentum
+        self.momentum.get()
     }
 
     fn l_q(&self) -> &[S] {
-        &self.l_q
+        self.l_q.get()
     }
 
     fn l_vq(&self) -> &Matrix<S> {
-        &self.l_vq
+        self.l_vq.get()
     }
 
     fn l_qq(&self) -> &Matrix<S> {
-        &self.l_qq
+        self.l_qq.get()
     }
 }

@@ -54,6 +54,7 @@ fn all_robots() -> Vec<Robot> {
         std::fs::read_dir(folder.join("robots")).unwrap().map(|e| e.unwrap().path()).collect();
     files.retain(|file| file.extension().is_some_and(|e| e == "urdf" || e == "toml"));
     files.push(folder.join("tests/fixtures/friction_tree.toml"));
+    files.push(folder.join("tests/fixtures/mimic_tree.toml"));
     files.sort();
     assert!(files.len() >= 9);
     let options = LoadOptions::default().friction(true);

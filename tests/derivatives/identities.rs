@@ -86,6 +86,7 @@ properties! {
         case in all_cases(10),
         elsewhere in prop::collection::vec(-3.0..3.0, 10),
     ) {
+        let case = case.all_independent();
         let (robot, n) = (case.robot(), case.n());
         let tree = Tree::from(&robot);
         let mut hamiltonian = Hamiltonian::<f64>::new(&robot);

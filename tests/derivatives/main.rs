@@ -5,10 +5,13 @@
 mod identities;
 mod inputs;
 mod kernels;
+mod kinematics;
 mod lagrangian;
+mod mimics;
 mod rounding_scan;
 mod routes;
 mod second_order;
 mod singular;
 mod structure;
 mod tensors;
+mod wrenches;

@@ -55,10 +55,13 @@ fn split(case: &Case, robot: &Robot) -> String {
         let xyz = Vector3::from(part.xyz) - if case.parent(i).is_some() { flange } else { Vector3::zeros() };
         let parent = case.parent(i).map_or("world".into(), |parent| format!("flange{parent}"));
         let kind = if part.prismatic { "prismatic" } else { "revolute" };
+        let mimic = case.mimicked(i).zip(part.mimic).map_or(String::new(), |(joint, (_, ratio, offset))| {
+            format!("<mimic joint=\"j{joint}\" multiplier=\"{ratio:?}\" offset=\"{offset:?}\"/>")
+        });
         text += &format!(
             "<link name=\"rest{i}\">{rest}</link><link name=\"piece{i}\">{piece}</link><link name=\"flange{i}\"/>\
              <joint name=\"j{i}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"rest{i}\"/>\
-             <origin xyz=\"{}\" rpy=\"{}\"/><axis xyz=\"{}\"/></joint>\
+             <origin xyz=\"{}\" rpy=\"{}\"/><axis xyz=\"{}\"/>{mimic}</joint>\
              <joint name=\"p{i}\" type=\"fixed\"><parent link=\"rest{i}\"/><child link=\"piece{i}\"/>\
              <origin xyz=\"{}\" rpy=\"{}\"/></joint>\
              <joint name=\"f{i}\" type=\"fixed\"><parent link=\"rest{i}\"/><child link=\"flange{i}\"/>\

@@ -2,6 +2,7 @@
 //! (`tests/fixtures/README.md`).
 
 use costate::hamiltonian::Hamiltonian;
+use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
 use costate_test_support::reference::{Reference, check_robot};
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -62,6 +63,33 @@ fn mixed_chain() {
 #[test]
 fn mixed_tree() {
     check_invented("mixed_tree.urdf");
+}
+
+/// Mimics of mimics, of sisters and of later joints, with springs, friction and armature between branches.
+#[test]
+fn mimic_tree() {
+    check_invented("mimic_tree.toml");
+}
+
+/// Mimic joints of a URDF.
+#[test]
+fn mimic_hand() {
+    check_invented("mimic_hand.urdf");
+}
+
+/// The same as Pinocchio reads and computes it.
+#[test]
+fn mimic_hand_of_pinocchio() {
+    let robot = Robot::from_file(fixtures().join("mimic_hand.urdf")).unwrap();
+    let mut lagrangian = Lagrangian::<f64>::new(&robot);
+    let references = Reference::read(&fixtures().join("mimic_hand_pinocchio.jsonl"));
+    assert_eq!(references.len(), 4);
+    for reference in &references {
+        let [q, v, a] = ["q", "v", "a"].map(|key| reference.numbers(key));
+        reference.agrees("M", lagrangian.mass_matrix(&q).unwrap().as_slice(), "Pinocchio");
+        reference.agrees("tau", lagrangian.inverse_dynamics(&q, &v, &a).unwrap(), "Pinocchio");
+        reference.agrees("gravity", lagrangian.gravity(&q).unwrap(), "Pinocchio");
+    }
 }
 
 /// Twelve revolute joints, general axes.

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
 
 mod descriptions;
+mod known_kinematics;
 mod known_robots;
+mod mimics;
 mod texts;
 mod toml_files;
 mod urdf;

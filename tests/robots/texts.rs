@@ -52,6 +52,11 @@ pub fn tree(links: &[&str], joints: &[(&str, &str, &str, &str, &str)]) -> String
     text + "</robot>\n"
 }
 
+/// Joint 'x' (line 5) of a type and joint 'y' (line 6), both with something inside.
+pub fn mimics(kind: &str, x: &str, y: &str) -> String {
+    tree(&["base", "a", "b"], &[("x", kind, "base", "a", x), ("y", "revolute", "a", "b", y)])
+}
+
 pub fn load(text: &str) -> Robot {
     parse(text, LoadOptions::default()).unwrap()
 }

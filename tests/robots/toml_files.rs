@@ -66,6 +66,13 @@ refuses! {
     negative_friction: two("friction = { viscous = -1.0 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "-1"];
     zero_transition: two("friction = { coulomb = 1.0, coulomb_velocity = 0.0 }", ""), Some(3), E::BadValue { .. }, ["'a'"];
     negative_armature: two("armature = -0.1", ""), Some(3), E::BadValue { .. }, ["armature", "'a'"];
+    mimic_of_nothing: two("", "mimic = { joint = 'c' }"), Some(9), E::UnknownMimic { .. }, ["'b'", "'c'"];
+    mimics_in_a_circle: two("mimic = { joint = 'b' }", "mimic = { joint = 'a' }"), Some(3), E::MimicCycle { .. }, ["a -> b -> a"];
+    mimic_by_nothing: two("", "mimic = { joint = 'a', ratio = 0.0 }"), Some(9), E::BadValue { .. }, ["'b'", "ratio", "0"];
+    mimic_ratio_nan: two("", "mimic = { joint = 'a', ratio = nan }"), Some(9), E::BadValue { .. }, ["'b'", "ratio", "NaN"];
+    mimic_offset_infinite: two("", "mimic = { joint = 'a', offset = inf }"), Some(9), E::BadValue { .. }, ["'b'", "offset", "inf"];
+    mimic_without_joint: two("", "mimic = { ratio = 2.0 }"), Some(13), E::Malformed { .. }, ["joint"];
+    mimic_with_an_unknown_key: two("", "mimic = { joint = 'a', multiplier = 2.0 }"), Some(13), E::Malformed { .. }, ["`multiplier`", "ratio"];
     limits_swapped: two("limits = { lower = 1.0, upper = -1.0 }", ""), Some(3), E::BadValue { .. }, ["lower limit", "'a'"];
     last_link_massless: two("", "").replace(&format!("'b'\n{BODY}"), "'b'"), Some(9), E::MovesNothing { .. }, ["'b'", "armature", "fixed"];
     dh_without_convention: two("dh = { a = 1.0 }", ""), Some(3), E::Malformed { .. }, ["dh", "modified-dh", "'a'"];

@@ -88,7 +88,15 @@ refuses! {
     axis_zero_of_planar: elbow("planar", "<axis xyz=\"0 0 0\"/>"), line 8, E::BadAxis { .. }, ["elbow"];
     limit_is_text: elbow("revolute", "<limit lower=\"-pi\"/>"), line 8, E::Malformed { .. }, ["<limit>", "elbow", "'-pi'"];
     damping_is_text: elbow("revolute", "<dynamics damping=\"much\"/>"), line 8, E::Malformed { .. }, ["<dynamics>", "elbow"];
-    mimic: elbow("revolute", "<mimic joint=\"knee\"/>"), line 8, E::Mimic { .. }, ["elbow", "knee"];
+    mimic_of_nothing: elbow("revolute", "<mimic joint=\"knee\"/>"), line 8, E::UnknownMimic { .. }, ["elbow", "knee", "one of the joints"];
+    mimic_misspelt: elbow("revolute", "<mimic joint=\"elbwo\"/>"), line 8, E::UnknownMimic { .. }, ["'elbwo'", "did you mean 'elbow'?"];
+    mimic_of_itself: elbow("revolute", "<mimic joint=\"elbow\"/>"), line 6, E::MimicCycle { .. }, ["'elbow' mimics itself"];
+    mimics_in_a_circle: mimics("revolute", "<mimic joint=\"y\"/>", "<mimic joint=\"x\"/>"), line 5, E::MimicCycle { .. }, ["x -> y -> x"];
+    mimic_by_nothing: mimics("revolute", "", "<mimic joint=\"x\" multiplier=\"0\"/>"), line 6, E::BadValue { .. }, ["'y'", "ratio", "fixed"];
+    mimic_ratio_nan: mimics("revolute", "", "<mimic joint=\"x\" multiplier=\"nan\"/>"), line 6, E::Malformed { .. }, ["multiplier", "NaN", "'y'"];
+    mimic_without_joint: mimics("revolute", "", "<mimic/>"), line 6, E::Malformed { .. }, ["<mimic>", "joint"];
+    mimic_of_a_floating_joint: mimics("floating", "", "<mimic joint=\"x\"/>"), line 6, E::UnsupportedMimic { .. }, ["'y'", "'x'", "floating"];
+    planar_joint_that_mimics: mimics("planar", "<mimic joint=\"y\"/>", ""), line 5, E::UnsupportedMimic { .. }, ["'x'", "planar"];
     angles_and_quaternion: elbow("fixed", "<origin rpy=\"0 0 1\" quat_xyzw=\"0 0 0 1\"/>").replace("bench\"", "bench\" version=\"1.1\""),
         line 8, E::Malformed { .. }, ["<origin>", "elbow", "quat_xyzw"];
     moves_nothing: more("<link name=\"tip\"/>\n<joint name=\"spin\" type=\"revolute\"><parent link=\"arm\"/><child link=\"tip\"/></joint>"),

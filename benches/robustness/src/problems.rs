@@ -95,7 +95,7 @@ impl RobotName {
     fn torques(self, robot: &Robot) -> Vec<f64> {
         match self {
             Self::VerticalArm => vec![4.0 * 9.81, 1.5 * 9.81],
-            _ => robot.joints().iter().map(|joint| joint.limits.effort).collect(),
+            _ => robot.independent_joints().map(|joint| joint.limits.effort).collect(),
         }
     }
 }
@@ -114,7 +114,7 @@ pub fn problem(name: RobotName, variant: Variant, pair: usize) -> Result<Problem
     let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
     let reach = between(0.2, 1.5);
     let (mut from, mut to) = (Vec::new(), Vec::new());
-    for joint in robot.joints() {
+    for joint in robot.independent_joints() {
         let (low, high) = (joint.limits.lower.max(-PI), joint.limits.upper.min(PI));
         let q = between(low, high);
         from.push(q);

@@ -22,7 +22,7 @@ pub(super) fn random_sample(
     let n = robot.dof();
     let mut within = |low: f64, high: f64| low + (high - low) * rng.f64();
     let mut q = Vec::with_capacity(2 * n);
-    for joint in robot.joints() {
+    for joint in robot.independent_joints() {
         let (low, high) = range(joint);
         let position = within(low, high);
         q.push(if zero { 0.0 } else { position });

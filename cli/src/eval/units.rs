@@ -22,9 +22,9 @@ impl<'a> UnitCheck<'a> {
         if self.warned {
             return;
         }
-        let joints = self.robot.joints().iter().zip(q);
+        let joints = self.robot.independent_joints().zip(q);
         let is_suspicious = |kind, q: f64| kind == JointKind::Revolute && q.abs() > LARGEST_ANGLE;
-        if let Some((joint, q)) = joints.into_iter().find(|(joint, q)| is_suspicious(joint.kind, **q)) {
+        if let Some((joint, q)) = { joints }.find(|(joint, q)| is_suspicious(joint.kind, **q)) {
             self.warned = true;
             terminal::warning(format!(
                 "line {line}: revolute joint '{}' is at q = {} rad, more than two turns; angles are in radians, not \

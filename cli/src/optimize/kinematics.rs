@@ -54,7 +54,7 @@ pub fn moved(i: usize) -> usize {
 
 impl<'a> Skeleton<'a> {
     pub fn new(robot: &'a Robot) -> Self {
-        let n = robot.dof();
+        let n = robot.joints().len();
         let carries = |i: usize| robot.joints().iter().any(|joint| joint.parent == Some(i));
         let leaves: Vec<usize> = (0..n).filter(|&i| !carries(i)).collect();
         let mut lines = Vec::new();

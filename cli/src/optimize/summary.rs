@@ -55,7 +55,7 @@ impl<'a> Needed<'a> {
     fn new(problem: &Problem, solution: &'a Solution) -> Option<Self> {
         let violation = solution.motion.bound_violation?;
         let joint = solution.robot.joints.get(violation.control)?;
-        let kind = problem.robot.joints().get(violation.control)?.kind;
+        let kind = problem.robot.independent_joints().nth(violation.control)?.kind;
         let unit = units::of_joint(kind, units::EFFORT);
         Some(Self {
             joint,

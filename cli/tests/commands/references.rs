@@ -14,6 +14,8 @@ fn eval_agrees_with_the_references_by_every_route() {
         ("tests/fixtures/friction_tree.toml", "friction_tree"),
         ("tests/fixtures/mixed_chain.urdf", "mixed_chain"),
         ("tests/fixtures/mixed_tree.urdf", "mixed_tree"),
+        ("tests/fixtures/mimic_tree.toml", "mimic_tree"),
+        ("tests/fixtures/mimic_hand.urdf", "mimic_hand"),
         ("tests/fixtures/long_chain.urdf", "long_chain"),
     ] {
         for &route in ROUTES {

@@ -157,12 +157,12 @@ impl Problem {
     }
 
     pub(crate) fn unknown_joint(&self, key: Key, joint: String) -> ProblemError {
-        let joints = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        let joints = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
         ProblemError::UnknownJoint { key, joint, joints }
     }
 
     fn name(&self, joint: usize) -> String {
-        self.robot.joints()[joint].name.clone()
+        self.robot.joints()[self.robot.independent_indices()[joint]].name.clone()
     }
 }
 

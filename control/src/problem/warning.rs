@@ -59,7 +59,7 @@ impl Problem {
     pub fn warnings(&self) -> Vec<ProblemWarning> {
         let mut warnings = Vec::new();
         for (key, q) in [(Key::START_Q, &self.start.q), (Key::END_Q, &self.end.q)] {
-            for (joint, &value) in self.robot.joints().iter().zip(q) {
+            for (joint, &value) in self.robot.independent_joints().zip(q) {
                 if joint.kind == JointKind::Revolute && value.abs() > SUSPICIOUS_ANGLE {
                     warnings.push(ProblemWarning::LargeAngle { key, joint: joint.name.clone(), value });
                 }

@@ -19,7 +19,7 @@ impl Problem {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
         };
         let mut warnings = Vec::new();
-        for (i, joint) in self.robot.joints().iter().enumerate() {
+        for (i, joint) in self.robot.independent_joints().enumerate() {
             let limits = &joint.limits;
             let units = match joint.kind {
                 JointKind::Revolute => ["rad", "rad/s", "N m"],

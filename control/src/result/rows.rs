@@ -158,6 +158,6 @@ impl Trajectory {
     /// # Errors
     /// [`TrajectoryError`]: lists whose lengths do not fit, or numbers that are not finite.
     pub fn check(&self, robot: &Robot) -> Result<(), TrajectoryError> {
-        Rows::from(self).check(robot.joints().len())
+        Rows::from(self).check(robot.dof())
     }
 }

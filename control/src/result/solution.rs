@@ -52,7 +52,7 @@ pub struct RobotNames {
 impl RobotNames {
     /// The names of a robot.
     pub fn of(robot: &Robot) -> Self {
-        let joints = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        let joints = robot.independent_joints().map(|joint| joint.name.clone()).collect();
         Self { robot: robot.name().into(), joints }
     }
 }

@@ -152,7 +152,7 @@ fn free_ends_cost_least_among_all_ends() {
 #[test]
 fn six_joints_take_a_few_steps() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
-    let limits: Vec<f64> = robot.joints().iter().map(|joint| joint.limits.effort).collect();
+    let limits: Vec<f64> = robot.independent_joints().map(|joint| joint.limits.effort).collect();
     let mut problem = Problem::rest_to_rest(
         robot,
         &[0.0, -0.8, 2.4, 0.0, 0.6, 0.0],

@@ -106,7 +106,7 @@ fn free_ends_are_the_same() {
 #[test]
 fn six_joints_move_as_with_collocation() {
     let robot = Robot::from_file("../robots/puma560.toml").unwrap();
-    let limits: Vec<f64> = robot.joints().iter().map(|joint| joint.limits.effort).collect();
+    let limits: Vec<f64> = robot.independent_joints().map(|joint| joint.limits.effort).collect();
     let (from, to) = ([0.0, -0.8, 2.4, 0.0, 0.6, 0.0], [1.2, -0.2, 1.9, 0.4, 0.9, -0.5]);
     let mut problem = Problem::rest_to_rest(robot, &from, &to, 0.8);
     problem.cost.effort = limits.iter().map(|limit| 1.0 / (limit * limit)).collect();

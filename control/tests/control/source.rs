@@ -25,6 +25,7 @@ fn robots() -> Vec<Robot> {
         ["two_link.toml", "cart_pole.toml", "manutec_r3.toml", "puma560.toml", "ur5.urdf", "panda.urdf"];
     let mut files: Vec<_> = names.iter().map(|name| folder.join("../robots").join(name)).collect();
     files.push(folder.join("../tests/fixtures/friction_tree.toml"));
+    files.push(folder.join("../tests/fixtures/mimic_tree.toml"));
     files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
 }
 

@@ -9,7 +9,7 @@
 use crate::codegen::error::CodegenError;
 use crate::codegen::record::{Expr, replace_labels};
 use crate::robot::parameters::{Directions, Group, groups};
-use crate::robot::{Robot, Tree};
+use crate::robot::{JointMap, Robot, Tree};
 use crate::scalar::Scalar;
 use nalgebra::Matrix3;
 
@@ -91,6 +91,9 @@ fn turned_matrix(turn: &Matrix3<f64>, [xx, yy, zz, xy, xz, yz]: [Expr; 6]) -> [E
 
 /// The model whose constants are labels of these parameters, for the recording that runs.
 pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, CodegenError> {
+    if !robot.wrenches().is_empty() {
+        return Err(CodegenError::Wrenches { count: robot.wrenches().len() });
+    }
     let Directions { mut joints, turns, arms, world, mut armature } = Directions::from(robot);
     let mut rest = parameters.iter().copied();
     let mut next = || rest.next().unwrap_or(Expr::zero());
@@ -153,6 +156,9 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
             labels.product(0.5 * label * length, (mass * r).times(0.5));
         }
     }
+    let tree = Tree::from_parts(robot, joints, gravity, armature);
+    // Ratios and offsets of mimic joints are no parameters.
+    numbers.extend(tree.joint_map().into_iter().flat_map(JointMap::constants));
     replace_labels(labels.table, numbers)?;
-    Ok(Tree::from_parts(robot, joints, gravity, armature))
+    Ok(tree)
 }

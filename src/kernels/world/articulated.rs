@@ -2,7 +2,7 @@
 
 use super::WorldKernel;
 use super::articulated_inertia::Articulated;
-use super::group::{Body, Group, along_axis, force_lane, matrix_lane};
+use super::group::{Body, along_axis, force_lane, matrix_lane};
 use super::motion::{inward, moved};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
@@ -24,14 +24,15 @@ use crate::spatial::{Force, Motion};
 pub(crate) struct ArticulatedBodies<S> {
     /// Diagonal of the armature, by joint; all others by place.
     armature: Vec<f64>,
-    records: Vec<Record<S>>,
+    inertias: Vec<Articulated<S>>,
+    forces: Vec<Force<S>>,
     gains: Vec<Gain<S>>,
     motions: Vec<Motion<S>>,
     /// D, and the scales of their rounding errors, by place.
     pivots: Vec<S>,
     sizes: Vec<S>,
-    /// Derivatives of the inertias by the armature, for the check of the pivots.
-    changes: Vec<Articulated<S>>,
+    /// What the joints beyond add to the scale of a revolute joint.
+    scales: Vec<S>,
 }
 
 /// `U / D` and x.
@@ -39,37 +40,6 @@ pub(crate) struct ArticulatedBodies<S> {
 struct Gain<S> {
     force: Force<S>,
     rate: S,
-}
-
-/// An articulated body, the force on it, and the scale of the rounding error of its moments of inertia.
-#[derive(Clone, Copy, Debug)]
-struct Record<S> {
-    inertia: Articulated<S>,
-    force: Force<S>,
-    scale: S,
-}
-
-impl<S: Scalar> Record<S> {
-    fn zero() -> Self {
-        Self { inertia: Articulated::zero(), force: Force::zero(), scale: S::zero() }
-    }
-
-    /// A link alone: the one in this lane of a group.
-    #[inline(always)]
-    fn link(group: &Group<S::Pack>, lane: usize) -> Self {
-        let Body { mass, first_moment, matrix } = &group.body;
-        let inertia = Articulated::rigid(matrix_lane(matrix, lane), first_moment.lane(lane), mass.lane(lane));
-        Self { inertia, force: force_lane(&group.force, lane), scale: S::zero() }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, other: &Self) {
-        self.inertia.add(&other.inertia);
-        self.force = self.force + other.force;
-        if S::CHECKED {
-            self.scale += other.scale;
-        }
-    }
 }
 
 /// Pivots above this part of their scales are regular: several must lose five digits each before the error of
@@ -91,12 +61,13 @@ impl<S: Scalar> ArticulatedBodies<S> {
         let slack = Force::zero();
         Self {
             armature,
-            records: vec![Record::zero(); n],
-            changes: vec![Articulated::zero(); n],
+            inertias: vec![Articulated::zero(); n],
+            forces: vec![slack; n],
             gains: vec![Gain { force: slack, rate: S::zero() }; n],
             motions: vec![Motion::zero(); n],
             pivots: vec![S::zero(); n],
             sizes: vec![S::zero(); n],
+            scales: vec![S::zero(); n],
         }
     }
 
@@ -108,30 +79,19 @@ impl<S: Scalar> ArticulatedBodies<S> {
     /// [`Factor::factor`](crate::kernels::Factor::factor).
     #[inline(never)]
     pub fn solve(&mut self, tree: &Tree, kernel: &WorldKernel<S>, a: &mut [S]) -> Result<(), usize> {
-        let lanes = WorldKernel::<S>::LANES;
-        // What joint k + 1 hands to its parent k; other joints add to the record of theirs.
-        let mut handed = Record::zero();
+        self.take_links(kernel);
+        self.scales.fill(S::zero());
         for (k, place) in kernel.places.iter().enumerate().rev() {
             let (joint, kind, axis) = (place.joint, place.kind, kernel.joints[k].axes[2]);
-            let Record { inertia, force, scale } = {
-                let mut body = Record::link(&kernel.groups[k / lanes], k % lanes);
-                if place.end > k + 1 {
-                    body.add(&handed);
-                }
-                if place.branches {
-                    body.add(&std::mem::replace(&mut self.records[k], Record::zero()));
-                }
-                body
-            };
+            let (inertia, force) = (&self.inertias[k], self.forces[k]);
             let u = inertia.along(kind, axis);
             let pivot = along_axis(kind, axis, &u).plus(self.armature[joint]);
             let inverse = pivot.recip();
             let gain = Force { moment: u.moment.scaled(inverse), force: u.force.scaled(inverse) };
             let rest = a[joint] - along_axis(kind, axis, &force);
-            self.gains[k] = Gain { force: gain, rate: rest * inverse };
-            let scale = if S::CHECKED { scale + inertia.turning_scale() } else { scale };
+            self.pivots[k] = pivot;
+            let scale = if S::CHECKED { self.scales[k] + inertia.turning_scale() } else { S::zero() };
             if S::CHECKED {
-                self.pivots[k] = pivot;
                 self.sizes[k] = match kind {
                     JointKind::Revolute => scale.plus(self.armature[joint]),
                     JointKind::Prismatic => {
@@ -139,36 +99,46 @@ impl<S: Scalar> ArticulatedBodies<S> {
                     }
                 };
             }
-            let Some(parent) = place.parent else { continue };
-            let arm = kernel.joints[k].arm;
-            let force = Force {
-                moment: force.moment.plus_scaled(gain.moment, rest),
-                force: force.force.plus_scaled(gain.force, rest),
-            };
-            let pull = if S::CHECKED { inertia.pulling_scale() * arm.dot(arm) } else { S::zero() };
-            let moved = Record {
-                inertia: inertia.less(&u, &gain).shifted(arm),
-                force: inward(force, arm),
-                scale: if S::CHECKED { scale + pull } else { scale },
-            };
-            if parent + 1 == k {
-                handed = moved;
-            } else {
-                self.records[parent].add(&moved);
+            self.gains[k] = Gain { force: gain, rate: rest * inverse };
+            if let Some(parent) = place.parent {
+                let arm = kernel.joints[k].arm;
+                if S::CHECKED {
+                    self.scales[parent] += inertia.pulling_scale().mul_add(arm.dot(arm), scale);
+                }
+                let moved = inertia.less(&u, &gain).shifted(arm);
+                self.inertias[parent].add(&moved);
+                let force = Force {
+                    moment: force.moment.plus_scaled(gain.moment, rest),
+                    force: force.force.plus_scaled(gain.force, rest),
+                };
+                self.forces[parent] = self.forces[parent] + inward(force, arm);
             }
         }
         self.accelerate(kernel, a);
         if S::CHECKED { self.check_pivots(kernel) } else { Ok(()) }
     }
 
+    /// Links and the forces on them.
+    #[inline(always)]
+    fn take_links(&mut self, kernel: &WorldKernel<S>) {
+        let lanes = WorldKernel::<S>::LANES;
+        let bodies = self.inertias.chunks_mut(lanes).zip(self.forces.chunks_mut(lanes));
+        for (group, (inertias, forces)) in kernel.groups.iter().zip(bodies) {
+            for (lane, (inertia, force)) in inertias.iter_mut().zip(forces).enumerate() {
+                let Body { mass, first_moment, matrix } = &group.body;
+                *inertia =
+                    Articulated::rigid(matrix_lane(matrix, lane), first_moment.lane(lane), mass.lane(lane));
+                *force = force_lane(&group.force, lane);
+            }
+        }
+    }
+
     /// Accelerations from the base outward.
     #[inline(always)]
     fn accelerate(&mut self, kernel: &WorldKernel<S>, a: &mut [S]) {
-        let mut last = Motion::zero();
         for (k, place) in kernel.places.iter().enumerate() {
             let (axis, gain) = (kernel.joints[k].axes[2], &self.gains[k]);
             let mut motion = match place.parent {
-                Some(parent) if parent + 1 == k => moved(last, kernel.joints[k].arm),
                 Some(parent) => moved(self.motions[parent], kernel.joints[k].arm),
                 None => Motion::zero(),
             };
@@ -177,10 +147,7 @@ impl<S: Scalar> ArticulatedBodies<S> {
                 JointKind::Revolute => motion.angular = motion.angular.plus_scaled(axis, rate),
                 JointKind::Prismatic => motion.linear = motion.linear.plus_scaled(axis, rate),
             }
-            if place.branches {
-                self.motions[k] = motion;
-            }
-            (last, a[place.joint]) = (motion, rate);
+            (self.motions[k], a[place.joint]) = (motion, rate);
         }
     }
 
@@ -200,10 +167,10 @@ impl<S: Scalar> ArticulatedBodies<S> {
     fn check_changes(&mut self, kernel: &WorldKernel<S>) -> Result<(), usize> {
         let unit = 128.0 * S::EPSILON;
         let mut first = Ok(());
-        self.changes.fill(Articulated::zero());
+        self.inertias.fill(Articulated::zero());
         for (k, place) in kernel.places.iter().enumerate().rev() {
             let (axis, gain) = (kernel.joints[k].axes[2], &self.gains[k].force);
-            let change = &self.changes[k];
+            let change = &self.inertias[k];
             let u = change.along(place.kind, axis);
             let pivot = along_axis(place.kind, axis, &u) + self.sizes[k];
             if first.is_ok() && !S::all(pivot.times(unit).less(self.pivots[k])) {
@@ -216,7 +183,7 @@ impl<S: Scalar> ArticulatedBodies<S> {
                     force: u.force.plus_scaled(gain.force, half),
                 };
                 let moved = change.less(&rest, gain).less(gain, &rest);
-                self.changes[parent].add(&moved.shifted(kernel.joints[k].arm));
+                self.inertias[parent].add(&moved.shifted(kernel.joints[k].arm));
             }
         }
         first

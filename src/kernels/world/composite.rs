@@ -86,7 +86,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// M without armature, n x n, at the composite bodies.
     #[inline(never)]
     fn fill_mass_matrix(&mut self) {
-        let (places, [entries, _]) = (&self.places, &mut self.upper);
+        let (places, [entries, _]) = (&self.places, &mut self.lower);
         for (k, place) in places.iter().enumerate() {
             let axis: Vec3<S::Pack> = self.joints[k].axes[2].splat();
             let origin: Vec3<S::Pack> = self.joints[k].origin.splat();
@@ -104,13 +104,14 @@ impl<S: Scalar> WorldKernel<S> {
             }
             clear_beyond::<S>(row, place.end);
         }
-        let m = &mut self.mass_matrix;
-        if places.are_in_order() {
-            places.spread(entries, entries, |row, pack, entries| {
-                entries.write(&mut m.row_mut(row)[pack * Self::LANES..]);
-            });
-        } else {
-            places.spread(entries, entries, places.reorder(|i, j, entry| m[(i, j)] = entry));
+        places.mirror(entries, None);
+        if !places.are_in_order() {
+            places.reorder(entries, |i, j, entry| self.mass_matrix[(i, j)] = entry);
+            return;
+        }
+        for k in 0..places.len() {
+            let row = self.mass_matrix.row_mut(k).chunks_mut(Self::LANES);
+            row.zip(entries.row(k)).for_each(|(to, pack)| pack.write(to));
         }
     }
 }
@@ -122,7 +123,8 @@ pub(super) fn clear_beyond<S: Scalar>(row: &mut [S::Pack], end: usize) {
     row[last] = row[last].before(end - last * <S::Pack as Pack<S>>::LANES, S::Pack::zero());
 }
 
-/// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h v'`.
+/// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h
+/// v'`.
 #[inline(always)]
 fn rate_of_matrix<P: Scalar>(body: &Body<P>, w: Vec3<P>, v: Vec3<P>) -> Symmetric3<P> {
     inlined!(P, {

@@ -1,7 +1,7 @@
 //! Velocities, accelerations and forces in the axes of the world: inverse dynamics.
 
 use super::WorldKernel;
-use super::group::{add_force, along_axis, force_lane, motion_lane, set_motion};
+use super::group::{add_force, along_axis, force_lane, set_motion};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Motion, Vec3};
@@ -62,8 +62,8 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last; the forces of
-    /// links are added up.
+    /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last; the forces
+    /// of links are added up.
     #[inline(never)]
     pub fn sum_forces(&mut self, tau: &mut [S]) {
         for (k, place) in self.places.iter().enumerate().rev() {
@@ -88,13 +88,4 @@ pub(super) fn moved<S: Scalar>(motion: Motion<S>, arm: Vec3<S>) -> Motion<S> {
 #[inline(always)]
 pub(super) fn inward<S: Scalar>(force: Force<S>, arm: Vec3<S>) -> Force<S> {
     Force { moment: force.moment.plus_product(arm, force.force), force: force.force }
-}
-
-impl<S: Scalar> WorldKernel<S> {
-    /// `v x S` of joint k and its rate, by components of the lane.
-    #[inline(always)]
-    pub(super) fn psi(&self, k: usize) -> [Motion<S>; 2] {
-        let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
-        [motion_lane(&group.psi, lane), motion_lane(&group.psi_rate, lane)]
-    }
 }

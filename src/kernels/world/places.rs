@@ -15,8 +15,6 @@ pub(super) struct Place {
     pub kind: JointKind,
     /// Whether a joint before it on its branch is revolute.
     pub turns: bool,
-    /// Whether several joints stand on its link.
-    pub branches: bool,
 }
 
 /// The joints depth first.
@@ -46,70 +44,47 @@ impl Places {
             place_of[i] = k;
             let parent = joint.parent.map(|parent| place_of[parent]);
             let turns = parent.is_some_and(|p| places[p].turns || places[p].kind == JointKind::Revolute);
-            let (end, branches) = (k + tree.subtree(i).len(), tree.children(i).len() > 1);
-            places.push(Place { joint: i, parent, end, kind: joint.kind, turns, branches });
+            places.push(Place { joint: i, parent, end: k + tree.subtree(i).len(), kind: joint.kind, turns });
         }
         let in_order = places.iter().enumerate().all(|(k, place)| place.joint == k);
         Self { places, in_order }
-    }
-
-    /// Puts square blocks of a matrix where they belong, pack by pack: entries (i, j), j in the subtree of i,
-    /// from row i of the upper matrix and (j, i) from row i of the lower one. All others are zero.
-    ///
-    /// `put` takes a row and the number of a pack in it, by places.
-    #[inline(always)]
-    pub fn spread<S: Scalar>(
-        &self,
-        upper: &Panel<S>,
-        lower: &Panel<S>,
-        mut put: impl FnMut(usize, usize, S::Pack),
-    ) {
-        let (lanes, width, n) = (Panel::<S>::LANES, upper.width::<0>(), self.len());
-        let block = |panel: &Panel<S>, top: usize, side: usize| {
-            let mut block = [S::Pack::zero(); MOST_LANES];
-            for (r, pack) in block.iter_mut().enumerate().take(lanes) {
-                *pack = panel.packs()[(top * lanes + r) * width + side];
-            }
-            block
-        };
-        for (top, some) in self.chunks(lanes).enumerate() {
-            let end = some.iter().fold(0, |end, place| end.max(place.end)).div_ceil(lanes);
-            for side in top..end {
-                let (above, mut below) = (block(upper, top, side), block(lower, top, side));
-                S::Pack::transpose(&mut below[..lanes]);
-                for (r, (above, below)) in above.into_iter().zip(below).enumerate().take(lanes) {
-                    if side == top {
-                        if top * lanes + r < n {
-                            put(top * lanes + r, top, below.before(r, above));
-                        }
-                        continue;
-                    }
-                    put(top * lanes + r, side, above);
-                    if side * lanes + r < n {
-                        put(side * lanes + r, top, below);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Sets the entries of a matrix by joints, from [`spread`](Self::spread).
-    #[inline(always)]
-    pub fn reorder<S: Scalar>(
-        &self,
-        mut set: impl FnMut(usize, usize, S),
-    ) -> impl FnMut(usize, usize, S::Pack) {
-        move |row, pack, entries| {
-            let first = pack * Panel::<S>::LANES;
-            for (lane, place) in self[first..].iter().enumerate().take(Panel::<S>::LANES) {
-                set(self[row].joint, place.joint, entries.lane(lane));
-            }
-        }
     }
 
     /// Whether this is the order of the joints.
     #[inline(always)]
     pub fn are_in_order(&self) -> bool {
         self.in_order
+    }
+
+    /// Completes a square matrix below its diagonal: entry (j, i), j in the subtree of i, from entry (i, j)
+    /// of the lower matrix or, if it is symmetric, of the same.
+    #[inline(always)]
+    pub fn mirror<S: Scalar>(&self, entries: &mut Panel<S>, lower: Option<&Panel<S>>) {
+        let (lanes, width) = (Panel::<S>::LANES, entries.width::<0>());
+        for (top, some) in self.chunks(lanes).enumerate() {
+            let end = some.iter().fold(0, |end, place| end.max(place.end)).div_ceil(lanes);
+            for side in top..end {
+                let mut block = [S::Pack::zero(); MOST_LANES];
+                let rows = lower.unwrap_or(entries).packs();
+                for (r, pack) in block.iter_mut().enumerate().take(lanes) {
+                    *pack = rows[(top * lanes + r) * width + side];
+                }
+                S::Pack::transpose(&mut block[..lanes]);
+                let rows = entries.packs_mut();
+                for (r, pack) in block.iter().enumerate().take(lanes) {
+                    let to = &mut rows[(side * lanes + r) * width + top];
+                    *to = if side > top { *pack } else { pack.before(r, *to) };
+                }
+            }
+        }
+    }
+
+    /// Sets entry (i, j) of the joints from a square matrix by places.
+    pub fn reorder<S: Scalar>(&self, from: &Panel<S>, mut set: impl FnMut(usize, usize, S)) {
+        for (k, row) in self.iter().enumerate() {
+            for (l, column) in self.iter().enumerate() {
+                set(row.joint, column.joint, from.get(k, l));
+            }
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::WorldKernel;
 use super::composite::clear_beyond;
-use super::group::{Carried, Group, along_axis, force_lane};
+use super::group::{Carried, Group, along_axis, force_lane, motion_lane};
 use crate::matrix::Panel;
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
@@ -18,8 +18,8 @@ struct Meeting<P> {
 }
 
 impl<S: Scalar> WorldKernel<S> {
-    /// tau_q and tau_v, n x n, without springs, friction and armature, at the motion set last and the composite
-    /// bodies of its position. Entries of joints on different branches are left as they are.
+    /// tau_q and tau_v, n x n, without springs, friction and armature, at the motion set last and the
+    /// composite bodies of its position. Entries of joints on different branches are left as they are.
     ///
     /// With J', L and N the rate of the inertia matrix, the linear and the angular momentum of the composite
     /// body of joint j about its origin, f the force on it, w and s angular and linear part of a motion, the
@@ -41,39 +41,40 @@ impl<S: Scalar> WorldKernel<S> {
         for (group, carried) in self.groups.iter_mut().zip(&mut self.carried) {
             group.carry(carried);
         }
-        self.meet_all();
-        let places = &self.places;
-        for ((tau, upper), lower) in tau.iter_mut().zip(&self.upper).zip(&self.lower) {
-            if places.are_in_order() {
-                places.spread(upper, lower, |row, pack, entries| tau.row_mut(row)[pack] = entries);
-            } else {
-                places.spread(upper, lower, places.reorder(|i, j, entry| tau.set(i, j, entry)));
-            }
+        if self.places.are_in_order() {
+            return self.meet_all(tau);
+        }
+        let mut upper = std::mem::replace(&mut self.upper, [Panel::zeros(0, 0), Panel::zeros(0, 0)]);
+        self.meet_all(&mut upper);
+        self.upper = upper;
+        for (tau, upper) in tau.iter_mut().zip(&self.upper) {
+            self.places.reorder(upper, |i, j, entry| tau.set(i, j, entry));
         }
     }
 
     /// All entries, by places.
-    #[inline(never)]
-    fn meet_all(&mut self) {
-        for k in 0..self.places.len() {
-            let (place, joint, [psi, psi_rate]) = (self.places[k], &self.joints[k], self.psi(k));
-            let meeting = Meeting {
+    fn meet_all(&mut self, to: &mut [Panel<S>; 2]) {
+        let ([q_upper, v_upper], [q_lower, v_lower]) = (to, &mut self.lower);
+        for (k, place) in self.places.iter().enumerate() {
+            let (joint, lane) = (&self.joints[k], k % Self::LANES);
+            let group = &self.groups[k / Self::LANES];
+            let motion = |motion: &Motion<S::Pack>| motion_lane::<S, _>(motion, lane).splat();
+            let meeting: Meeting<S::Pack> = Meeting {
                 axis: joint.axes[2].splat(),
                 origin: joint.origin.splat(),
-                psi: psi.splat(),
-                psi_rate: psi_rate.splat(),
+                psi: motion(&group.psi),
+                psi_rate: motion(&group.psi_rate),
             };
-            let ([q_upper, v_upper], [q_lower, v_lower]) = (&mut self.upper, &mut self.lower);
-            let rows = [q_upper, q_lower, v_upper, v_lower].map(|panel| panel.row_mut(k));
+            let mut rows = [q_upper.row_mut(k), q_lower.row_mut(k), v_upper.row_mut(k), v_lower.row_mut(k)];
             let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
             match place.kind {
-                JointKind::Revolute => fill(rows, &self.carried, groups, &meeting, revolute),
-                JointKind::Prismatic => fill(rows, &self.carried, groups, &meeting, prismatic),
+                JointKind::Revolute => fill(&mut rows, &self.carried, groups, &meeting, revolute),
+                JointKind::Prismatic => fill(&mut rows, &self.carried, groups, &meeting, prismatic),
             }
-            for panel in self.upper.iter_mut().chain(&mut self.lower) {
-                clear_beyond::<S>(panel.row_mut(k), place.end);
-            }
+            rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
+        self.places.mirror(q_upper, Some(&*q_lower));
+        self.places.mirror(v_upper, Some(&*v_lower));
     }
 
     /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after
@@ -89,13 +90,13 @@ impl<S: Scalar> WorldKernel<S> {
 /// Entries ij, ji of tau_q and of tau_v for joint i and the joints of these groups.
 #[inline(always)]
 fn fill<P: Scalar>(
-    rows: [&mut [P]; 4],
+    rows: &mut [&mut [P]; 4],
     carried: &[Carried<P>],
     groups: Range<usize>,
     meeting: &Meeting<P>,
     entries: impl Fn(&Meeting<P>, &Carried<P>) -> [P; 4],
 ) {
-    let [a, b, c, d] = rows.map(|row| row[groups.clone()].iter_mut());
+    let [a, b, c, d] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
     for ((((carried, a), b), c), d) in carried[groups].iter().zip(a).zip(b).zip(c).zip(d) {
         [*a, *b, *c, *d] = entries(meeting, carried);
     }

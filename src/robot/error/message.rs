@@ -53,11 +53,16 @@ impl fmt::Display for RobotError {
                 printable(parent)
             ),
             Self::UnknownFrame { frame, nearest } => {
-                write!(f, "there is no frame '{}'{}", printable(frame), offer(nearest))
+                write!(f, "there is no frame '{}'{}", printable(frame), offer(nearest, "; `costate info --frames` lists the names"))
             }
             Self::BadFramePlacement { frame } => write!(
                 f,
                 "the placement of frame '{}' is not a finite right-handed rotation and translation; correct it",
+                printable(frame)
+            ),
+            Self::BadWrench { frame } => write!(
+                f,
+                "the wrench at frame '{}' has a number that is not finite; give finite moments and forces",
                 printable(frame)
             ),
             Self::UnknownChild { joint, child } => write!(
@@ -85,12 +90,28 @@ impl fmt::Display for RobotError {
                 printable(first),
                 printable(second)
             ),
-            Self::Mimic { joint, master } => write!(
+            Self::UnknownMimic { joint, master, nearest } => write!(
                 f,
-                "joint '{}' mimics joint '{}', but the joints of a tree are independent; \
-                 remove <mimic>, or make the joint fixed",
+                "joint '{}' mimics '{}', which does not exist{}",
                 printable(joint),
-                printable(master)
+                printable(master),
+                offer(nearest, "; name one of the joints, or remove the mimicry")
+            ),
+            Self::MimicCycle { joints } => match &joints[..] {
+                [joint] => write!(f, "joint '{}' mimics itself; name another joint", printable(joint)),
+                joints => write!(
+                    f,
+                    "the joints mimic each other in a loop: {}; let one of them mimic none",
+                    list(&[joints, &joints[..1]].concat(), " -> ")
+                ),
+            },
+            Self::UnsupportedMimic { joint, master, several, kind } => write!(
+                f,
+                "joint '{}' mimics '{}', but '{}' is {kind}: only joints of one degree of freedom can mimic or \
+                 be mimicked; remove <mimic>",
+                printable(joint),
+                printable(master),
+                printable(several)
             ),
             Self::UnsupportedJoint { joint, kind } => write!(
                 f,
@@ -159,9 +180,9 @@ impl fmt::Display for RobotError {
 }
 
 /// Names to use instead of an unknown one.
-fn offer(nearest: &[String]) -> String {
+fn offer(nearest: &[String], otherwise: &str) -> String {
     match nearest {
-        [] => "; `costate info --frames` lists the names".into(),
+        [] => otherwise.into(),
         nearest => format!("; did you mean '{}'?", list(nearest, "' or '")),
     }
 }

@@ -83,6 +83,11 @@ pub enum RobotError {
         /// The frame.
         frame: String,
     },
+    /// A wrench has a number that is not finite.
+    BadWrench {
+        /// The frame that it acts on.
+        frame: String,
+    },
     /// The child link does not exist.
     UnknownChild {
         /// The joint.
@@ -111,12 +116,30 @@ pub enum RobotError {
         /// Another one.
         second: String,
     },
-    /// A joint that copies another one.
-    Mimic {
+    /// A joint mimics one that does not exist.
+    UnknownMimic {
         /// The joint.
         joint: String,
-        /// The joint it copies.
+        /// The joint it mimics.
         master: String,
+        /// Names of joints that resemble it, the most similar first.
+        nearest: Vec<String>,
+    },
+    /// Joints that mimic each other in a loop.
+    MimicCycle {
+        /// The joints, each a mimic of the next, the last of the first.
+        joints: Vec<String>,
+    },
+    /// A joint of several degrees of freedom that mimics another one, or is mimicked.
+    UnsupportedMimic {
+        /// The joint with the mimicry.
+        joint: String,
+        /// The joint it mimics.
+        master: String,
+        /// Which of the two has several degrees of freedom.
+        several: String,
+        /// Its type.
+        kind: &'static str,
     },
     /// An unsupported type of joint.
     UnsupportedJoint {
@@ -170,7 +193,8 @@ pub enum RobotError {
         /// Its value (kg, kg m^2).
         value: f64,
     },
-    /// An inertia matrix that is not positive semidefinite.
+    /// An inertia matrix that is not positive semidefinite, by so much that M is not positive or cannot be
+    /// trusted.
     IndefiniteInertia {
         /// The link.
         link: String,
@@ -230,7 +254,8 @@ impl RobotError {
             Self::InFile { error, .. } => error.culprit(),
             Self::UnknownParent { joint, .. }
             | Self::UnknownChild { joint, .. }
-            | Self::Mimic { joint, .. }
+            | Self::UnknownMimic { joint, .. }
+            | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
@@ -238,14 +263,16 @@ impl RobotError {
             | Self::MovesNothing { joint }
             | Self::KinematicsOnly { joint } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
-            Self::Cycle { joints } => joints.first().map(String::as_str),
+            Self::Cycle { joints } | Self::MimicCycle { joints } => joints.first().map(String::as_str),
             Self::SeveralRoots { second, .. } => Some(second),
             Self::NonFiniteInertia { link, .. }
             | Self::NegativeMass { link, .. }
             | Self::OutOfRange { link, .. }
             | Self::IndefiniteInertia { link, .. } => Some(link),
             Self::DuplicateName { name, .. } => Some(name),
-            Self::UnknownFrame { frame, .. } | Self::BadFramePlacement { frame } => Some(frame),
+            Self::UnknownFrame { frame, .. }
+            | Self::BadFramePlacement { frame }
+            | Self::BadWrench { frame } => Some(frame),
             _ => None,
         }
     }

@@ -20,6 +20,7 @@
 //! spring = { stiffness = 10.0, rest = 0.0 }
 //! friction = { viscous = 0.1, coulomb = 0.5, coulomb_velocity = 0.01 }
 //! limits = { lower = -3.1, upper = 3.1, velocity = 2.0, effort = 97.6 }
+//! mimic = { joint = "elbow", ratio = -1.0, offset = 0.0 }       # q = ratio q_elbow + offset; default: none
 //!
 //! [[joint]]
 //! name = "elbow"
@@ -147,6 +148,9 @@ impl JointRow {
             });
         if let Some(parent) = parent {
             spec = spec.on(parent);
+        }
+        if let Some(mimic) = &self.mimic {
+            spec = spec.mimicking(&mimic.joint, mimic.ratio, mimic.offset);
         }
         let misplaced = |key, convention| {
             let name = printable(name);

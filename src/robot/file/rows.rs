@@ -55,6 +55,7 @@ pub(super) struct JointRow {
     pub(super) friction: FrictionNumbers,
     #[serde(default)]
     pub(super) limits: LimitNumbers,
+    pub(super) mimic: Option<MimicNumbers>,
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
@@ -122,6 +123,20 @@ pub(super) struct LimitNumbers {
     pub(super) upper: Option<f64>,
     pub(super) velocity: Option<f64>,
     pub(super) effort: Option<f64>,
+}
+
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct MimicNumbers {
+    pub(super) joint: String,
+    #[serde(default = "one")]
+    pub(super) ratio: f64,
+    #[serde(default)]
+    pub(super) offset: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 impl JointRow {

@@ -4,14 +4,16 @@
 //! merged into the body that carries them. `continuous` is revolute without position limits; `floating` and
 //! `planar` joints become several joints with massless links between them. Joints keep the order of the file,
 //! except that parents come before their children. Visual models, collision models, transmissions and
-//! extensions of simulators are not read. Elements and attributes that URDF does not know are ignored with a
-//! warning that names the line.
+//! extensions of simulators are not read. A joint with `<mimic>` follows another one
+//! ([`Mimic`](super::Mimic)); one that mimics a fixed joint is fixed at its offset. Elements and attributes
+//! that URDF does not know are ignored with a warning that names the line.
 //!
 //! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
 //! type (`<!DOCTYPE`) is refused.
 
 mod element;
 mod limits;
+mod mimics;
 mod quaternion;
 mod source;
 mod tree;
@@ -50,6 +52,7 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
 
 fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {
     let mut warnings = std::mem::take(&mut source.warnings);
+    mimics::settle(&mut source)?;
     let attached = tree::attachments(&source)?;
     let bodies = bodies(&source, &attached.links, &mut warnings)?;
     if let Some(root) = attached.root.map(|root| &source.links[root]).filter(|root| root.inertia.mass > 0.0) {
@@ -77,7 +80,10 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
         let line = match &error {
             RobotError::NoJoints { .. } => Some(source.line),
             RobotError::Strict { warnings } => warnings.iter().find_map(Warning::line),
-            error => error.culprit().and_then(|joint| lines.get(joint)).copied(),
+            error => error.culprit().and_then(|name| {
+                let link = || source.links.iter().find(|link| link.name == name).map(|link| link.line);
+                lines.get(name).copied().or_else(link)
+            }),
         };
         if line.is_some() { error.at(line) } else { error }
     })
@@ -108,7 +114,7 @@ fn bodies(
         }
     }
     for (link, inertia) in parts.iter().filter(|parts| parts.len() > 1).flatten() {
-        warnings.extend(checks::triangle_inequality(link, inertia));
+        warnings.extend(checks::principal_moments(link, inertia));
     }
     Ok(bodies)
 }
@@ -146,6 +152,7 @@ fn joints(
         let (joint, attachment) = (&source.joints[index], &attached.joints[index]);
         if let [only] = &mut specs[..] {
             only.limits = joint.limits;
+            only.mimic = joint.mimic.as_ref().map(|mimic| mimic.spec.clone());
         }
         if let Some(first) = specs.first_mut() {
             first.parent = attachment.carrier.and_then(|carrier| moving_link[carrier].clone());
@@ -157,8 +164,7 @@ fn joints(
             last.inertia = bodies[index];
         }
         friction(joint, &mut specs, options, &mut ignored, warnings);
-        if let JointType::Floating | JointType::Planar = joint.kind {
-            let kind = if joint.kind == JointType::Planar { "planar" } else { "floating" };
+        if let Some(kind) = joint.kind.with_several_freedoms() {
             warnings.push(Warning::Expanded { joint: joint.name.clone(), kind });
         }
         all.extend(specs.into_iter().map(|spec| (spec, joint.line)));

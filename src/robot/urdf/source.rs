@@ -6,7 +6,7 @@ use super::quaternion::roll_pitch_yaw;
 use super::vocabulary::Unknown;
 use super::xml::{self, Lines};
 use crate::robot::error::RobotError;
-use crate::robot::joint::Limits;
+use crate::robot::joint::{JointKind, Limits, MimicSpec};
 use crate::robot::link::{LinkInertia, Placement};
 use crate::robot::printable::printable;
 use crate::robot::warning::Warning;
@@ -36,6 +36,24 @@ impl JointType {
             _ => return None,
         })
     }
+
+    /// How a joint of one degree of freedom moves.
+    pub(super) fn moves(self) -> Option<JointKind> {
+        match self {
+            Self::Revolute | Self::Continuous => Some(JointKind::Revolute),
+            Self::Prismatic => Some(JointKind::Prismatic),
+            Self::Fixed | Self::Floating | Self::Planar => None,
+        }
+    }
+
+    /// The name of a type with several degrees of freedom.
+    pub(super) fn with_several_freedoms(self) -> Option<&'static str> {
+        match self {
+            Self::Floating => Some("floating"),
+            Self::Planar => Some("planar"),
+            Self::Revolute | Self::Continuous | Self::Prismatic | Self::Fixed => None,
+        }
+    }
 }
 
 /// A `<link>`.
@@ -60,6 +78,15 @@ pub(super) struct SourceJoint {
     pub(super) limits: Limits,
     /// Damping and friction, if there is `<dynamics>`.
     pub(super) dynamics: Option<[f64; 2]>,
+    pub(super) mimic: Option<SourceMimic>,
+    /// Position of a joint that became fixed (rad, m).
+    pub(super) fixed_at: f64,
+    pub(super) line: usize,
+}
+
+/// A `<mimic>`.
+pub(super) struct SourceMimic {
+    pub(super) spec: MimicSpec,
     pub(super) line: usize,
 }
 
@@ -206,6 +233,8 @@ impl<'a> Reader<'a> {
             axis: Vector3::x(),
             limits: Limits::default(),
             dynamics: None,
+            mimic: None,
+            fixed_at: 0.0,
             line: joint.line(),
         };
         if kind != JointType::Fixed {
@@ -218,8 +247,10 @@ impl<'a> Reader<'a> {
     /// What only a joint that moves has.
     fn motion(&mut self, joint: &Element<'_>, read: &mut SourceJoint) -> Result<(), RobotError> {
         if let Some(mimic) = joint.child("mimic")? {
-            let (joint, master) = (read.name.clone(), mimic.required_text("joint")?.to_owned());
-            return Err(RobotError::Mimic { joint, master }.at(mimic.line()));
+            let (ratio, offset) = (mimic.number("multiplier")?, mimic.number("offset")?);
+            let joint = mimic.required_text("joint")?.to_owned();
+            let spec = MimicSpec { joint, ratio: ratio.unwrap_or(1.0), offset: offset.unwrap_or(0.0) };
+            read.mimic = Some(SourceMimic { spec, line: mimic.line() });
         }
         if let Some(axis) = joint.child("axis")?.filter(|_| read.kind != JointType::Floating) {
             let xyz = axis

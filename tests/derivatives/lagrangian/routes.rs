@@ -14,8 +14,8 @@ const LARGE: u32 = 64;
 properties! {
     LARGE;
 
-    /// Articulated bodies and M with its factors; products of pairs in the axes of the world and kernels one and
-    /// two, which serve the Legendre map.
+    /// Articulated bodies and M with its factors; products of pairs in the axes of the world and kernels one
+    /// and two, which serve the Legendre map.
     #[test]
     fn large_trees_have_the_same_dynamics_by_every_route(case in cases(32)) {
         let (robot, n) = (case.robot(), case.n());

@@ -24,6 +24,7 @@ pub struct Bench {
 
 impl Bench {
     pub fn new(case: &Case) -> Self {
+        let case = &case.all_independent();
         let (robot, n, q) = (case.robot(), case.n(), &case.q);
         let tree = Tree::from(&robot);
         let mut ours = MassMatrixDerivatives::new(&tree);

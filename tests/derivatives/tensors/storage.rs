@@ -19,7 +19,7 @@ properties! {
     /// N1, N2 and (46), counted: slots that hold a number, and indices that are listed.
     #[test]
     fn counts_on_serial_chains(case in all_cases(12).prop_map(serial)) {
-        let (tree, n) = (Tree::from(&case.robot()), case.n());
+        let (tree, n) = (Tree::from(&case.robot()), case.parts.len());
         let mut ours = MassMatrixDerivatives::<f64>::new(&tree);
         prop_assert_eq!(computed(ours.stored_mass_second()), 0);
         ours.update(&tree, &case.q).unwrap();

@@ -22,6 +22,8 @@ pub struct Part {
     pub armature: f64,
     pub spring: [f64; 2],
     pub friction: [f64; 3],
+    /// The joint that it mimics, with ratio and offset, unless none can be found; see [`Case::mimicked`].
+    pub mimic: Option<(usize, f64, f64)>,
 }
 
 /// A robot and a state; printed whole where a property fails.
@@ -77,7 +79,34 @@ fn part() -> impl Strategy<Value = Part> {
         let (prismatic, parent, rpy, xyz, axis) = joint;
         let (mass, com, radii, massless) = link;
         let (armature, spring, friction) = extras;
-        Part { prismatic, parent, rpy, xyz, axis, mass, com, radii, massless, armature, spring, friction }
+        let mimic = None;
+        Part {
+            prismatic,
+            parent,
+            rpy,
+            xyz,
+            axis,
+            mass,
+            com,
+            radii,
+            massless,
+            armature,
+            spring,
+            friction,
+            mimic,
+        }
+    })
+}
+
+/// Joints, of which in every fourth robot some mimic others: by any ratio, with and without an offset.
+fn parts(count: usize) -> impl Strategy<Value = Vec<Part>> {
+    let ratio = prop_oneof![Just(1.0), Just(-1.0), 0.3..2.0, -2.0..-0.3];
+    let mimic = (0..1000_usize, ratio, prop_oneof![Just(0.0), -1.0..1.0]);
+    let mimics = prop::collection::vec(prop::option::weighted(0.4, mimic), count);
+    let mimics = prop_oneof![3 => Just(vec![None; count]), 1 => mimics];
+    (prop::collection::vec(part(), count), mimics).prop_map(|(mut parts, mimics)| {
+        parts.iter_mut().zip(mimics).for_each(|(part, mimic)| part.mimic = mimic);
+        parts
     })
 }
 
@@ -91,12 +120,13 @@ pub fn cases(most: usize) -> impl Strategy<Value = Case> {
 
 /// Robots of 1 to `most` joints, and states; q = 0 and v = 0 among them. Joints may be redundant.
 pub fn all_cases(most: usize) -> impl Strategy<Value = Case> {
-    (1..=most).prop_flat_map(|n| {
+    (1..=most).prop_flat_map(parts).prop_flat_map(|parts| {
+        let (n, all) = (independent(&parts), parts.len());
         let vector = move |range: f64| prop::collection::vec(-range..range, n);
         let zero = Just(vec![0.0; n]);
         (
-            prop::collection::vec(part(), n),
-            prop_oneof![3 => Just(Vec::new()), 1 => prop::collection::vec(-0.5..0.5, n * n)],
+            Just(parts),
+            prop_oneof![3 => Just(Vec::new()), 1 => prop::collection::vec(-0.5..0.5, all * all)],
             prop_oneof![Just([0.0, 0.0, -9.81]), Just([0.0; 3]), numbers(9.81)],
             prop_oneof![4 => vector(PI).boxed(), 1 => zero.clone().boxed()],
             prop_oneof![4 => vector(2.0).boxed(), 1 => zero.boxed()],
@@ -115,9 +145,32 @@ pub fn all_cases(most: usize) -> impl Strategy<Value = Case> {
     })
 }
 
+/// Number of joints that mimic none.
+fn independent(parts: &[Part]) -> usize {
+    (0..parts.len()).filter(|&i| mimicked(parts, i).is_none()).count()
+}
+
+/// See [`Case::mimicked`].
+fn mimicked(parts: &[Part], i: usize) -> Option<usize> {
+    let (choice, ..) = parts[i].mimic?;
+    let later: Vec<usize> = (i + 1..parts.len()).filter(|&k| parts[k].mimic.is_none()).collect();
+    match (choice % 2, i) {
+        (1, _) | (_, 0) if !later.is_empty() => Some(later[choice / 2 % later.len()]),
+        (_, 0) => None,
+        _ => Some(choice / 2 % i),
+    }
+}
+
 impl Case {
+    /// Number of degrees of freedom.
     pub fn n(&self) -> usize {
-        self.parts.len()
+        independent(&self.parts)
+    }
+
+    /// The joint that joint `i` mimics: one before it, which may mimic another one itself, or an independent
+    /// one after it.
+    pub fn mimicked(&self, i: usize) -> Option<usize> {
+        mimicked(&self.parts, i)
     }
 
     /// Parent of joint `i`: one of those before it, or the world; chains are as likely as branches.
@@ -126,11 +179,33 @@ impl Case {
         if choice.is_multiple_of(2) { i.checked_sub(1) } else { (choice % (i + 1)).checked_sub(1) }
     }
 
+    /// The same with every joint independent, where it was; u and y are repeated.
+    pub fn all_independent(&self) -> Self {
+        let robot = self.robot();
+        let rates = robot.joints().iter().map(|joint| joint.mimic);
+        let indices = robot.independent_indices();
+        let of = |joint: usize, x: &[f64]| indices.iter().position(|&i| i == joint).map_or(0.0, |k| x[k]);
+        let v = rates.enumerate().map(|(i, mimic)| match mimic {
+            Some(mimic) => mimic.ratio * of(mimic.joint, &self.v),
+            None => of(i, &self.v),
+        });
+        let repeated = |x: &[f64], count: usize| x.iter().cycle().take(count).copied().collect();
+        let all = self.parts.len();
+        Self {
+            q: robot.joint_positions(&self.q).unwrap(),
+            v: v.collect(),
+            u: repeated(&self.u, all),
+            y: repeated(&self.y, 2 * all),
+            parts: self.parts.iter().map(|part| Part { mimic: None, ..part.clone() }).collect(),
+            ..self.clone()
+        }
+    }
+
     pub fn specs(&self) -> Vec<JointSpec> {
         let name = |i: usize| format!("j{i}");
         let spec = |(i, part): (usize, &Part)| {
             let [viscous, coulomb, coulomb_velocity] = part.friction;
-            let massless = part.massless && i + 1 < self.n() && self.parent(i + 1) == Some(i);
+            let massless = part.massless && i + 1 < self.parts.len() && self.parent(i + 1) == Some(i);
             let mut spec =
                 if part.prismatic { JointSpec::prismatic(name(i)) } else { JointSpec::revolute(name(i)) }
                     .placed(Placement::from_xyz_rpy(part.xyz, part.rpy))
@@ -140,6 +215,9 @@ impl Case {
                     .friction(Friction { viscous, coulomb, coulomb_velocity });
             if !massless {
                 spec = spec.carrying(self.link(part));
+            }
+            if let (Some(joint), Some((_, ratio, offset))) = (self.mimicked(i), part.mimic) {
+                spec = spec.mimicking(name(joint), ratio, offset);
             }
             match self.parent(i) {
                 Some(parent) => spec.on(name(parent)),
@@ -163,7 +241,8 @@ impl Case {
         if self.coupling.is_empty() {
             return builder.build().unwrap();
         }
-        let factor = DMatrix::from_row_slice(self.n(), self.n(), &self.coupling);
+        let joints = self.parts.len();
+        let factor = DMatrix::from_row_slice(joints, joints, &self.coupling);
         builder.armature_matrix(&factor * factor.transpose()).build().unwrap()
     }
 

@@ -29,7 +29,7 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
         plot.marks.clone_from(&motion.solution.motion.switches);
         (file.to_owned(), plot)
     };
-    let angles = if robot.joints().iter().any(|joint| joint.kind == JointKind::Prismatic) {
+    let angles = if robot.independent_joints().any(|joint| joint.kind == JointKind::Prismatic) {
         "positions"
     } else {
         "angles"
@@ -50,7 +50,7 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
 
 /// One curve for each joint.
 fn curves(robot: &Robot, t: &[f64], rows: &[Vec<f64>]) -> Vec<Curve> {
-    let joints = robot.joints().iter().enumerate();
+    let joints = robot.independent_joints().enumerate();
     joints
         .map(|(i, joint)| Curve {
             name: joint.name.clone(),
@@ -70,7 +70,7 @@ fn names_of_controls(motion: &Motion<'_>, unit: &str) -> (&'static str, String) 
     if motion.problem.gain.iter().any(|&gain| gain != 1.0) {
         return ("Control", "u, before the gain".into());
     }
-    let slides = motion.problem.robot.joints().iter().any(|joint| joint.kind == JointKind::Prismatic);
+    let slides = motion.problem.robot.independent_joints().any(|joint| joint.kind == JointKind::Prismatic);
     (if slides { "Control" } else { "Torque" }, format!("u ({unit})"))
 }
 
@@ -91,7 +91,8 @@ fn levels(motion: &Motion<'_>, i: usize) -> Vec<Curve> {
             return levels;
         }
     }
-    let limit = motion.problem.robot.joints()[i].limits.effort / motion.problem.gain[i].abs();
+    let robot = &motion.problem.robot;
+    let limit = robot.joints()[robot.independent_indices()[i]].limits.effort / motion.problem.gain[i].abs();
     let largest = column(t, u, i).iter().fold(0.0_f64, |largest, (_, u)| largest.max(u.abs()));
     let near = (0.5..4.0).contains(&(largest / limit));
     if near { [-limit, limit].map(|limit| level(limit, Look::Limit)).into() } else { Vec::new() }
@@ -124,7 +125,7 @@ pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
     let Trajectory { t, u, .. } = &motion.solution.trajectory;
     let names = file_names(robot);
     let panel = |(i, curve): (usize, Curve)| {
-        let joint = &robot.joints()[i];
+        let joint = &robot.joints()[robot.independent_indices()[i]];
         let (title, label) = names_of_controls(motion, units::of_joint(joint.kind, units::EFFORT));
         let mut plot = Plot::over_time(format!("{title} {}", cut(&joint.name, 30)), label).small();
         plot.curves = levels(motion, i).into_iter().chain([curve]).collect();
@@ -139,7 +140,7 @@ pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
 fn file_names(robot: &Robot) -> Vec<String> {
     let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let names: Vec<String> =
-        robot.joints().iter().map(|joint| joint.name.chars().take(60).map(safe).collect()).collect();
+        robot.independent_joints().map(|joint| joint.name.chars().take(60).map(safe).collect()).collect();
     let is_unique = |name: &str| names.iter().filter(|other| other.eq_ignore_ascii_case(name)).count() == 1;
     let distinct = |(i, name): (usize, &String)| match is_unique(name) {
         true => name.clone(),

@@ -14,7 +14,7 @@ pub const MOMENTUM_COSTATE: Units = ["cost/(N m s)", "cost/(N s)"];
 
 /// The unit; both units if the robot has joints of both kinds.
 pub fn of_robot(robot: &Robot, [revolute, prismatic]: Units) -> String {
-    let has = |kind| robot.joints().iter().any(|joint| joint.kind == kind);
+    let has = |kind| robot.independent_joints().any(|joint| joint.kind == kind);
     match (has(JointKind::Revolute), has(JointKind::Prismatic)) {
         (true, true) => format!("{revolute}, {prismatic}"),
         (false, _) => prismatic.into(),

@@ -196,11 +196,10 @@ impl Tables {
 
 /// Indices of joints, sorted, each once.
 fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Result<Vec<usize>, ProblemError> {
-    let joints = problem.robot.joints();
     let index = |name: &JointName| match name {
         JointName::Index(index) => Ok(*index),
         JointName::Name(name) => {
-            let found = joints.iter().position(|joint| joint.name == *name);
+            let found = problem.robot.independent_joints().position(|joint| joint.name == *name);
             found.ok_or_else(|| problem.unknown_joint(key, format!("'{name}'")))
         }
     };

@@ -1,0 +1,222 @@
+//! Kinematics: poses, velocities and accelerations of frames, Jacobians, the centre of mass, momentum, and
+//! their contracted second derivatives.
+//!
+//! For a frame at the point x on the link of joint k, only the joints on the path from the base to k count.
+//! With the axis $z\_i$ of joint i through $o\_i$, the column i of its Jacobian has an angular part $w\_i$
+//! and a linear part $c\_i = x\_{,i}$:
+//!
+//! $$ w\_i = z\_i, \quad c\_i = z\_i \times (x - o\_i) \quad\text{(revolute)}, \qquad
+//! w\_i = 0, \quad c\_i = z\_i \quad\text{(prismatic)} $$
+//!
+//! A joint turns everything beyond it as one rigid body. Where i is j or nearer to the base,
+//!
+//! $$ x\_{,ij} = w\_i \times c\_j, \qquad w\_{j,i} = w\_i \times w\_j, \qquad w\_{i,j} = 0 \quad (i \ne j) $$
+//!
+//! so that every contracted second derivative is one product for each pair of joints on the path: O(n d) for
+//! n joints on paths of d. [`Kinematics`] computes all of this for any scalar.
+//!
+//! All vectors have the axes of the world of the robot, as in [`Robot::poses`], if not said otherwise. In
+//! six-vectors the angular part comes first, as in [`Motion`](crate::spatial::Motion).
+
+mod body;
+mod centroidal;
+mod columns;
+mod contraction;
+mod external;
+mod frame;
+mod logarithm;
+mod moment;
+mod momentum;
+mod momentum_hessian;
+mod momentum_term;
+mod orientation;
+mod pairs;
+mod reference_frame;
+mod sweep;
+mod term;
+
+pub use centroidal::CentreOfMass;
+pub use external::ExternalForces;
+pub use frame::Pose;
+pub use momentum::Momentum;
+pub use orientation::{OrientationContraction, OrientationError};
+pub use reference_frame::ReferenceFrame;
+
+use crate::error::EvalError;
+use crate::kernels::check;
+use crate::matrix::Matrix;
+use crate::robot::{Robot, Tree, TreeFrame};
+use crate::scalar::Scalar;
+use crate::spatial::{Inertia, Vec3};
+use body::Body;
+use columns::Column;
+use moment::Moment;
+use momentum_term::MomentumTerm;
+use pairs::OrderedPairs;
+use term::Term;
+
+/// Workspace for the kinematics of one robot; no call allocates.
+///
+/// [`set_position`](Self::set_position), [`set_state`](Self::set_state) or
+/// [`set_motion`](Self::set_motion) place the robot; all other methods read from there. Before the first of
+/// them the robot is at rest at q = 0. Frames are given by their position in [`Robot::frames`], which
+/// [`Robot::frame_index`] finds. Every method that takes one can fail with [`EvalError::NoFrame`]; those that
+/// take slices fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+///
+/// ```
+/// use costate::kinematics::{Kinematics, ReferenceFrame};
+/// use costate::robot::Robot;
+///
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let arm = Robot::from_file("robots/ur5.urdf")?;
+/// let tool = arm.frame_index("tool0")?;
+/// let mut kinematics = Kinematics::<f64>::new(&arm);
+/// kinematics.set_state(&[0.3, -1.2, 0.8, 0.1, 0.5, 0.0], &[0.1; 6])?;
+/// let pose = kinematics.pose(tool)?;
+/// let twist = kinematics.twist(tool, ReferenceFrame::LocalWorldAligned)?;
+/// println!("the tool is at {:?} and moves with {:?}", pose.position, twist.linear);
+/// let jacobian = kinematics.jacobian(tool, ReferenceFrame::Local)?;
+/// println!("J = {}", jacobian.view().as_nalgebra());
+/// // The curvature of the height of the tool over the joint space.
+/// let height_qq = kinematics.position_hessian(tool, &[0.0, 0.0, 1.0])?;
+/// assert!((height_qq[(1, 2)] - height_qq[(2, 1)]).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Kinematics<S: Scalar> {
+    tree: Tree,
+    bodies: Vec<Body<S>>,
+    /// What the frame or the centre of mass that was asked for last needs of each joint.
+    columns: Vec<Column<S>>,
+    terms: Vec<Term<S>>,
+    pairs: OrderedPairs<S>,
+    moments: Vec<Moment<S>>,
+    momentum_terms: Vec<MomentumTerm<S>>,
+    composites: Vec<Inertia<S>>,
+    zero: Vec<S>,
+    /// 6 x n.
+    jacobian: Matrix<S>,
+    /// 6 x n.
+    jacobian_rate: Matrix<S>,
+    /// 3 x n.
+    rows: Matrix<S>,
+    /// 3 x n.
+    rows_rate: Matrix<S>,
+    /// n x n.
+    square: Matrix<S>,
+    /// 2n x 2n.
+    whole: Matrix<S>,
+}
+
+impl<S: Scalar> Kinematics<S> {
+    /// Builds the workspace. Later calls do not allocate.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(Tree::from(robot))
+    }
+
+    /// As [`new`](Self::new), from an existing [`Tree`].
+    #[inline(never)]
+    pub fn from_tree(tree: Tree) -> Self {
+        let n = tree.dof();
+        let mut kinematics = Self {
+            bodies: vec![Body::still(); n],
+            columns: vec![Column::zero(); n],
+            terms: vec![Term::zero(); n],
+            pairs: OrderedPairs::new(n),
+            moments: vec![Moment::zero(); n],
+            momentum_terms: vec![MomentumTerm::zero(); n],
+            composites: tree.joints().iter().map(|joint| joint.inertia.lift()).collect(),
+            zero: vec![S::zero(); n],
+            jacobian: Matrix::zeros(6, n),
+            jacobian_rate: Matrix::zeros(6, n),
+            rows: Matrix::zeros(3, n),
+            rows_rate: Matrix::zeros(3, n),
+            square: Matrix::zeros(n, n),
+            whole: Matrix::zeros(2 * n, 2 * n),
+            tree,
+        };
+        let zero = std::mem::take(&mut kinematics.zero);
+        kinematics.place(&zero, &zero, &zero);
+        kinematics.zero = zero;
+        kinematics
+    }
+
+    /// Number of joints, n.
+    pub fn dof(&self) -> usize {
+        self.tree.dof()
+    }
+
+    /// The model.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// Places the robot at q (rad, m; length n), at rest.
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    pub fn set_position(&mut self, q: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q)])?;
+        self.place_still(q);
+        Ok(())
+    }
+
+    /// Places the robot at q, v (rad/s, m/s; length n), with the accelerations of the joints zero: every
+    /// acceleration is then the bias `Jdot v`.
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    pub fn set_state(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("v", v)])?;
+        self.place_moving(q, v);
+        Ok(())
+    }
+
+    /// Places the robot at q, v, a (rad/s^2, m/s^2; length n).
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    pub fn set_motion(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("v", v), ("a", a)])?;
+        self.place(q, v, a);
+        Ok(())
+    }
+
+    /// As [`set_position`](Self::set_position), without a check.
+    fn place_still(&mut self, q: &[S]) {
+        let zero = std::mem::take(&mut self.zero);
+        self.place(q, &zero, &zero);
+        self.zero = zero;
+    }
+
+    /// As [`set_state`](Self::set_state), without a check.
+    fn place_moving(&mut self, q: &[S], v: &[S]) {
+        let zero = std::mem::take(&mut self.zero);
+        self.place(q, v, &zero);
+        self.zero = zero;
+    }
+
+    /// The frame of this number.
+    fn frame(&self, frame: usize) -> Result<TreeFrame, EvalError> {
+        let frames = self.tree.frames();
+        let last = frames.len().saturating_sub(1);
+        frames.get(frame).copied().ok_or(EvalError::NoFrame { frame, last })
+    }
+
+    /// The body that carries a frame; `None` for the world.
+    fn carrier(&self, frame: &TreeFrame) -> Option<&Body<S>> {
+        frame.joint.map(|k| &self.bodies[k])
+    }
+
+    /// Every argument has n finite entries.
+    fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
+    }
+}
+
+/// Writes a vector to column j of three rows of a matrix.
+fn put<S: Scalar>(matrix: &mut Matrix<S>, first: usize, j: usize, value: Vec3<S>) {
+    for (row, entry) in value.to_array().into_iter().enumerate() {
+        matrix[(first + row, j)] = entry;
+    }
+}

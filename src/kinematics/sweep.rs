@@ -1,0 +1,57 @@
+//! Poses, velocities and accelerations of the links, from the base outward.
+
+use super::Kinematics;
+use super::body::Body;
+use crate::robot::JointKind;
+use crate::scalar::Scalar;
+use crate::spatial::Vec3;
+
+impl<S: Scalar> Kinematics<S> {
+    /// All links at (q, v, a), n each:
+    ///
+    /// ```text
+    /// R_i = R_p R_pi(q_i)               o_i = o_p + r              r = R_p r_pi(q_i)
+    /// w_i = w_p + z v                   o_i' = o_p' + w_p x r (+ z v)
+    /// w_i' = w_p' + (w_p x z) v + z a   o_i'' = o_p'' + w_p' x r + w_p x (o_i' - o_p') (+ (w_p x z) v + z a)
+    /// ```
+    ///
+    /// with the terms of z in one of the two columns: the left for a revolute joint, the right for a
+    /// prismatic one.
+    #[inline(never)]
+    pub(super) fn place(&mut self, q: &[S], v: &[S], a: &[S]) {
+        let world = Body { rows: self.world_axes(), ..Body::still() };
+        for (i, joint) in self.tree.joints().iter().enumerate() {
+            let parent = joint.parent.map_or(world, |p| self.bodies[p]);
+            let transform = joint.transform(q[i]);
+            let [(x, along_x), (y, along_y), (z, along_z)] =
+                parent.rows.map(|row| transform.vector_down_with_arm(row));
+            let (rows, arm) = ([x, y, z], Vec3::new(along_x, along_y, along_z));
+            let position = parent.position + arm;
+            let mut body = Body { joint: transform.joint, rows, position, ..parent };
+            let axis = body.axis();
+            let (rate, rate_of_rate) = (axis.scaled(v[i]), axis.scaled(a[i]));
+            let turned = parent.angular.cross(rate) + rate_of_rate;
+            let carried = parent.angular.cross(arm);
+            body.linear = parent.linear + carried;
+            match joint.kind {
+                JointKind::Revolute => {
+                    body.angular = parent.angular + rate;
+                    body.angular_rate = parent.angular_rate + turned;
+                    body.linear_rate = parent.linear_rate + parent.angular.cross(carried);
+                }
+                JointKind::Prismatic => {
+                    body.linear = body.linear + rate;
+                    body.linear_rate = parent.linear_rate + parent.angular.cross(carried + rate) + turned;
+                }
+            }
+            body.linear_rate = body.linear_rate + parent.angular_rate.cross(arm);
+            self.bodies[i] = body;
+        }
+    }
+
+    /// The axes of the world of the robot, seen from the aligned world.
+    fn world_axes(&self) -> [Vec3<S>; 3] {
+        let world = self.tree.world_rotation();
+        [0, 1, 2].map(|axis| Vec3::constant(world.column(axis).into_owned().into()))
+    }
+}

@@ -1,0 +1,62 @@
+//! The generalised forces of wrenches from outside, in inverse and forward dynamics.
+//!
+//! They act as actuation does: inverse dynamics subtracts tau(q), and its derivatives those of tau.
+
+use super::{Lagrangian, LagrangianSecondOrder};
+use crate::error::EvalError;
+use crate::matrix::{Matrix, add_scaled};
+use crate::scalar::Scalar;
+
+impl<S: Scalar> Lagrangian<S> {
+    /// Changes wrench `k` of [`Robot::wrenches`](crate::robot::Robot::wrenches) to this moment (N m) and
+    /// force (N), in the axes that it was given in.
+    ///
+    /// # Errors
+    /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        match &mut self.external {
+            Some(external) => external.set_wrench(k, moment, force),
+            None => Err(EvalError::NoWrench { wrench: k, count: 0 }),
+        }
+    }
+
+    /// Subtracts them from tau of inverse dynamics.
+    pub(super) fn subtract_wrenches(&mut self, q: &[S]) {
+        if let Some(external) = &mut self.external {
+            self.tau
+                .iter_mut()
+                .zip(external.evaluate(q))
+                .for_each(|(tau, &from_outside)| *tau -= from_outside);
+        }
+    }
+
+    /// Subtracts their Jacobian from tau_q of inverse dynamics.
+    pub(super) fn subtract_wrench_slopes(&mut self, q: &[S]) {
+        if let Some(external) = &mut self.external {
+            let slopes = external.linearise(q);
+            for i in 0..q.len() {
+                add_scaled(self.tau_q.row_mut(i), -S::one(), slopes.row(i));
+            }
+        }
+    }
+
+    /// Subtracts their Hessian, contracted with w, from the block (q, q) of that of inverse dynamics.
+    pub(super) fn subtract_wrench_curvature(&mut self, q: &[S], w: &[S], w_tau_zz: &mut Matrix<S>) {
+        if let Some(external) = &mut self.external {
+            let curvature = external.contract(q, w);
+            for i in 0..q.len() {
+                add_scaled(&mut w_tau_zz.row_mut(i)[..q.len()], -S::one(), curvature.row(i));
+            }
+        }
+    }
+}
+
+impl<S: Scalar> LagrangianSecondOrder<S> {
+    /// As [`Lagrangian::set_wrench`].
+    ///
+    /// # Errors
+    /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        self.first().set_wrench(k, moment, force)
+    }
+}

@@ -1,0 +1,51 @@
+//! Robots under forces and moments from outside.
+
+use super::error::RobotError;
+use super::model::Robot;
+use super::wrench::{AppliedWrench, Wrench};
+
+impl Robot {
+    /// The wrenches from outside, in the order in which they were added.
+    pub fn wrenches(&self) -> &[AppliedWrench] {
+        &self.wrenches
+    }
+
+    /// The same robot without wrenches.
+    pub fn without_wrenches(&self) -> Self {
+        Self { wrenches: Vec::new(), ..self.clone() }
+    }
+
+    /// The same robot with one more wrench, at a frame that is found as by [`frame`](Self::frame).
+    ///
+    /// The generalised force `J'W` of the wrench is added to the actuation in every quantity: `dp/dt`, the
+    /// accelerations, and with the opposite sign tau of inverse dynamics, with all their derivatives.
+    /// A wrench is no part of L, V or H. Workspaces change its value by `set_wrench`.
+    ///
+    /// ```
+    /// use costate::lagrangian::Lagrangian;
+    /// use costate::robot::{Robot, Wrench, WrenchAxes};
+    ///
+    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    /// let arm = Robot::from_file("robots/ur5.urdf")?;
+    /// let pull = Wrench { force: [0.0, 0.0, -20.0], axes: WrenchAxes::World, ..Wrench::default() };
+    /// let loaded = arm.with_wrench("tool0", pull)?;
+    /// let q = [0.3, -1.2, 0.8, 0.1, 0.5, 0.0];
+    /// let alone = Lagrangian::<f64>::new(&arm).gravity(&q)?[1];
+    /// let holding = Lagrangian::<f64>::new(&loaded).inverse_dynamics(&q, &[0.0; 6], &[0.0; 6])?[1];
+    /// assert!(holding.abs() > alone.abs());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownFrame`], with the names that resemble it; [`RobotError::BadWrench`] for numbers
+    /// that are not finite.
+    pub fn with_wrench(&self, frame: &str, wrench: Wrench) -> Result<Self, RobotError> {
+        let frame_index = self.frame_index(frame)?;
+        if wrench.moment.iter().chain(&wrench.force).any(|entry| !entry.is_finite()) {
+            return Err(RobotError::BadWrench { frame: frame.to_owned() });
+        }
+        let mut robot = self.clone();
+        robot.wrenches.push(AppliedWrench { frame: frame_index, wrench });
+        Ok(robot)
+    }
+}

@@ -1,0 +1,238 @@
+//! Poses, Jacobians and contracted second derivatives of kinematics, judged by hyper-dual numbers and by
+//! poses from the description.
+
+mod judge;
+mod orientation;
+
+use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::robot::Robot;
+use costate::scalar::Tangent;
+use costate::spatial::{Force, Vec3};
+use costate_test_support::properties;
+use costate_test_support::random_robot::all_cases;
+use judge::{ANGULAR, CENTRE, CENTRE_VELOCITY, Judged, LINEAR, POSITION, Quantities, TWISTS};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use proptest::prelude::*;
+
+const TOLERANCE: f64 = 1e-12;
+
+/// `max |a - b| / max(1, |b|)`: entries that should be zero have no scale of their own.
+fn apart(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+    (a - b).amax() / b.amax().max(1.0)
+}
+
+/// The same of vectors.
+fn far(a: &[f64], b: &[f64]) -> f64 {
+    apart(&DMatrix::from_column_slice(a.len(), 1, a), &DMatrix::from_column_slice(b.len(), 1, b))
+}
+
+/// Three weights that differ from robot to robot.
+fn weight(y: &[f64]) -> [f64; 3] {
+    [y[0], 0.7 - y[1], y[y.len() - 1]]
+}
+
+properties! {
+    96;
+
+    #[test]
+    fn poses_are_those_of_the_description(case in all_cases(6)) {
+        let quantities = Quantities::new(&case);
+        let kinematics = quantities.kinematics(&case.q, &case.v);
+        let poses = quantities.robot.poses(&case.q).unwrap();
+        for (k, frame) in quantities.robot.frames().iter().enumerate() {
+            let expected = frame.joint.map_or(frame.placement, |i| poses[i].then(&frame.placement));
+            let found = kinematics.pose(k).unwrap();
+            let rotation = Matrix3::from_fn(|i, j| found.rotation[i][j]);
+            prop_assert!((rotation - expected.rotation).amax() < TOLERANCE, "{}", frame.name);
+            prop_assert!((Vector3::from(found.position) - expected.translation).amax() < 10.0 * TOLERANCE);
+        }
+    }
+
+    #[test]
+    fn jacobians_are_the_derivatives_of_twists_and_of_poses(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let judged = Judged::at(&quantities, &case.q, &case.v);
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let position_q = judged.by_q(POSITION, 3);
+        for (k, axes) in ReferenceFrame::ALL.into_iter().enumerate() {
+            let by_v = judged.by_v(TWISTS + 6 * k, 6);
+            let jacobian = kinematics.jacobian(quantities.frame, axes).unwrap().view().to_nalgebra();
+            prop_assert!(apart(&jacobian, &by_v) < TOLERANCE, "{axes:?}");
+            let by_q = judged.by_q(TWISTS + 6 * k, 6);
+            let slope = kinematics.twist_jacobian(quantities.frame, axes).unwrap().view().to_nalgebra();
+            prop_assert!(apart(&slope, &by_q) < TOLERANCE, "{axes:?}");
+            if axes == ReferenceFrame::LocalWorldAligned {
+                prop_assert!(apart(&jacobian.rows(3, 3).into_owned(), &position_q) < TOLERANCE);
+            }
+        }
+    }
+
+    #[test]
+    fn angular_rows_turn_the_axes_of_the_frame(case in all_cases(4)) {
+        let quantities = Quantities::new(&case);
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let jacobian = kinematics.jacobian(quantities.frame, ReferenceFrame::World).unwrap().clone();
+        let mut dual = Kinematics::<Tangent<f64>>::new(&quantities.robot);
+        for i in 0..case.n() {
+            let q: Vec<_> =
+                case.q.iter().enumerate().map(|(j, &q)| Tangent::new(q, f64::from(u8::from(i == j)))).collect();
+            dual.set_position(&q).unwrap();
+            let rotation = dual.pose(quantities.frame).unwrap().rotation;
+            let axis = Vector3::from_fn(|row, _| jacobian[(row, i)]);
+            let r = Matrix3::from_fn(|i, j| rotation[i][j].re);
+            let slope = Matrix3::from_fn(|i, j| rotation[i][j].eps);
+            prop_assert!((axis.cross_matrix() * r - slope).amax() < TOLERANCE, "joint {i}");
+        }
+    }
+
+    #[test]
+    fn rates_and_accelerations_are_derivatives_along_the_motion(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let a = &case.u;
+        let mut dual = Kinematics::<Tangent<f64>>::new(&quantities.robot);
+        let along = |x: &[f64], rate: &[f64]| -> Vec<Tangent<f64>> {
+            x.iter().zip(rate).map(|(&x, &rate)| Tangent::new(x, rate)).collect()
+        };
+        dual.set_state(&along(&case.q, &case.v), &along(&case.v, a)).unwrap();
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        kinematics.set_motion(&case.q, &case.v, a).unwrap();
+        let frame = quantities.frame;
+        for axes in ReferenceFrame::ALL {
+            let moved = dual.jacobian(frame, axes).unwrap();
+            let expected = DMatrix::from_fn(6, case.n(), |i, j| moved[(i, j)].eps);
+            let rate = kinematics.jacobian_rate(frame, axes).unwrap().view().to_nalgebra();
+            prop_assert!(apart(&rate, &expected) < TOLERANCE, "{axes:?}");
+            let (moved, found) = (dual.twist(frame, axes).unwrap(), kinematics.acceleration(frame, axes).unwrap());
+            let expected = [moved.angular, moved.linear].map(|part| part.to_array().map(|entry| entry.eps)).concat();
+            let found = [found.angular, found.linear].map(Vec3::to_array).concat();
+            prop_assert!(far(&found, &expected) < 10.0 * TOLERANCE, "{axes:?}");
+        }
+        let (moved, found) = (dual.momentum().unwrap(), kinematics.momentum().unwrap());
+        for (moved, found) in
+            [(moved.linear, found.linear_rate), (moved.angular, found.angular_rate)]
+        {
+            prop_assert!(far(&found, &moved.map(|entry| entry.eps)) < 10.0 * TOLERANCE);
+        }
+        let (moved, found) = (dual.centre_of_mass().unwrap(), kinematics.centre_of_mass().unwrap());
+        let expected = DMatrix::from_fn(3, case.n(), |i, j| moved.jacobian[(i, j)].eps);
+        prop_assert!(apart(&found.jacobian_rate.view().to_nalgebra(), &expected) < TOLERANCE);
+        prop_assert!(far(&found.acceleration, &moved.velocity.map(|entry| entry.eps)) < 10.0 * TOLERANCE);
+    }
+
+    #[test]
+    fn contracted_hessians_are_those_of_hyper_dual_numbers(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let judged = Judged::at(&quantities, &case.q, &case.v);
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let (n, frame, w) = (case.n(), quantities.frame, weight(&case.y));
+        let d = &case.u;
+        let mut product = vec![0.0; n];
+        let hessian = kinematics.position_hessian(frame, &w).unwrap().view().to_nalgebra();
+        prop_assert!(apart(&hessian, &judged.contracted_q(POSITION, &w)) < TOLERANCE);
+        kinematics.position_hessian_product(frame, &w, d, &mut product).unwrap();
+        let expected = hessian * DMatrix::from_column_slice(n, 1, d);
+        prop_assert!(apart(&DMatrix::from_column_slice(n, 1, &product), &expected) < TOLERANCE);
+        let hessian = kinematics.centre_of_mass_hessian(&w).unwrap().view().to_nalgebra();
+        prop_assert!(apart(&hessian, &judged.contracted_q(CENTRE, &w)) < TOLERANCE);
+        kinematics.centre_of_mass_hessian_product(&w, d, &mut product).unwrap();
+        let expected = hessian * DMatrix::from_column_slice(n, 1, d);
+        prop_assert!(apart(&DMatrix::from_column_slice(n, 1, &product), &expected) < TOLERANCE);
+    }
+
+    #[test]
+    fn contracted_twists_are_those_of_hyper_dual_numbers(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let judged = Judged::at(&quantities, &case.q, &case.v);
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let (n, frame) = (case.n(), quantities.frame);
+        let (moment, force) = (weight(&case.y), weight(&case.u.repeat(2)));
+        let wrench = Force { moment: Vec3::from(moment), force: Vec3::from(force) };
+        for (k, axes) in ReferenceFrame::ALL.into_iter().enumerate() {
+            let expected = judged.contracted(TWISTS + 6 * k, &[moment, force].concat());
+            let scale = expected.amax().max(1.0);
+            let whole = kinematics.contract_twist(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            prop_assert!((whole - &expected).amax() < 10.0 * TOLERANCE * scale, "{axes:?}");
+            let rows = kinematics.contract_jacobian(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            let expected = expected.view((n, 0), (n, n)).into_owned();
+            prop_assert!(apart(&rows, &expected) < TOLERANCE, "{axes:?}");
+        }
+    }
+
+    #[test]
+    fn contracted_momentum_is_that_of_hyper_dual_numbers(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let judged = Judged::at(&quantities, &case.q, &case.v);
+        let (k, l) = (weight(&case.y), weight(&case.u.repeat(2)));
+        let expected = judged.contracted(ANGULAR, &[k, l].concat());
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let found = kinematics.contract_momentum(&k, &l).unwrap().view().to_nalgebra();
+        prop_assert!(apart(&found, &expected) < 10.0 * TOLERANCE, "{found} is not {expected}");
+    }
+
+    #[test]
+    fn momentum_is_its_matrix_times_v_and_the_linear_part_that_of_the_centre(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let judged = Judged::at(&quantities, &case.q, &case.v);
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let (mass, velocity) = {
+            let centre = kinematics.centre_of_mass().unwrap();
+            prop_assert!(apart(&centre.jacobian.view().to_nalgebra(), &judged.by_q(CENTRE, 3)) < TOLERANCE);
+            let slope = judged.by_q(CENTRE_VELOCITY, 3);
+            prop_assert!(apart(&centre.jacobian_rate.view().to_nalgebra(), &slope) < TOLERANCE);
+            (centre.mass, centre.velocity)
+        };
+        let momentum = kinematics.momentum().unwrap();
+        let matrix = momentum.matrix.view().to_nalgebra();
+        let by_v = DMatrix::from_fn(6, case.n(), |i, j| if i < 3 {
+            judged.by_v(ANGULAR, 3)[(i, j)]
+        } else {
+            judged.by_v(LINEAR, 3)[(i - 3, j)]
+        });
+        prop_assert!(apart(&matrix, &by_v) < TOLERANCE);
+        let (linear, angular) = (momentum.linear, momentum.angular);
+        let expected = &matrix * DMatrix::from_column_slice(case.n(), 1, &case.v);
+        prop_assert!(far(&[angular, linear].concat(), expected.as_slice()) < TOLERANCE);
+        for (linear, velocity) in linear.into_iter().zip(velocity) {
+            prop_assert!((linear - mass * velocity).abs() < 1e-11 * mass);
+        }
+    }
+
+    #[test]
+    fn the_centre_of_mass_is_where_the_poses_put_it(case in all_cases(6)) {
+        let robot = case.robot();
+        let mut kinematics = Kinematics::<f64>::new(&robot);
+        kinematics.set_position(&case.q).unwrap();
+        let poses = robot.poses(&case.q).unwrap();
+        let moment = robot.joints().iter().zip(&poses).fold(Vector3::zeros(), |sum, (joint, pose)| {
+            sum + (pose.rotation * joint.inertia.com + pose.translation) * joint.inertia.mass
+        });
+        let mass: f64 = robot.joints().iter().map(|joint| joint.inertia.mass).sum();
+        let centre = kinematics.centre_of_mass().unwrap();
+        prop_assert!((Vector3::from(centre.position) - moment / mass).amax() < 10.0 * TOLERANCE);
+    }
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/two_link.toml")).unwrap();
+    let mut kinematics = Kinematics::<f64>::new(&robot);
+    let error = kinematics.pose(99).unwrap_err().to_string();
+    assert!(error.contains("no frame 99"), "{error}");
+    let error = kinematics.set_state(&[0.0, f64::NAN], &[0.0; 2]).unwrap_err().to_string();
+    assert!(error.contains("q[1]"), "{error}");
+    assert!(kinematics.set_motion(&[0.0; 2], &[0.0; 3], &[0.0; 2]).is_err());
+    assert!(kinematics.position_hessian_product(1, &[1.0; 3], &[0.0; 2], &mut [0.0; 1]).is_err());
+}
+
+#[test]
+fn frames_of_the_world_do_not_move() {
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/two_link.toml")).unwrap();
+    let mut kinematics = Kinematics::<f64>::new(&robot);
+    kinematics.set_state(&[0.3, 0.4], &[1.0, 2.0]).unwrap();
+    assert_eq!(kinematics.pose(0).unwrap().position, [0.0; 3]);
+    for axes in ReferenceFrame::ALL {
+        assert_eq!(kinematics.twist(0, axes).unwrap().linear.to_array(), [0.0; 3]);
+        assert!(kinematics.jacobian(0, axes).unwrap().as_slice().iter().all(|entry| *entry == 0.0));
+    }
+    assert!(kinematics.position_hessian(0, &[1.0; 3]).unwrap().as_slice().iter().all(|entry| *entry == 0.0));
+}

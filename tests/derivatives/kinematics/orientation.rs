@@ -1,0 +1,104 @@
+//! The orientation error by the logarithm, near 0 and near a half turn.
+
+use super::judge::{Judged, ORIENTATION, Quantities};
+use super::{TOLERANCE, apart, weight};
+use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate_test_support::properties;
+use costate_test_support::random_robot::{Case, all_cases};
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+/// The desired orientation that leaves the frame of these quantities the error e.
+fn with_error(mut quantities: Quantities, case: &Case, e: Vector3<f64>) -> Quantities {
+    let rotation = quantities.kinematics(&case.q, &case.v).pose(quantities.frame).unwrap().rotation;
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| rotation[i][j]));
+    quantities.desired = rotation * Rotation3::from_scaled_axis(e).inverse();
+    quantities
+}
+
+/// Compares value, Jacobian, contracted Hessian and product with hyper-dual numbers.
+fn judge(quantities: &Quantities, case: &Case, tolerance: f64) -> Result<(), TestCaseError> {
+    let judged = Judged::at(quantities, &case.q, &case.v);
+    let mut kinematics = quantities.kinematics(&case.q, &case.v);
+    let (n, w, d) = (case.n(), weight(&case.y), &case.u);
+    let (frame, desired) = (quantities.frame, &quantities.desired);
+    let found = kinematics.contract_orientation_error(frame, desired, &w).unwrap();
+    let error = found.error;
+    let (jacobian, hessian) = (found.jacobian.view().to_nalgebra(), found.hessian.view().to_nalgebra());
+    let value = DMatrix::from_column_slice(3, 1, judged.value(ORIENTATION, 3));
+    prop_assert!(apart(&DMatrix::from_column_slice(3, 1, &error.vector), &value) < tolerance);
+    prop_assert!(apart(&jacobian, &judged.by_q(ORIENTATION, 3)) < tolerance);
+    let expected = judged.contracted_q(ORIENTATION, &w);
+    prop_assert!(apart(&hessian, &expected) < tolerance, "{hessian} is not {expected}");
+    let mut product = vec![0.0; n];
+    kinematics.orientation_error_hessian_product(frame, desired, &w, d, &mut product).unwrap();
+    let expected = hessian * DMatrix::from_column_slice(n, 1, d);
+    prop_assert!(apart(&DMatrix::from_column_slice(n, 1, &product), &expected) < tolerance);
+    Ok(())
+}
+
+properties! {
+    64;
+
+    #[test]
+    fn derivatives_are_those_of_hyper_dual_numbers(case in all_cases(5)) {
+        judge(&Quantities::new(&case), &case, 10.0 * TOLERANCE)?;
+    }
+
+    #[test]
+    fn derivatives_hold_at_zero_and_near_it(case in all_cases(4)) {
+        for size in [0.0, 1e-300, 1e-9, 1e-4, 1e-2] {
+            let e = Vector3::new(case.y[0], -0.4, case.u[0]) * size;
+            let quantities = with_error(Quantities::new(&case), &case, e);
+            judge(&quantities, &case, 10.0 * TOLERANCE)?;
+            let error = quantities.kinematics(&case.q, &case.v);
+            let error = error.orientation_error(quantities.frame, &quantities.desired).unwrap();
+            prop_assert!((Vector3::from(error.vector) - e).amax() < 1e-14 && !error.at_jump);
+        }
+    }
+
+    #[test]
+    fn the_error_is_the_rotation_vector_up_to_a_half_turn(case in all_cases(3)) {
+        let axis = Vector3::new(case.y[0], 0.5, case.u[0]).normalize();
+        for short in [3.0, 1.0, 1e-2, 1e-4, 3e-6] {
+            let e = axis * (PI - short);
+            let quantities = with_error(Quantities::new(&case), &case, e);
+            judge(&quantities, &case, 1e-10)?;
+            let kinematics = quantities.kinematics(&case.q, &case.v);
+            let error = kinematics.orientation_error(quantities.frame, &quantities.desired).unwrap();
+            prop_assert!((Vector3::from(error.vector) - e).amax() < 1e-13, "{:?} is not {e}", error.vector);
+            prop_assert!(!error.at_jump);
+        }
+        let quantities = with_error(Quantities::new(&case), &case, axis * (PI - 1e-7));
+        let kinematics = quantities.kinematics(&case.q, &case.v);
+        let error = kinematics.orientation_error(quantities.frame, &quantities.desired).unwrap();
+        prop_assert!(error.at_jump && (Vector3::from(error.vector).norm() - PI).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_half_turn_about_each_axis_is_told() {
+    let body = LinkInertia::point(1.0, [0.1, 0.0, 0.0]);
+    for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, -0.8]] {
+        let hinge = JointSpec::revolute("hinge").axis(axis).carrying(body);
+        let robot = Robot::builder("hinge").joint(hinge).build().unwrap();
+        let frame = robot.frame_index("hinge").unwrap();
+        let mut kinematics = Kinematics::<f64>::new(&robot);
+        let desired = Rotation3::identity();
+        kinematics.set_position(&[PI]).unwrap();
+        let (error, slope) = kinematics.linearise_orientation_error(frame, &desired).unwrap();
+        assert!(error.at_jump && (Vector3::from(error.vector).norm() - PI).abs() < 1e-15);
+        let along = (0..3).map(|k| slope[(k, 0)] * axis[k]).sum::<f64>();
+        assert!((along - 1.0).abs() < 1e-14, "the derivative of the angle is {along}");
+        kinematics.set_position(&[3.0]).unwrap();
+        let (error, _) = kinematics.linearise_orientation_error(frame, &desired).unwrap();
+        assert!(!error.at_jump && (Vector3::from(error.vector) - Vector3::from(axis) * 3.0).amax() < 1e-14);
+        kinematics.set_position(&[4.0]).unwrap();
+        let beyond = kinematics.orientation_error(frame, &desired).unwrap();
+        let expected = Vector3::from(axis) * (4.0 - 2.0 * PI);
+        assert!((Vector3::from(beyond.vector) - expected).amax() < 1e-14);
+        assert!(kinematics.jacobian(frame, ReferenceFrame::Local).is_ok());
+    }
+}

@@ -1,0 +1,196 @@
+//! Wrenches from outside: every quantity with them against automatic differentiation of the same pipeline,
+//! and against the same generalised force given as actuation.
+
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, PhaseVelocity};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
+use costate::kinematics::{ExternalForces, Kinematics, ReferenceFrame};
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
+use costate::matrix::Matrix;
+use costate::robot::{FrameSpec, Placement, Robot, Tree, Wrench, WrenchAxes};
+use costate_test_support::properties;
+use costate_test_support::random_robot::{Case, cases, difference, tolerance};
+use costate_test_support::reference::flat;
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+const AXES: [(WrenchAxes, ReferenceFrame); 2] =
+    [(WrenchAxes::Frame, ReferenceFrame::Local), (WrenchAxes::World, ReferenceFrame::LocalWorldAligned)];
+
+/// A robot with wrenches of both kinds, on its last link and on its first.
+fn loaded(case: &Case) -> Robot {
+    let on_last = Placement::from_xyz_rpy([0.3, -0.2, 0.5], [0.4, -1.0, 2.0]);
+    let tool = FrameSpec::new("tool").on(format!("j{}", case.n() - 1)).placed(on_last);
+    let [a, b, c] = [case.y[0], case.u[0], case.y[1]];
+    let follower = Wrench { moment: [2.0, b, -a], force: [c, -3.0, 1.5], axes: WrenchAxes::Frame };
+    let dead = Wrench { moment: [c, 1.0, a], force: [4.0, a, b], axes: WrenchAxes::World };
+    let robot = case.robot().with_frame(tool).unwrap();
+    let robot = robot.with_wrench("tool", follower).unwrap().with_wrench("tool", dead).unwrap();
+    robot.with_wrench("j0", dead).unwrap()
+}
+
+/// The sum of `J'W` by Jacobians.
+fn generalised_force(robot: &Robot, q: &[f64]) -> DVector<f64> {
+    let mut kinematics = Kinematics::<f64>::new(robot);
+    kinematics.set_position(q).unwrap();
+    robot.wrenches().iter().fold(DVector::zeros(q.len()), |sum, applied| {
+        let (_, axes) = AXES.into_iter().find(|(axes, _)| *axes == applied.wrench.axes).unwrap();
+        let jacobian = kinematics.jacobian(applied.frame, axes).unwrap().view().to_nalgebra();
+        let both = [applied.wrench.moment, applied.wrench.force].concat();
+        sum + jacobian.transpose() * DVector::from_vec(both)
+    })
+}
+
+fn matrix(flat: &Matrix<f64>) -> DMatrix<f64> {
+    flat.view().to_nalgebra()
+}
+
+properties! {
+    64;
+
+    #[test]
+    fn in_momenta_all_derivatives_are_those_of_automatic_differentiation(case in cases(4)) {
+        let robot = loaded(&case);
+        let (n, x, y) = (case.n(), case.x(&robot), &case.y);
+        let (q, p) = x.split_at(n);
+        let tolerance = tolerance(&robot, q);
+        let mut function = PhaseVelocity::new(&robot);
+        function.u.copy_from_slice(&case.u);
+        let mut first: Jacobian<_> = Jacobian::new(function.clone());
+        let mut second = Hessian::new(function);
+        let expected = first.linearise(&x).unwrap();
+        let curvature = second.contract(&x, y).unwrap().as_slice();
+        let mut analytic = HamiltonianSecondOrder::<f64>::new(&robot);
+        let found = analytic.contract(q, p, &case.u, y).unwrap();
+        prop_assert!(difference(found.linearisation().f(), expected.value) < tolerance);
+        prop_assert!(difference(&flat(found.linearisation().matrix()), expected.jacobian.as_slice()) < tolerance);
+        prop_assert!(difference(&flat(found.matrix()), curvature) < tolerance);
+        let d = [&case.v[..], &case.u[..]].concat();
+        let product = analytic.hessian_product(q, p, y, &d).unwrap();
+        let whole = DMatrix::from_row_slice(2 * n, 2 * n, curvature);
+        prop_assert!(difference(product, (&whole * DVector::from_vec(d)).as_slice()) < 10.0 * tolerance);
+        let adjoint = analytic.first().adjoint(q, p, &case.u, y).unwrap();
+        let f_x = DMatrix::from_row_slice(2 * n, 2 * n, expected.jacobian.as_slice());
+        let pulled = f_x.transpose() * DVector::from_column_slice(y);
+        prop_assert!(difference(adjoint.f, expected.value) < tolerance);
+        prop_assert!(difference(adjoint.y_f_x, pulled.as_slice()) < 10.0 * tolerance);
+        let mut dual = DualPass::<f64>::new(&robot);
+        let found = dual.contract(q, p, &case.u, y).unwrap();
+        prop_assert!(difference(found.linearisation().f(), expected.value) < tolerance);
+        prop_assert!(difference(&flat(found.linearisation().matrix()), expected.jacobian.as_slice()) < tolerance);
+        prop_assert!(difference(&flat(found.matrix()), curvature) < tolerance);
+        let mut tensor = FullHessian::<f64>::new(&robot);
+        let mut contracted = Matrix::zeros(2 * n, 2 * n);
+        tensor.hessian_tensor(q, p).unwrap().contract(y, &mut contracted).unwrap();
+        prop_assert!(difference(contracted.as_slice(), curvature) < tolerance);
+    }
+
+    #[test]
+    fn in_velocities_all_derivatives_are_those_of_automatic_differentiation(case in cases(4)) {
+        let robot = loaded(&case);
+        let n = case.n();
+        let (q, v, u) = (&case.q[..], &case.v[..], &case.u[..]);
+        let tolerance = 10.0 * tolerance(&robot, q);
+        let (z, y) = ([q, v, u].concat(), &case.y[n..]);
+        let mut first: Jacobian<_> = Jacobian::new(ForwardDynamics::new(&robot));
+        let mut second = Hessian::new(ForwardDynamics::new(&robot));
+        let expected = first.linearise(&z).unwrap();
+        let curvature = second.contract(&z, y).unwrap().as_slice();
+        let mut analytic = LagrangianSecondOrder::<f64>::new(&robot);
+        let found = analytic.contract_forward_dynamics(q, v, u, y).unwrap();
+        prop_assert!(difference(found.forward_dynamics().acceleration(), expected.value) < tolerance);
+        prop_assert!(difference(&flat(found.forward_dynamics().matrix()), expected.jacobian.as_slice()) < tolerance);
+        prop_assert!(difference(found.to_matrix().as_slice(), curvature) < tolerance);
+        let linear = analytic.first().linearise_forward_dynamics(q, v, u).unwrap();
+        prop_assert!(difference(&flat(linear.matrix()), expected.jacobian.as_slice()) < tolerance);
+        let lagrangian = analytic.first();
+        let mut w = y.to_vec();
+        lagrangian.solve_mass_matrix(q, &mut w).unwrap();
+        let (mut f, mut product) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+        lagrangian.adjoint_factored([q, v, u, &w], &mut f, &mut product).unwrap();
+        let a_z = DMatrix::from_row_slice(n, 3 * n, expected.jacobian.as_slice());
+        let pulled = a_z.columns(0, 2 * n).transpose() * DVector::from_column_slice(y);
+        prop_assert!(difference(&product, pulled.as_slice()) < 10.0 * tolerance);
+        let a = expected.value.to_vec();
+        let tau = lagrangian.inverse_dynamics(q, v, &a).unwrap();
+        let size = case.u.iter().fold(1.0_f64, |size, u| size.max(u.abs()));
+        prop_assert!(tau.iter().zip(u).all(|(tau, u)| (tau - u).abs() < 100.0 * tolerance * size * (1.0 + size)));
+        let mut transform = LegendreTransform::<f64>::new(&robot);
+        let mut map = transform.at(q, v, u).unwrap();
+        let f_x = flat(map.hamiltonian().f_x.view());
+        let p = map.momentum().to_vec();
+        let direct = flat(Hamiltonian::<f64>::new(&robot).linearise(q, &p, u).unwrap().matrix());
+        prop_assert!(difference(&f_x, &direct) < 10.0 * tolerance);
+    }
+
+    #[test]
+    fn a_wrench_acts_as_its_generalised_force_does(case in cases(4)) {
+        let robot = loaded(&case);
+        let bare = case.robot();
+        let (q, v, u) = (&case.q[..], &case.v[..], &case.u[..]);
+        let force = generalised_force(&robot, q);
+        let pushed: Vec<f64> = u.iter().zip(&force).map(|(u, force)| u + force).collect();
+        let tolerance = 10.0 * tolerance(&robot, q);
+        let found = Lagrangian::<f64>::new(&robot).forward_dynamics(q, v, u).unwrap().to_vec();
+        let mut without = Lagrangian::<f64>::new(&bare);
+        let expected = without.forward_dynamics(q, v, &pushed).unwrap();
+        prop_assert!(difference(&found, expected) < tolerance);
+        let p = case.p(&bare);
+        let found = Hamiltonian::<f64>::new(&robot).evaluate(q, &p, u).unwrap().to_vec();
+        let mut without = Hamiltonian::<f64>::new(&bare);
+        prop_assert!(difference(&found, without.evaluate(q, &p, &pushed).unwrap()) < tolerance);
+        // The same wrenches, set later.
+        let none = Wrench::default();
+        let robot_of_none = robot.wrenches().iter().fold(robot.without_wrenches(), |robot, applied| {
+            let frame = robot.frames()[applied.frame].name.clone();
+            robot.with_wrench(&frame, Wrench { axes: applied.wrench.axes, ..none }).unwrap()
+        });
+        let mut later = Hamiltonian::<f64>::new(&robot_of_none);
+        for (k, applied) in robot.wrenches().iter().enumerate() {
+            later.set_wrench(k, &applied.wrench.moment, &applied.wrench.force).unwrap();
+        }
+        prop_assert_eq!(later.evaluate(q, &p, u).unwrap(), &found[..]);
+        let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
+        prop_assert!((DVector::from_column_slice(external.evaluate(q)) - force).amax() < 1e-12);
+    }
+
+    #[test]
+    fn a_force_in_axes_of_the_world_is_the_gradient_of_its_work(case in cases(4)) {
+        let robot = case.robot();
+        let frame = format!("j{}", case.n() - 1);
+        let pull = Wrench { force: [case.y[0], -2.0, 1.0], axes: WrenchAxes::World, ..Wrench::default() };
+        let robot = robot.with_wrench(&frame, pull).unwrap();
+        let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
+        let slope = matrix(external.linearise(&case.q));
+        prop_assert!((&slope - slope.transpose()).amax() < 1e-13);
+        let mut kinematics = Kinematics::<f64>::new(&robot);
+        kinematics.set_position(&case.q).unwrap();
+        let index = robot.frame_index(&frame).unwrap();
+        let hessian = matrix(kinematics.position_hessian(index, &pull.force).unwrap());
+        prop_assert!((slope - hessian).amax() < 1e-13);
+    }
+}
+
+#[test]
+fn bad_wrenches_are_refused() {
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/ur5.urdf")).unwrap();
+    let error = robot.with_wrench("tol0", Wrench::default()).unwrap_err().to_string();
+    assert!(error.contains("'tool0'"), "{error}");
+    let bad = Wrench { force: [f64::NAN, 0.0, 0.0], ..Wrench::default() };
+    assert!(robot.with_wrench("tool0", bad).unwrap_err().to_string().contains("'tool0'"));
+    let mut none = Hamiltonian::<f64>::new(&robot);
+    assert!(none.set_wrench(0, &[0.0; 3], &[0.0; 3]).is_err());
+    let mut one = Lagrangian::<f64>::new(&robot.with_wrench("tool0", Wrench::default()).unwrap());
+    assert!(one.set_wrench(1, &[0.0; 3], &[0.0; 3]).is_err());
+    assert!(one.set_wrench(0, &[0.0; 3], &[f64::INFINITY, 0.0, 0.0]).is_err());
+    assert!(one.set_wrench(0, &[1.0; 3], &[0.0; 3]).is_ok());
+}
+
+#[test]
+fn a_robot_without_wrenches_costs_no_operation_more_for_them() {
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/ur5.urdf")).unwrap();
+    assert!(ExternalForces::<f64>::new(&Tree::from(&robot)).is_none());
+    let fixed = robot.with_wrench("world", Wrench { force: [1.0; 3], ..Wrench::default() }).unwrap();
+    let (q, v, u) = ([0.3; 6], [0.2; 6], [0.1; 6]);
+    let expected = Lagrangian::<f64>::new(&robot).forward_dynamics(&q, &v, &u).unwrap().to_vec();
+    assert_eq!(Lagrangian::<f64>::new(&fixed).forward_dynamics(&q, &v, &u).unwrap(), expected);
+}
