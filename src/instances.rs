@@ -47,6 +47,7 @@ pub fn for_f64(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError
     first.inverse_dynamics(q, p, u)?;
     first.linearise_inverse_dynamics(q, p, u)?;
     first.linearise_forward_dynamics(q, p, u)?;
+    first.forward_dynamics(q, p, u)?;
     first.energy(q, p)?;
     LegendreTransform::<f64>::new(robot).at(q, p, u)?;
 

@@ -16,6 +16,7 @@ mod triangle;
 mod two;
 mod two_pairs;
 mod velocity;
+mod world;
 
 pub(crate) use arguments::check;
 pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
@@ -25,6 +26,7 @@ pub use factor::Factor;
 pub(crate) use position::{along_joint, unit_momentum};
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
+pub(crate) use world::{ArticulatedBodies, WorldKernel};
 
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
@@ -143,25 +145,9 @@ impl<S: Scalar> KernelOne<S> {
     /// The scale of the rounding error of `M_kk`. For a revolute joint it is the largest inertia of the
     /// composite body about any axis through the joint origin, since M_kk may result from a rotation of it.
     pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
-        size_of_sum(tree, k, |joint| self.size_of_joint(tree, joint))
-    }
-
-    /// The same for joint k of all joints.
-    fn size_of_joint(&self, tree: &Tree, k: usize) -> S {
-        let joints = tree.joints();
-        let entry = self.mass_matrix.all[(k, k)];
-        if joints[k].kind == JointKind::Prismatic {
-            return entry;
-        }
-        let mut reach = S::from_f64(joints[k].reach);
-        if joints[k].carries_slides {
-            for (joint, q) in tree.subtree(k).iter().map(|&j| (&joints[j], self.q[j])) {
-                if joint.kind == JointKind::Prismatic {
-                    reach += q.plus(joint.offset).abs().times(joint.subtree_mass.sqrt());
-                }
-            }
-        }
-        entry + (reach * reach).times(2.0)
+        size_of_sum(tree, k, |joint| {
+            size_of_joint(tree, joint, &self.q, self.mass_matrix.all[(joint, joint)])
+        })
     }
 
     /// Conjugate momentum p = M v, n.
@@ -183,4 +169,21 @@ impl<S: Scalar> KernelOne<S> {
     pub fn l_qq(&self) -> &Matrix<S> {
         self.l_qq.get()
     }
+}
+
+/// See [`KernelOne::size_of_entry`]: for the entry `M_kk` of joint k of all joints, at their positions.
+pub(crate) fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
+    if tree.joints()[k].kind == JointKind::Prismatic {
+        return entry;
+    }
+    let joints = tree.joints();
+    let mut reach = S::from_f64(joints[k].reach);
+    if joints[k].carries_slides {
+        for (joint, &q) in tree.subtree(k).iter().map(|&j| (&joints[j], &q[j])) {
+            if joint.kind == JointKind::Prismatic {
+                reach += q.plus(joint.offset).abs().times(joint.subtree_mass.sqrt());
+            }
+        }
+    }
+    entry + (reach * reach).times(2.0)
 }

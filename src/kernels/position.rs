@@ -80,6 +80,26 @@ pub(super) fn across_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> Forc
     }
 }
 
+/// Sines and cosines of the angles, a pack at a time, and displacements, joint by joint in any order.
+#[inline(always)]
+pub(super) fn joint_positions<S: Scalar>(tree: &Tree, q: &[S], mut set: impl FnMut(usize, JointPosition<S>)) {
+    let lanes = <S::Pack as Pack<S>>::LANES;
+    let mut angles = S::Pack::zero();
+    for some in tree.revolute().chunks(lanes) {
+        for (lane, &i) in some.iter().enumerate() {
+            angles = angles.with_lane(lane, tree.joints()[i].shifted(q[i]));
+        }
+        let (sin, cos) = angles.sin_cos();
+        for (lane, &i) in some.iter().enumerate() {
+            let turn = Turn::from_sin_cos(sin.lane(lane), cos.lane(lane));
+            set(i, JointPosition::Rotated(turn));
+        }
+    }
+    for &i in tree.prismatic() {
+        set(i, JointPosition::Translated(tree.joints()[i].shifted(q[i])));
+    }
+}
+
 impl<S: Scalar> KernelOne<S> {
     /// Computes M at q (rad, m; length n): `M_ij = S_i . F_j` (62), plus armature.
     ///
@@ -155,28 +175,9 @@ impl<S: Scalar> KernelOne<S> {
         tree.joints()[i].transform_at(self.bodies[i].position.splat())
     }
 
-    /// Sines and cosines of the angles, a pack at a time, and displacements.
-    fn set_positions(&mut self, tree: &Tree) {
-        let lanes = <S::Pack as Pack<S>>::LANES;
-        let mut angles = S::Pack::zero();
-        for some in tree.revolute().chunks(lanes) {
-            for (lane, &i) in some.iter().enumerate() {
-                angles = angles.with_lane(lane, tree.joints()[i].shifted(self.q[i]));
-            }
-            let (sin, cos) = angles.sin_cos();
-            for (lane, &i) in some.iter().enumerate() {
-                let turn = Turn::from_sin_cos(sin.lane(lane), cos.lane(lane));
-                self.bodies[i].position = JointPosition::Rotated(turn);
-            }
-        }
-        for &i in tree.prismatic() {
-            self.bodies[i].position = JointPosition::Translated(tree.joints()[i].shifted(self.q[i]));
-        }
-    }
-
     /// Transforms, gravity and composite inertias, each in its body frame.
     fn place(&mut self, tree: &Tree) {
-        self.set_positions(tree);
+        joint_positions(tree, &self.q, |i, position| self.bodies[i].position = position);
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
         for (i, joint) in tree.joints().iter().enumerate() {

@@ -1,9 +1,10 @@
 //! The adjoint product y'f_x of the Lagrangian state equation, without f_x.
 
 use super::Lagrangian;
+use super::forward::write_packs;
 use crate::error::EvalError;
 use crate::matrix::add_scaled;
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Lagrangian<S> {
     /// Solves `M(q) w = y` in place (n entries). M stays factored for
@@ -35,16 +36,15 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<(), EvalError> {
         self.check(&[("v", v), ("u", u)])?;
         self.accelerate_factored(q, v, u);
-        self.differentiate_flow()?;
-        self.take_torque_jacobian(v);
-        self.subtract_wrench_slopes(q);
+        self.differentiate_torque(q, v)?;
         f.copy_from_slice(&self.rate);
         let (in_q, in_v) = y_a_x.split_at_mut(v.len());
-        in_q.fill(S::zero());
-        in_v.fill(S::zero());
-        for (i, &w) in w.iter().enumerate() {
-            add_scaled(in_q, -w, self.tau_q.row(i));
-            add_scaled(in_v, -w, self.tau_v.row(i));
+        for ((torque, sums), product) in self.torque.iter().zip(&mut self.solved).zip([in_q, in_v]) {
+            // A row that is free here takes the sums.
+            let sums = sums.row_mut(0);
+            sums.fill(S::Pack::zero());
+            w.iter().enumerate().for_each(|(i, &w)| add_scaled(sums, S::Pack::splat(-w), torque.row(i)));
+            write_packs(sums, product, |pack| pack);
         }
         Ok(())
     }

@@ -43,13 +43,7 @@ impl<S: Scalar> Lagrangian<S> {
         Ok(())
     }
 
-    /// Kernel one at (q, v) and kernel two along (v, a).
-    pub(super) fn differentiate(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
-        self.set_state(q, v)?;
-        self.along.differentiate(&self.tree, &self.kernel, v, a)
-    }
-
-    /// As [`differentiate`](Self::differentiate), at the position set last along (v, a) computed last.
+    /// Kernel one at the position set last and v, kernel two along (v, a) computed last.
     #[inline(never)]
     pub(super) fn differentiate_flow(&mut self) -> Result<(), EvalError> {
         let (v, a) = self.rate.split_at(self.tree.dof());

@@ -1,9 +1,10 @@
 //! Inverse and forward dynamics, gravity and energy, without derivatives.
 
 use super::Lagrangian;
+use super::choice::current_mass_matrix;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::friction_of;
+use crate::kernels::{friction_of, size_of_joint};
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
@@ -27,7 +28,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn forward_dynamics(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
-        self.accelerate(q, v, u)?;
+        self.accelerate_alone(q, v, u)?;
         Ok(self.acceleration())
     }
 
@@ -37,7 +38,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn evaluate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
-        self.accelerate(q, v, u)?;
+        self.accelerate_alone(q, v, u)?;
         Ok(&self.rate)
     }
 
@@ -57,8 +58,8 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
-        self.kernel.set_position(&self.tree, q)?;
-        Ok(self.kernel.mass_matrix())
+        self.place(q)?;
+        Ok(current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()))
     }
 
     /// Kinetic energy `1/2 v' M v` and potential energy V (J); their difference is L(q, v).
@@ -89,9 +90,23 @@ impl<S: Scalar> Lagrangian<S> {
     /// M(q) and its factors.
     #[inline(never)]
     pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
+        let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
+            return self.factor_by_kernel(q);
+        };
+        let tree = &self.tree;
+        world.set_position(tree, q);
+        world.compose(tree);
+        let mass_matrix = world.mass_matrix();
+        let size_of = |k| size_of_joint(tree, k, q, mass_matrix[(k, k)]);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
+        self.factor.factor(mass_matrix, size_of).map_err(singular)
+    }
+
+    /// The same by kernel one.
+    pub(super) fn factor_by_kernel(&mut self, q: &[S]) -> Result<(), EvalError> {
         self.kernel.set_position(&self.tree, q)?;
-        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
         let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
         self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
     }
 
@@ -105,9 +120,12 @@ impl<S: Scalar> Lagrangian<S> {
     /// As [`accelerate`](Self::accelerate), where M(q) is factored already.
     #[inline(never)]
     pub(super) fn accelerate_factored(&mut self, q: &[S], v: &[S], u: &[S]) {
-        self.newton_euler.solve(&self.tree, q, v, &self.zero);
-        self.subtract_friction(v);
-        self.subtract_wrenches(q);
+        self.set_bias(q, v);
+        self.accelerate_against(v, u);
+    }
+
+    /// `a = M^-1 (u - tau)` with the factors of M.
+    pub(super) fn accelerate_against(&mut self, v: &[S], u: &[S]) {
         let (rate_q, rate_v) = self.rate.split_at_mut(self.tree.dof());
         rate_q.copy_from_slice(v);
         for ((a, &u), &tau) in rate_v.iter_mut().zip(u).zip(&self.tau) {

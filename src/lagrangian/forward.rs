@@ -1,9 +1,10 @@
 //! The Jacobian of forward dynamics and of the state equation.
 
 use super::Lagrangian;
+use super::choice::current_mass_matrix;
 use crate::error::EvalError;
-use crate::matrix::{Block, Matrix};
-use crate::scalar::Scalar;
+use crate::matrix::{Block, Left, Matrix, Panel, Part, sized};
+use crate::scalar::{Pack, Scalar};
 
 /// Forward dynamics and its Jacobian in z = (q, v, u); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +75,7 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
-        self.differentiate_flow()?;
-        self.take_torque_jacobian(v);
-        self.subtract_wrench_slopes(q);
+        self.differentiate_torque(q, v)?;
         self.solve_jacobian();
         Ok(self.forward_jacobian())
     }
@@ -89,6 +88,18 @@ impl<S: Scalar> Lagrangian<S> {
         self.linearise_forward_dynamics(q, v, u)?;
         self.assemble();
         Ok(self.state())
+    }
+
+    /// The same by kernels one and two, which then hold P and the rates of M and P.
+    pub(super) fn linearise_by_kernels(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.factor_by_kernel(q)?;
+        self.set_bias_by_recursion(q, v);
+        self.accelerate_against(v, u);
+        self.differentiate_torque_by_kernels(q, v)?;
+        self.solve_jacobian();
+        self.assemble();
+        Ok(())
     }
 
     /// f_x and f_u from a_z.
@@ -110,26 +121,45 @@ impl<S: Scalar> Lagrangian<S> {
         ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),
             a_z: &self.a_z,
-            mass_matrix: self.kernel.mass_matrix(),
+            mass_matrix: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
         }
     }
 
-    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`; M is factored.
+    /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panels of tau_q and tau_v; M is factored.
+    ///
+    /// One product with M^-1 where the matrices fit into registers; else the factors, which branches leave
+    /// sparse.
     #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.dof();
-        for i in 0..n {
-            let (left, right) = self.torque.row_mut(i).split_at_mut(n);
-            left.copy_from_slice(self.tau_q.row(i));
-            right.copy_from_slice(self.tau_v.row(i));
+        let factor = &mut self.factor;
+        sized!(S, n, factor.form_inverse(&mut self.inverse));
+        for (solved, torque) in self.solved.iter_mut().zip(&self.torque) {
+            if Panel::<S>::ONE_LANE || n > MOST_BY_INVERSE {
+                solved.copy_from::<0, 0>(torque);
+                self.factor.solve_panel(solved);
+            } else {
+                sized!(S, n, solved.set_product(Left::Rows(&self.inverse), torque, Part::Whole));
+            }
         }
-        self.solved.read::<0>(&self.torque);
-        self.factor.solve_panel(&mut self.solved);
-        self.factor.inverse(&mut self.inverse);
         for i in 0..n {
-            let (left, right) = self.a_z.row_mut(i).split_at_mut(2 * n);
-            self.solved.write_row::<0>(i, left, |solved| -solved);
-            right.copy_from_slice(self.inverse.row(i));
+            let (in_q, rest) = self.a_z.row_mut(i).split_at_mut(n);
+            let (in_v, in_u) = rest.split_at_mut(n);
+            let [by_q, by_v] = &self.solved;
+            write_packs(by_q.row(i), in_q, |pack| -pack);
+            write_packs(by_v.row(i), in_v, |pack| -pack);
+            write_packs(self.inverse.row(i), in_u, |pack| pack);
         }
     }
+}
+
+/// The largest number of joints with packs whose Jacobian is a product with M^-1; that of the sizes which are
+/// known at compile time.
+const MOST_BY_INVERSE: usize = 12;
+
+/// A function of the packs, as many lanes as there are numbers.
+#[inline(always)]
+pub(super) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
+    let chunks = to.chunks_mut(<S::Pack as Pack<S>>::LANES);
+    chunks.zip(from).for_each(|(to, &pack)| function(pack).write(to));
 }

@@ -1,6 +1,7 @@
 //! The Jacobian of inverse dynamics, from kernel two along (v, a).
 
 use super::Lagrangian;
+use super::choice::current_mass_matrix;
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, friction_of};
 use crate::matrix::Matrix;
@@ -54,16 +55,34 @@ impl<S: Scalar> Lagrangian<S> {
         v: &[S],
         a: &[S],
     ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
-        self.inverse_dynamics(q, v, a)?;
-        self.differentiate(q, v, a)?;
-        self.take_torque_jacobian(v);
-        self.subtract_wrench_slopes(q);
+        self.check(&[("q", q), ("v", v), ("a", a)])?;
+        self.place(q)?;
+        let (rate_q, rate_v) = self.rate.split_at_mut(q.len());
+        rate_q.copy_from_slice(v);
+        rate_v.copy_from_slice(a);
+        self.differentiate_torque(q, v)?;
+        self.unpack_torque();
+        self.take_torques(q, v, a);
         Ok(InverseDynamicsLinearisation {
             tau: &self.tau,
             tau_q: &self.tau_q,
             tau_v: &self.tau_v,
-            tau_a: self.kernel.mass_matrix(),
+            tau_a: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
         })
+    }
+
+    /// Puts tau_q and tau_v into the panels.
+    pub(super) fn pack_torque(&mut self) {
+        let [in_q, in_v] = &mut self.torque;
+        in_q.read::<0>(&self.tau_q);
+        in_v.read::<0>(&self.tau_v);
+    }
+
+    /// Takes tau_q and tau_v from the panels.
+    pub(super) fn unpack_torque(&mut self) {
+        let [in_q, in_v] = &self.torque;
+        in_q.write(&mut self.tau_q);
+        in_v.write(&mut self.tau_v);
     }
 
     /// Fills tau_q and tau_v from the kernels.

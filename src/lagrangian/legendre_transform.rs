@@ -75,7 +75,7 @@ impl<S: Scalar> LegendreTransform<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn at(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<LegendreMap<'_, S>, EvalError> {
-        self.lagrangian.linearise(q, v, u)?;
+        self.lagrangian.linearise_by_kernels(q, v, u)?;
         Ok(LegendreMap(self))
     }
 
@@ -88,7 +88,7 @@ impl<S: Scalar> LegendreTransform<S> {
         self.lagrangian.factor(q)?;
         self.v.copy_from_slice(p);
         self.lagrangian.factor.solve(&mut self.v);
-        self.lagrangian.linearise(q, &self.v, u)?;
+        self.lagrangian.linearise_by_kernels(q, &self.v, u)?;
         Ok(LegendreMap(self))
     }
 }
@@ -200,8 +200,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
     fn change_to_hamiltonian(&mut self) {
         let LegendreTransform { lagrangian, given, half, changed, .. } = &mut *self.0;
         let n = lagrangian.dof();
-        let (p, m, inverse) =
-            (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix(), &lagrangian.inverse);
+        let (p, m) = (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix());
+        let inverse = lagrangian.a_z.block(0, 2 * n, n, n);
         for i in 0..n {
             half.row_mut(i).copy_from_slice(given.row(i));
         }
@@ -209,7 +209,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
         add_product(half, (n, 0), 1.0, p.view(), given.block(0, 0, n, 2 * n));
         add_product(half, (n, 0), 1.0, m.view(), given.block(n, 0, n, 2 * n));
         given.fill_zero();
-        add_product(given, (0, 0), 1.0, half.block(0, n, 2 * n, n), inverse.view());
+        add_product(given, (0, 0), 1.0, half.block(0, n, 2 * n, n), inverse);
         for i in 0..2 * n {
             let (left, right) = changed.row_mut(i).split_at_mut(n);
             left.copy_from_slice(&half.row(i)[..n]);
@@ -222,8 +222,8 @@ impl<S: Scalar> LegendreMap<'_, S> {
     fn change_to_lagrangian(&mut self) {
         let LegendreTransform { lagrangian, given, half, changed, .. } = &mut *self.0;
         let n = lagrangian.dof();
-        let (p, m, inverse) =
-            (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix(), &lagrangian.inverse);
+        let (p, m) = (lagrangian.kernel.l_vq(), lagrangian.kernel.mass_matrix());
+        let inverse = lagrangian.a_z.block(0, 2 * n, n, n);
         half.fill_zero();
         set_rate(lagrangian, half);
         for i in 0..2 * n {
@@ -237,7 +237,7 @@ impl<S: Scalar> LegendreMap<'_, S> {
             changed.row_mut(i).copy_from_slice(half.row(i));
         }
         add_product(half, (n, 0), -1.0, p.view(), changed.block(0, 0, n, 2 * n));
-        add_product(changed, (n, 0), 1.0, inverse.view(), half.block(n, 0, n, 2 * n));
+        add_product(changed, (n, 0), 1.0, inverse, half.block(n, 0, n, 2 * n));
     }
 }
 

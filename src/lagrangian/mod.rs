@@ -16,12 +16,14 @@
 //! differentiation.
 
 mod adjoint;
+mod choice;
 mod coriolis;
 mod dynamics;
 mod forward;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
+mod routes;
 mod second_order;
 mod wrenches;
 
@@ -32,11 +34,12 @@ pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessi
 
 use crate::error::EvalError;
 use crate::hamiltonian::check;
-use crate::kernels::{Factor, KernelOne, KernelTwo};
+use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel};
 use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
+use choice::Routes;
 use newton_euler::NewtonEuler;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
@@ -68,6 +71,11 @@ pub struct Lagrangian<S: Scalar> {
     tree: Tree,
     kernel: KernelOne<S>,
     along: KernelTwo<S>,
+    routes: Routes,
+    /// The dynamics in the axes of the world, where a route needs them.
+    world: Option<WorldKernel<S>>,
+    /// Forward dynamics in O(n), where that is faster.
+    bodies: Option<ArticulatedBodies<S>>,
     factor: Factor<S>,
     newton_euler: NewtonEuler<S>,
     zero: Vec<S>,
@@ -77,10 +85,10 @@ pub struct Lagrangian<S: Scalar> {
     coriolis: Matrix<S>,
     /// `(v, a)`, 2n.
     rate: Vec<S>,
-    inverse: Matrix<S>,
-    /// `[tau_q, tau_v]`, then the intermediate results of `M^-1 [tau_q, tau_v]`; n x 2n.
-    torque: Matrix<S>,
-    solved: Panel<S>,
+    inverse: Panel<S>,
+    /// tau_q and tau_v as panels, and the same times M^-1.
+    torque: [Panel<S>; 2],
+    solved: [Panel<S>; 2],
     /// `[a_q, a_v, a_u]`, n x 3n.
     a_z: Matrix<S>,
     /// `[0 1 ; a_q a_v]`, 2n x 2n.
@@ -101,23 +109,28 @@ impl<S: Scalar> Lagrangian<S> {
     #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
+        let routes = Routes::of::<S>(&tree);
         let square = Matrix::zeros(n, n);
+        let torque = [Panel::zeros(n, n), Panel::zeros(n, n)];
         let mut f_x = Matrix::zeros(2 * n, 2 * n);
         (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
         Self {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
+            routes,
+            world: routes.world().then(|| WorldKernel::new(&tree)),
+            bodies: routes.bodies.then(|| ArticulatedBodies::new(&tree)),
             factor: Factor::new(&tree),
             newton_euler: NewtonEuler::new(&tree),
             zero: vec![S::zero(); n],
             tau: vec![S::zero(); n],
             tau_q: square.clone(),
             tau_v: square.clone(),
-            coriolis: square.clone(),
+            coriolis: square,
             rate: vec![S::zero(); 2 * n],
-            inverse: square,
-            torque: Matrix::zeros(n, 2 * n),
-            solved: Panel::zeros(n, 2 * n),
+            inverse: Panel::zeros(n, n),
+            solved: torque.clone(),
+            torque,
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),

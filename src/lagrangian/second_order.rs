@@ -174,6 +174,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
         torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
         self.first.subtract_wrench_slopes(q);
+        self.first.pack_torque();
         self.first.solve_jacobian();
         self.first.assemble();
         self.transform();

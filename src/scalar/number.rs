@@ -180,6 +180,10 @@ pub trait Pack<S>: Scalar {
     /// Sets lane `k` in memory; reading the whole pack right afterwards stalls.
     fn set_lane(&mut self, k: usize, value: S);
 
+    /// Lanes before `k` of `self`, the others of `other`.
+    #[must_use]
+    fn before(self, k: usize, other: Self) -> Self;
+
     /// Writes the lanes to `to`, as many as fit.
     fn write(&self, to: &mut [S]);
 

@@ -29,6 +29,10 @@ impl<S: Scalar> Pack<S> for S {
         *self = value;
     }
     #[inline(always)]
+    fn before(self, k: usize, other: Self) -> Self {
+        if k == 0 { other } else { self }
+    }
+    #[inline(always)]
     fn write(&self, to: &mut [S]) {
         to[0] = *self;
     }
@@ -77,6 +81,10 @@ impl Pack<f64> for super::F64x4 {
     #[inline(always)]
     fn set_lane(&mut self, k: usize, value: f64) {
         self.as_mut_slice()[k] = value;
+    }
+    #[inline(always)]
+    fn before(self, k: usize, other: Self) -> Self {
+        Self::new(Vector::select(BEFORE[k.min(4)], self.vector(), other.vector()))
     }
     #[inline(always)]
     fn write(&self, to: &mut [f64]) {
@@ -133,10 +141,23 @@ impl Pack<f64> for super::F64x4 {
     }
 }
 
+/// All bits of a lane.
+#[cfg(feature = "wide")]
+const ALL: f64 = f64::from_bits(u64::MAX);
+
+/// Masks of the first lanes.
+#[cfg(feature = "wide")]
+const BEFORE: [wide::f64x4; 5] = [
+    wide::f64x4::new([0.0; 4]),
+    wide::f64x4::new([ALL, 0.0, 0.0, 0.0]),
+    wide::f64x4::new([ALL, ALL, 0.0, 0.0]),
+    wide::f64x4::new([ALL, ALL, ALL, 0.0]),
+    wide::f64x4::new([ALL; 4]),
+];
+
 /// Masks of one lane each.
 #[cfg(feature = "wide")]
 const LANE: [wide::f64x4; 4] = {
-    const ALL: f64 = f64::from_bits(u64::MAX);
     [
         wide::f64x4::new([ALL, 0.0, 0.0, 0.0]),
         wide::f64x4::new([0.0, ALL, 0.0, 0.0]),

@@ -39,6 +39,54 @@ impl<S: Scalar> Vec3<S> {
         inlined!(S, self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z)))
     }
 
+    /// `self . other + term`.
+    #[inline(always)]
+    pub(crate) fn dot_plus(self, other: Self, term: S) -> S {
+        inlined!(S, self.x.mul_add(other.x, self.y.mul_add(other.y, self.z.mul_add(other.z, term))))
+    }
+
+    /// `self + factor a`.
+    #[inline(always)]
+    pub(crate) fn plus_scaled(self, a: Self, factor: S) -> Self {
+        inlined!(
+            S,
+            Self::new(a.x.mul_add(factor, self.x), a.y.mul_add(factor, self.y), a.z.mul_add(factor, self.z))
+        )
+    }
+
+    /// `self + a x b`.
+    #[inline(always)]
+    pub(crate) fn plus_product(self, a: Self, b: Self) -> Self {
+        inlined!(
+            S,
+            Self::new(
+                a.y.mul_add(b.z, (-a.z).mul_add(b.y, self.x)),
+                a.z.mul_add(b.x, (-a.x).mul_add(b.z, self.y)),
+                a.x.mul_add(b.y, (-a.y).mul_add(b.x, self.z)),
+            )
+        )
+    }
+
+    /// The vector in lane `k`.
+    #[inline(always)]
+    pub(crate) fn lane<T: Scalar>(&self, k: usize) -> Vec3<T>
+    where
+        S: Pack<T>,
+    {
+        Vec3::new(self.x.lane(k), self.y.lane(k), self.z.lane(k))
+    }
+
+    /// Sets lane `k` in memory, see [`Pack::set_lane`].
+    #[inline(always)]
+    pub(crate) fn set_lane<T: Scalar>(&mut self, k: usize, value: Vec3<T>)
+    where
+        S: Pack<T>,
+    {
+        self.x.set_lane(k, value.x);
+        self.y.set_lane(k, value.y);
+        self.z.set_lane(k, value.z);
+    }
+
     /// `self . constant`.
     #[inline(always)]
     pub fn dot_constant(self, [x, y, z]: [f64; 3]) -> S {

@@ -3,6 +3,7 @@
 use costate::EvalError;
 use costate::derivative::worse;
 use costate::hamiltonian::Hamiltonian;
+use costate::lagrangian::Lagrangian;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate::scalar::Scalar;
 use fastrand::Rng;
@@ -89,5 +90,59 @@ fn badly_scaled_but_regular_robots_are_accepted() {
         let (refused, worst) = refused_and_worst::<f64>(&robot, &mut rng, |x| x);
         assert!(refused <= 5, "{refused} of 500 refused, n = {}", robot.dof());
         assert!(worst < 1e-2, "error {worst:.1e}, n = {}", robot.dof());
+    }
+}
+
+/// How many of 200 random states forward dynamics refuses, and the largest error of inverse dynamics at the
+/// accelerations of the others, in relation to |M| |a| or |u|.
+fn refused_by_forward_dynamics(robot: &Robot, rng: &mut Rng) -> (usize, f64) {
+    let (mut lagrangian, n) = (Lagrangian::<f64>::new(robot), robot.dof());
+    let (mut refused, mut worst) = (0, 0.0_f64);
+    for _ in 0..200 {
+        let mut uniform = |range: f64| (0..n).map(|_| range * (2.0 * rng.f64() - 1.0)).collect::<Vec<_>>();
+        let (q, v, u) = (uniform(3.0), uniform(1.0), uniform(5.0));
+        match lagrangian.forward_dynamics(&q, &v, &u).map(<[f64]>::to_vec) {
+            Ok(a) => {
+                let m = lagrangian.mass_matrix(&q).unwrap();
+                let size = (0..n).map(|i| m.row(i).iter().zip(&a).map(|(m, a)| (m * a).abs()).sum::<f64>());
+                let size = size.fold(5.0, worse);
+                let found = lagrangian.inverse_dynamics(&q, &v, &a).unwrap();
+                let errors = found.iter().zip(&u).map(|(a, b)| (a - b).abs() / size);
+                worst = errors.fold(worst, worse);
+            }
+            Err(EvalError::SingularMassMatrix { .. }) => refused += 1,
+            Err(error) => unreachable!("{error}"),
+        }
+    }
+    (refused, worst)
+}
+
+/// Long chains, whose accelerations come from articulated bodies: these refuse what the factors of M refuse.
+#[test]
+fn articulated_bodies_refuse_redundant_joints_and_no_others() {
+    let mut rng = Rng::with_seed(11);
+    let massless = |n: usize| vec![LinkInertia::massless(); n];
+    for links in [
+        [massless(23), vec![body(2.0)]].concat(),
+        [vec![body(1.0); 12], massless(8), vec![body(2.0)]].concat(),
+        [massless(8), vec![body(2.0)], vec![body(1.0); 14]].concat(),
+        [vec![body(1.0); 16], massless(4), vec![LinkInertia::point(1.0, [0.3, 0.2, 0.1])]].concat(),
+    ] {
+        let robot = chain(links, &mut rng);
+        let (refused, worst) = refused_by_forward_dynamics(&robot, &mut rng);
+        assert!(refused == 200, "{} accepted, error {worst:.1e}, n = {}", 200 - refused, robot.dof());
+    }
+    for links in [
+        vec![body(1.0); 20],
+        vec![body(1.0); 40],
+        vec![body(1e-15); 20],
+        (0..24).map(|i| body(10.0_f64.powf(2.0 - 0.25 * f64::from(i)))).collect(),
+        [vec![body(500.0); 14], [1e-3, 1e-4, 1e-5].map(body).to_vec()].concat(),
+        [vec![body(1e-3); 16], vec![body(1e3)]].concat(),
+    ] {
+        let robot = chain(links, &mut rng);
+        let (refused, worst) = refused_by_forward_dynamics(&robot, &mut rng);
+        assert!(refused <= 2, "{refused} of 200 refused, n = {}", robot.dof());
+        assert!(worst < 1e-8, "error {worst:.1e}, n = {}", robot.dof());
     }
 }

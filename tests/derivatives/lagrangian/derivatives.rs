@@ -99,7 +99,8 @@ properties! {
         prop_assert!(in_u.iter().all(|&entry| entry == 0.0), "y'a_uv = y'a_uu = 0");
         let inverse = dense(Hamiltonian::<f64>::new(&robot).inverse_mass_matrix(&case.q).unwrap().view());
         let h = second.contract_forward_dynamics(&case.q, &case.v, &case.u, one).unwrap();
-        prop_assert_eq!(dense(h.forward_dynamics().a_u()), inverse);
+        let off_inverse = largest(&(dense(h.forward_dynamics().a_u()) - &inverse));
+        prop_assert!(off_inverse <= tolerance(&robot, &case.q) * largest(&inverse));
         let whole = dense(h.to_matrix().view());
         prop_assert_eq!(dense(h.xx()), whole.view((0, 0), (2 * n, 2 * n)).clone_owned());
         prop_assert_eq!(dense(h.uq()), whole.view((2 * n, 0), (n, n)).clone_owned());

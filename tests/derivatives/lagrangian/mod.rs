@@ -4,6 +4,7 @@
 mod coordinates;
 mod derivatives;
 mod dynamics;
+mod routes;
 
 use costate::derivative::largest;
 use costate::lagrangian::Lagrangian;

@@ -1,0 +1,142 @@
+//! Composite bodies in the axes of the world, and the mass matrix.
+
+use super::WorldKernel;
+use super::group::{Body, Carried, add_force, add_matrix, force_lane, matrix_lane};
+use super::motion::inward;
+use crate::matrix::Matrix;
+use crate::robot::{JointKind, Tree};
+use crate::scalar::{Pack, Scalar, inlined};
+use crate::spatial::{Force, Symmetric3, Vec3};
+
+/// `2 (r.w) 1 - r w' - w r'`: what a first moment 2 w adds to an inertia matrix about an origin that is moved
+/// by r.
+#[inline(always)]
+fn spread<S: Scalar>(r: Vec3<S>, w: Vec3<S>) -> Symmetric3<S> {
+    inlined!(S, {
+        let (x, y, z) = (r.x * w.x, r.y * w.y, r.z * w.z);
+        let twice = |a: S| a + a;
+        Symmetric3 {
+            xx: twice(y + z),
+            yy: twice(x + z),
+            zz: twice(x + y),
+            xy: -r.x.mul_add(w.y, r.y * w.x),
+            xz: -r.x.mul_add(w.z, r.z * w.x),
+            yz: -r.y.mul_add(w.z, r.z * w.y),
+        }
+    })
+}
+
+impl<S: Scalar> WorldKernel<S> {
+    /// Composite bodies, F = IC S and M with armature at the position set last.
+    #[inline(never)]
+    pub fn compose(&mut self, tree: &Tree) {
+        for (group, links) in self.groups.iter_mut().zip(&self.links) {
+            group.composite = Body { mass: links.composite_mass, ..group.body };
+        }
+        for (k, place) in self.places.iter().enumerate().rev() {
+            let Some(parent) = place.parent else { continue };
+            let (mass, arm) = (tree.joints()[place.joint].lumped_mass, self.joints[k].arm);
+            let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
+            let h: Vec3<S> = group.composite.first_moment.lane(lane);
+            let mut matrix = matrix_lane(&group.composite.matrix, lane);
+            matrix += spread(arm, h + arm.times(0.5 * mass));
+            let (to, lane) = (&mut self.groups[parent / Self::LANES].composite, parent % Self::LANES);
+            let sum = to.first_moment.lane(lane) + h + arm.times(mass);
+            to.first_moment.set_lane(lane, sum);
+            add_matrix(&mut to.matrix, lane, &matrix);
+        }
+        for (group, carried) in self.groups.iter().zip(&mut self.carried) {
+            carried.inertial = group.composite.apply(group.axis);
+        }
+        self.fill_mass_matrix();
+        for &(i, j, value) in tree.armature() {
+            let on_one_branch = tree.subtree(j).contains(&i);
+            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
+            self.mass_matrix[(i, j)] = entry;
+            self.mass_matrix[(j, i)] = entry;
+        }
+    }
+
+    /// Mass matrix M, armature included, n x n.
+    pub fn mass_matrix(&self) -> &Matrix<S> {
+        &self.mass_matrix
+    }
+
+    /// Momenta, forces and rates of inertia of the composite bodies, at the motion set last.
+    #[inline(never)]
+    pub(super) fn compose_motion(&mut self) {
+        for group in &mut self.groups {
+            group.rate = rate_of_matrix(&group.body, group.velocity.angular, group.velocity.linear);
+        }
+        for (k, place) in self.places.iter().enumerate().rev() {
+            let Some(parent) = place.parent else { continue };
+            let (group, lane, arm) = (&self.groups[k / Self::LANES], k % Self::LANES, self.joints[k].arm);
+            let momentum: Force<S> = force_lane(&group.momentum, lane);
+            let force: Force<S> = force_lane(&group.force, lane);
+            let mut rate = matrix_lane(&group.rate, lane);
+            // The rate of the first moment is the linear momentum.
+            rate += spread(arm, momentum.force);
+            let (to, lane) = (&mut self.groups[parent / Self::LANES], parent % Self::LANES);
+            add_force(&mut to.momentum, lane, inward(momentum, arm));
+            add_force(&mut to.force, lane, inward(force, arm));
+            add_matrix(&mut to.rate, lane, &rate);
+        }
+    }
+
+    /// M without armature, n x n, at the composite bodies.
+    #[inline(never)]
+    fn fill_mass_matrix(&mut self) {
+        let (places, [entries, _]) = (&self.places, &mut self.lower);
+        for (k, place) in places.iter().enumerate() {
+            let axis: Vec3<S::Pack> = self.joints[k].axes[2].splat();
+            let origin: Vec3<S::Pack> = self.joints[k].origin.splat();
+            let (first, row) = (k / Self::LANES, entries.row_mut(k));
+            let forces = self.carried[first..place.end.div_ceil(Self::LANES)].iter();
+            let entries = forces.zip(&mut row[first..]);
+            match place.kind {
+                JointKind::Revolute => entries.for_each(|(Carried { origin: end, inertial, .. }, entry)| {
+                    let lever = axis.cross(*end - origin);
+                    *entry = axis.dot_plus(inertial.moment, lever.dot(inertial.force));
+                }),
+                JointKind::Prismatic => entries.for_each(|(carried, entry)| {
+                    *entry = axis.dot(carried.inertial.force);
+                }),
+            }
+            clear_beyond::<S>(row, place.end);
+        }
+        places.mirror(entries, None);
+        if !places.are_in_order() {
+            places.reorder(entries, |i, j, entry| self.mass_matrix[(i, j)] = entry);
+            return;
+        }
+        for k in 0..places.len() {
+            let row = self.mass_matrix.row_mut(k).chunks_mut(Self::LANES);
+            row.zip(entries.row(k)).for_each(|(to, pack)| pack.write(to));
+        }
+    }
+}
+
+/// Zeros in the lanes of a row after a subtree that ends before place `end`, in its last pack.
+#[inline(always)]
+pub(super) fn clear_beyond<S: Scalar>(row: &mut [S::Pack], end: usize) {
+    let last = (end - 1) / <S::Pack as Pack<S>>::LANES;
+    row[last] = row[last].before(end - last * <S::Pack as Pack<S>>::LANES, S::Pack::zero());
+}
+
+/// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h
+/// v'`.
+#[inline(always)]
+fn rate_of_matrix<P: Scalar>(body: &Body<P>, w: Vec3<P>, v: Vec3<P>) -> Symmetric3<P> {
+    inlined!(P, {
+        let (h, j) = (body.first_moment, &body.matrix);
+        let mut rate = spread(v, h);
+        let twice = |a: P| a + a;
+        rate.xx += twice(w.y.mul_add(j.xz, -(w.z * j.xy)));
+        rate.yy += twice(w.z.mul_add(j.xy, -(w.x * j.yz)));
+        rate.zz += twice(w.x.mul_add(j.yz, -(w.y * j.xz)));
+        rate.xy += w.y.mul_add(j.yz, w.z.mul_add(j.xx - j.yy, -(w.x * j.xz)));
+        rate.xz += w.z.mul_add(-j.yz, w.y.mul_add(j.zz - j.xx, w.x * j.xy));
+        rate.yz += w.z.mul_add(j.xz, w.x.mul_add(j.yy - j.zz, -(w.y * j.xy)));
+        rate
+    })
+}

@@ -1,0 +1,140 @@
+//! The dynamics in the axes of the world, each joint about its own origin, several joints side by side.
+//!
+//! Nothing is turned from joint to joint here: a force moves to another origin by one product with the
+//! distance. What depends on one joint only is computed for as many joints at once as a pack has lanes.
+//! Zeros and ones of a model save nothing, so that numbers of one lane take more operations than in body
+//! frames on short branches, while packs take less time at every size (`docs/frames.md`).
+
+mod articulated;
+mod articulated_inertia;
+mod composite;
+mod group;
+mod motion;
+mod places;
+mod torque;
+
+use crate::matrix::{Matrix, Panel};
+use crate::robot::Tree;
+use crate::scalar::{Pack, Scalar};
+use crate::spatial::{JointPosition, Motion, Vec3};
+pub(crate) use articulated::ArticulatedBodies;
+use group::{Carried, Group, Links, motion_along, set_motion};
+use places::Places;
+
+/// The joints of a tree in the axes of the world: positions, motions, forces, M, and the derivatives of
+/// inverse dynamics.
+///
+/// A subtree is a range of places: the order is depth first.
+#[derive(Clone, Debug)]
+pub(crate) struct WorldKernel<S: Scalar> {
+    places: Places,
+    turns: Vec<JointPosition<S>>,
+    links: Vec<Links<S::Pack>>,
+    groups: Vec<Group<S::Pack>>,
+    joints: Vec<Joint<S>>,
+    carried: Vec<Carried<S::Pack>>,
+    /// Rows i of entries (i, j), and of (j, i), j beyond i: those of tau_q, then those of tau_v.
+    upper: [Panel<S>; 2],
+    lower: [Panel<S>; 2],
+    mass_matrix: Matrix<S>,
+}
+
+/// What the next joint needs of a joint.
+#[derive(Clone, Copy, Debug)]
+struct Joint<S> {
+    axes: [Vec3<S>; 3],
+    /// Origin seen from that of the parent, and from that of the first revolute joint of the branch.
+    arm: Vec3<S>,
+    origin: Vec3<S>,
+    velocity: Motion<S>,
+    acceleration: Motion<S>,
+}
+
+impl<S: Scalar> WorldKernel<S> {
+    /// Joints in a group.
+    const LANES: usize = <S::Pack as Pack<S>>::LANES;
+
+    /// Buffers for a tree.
+    #[inline(never)]
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.dof();
+        let places = Places::new(tree);
+        let chunks = places.chunks(Self::LANES);
+        let links = chunks.map(|some| {
+            let joints: Vec<_> = some.iter().map(|place| &tree.joints()[place.joint]).collect();
+            Links::new(&joints)
+        });
+        let (none, still) = (Vec3::zero(), Motion::zero());
+        let at_rest =
+            Joint { axes: [none; 3], arm: none, origin: none, velocity: still, acceleration: still };
+        let groups = n.div_ceil(Self::LANES);
+        let panel = Panel::zeros(n, n);
+        Self {
+            turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
+            links: links.collect(),
+            groups: vec![Group::zero(); groups],
+            carried: vec![Carried::zero(); groups],
+            joints: vec![at_rest; n],
+            upper: [panel.clone(), panel.clone()],
+            lower: [panel.clone(), panel],
+            mass_matrix: Matrix::zeros(n, n),
+            places,
+        }
+    }
+
+    /// Axes and origins at q (rad, m; length n), and the links there.
+    #[inline(never)]
+    pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
+        super::position::joint_positions(tree, q, |i, position| self.turns[i] = position);
+        for (k, place) in self.places.iter().enumerate() {
+            let fixed = &tree.joints()[place.joint].screw;
+            let [mut x, mut y, mut z] = match place.parent {
+                Some(parent) => self.joints[parent].axes,
+                None => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::constant),
+            };
+            if let Some(gamma) = &fixed.gamma {
+                [x, y] = turned([x, y], |pair| gamma.undo(pair));
+            }
+            let mut arm = Vec3::zero();
+            if place.parent.is_some() {
+                let [a, b, c] = fixed.translation;
+                arm = Vec3::new(
+                    x.x.times(a).plus_times(y.x, b).plus_times(z.x, c),
+                    x.y.times(a).plus_times(y.y, b).plus_times(z.y, c),
+                    x.z.times(a).plus_times(y.z, b).plus_times(z.z, c),
+                );
+            }
+            [y, z] = turned([y, z], |pair| fixed.alpha.undo(pair));
+            match &self.turns[place.joint] {
+                JointPosition::Rotated(turn) => {
+                    arm = arm.plus_scaled(z, S::from_f64(fixed.rise));
+                    [x, y] = turned([x, y], |pair| turn.undo(pair));
+                }
+                &JointPosition::Translated(distance) => arm = arm.plus_scaled(z, distance),
+            }
+            let joint = &mut self.joints[k];
+            (joint.axes, joint.arm) = ([x, y, z], arm);
+            let origin = match place.parent {
+                Some(parent) if place.turns => self.joints[parent].origin + arm,
+                _ => Vec3::zero(),
+            };
+            self.joints[k].origin = origin;
+            let (group, lane) = (&mut self.groups[k / Self::LANES], k % Self::LANES);
+            group.axes.iter_mut().zip([x, y, z]).for_each(|(to, axis)| to.set_lane(lane, axis));
+            set_motion(&mut group.axis, lane, motion_along(place.kind, z));
+            self.carried[k / Self::LANES].origin.set_lane(lane, origin);
+        }
+        for (group, links) in self.groups.iter_mut().zip(&self.links) {
+            group.turn_links(links);
+        }
+    }
+}
+
+/// A pair of vectors turned in their plane, component by component.
+#[inline(always)]
+fn turned<S: Scalar>([a, b]: [Vec3<S>; 2], turn: impl Fn([S; 2]) -> [S; 2]) -> [Vec3<S>; 2] {
+    let [ax, bx] = turn([a.x, b.x]);
+    let [ay, by] = turn([a.y, b.y]);
+    let [az, bz] = turn([a.z, b.z]);
+    [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz)]
+}

@@ -1,0 +1,91 @@
+//! Velocities, accelerations and forces in the axes of the world: inverse dynamics.
+
+use super::WorldKernel;
+use super::group::{add_force, along_axis, force_lane, set_motion};
+use crate::robot::{JointKind, Tree};
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Motion, Vec3};
+
+impl<S: Scalar> WorldKernel<S> {
+    /// Velocities, accelerations with the base accelerated against gravity, and the force on each link,
+    /// `I a + v x* I v`, at the position set last; v and a have length n, a is zero where there is none.
+    #[inline(never)]
+    pub fn set_motion(&mut self, tree: &Tree, v: &[S], a: Option<&[S]>) {
+        for (k, place) in self.places.iter().enumerate() {
+            let joint = &self.joints[k];
+            let (z, arm, rate) = (joint.axes[2], joint.arm, v[place.joint]);
+            let (mut velocity, mut acceleration) = match place.parent.map(|parent| &self.joints[parent]) {
+                Some(outer) => (moved(outer.velocity, arm), moved(outer.acceleration, arm)),
+                None => {
+                    let upward = -Vec3::constant(tree.gravity());
+                    (Motion::zero(), Motion { angular: Vec3::zero(), linear: upward })
+                }
+            };
+            let mut psi = Motion { angular: Vec3::zero(), linear: Vec3::zero() };
+            match place.kind {
+                JointKind::Revolute => {
+                    psi.angular = velocity.angular.cross(z);
+                    psi.linear = velocity.linear.cross(z);
+                    velocity.angular = velocity.angular.plus_scaled(z, rate);
+                    acceleration.angular = acceleration.angular.plus_scaled(psi.angular, rate);
+                    if let Some(a) = a {
+                        acceleration.angular = acceleration.angular.plus_scaled(z, a[place.joint]);
+                    }
+                }
+                JointKind::Prismatic => {
+                    psi.linear = velocity.angular.cross(z);
+                    velocity.linear = velocity.linear.plus_scaled(z, rate);
+                    if let Some(a) = a {
+                        acceleration.linear = acceleration.linear.plus_scaled(z, a[place.joint]);
+                    }
+                }
+            }
+            acceleration.linear = acceleration.linear.plus_scaled(psi.linear, rate);
+            let joint = &mut self.joints[k];
+            (joint.velocity, joint.acceleration) = (velocity, acceleration);
+            let (group, lane) = (&mut self.groups[k / Self::LANES], k % Self::LANES);
+            set_motion(&mut group.velocity, lane, velocity);
+            set_motion(&mut group.acceleration, lane, acceleration);
+            set_motion(&mut group.psi, lane, psi);
+        }
+        for group in &mut self.groups {
+            let (velocity, momentum) = (group.velocity, group.body.apply(group.velocity));
+            let turning = velocity.angular;
+            let Force { moment, force } = group.body.apply(group.acceleration);
+            group.momentum = momentum;
+            group.force = Force {
+                moment: moment
+                    .plus_product(turning, momentum.moment)
+                    .plus_product(velocity.linear, momentum.force),
+                force: force.plus_product(turning, momentum.force),
+            };
+        }
+    }
+
+    /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last; the forces
+    /// of links are added up.
+    #[inline(never)]
+    pub fn sum_forces(&mut self, tau: &mut [S]) {
+        for (k, place) in self.places.iter().enumerate().rev() {
+            let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
+            let force: Force<S> = force_lane(&group.force, lane);
+            tau[place.joint] = along_axis(place.kind, self.joints[k].axes[2], &force);
+            if let Some(parent) = place.parent {
+                let to = &mut self.groups[parent / Self::LANES].force;
+                add_force(to, parent % Self::LANES, inward(force, self.joints[k].arm));
+            }
+        }
+    }
+}
+
+/// The motion of the origin at the end of an arm.
+#[inline(always)]
+pub(super) fn moved<S: Scalar>(motion: Motion<S>, arm: Vec3<S>) -> Motion<S> {
+    Motion { angular: motion.angular, linear: motion.linear.plus_product(motion.angular, arm) }
+}
+
+/// The force about the origin where the arm begins.
+#[inline(always)]
+pub(super) fn inward<S: Scalar>(force: Force<S>, arm: Vec3<S>) -> Force<S> {
+    Force { moment: force.moment.plus_product(arm, force.force), force: force.force }
+}

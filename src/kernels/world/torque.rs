@@ -1,0 +1,178 @@
+//! The derivatives of inverse dynamics as scalar products of pairs of joints.
+
+use super::WorldKernel;
+use super::composite::clear_beyond;
+use super::group::{Carried, Group, along_axis, force_lane, motion_lane};
+use crate::matrix::Panel;
+use crate::robot::JointKind;
+use crate::scalar::{Scalar, inlined};
+use crate::spatial::{Force, Motion, Vec3};
+use std::ops::Range;
+
+/// The motions of joint i that meet the forces of the joints beyond it, the same in every lane.
+struct Meeting<P> {
+    axis: Vec3<P>,
+    origin: Vec3<P>,
+    psi: Motion<P>,
+    psi_rate: Motion<P>,
+}
+
+impl<S: Scalar> WorldKernel<S> {
+    /// tau_q and tau_v, n x n, without springs, friction and armature, at the motion set last and the
+    /// composite bodies of its position. Entries of joints on different branches are left as they are.
+    ///
+    /// With J', L and N the rate of the inertia matrix, the linear and the angular momentum of the composite
+    /// body of joint j about its origin, f the force on it, w and s angular and linear part of a motion, the
+    /// Coriolis operator is `2B m = (J' w - N x w ; -2 L x w)`. For i <= j in tree order
+    ///
+    /// ```text
+    /// F_j = IC_j S_j       C_j = 2B S_j + 2 IC_j psi_j        psi_j = v_j x S_j
+    /// E_j = (2B)' S_j      A_j = 2B psi_j + IC_j psi'_j + S_j x* f_j     psi'_j = a_j x S_j + v_j x psi_j
+    ///
+    /// tau_q,ij = S_i . A_j     tau_q,ji = psi_i . E_j + psi'_i . F_j
+    /// tau_v,ij = S_i . C_j     tau_v,ji = S_i . E_j + 2 psi_i . F_j
+    /// ```
+    ///
+    /// (S. Singh, R. Russell, P. Wensing, IEEE Robotics and Automation Letters 7 (2022) 1752-1759, in other
+    /// terms.) The linear part of E is zero.
+    #[inline(never)]
+    pub fn torque_derivatives(&mut self, tau: &mut [Panel<S>; 2]) {
+        self.compose_motion();
+        for (group, carried) in self.groups.iter_mut().zip(&mut self.carried) {
+            group.carry(carried);
+        }
+        if self.places.are_in_order() {
+            return self.meet_all(tau);
+        }
+        let mut upper = std::mem::replace(&mut self.upper, [Panel::zeros(0, 0), Panel::zeros(0, 0)]);
+        self.meet_all(&mut upper);
+        self.upper = upper;
+        for (tau, upper) in tau.iter_mut().zip(&self.upper) {
+            self.places.reorder(upper, |i, j, entry| tau.set(i, j, entry));
+        }
+    }
+
+    /// All entries, by places.
+    fn meet_all(&mut self, to: &mut [Panel<S>; 2]) {
+        let ([q_upper, v_upper], [q_lower, v_lower]) = (to, &mut self.lower);
+        for (k, place) in self.places.iter().enumerate() {
+            let (joint, lane) = (&self.joints[k], k % Self::LANES);
+            let group = &self.groups[k / Self::LANES];
+            let motion = |motion: &Motion<S::Pack>| motion_lane::<S, _>(motion, lane).splat();
+            let meeting: Meeting<S::Pack> = Meeting {
+                axis: joint.axes[2].splat(),
+                origin: joint.origin.splat(),
+                psi: motion(&group.psi),
+                psi_rate: motion(&group.psi_rate),
+            };
+            let mut rows = [q_upper.row_mut(k), q_lower.row_mut(k), v_upper.row_mut(k), v_lower.row_mut(k)];
+            let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
+            match place.kind {
+                JointKind::Revolute => fill(&mut rows, &self.carried, groups, &meeting, revolute),
+                JointKind::Prismatic => fill(&mut rows, &self.carried, groups, &meeting, prismatic),
+            }
+            rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
+        }
+        self.places.mirror(q_upper, Some(&*q_lower));
+        self.places.mirror(v_upper, Some(&*v_lower));
+    }
+
+    /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after
+    /// [`torque_derivatives`](Self::torque_derivatives).
+    pub fn torques(&self, tau: &mut [S]) {
+        for (k, place) in self.places.iter().enumerate() {
+            let force = force_lane(&self.groups[k / Self::LANES].force, k % Self::LANES);
+            tau[place.joint] = along_axis(place.kind, self.joints[k].axes[2], &force);
+        }
+    }
+}
+
+/// Entries ij, ji of tau_q and of tau_v for joint i and the joints of these groups.
+#[inline(always)]
+fn fill<P: Scalar>(
+    rows: &mut [&mut [P]; 4],
+    carried: &[Carried<P>],
+    groups: Range<usize>,
+    meeting: &Meeting<P>,
+    entries: impl Fn(&Meeting<P>, &Carried<P>) -> [P; 4],
+) {
+    let [a, b, c, d] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
+    for ((((carried, a), b), c), d) in carried[groups].iter().zip(a).zip(b).zip(c).zip(d) {
+        [*a, *b, *c, *d] = entries(meeting, carried);
+    }
+}
+
+impl<P: Scalar> Group<P> {
+    /// The forces of all joints of the group, see [`WorldKernel::torque_derivatives`]; F is there.
+    #[inline(always)]
+    fn carry(&mut self, carried: &mut Carried<P>) {
+        let (axis, psi, a, v) = (self.axis, self.psi, self.acceleration, self.velocity);
+        let psi_rate = Motion {
+            angular: a.angular.cross(axis.angular).plus_product(v.angular, psi.angular),
+            linear: a
+                .linear
+                .cross(axis.angular)
+                .plus_product(a.angular, axis.linear)
+                .plus_product(v.linear, psi.angular)
+                .plus_product(v.angular, psi.linear),
+        };
+        self.psi_rate = psi_rate;
+        let Force { moment: angular, force: linear } = self.momentum;
+        // J' w and N x w of S and psi.
+        let (turned, crossed) = (self.rate.apply(axis.angular), angular.cross(axis.angular));
+        let twice = |a: Vec3<P>| a + a;
+        let shifted = self.composite.apply(psi);
+        let pushed = self.composite.apply(psi_rate);
+        let swept = linear.cross(psi.angular);
+        let f = self.force;
+        *carried = Carried {
+            origin: carried.origin,
+            inertial: carried.inertial,
+            turning: twice(linear.cross(axis.linear)) + turned + crossed,
+            by_velocity: Force {
+                moment: twice(shifted.moment) + turned - crossed,
+                force: twice(shifted.force - linear.cross(axis.angular)),
+            },
+            by_position: Force {
+                moment: (pushed.moment + self.rate.apply(psi.angular) - angular.cross(psi.angular))
+                    .plus_product(axis.angular, f.moment)
+                    .plus_product(axis.linear, f.force),
+                force: (pushed.force - twice(swept)).plus_product(axis.angular, f.force),
+            },
+        };
+    }
+}
+
+/// tau_q and tau_v for joint i, revolute, and each joint of a group: ij, ji of both.
+#[inline(always)]
+fn revolute<P: Scalar>(i: &Meeting<P>, group: &Carried<P>) -> [P; 4] {
+    inlined!(P, {
+        let Carried { origin, inertial, turning, by_position, by_velocity } = group;
+        let distance = *origin - i.origin;
+        let lever = i.axis.cross(distance);
+        let psi = i.psi.linear.plus_product(i.psi.angular, distance);
+        let psi_rate = i.psi_rate.linear.plus_product(i.psi_rate.angular, distance);
+        let along = i.psi.angular.dot_plus(inertial.moment, psi.dot(inertial.force));
+        let inertial = i.psi_rate.angular.dot_plus(inertial.moment, psi_rate.dot(inertial.force));
+        [
+            i.axis.dot_plus(by_position.moment, lever.dot(by_position.force)),
+            i.psi.angular.dot_plus(*turning, inertial),
+            i.axis.dot_plus(by_velocity.moment, lever.dot(by_velocity.force)),
+            i.axis.dot_plus(*turning, along + along),
+        ]
+    })
+}
+
+/// The same for joint i prismatic: its psi has no angular part.
+#[inline(always)]
+fn prismatic<P: Scalar>(i: &Meeting<P>, carried: &Carried<P>) -> [P; 4] {
+    inlined!(P, {
+        let along = i.psi.linear.dot(carried.inertial.force);
+        [
+            i.axis.dot(carried.by_position.force),
+            i.psi_rate.linear.dot(carried.inertial.force),
+            i.axis.dot(carried.by_velocity.force),
+            along + along,
+        ]
+    })
+}
