@@ -8,8 +8,8 @@ mod armature;
 mod builder;
 mod checks;
 pub mod dh;
-mod edited;
 mod edit;
+mod edited;
 mod error;
 #[cfg(feature = "toml")]
 pub mod file;
