@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{Frame, FrameKind, Joint, Mimic, Robot, printable};
+use costate::robot::{AppliedWrench, Frame, FrameKind, Joint, Mimic, Robot, WrenchAxes, printable};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -16,7 +16,7 @@ pub struct Arguments {
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
-    /// List the frames too: links, joints and others that `costate eval` knows by name
+    /// List the frames too: links, joints and others that `costate eval` knows by name; and wrenches at them
     #[arg(long)]
     frames: bool,
 }
@@ -95,8 +95,29 @@ fn as_json(robot: &Robot, with_frames: bool) -> Value {
             "frames".into(),
             robot.frames().iter().map(|frame| frame_as_json(robot, frame)).collect(),
         );
+        fields.insert(
+            "wrenches".into(),
+            robot.wrenches().iter().map(|one| wrench_as_json(robot, one)).collect(),
+        );
     }
     value
+}
+
+fn wrench_as_json(robot: &Robot, applied: &AppliedWrench) -> Value {
+    let AppliedWrench { frame, wrench, .. } = applied;
+    json!({
+        "frame": robot.frames()[*frame].name,
+        "axes": axes(wrench.axes),
+        "force": wrench.force,
+        "moment": wrench.moment,
+    })
+}
+
+fn axes(axes: WrenchAxes) -> &'static str {
+    match axes {
+        WrenchAxes::Frame => "frame",
+        WrenchAxes::World => "world",
+    }
 }
 
 /// The joint that moves a frame; none for the world.
@@ -137,7 +158,22 @@ fn print_frames(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
             format!("({}, {}, {})", short(x), short(y), short(z)),
         ]);
     }
-    writeln!(out, "\n{table}")
+    writeln!(out, "\n{table}")?;
+    if robot.wrenches().is_empty() {
+        return Ok(());
+    }
+    let mut table = Table::new(&["index", "wrench at", "axes", "force (N)", "moment (N m)"], 5);
+    for (k, AppliedWrench { frame, wrench, .. }) in robot.wrenches().iter().enumerate() {
+        let three = |[x, y, z]: [f64; 3]| format!("({}, {}, {})", short(x), short(y), short(z));
+        table.row(vec![
+            k.to_string(),
+            robot.frames()[*frame].name.clone(),
+            axes(wrench.axes).into(),
+            three(wrench.force),
+            three(wrench.moment),
+        ]);
+    }
+    writeln!(out, "{table}")
 }
 
 /// A 3 x 3 matrix as nested arrays.

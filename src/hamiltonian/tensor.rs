@@ -79,7 +79,7 @@ impl<S: Scalar> HessianTensor<S> {
         if let Some(external) = &mut first.state.external {
             for (k, curvature) in self.wrenches.iter_mut().enumerate() {
                 self.unit[k] = S::one();
-                curvature.copy_from(external.contract(q, &self.unit));
+                curvature.copy_from(external.curvature(q, &self.unit));
                 self.unit[k] = S::zero();
             }
         }

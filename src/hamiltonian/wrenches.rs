@@ -15,7 +15,7 @@ impl<S: Scalar> StateEquation<S> {
     pub fn add_wrenches(&mut self, q: &[S]) {
         if let Some(external) = &mut self.external {
             let f_p = &mut self.f[q.len()..];
-            f_p.iter_mut().zip(external.evaluate(q)).for_each(|(f, &tau)| *f += tau);
+            f_p.iter_mut().zip(external.force(q)).for_each(|(f, &tau)| *f += tau);
         }
     }
 
@@ -23,7 +23,7 @@ impl<S: Scalar> StateEquation<S> {
     pub fn add_wrench_slopes(&mut self, q: &[S]) {
         let n = q.len();
         if let Some(external) = &mut self.external {
-            let tau_q = external.linearise(q);
+            let tau_q = external.slopes(q);
             for i in 0..n {
                 add_scaled(&mut self.f_x.row_mut(n + i)[..n], S::one(), tau_q.row(i));
             }
@@ -33,7 +33,7 @@ impl<S: Scalar> StateEquation<S> {
     /// Adds `y_p . tau_q` to the first half of y'F_x.
     pub fn add_wrench_adjoint(&mut self, q: &[S], y_p: &[S], y_f_x: &mut [S]) {
         if let Some(external) = &mut self.external {
-            let tau_q = external.linearise(q);
+            let tau_q = external.slopes(q);
             for (i, &y) in y_p.iter().enumerate() {
                 add_scaled(&mut y_f_x[..q.len()], y, tau_q.row(i));
             }
@@ -43,7 +43,7 @@ impl<S: Scalar> StateEquation<S> {
     /// Adds `y_p . tau_qq` to y'F_xx.
     pub fn add_wrench_curvature(&mut self, q: &[S], y_p: &[S], y_f_xx: &mut Matrix<S>) {
         if let Some(external) = &mut self.external {
-            let curvature = external.contract(q, y_p);
+            let curvature = external.curvature(q, y_p);
             for i in 0..q.len() {
                 add_scaled(&mut y_f_xx.row_mut(i)[..q.len()], S::one(), curvature.row(i));
             }
@@ -53,7 +53,7 @@ impl<S: Scalar> StateEquation<S> {
     /// Adds `(y_p . tau_qq) d_q` to y'F_xx d.
     pub fn add_wrench_product(&mut self, q: &[S], y_p: &[S], d_q: &[S], product: &mut [S]) {
         if let Some(external) = &mut self.external {
-            let curvature = external.contract(q, y_p);
+            let curvature = external.curvature(q, y_p);
             for (i, entry) in product[..q.len()].iter_mut().enumerate() {
                 *entry += dot(curvature.row(i), d_q);
             }

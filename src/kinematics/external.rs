@@ -73,9 +73,36 @@ impl<S: Scalar> ExternalForces<S> {
         Ok(())
     }
 
-    /// `tau(q) = sum of J'W`, n (N m, N); q of length n. Values are not checked here.
+    /// `tau(q) = sum of J'W`, n (N m, N), at q of length n.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+    pub fn evaluate(&mut self, q: &[S]) -> Result<&[S], EvalError> {
+        self.kinematics.check(&[("q", q)])?;
+        Ok(self.force(q))
+    }
+
+    /// `tau_q = sum of (J'W)_q`, n x n: row j belongs to `tau_j`.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+    pub fn linearise(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.kinematics.check(&[("q", q)])?;
+        Ok(self.slopes(q))
+    }
+
+    /// `sum_k y_k d2 tau_k / dq dq`, n x n, symmetric, for y of length n.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+    pub fn contract(&mut self, q: &[S], y: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.kinematics.check(&[("q", q), ("y", y)])?;
+        Ok(self.curvature(q, y))
+    }
+
+    /// As [`evaluate`](Self::evaluate), without a check.
     #[inline(never)]
-    pub fn evaluate(&mut self, q: &[S]) -> &[S] {
+    pub(crate) fn force(&mut self, q: &[S]) -> &[S] {
         let Self { kinematics, wrenches, tau, .. } = self;
         kinematics.place_still(q);
         tau.all.fill(S::zero());
@@ -90,9 +117,9 @@ impl<S: Scalar> ExternalForces<S> {
         self.tau.get()
     }
 
-    /// `tau_q = sum of (J'W)_q`, n x n: row j belongs to joint j. Values are not checked here.
+    /// As [`linearise`](Self::linearise), without a check.
     #[inline(never)]
-    pub fn linearise(&mut self, q: &[S]) -> &Matrix<S> {
+    pub(crate) fn slopes(&mut self, q: &[S]) -> &Matrix<S> {
         let Self { kinematics, wrenches, tau_q, .. } = self;
         kinematics.place_still(q);
         tau_q.fill_zero();
@@ -102,9 +129,9 @@ impl<S: Scalar> ExternalForces<S> {
         &self.tau_q
     }
 
-    /// `sum_k y_k d2 tau_k / dq dq`, n x n, symmetric, for y of length n. Values are not checked here.
+    /// As [`contract`](Self::contract), without a check.
     #[inline(never)]
-    pub fn contract(&mut self, q: &[S], y: &[S]) -> &Matrix<S> {
+    pub(crate) fn curvature(&mut self, q: &[S], y: &[S]) -> &Matrix<S> {
         let Self { kinematics, wrenches, y_tau_qq, .. } = self;
         kinematics.place_moving(q, y);
         y_tau_qq.fill_zero();

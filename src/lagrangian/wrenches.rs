@@ -23,17 +23,14 @@ impl<S: Scalar> Lagrangian<S> {
     /// Subtracts them from tau of inverse dynamics.
     pub(super) fn subtract_wrenches(&mut self, q: &[S]) {
         if let Some(external) = &mut self.external {
-            self.tau
-                .iter_mut()
-                .zip(external.evaluate(q))
-                .for_each(|(tau, &from_outside)| *tau -= from_outside);
+            self.tau.iter_mut().zip(external.force(q)).for_each(|(tau, &from_outside)| *tau -= from_outside);
         }
     }
 
     /// Subtracts their Jacobian from tau_q of inverse dynamics.
     pub(super) fn subtract_wrench_slopes(&mut self, q: &[S]) {
         if let Some(external) = &mut self.external {
-            let slopes = external.linearise(q);
+            let slopes = external.slopes(q);
             for i in 0..q.len() {
                 add_scaled(self.tau_q.row_mut(i), -S::one(), slopes.row(i));
             }
@@ -43,7 +40,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// Subtracts their Hessian, contracted with w, from the block (q, q) of that of inverse dynamics.
     pub(super) fn subtract_wrench_curvature(&mut self, q: &[S], w: &[S], w_tau_zz: &mut Matrix<S>) {
         if let Some(external) = &mut self.external {
-            let curvature = external.contract(q, w);
+            let curvature = external.curvature(q, w);
             for i in 0..q.len() {
                 add_scaled(&mut w_tau_zz.row_mut(i)[..q.len()], -S::one(), curvature.row(i));
             }

@@ -157,7 +157,7 @@ properties! {
         let mut loaded = Lagrangian::<f64>::new(&robot);
         prop_assert!(difference(&changed, loaded.evaluate(q, v, u).unwrap()) < tolerance);
         let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
-        prop_assert!((DVector::from_column_slice(external.evaluate(q)) - force).amax() < 1e-12);
+        prop_assert!((DVector::from_column_slice(external.evaluate(q).unwrap()) - force).amax() < 1e-12);
     }
 
     #[test]
@@ -167,7 +167,7 @@ properties! {
         let pull = Wrench { force: [case.y[0], -2.0, 1.0], axes: WrenchAxes::World, ..Wrench::default() };
         let robot = robot.with_wrench(&frame, pull).unwrap();
         let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
-        let slope = matrix(external.linearise(&case.q));
+        let slope = matrix(external.linearise(&case.q).unwrap());
         prop_assert!((&slope - slope.transpose()).amax() < 1e-13);
         let mut kinematics = Kinematics::<f64>::new(&robot);
         kinematics.set_position(&case.q).unwrap();
@@ -190,6 +190,12 @@ fn bad_wrenches_are_refused() {
     assert!(one.set_wrench(1, &[0.0; 3], &[0.0; 3]).is_err());
     assert!(one.set_wrench(0, &[0.0; 3], &[f64::INFINITY, 0.0, 0.0]).is_err());
     assert!(one.set_wrench(0, &[1.0; 3], &[0.0; 3]).is_ok());
+    let tree = Tree::from(&robot.with_wrench("tool0", Wrench::default()).unwrap());
+    let mut external = ExternalForces::<f64>::new(&tree).unwrap();
+    assert!(external.evaluate(&[0.0; 5]).is_err() && external.linearise(&[f64::NAN; 6]).is_err());
+    assert!(
+        external.contract(&[0.0; 6], &[0.0; 7]).is_err() && external.contract(&[0.0; 6], &[0.0; 6]).is_ok()
+    );
 }
 
 #[test]
