@@ -210,9 +210,9 @@ mod tests {
             let x = k as f64;
             let link =
                 LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
-            let joint = JointSpec::revolute(&format!("j{k}")).axis([x.sin(), 1.0, x.cos()]).carrying(link);
+            let joint = JointSpec::revolute(format!("j{k}")).axis([x.sin(), 1.0, x.cos()]).carrying(link);
             let on = parent(k);
-            builder = builder.joint(if on < k { joint.on(&format!("j{on}")) } else { joint });
+            builder = builder.joint(if on < k { joint.on(format!("j{on}")) } else { joint });
         }
         if coupled {
             let mut armature = DMatrix::identity(n, n);

@@ -127,15 +127,19 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panels of tau_q and tau_v; M is factored.
     ///
-    /// One product with M^-1 where the matrices fit into registers; else the factors, which branches leave
+    /// One product with M^-1 where packs of its rows fit into registers; else the factors, which branches leave
     /// sparse.
     #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.dof();
-        let factor = &mut self.factor;
-        sized!(S, n, factor.form_inverse(&mut self.inverse));
+        let (factor, in_blocks) = (&mut self.factor, Panel::<S>::in_blocks(n));
+        if in_blocks {
+            factor.place_inverse(&mut self.a_z, (0, 2 * n));
+        } else {
+            sized!(S, n, factor.form_inverse(&mut self.inverse));
+        }
         for (solved, torque) in self.solved.iter_mut().zip(&self.torque) {
-            if Panel::<S>::ONE_LANE || n > MOST_BY_INVERSE {
+            if Panel::<S>::ONE_LANE || in_blocks {
                 solved.copy_from::<0, 0>(torque);
                 self.factor.solve_panel(solved);
             } else {
@@ -148,14 +152,12 @@ impl<S: Scalar> Lagrangian<S> {
             let [by_q, by_v] = &self.solved;
             write_packs(by_q.row(i), in_q, |pack| -pack);
             write_packs(by_v.row(i), in_v, |pack| -pack);
-            write_packs(self.inverse.row(i), in_u, |pack| pack);
+            if !in_blocks {
+                write_packs(self.inverse.row(i), in_u, |pack| pack);
+            }
         }
     }
 }
-
-/// The largest number of joints with packs whose Jacobian is a product with M^-1; that of the sizes which are
-/// known at compile time.
-const MOST_BY_INVERSE: usize = 12;
 
 /// A function of the packs, as many lanes as there are numbers.
 #[inline(always)]

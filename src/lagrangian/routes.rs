@@ -88,7 +88,7 @@ impl<S: Scalar> Lagrangian<S> {
             in_q.set(i, i, in_q.get(i, i).plus(self.tree.joints()[i].spring.stiffness));
         }
         if let Some(external) = &mut self.external {
-            let slopes = external.linearise(q);
+            let slopes = external.slopes(q);
             for i in 0..q.len() {
                 for (j, &slope) in slopes.row(i).iter().enumerate() {
                     in_q.set(i, j, in_q.get(i, j) - slope);
