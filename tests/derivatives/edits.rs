@@ -4,7 +4,7 @@ use costate::derivative::largest;
 use costate::kernels::KernelOne;
 use costate::lagrangian::Lagrangian;
 use costate::matrix::Matrix;
-use costate::robot::{FrameSpec, JointSpec, LinkInertia, Placement, Robot, Tree, Wrench, WrenchAxes};
+use costate::robot::{Frame, FrameSpec, JointSpec, LinkInertia, Placement, Robot, Tree, Wrench, WrenchAxes};
 use costate_test_support::properties;
 use costate_test_support::random_robot::all_cases;
 use nalgebra::{Matrix3, Vector3};
@@ -84,10 +84,16 @@ properties! {
         let ((_, moved_all), (_, moved_one)) = (kernel(&robot, &there, &v), kernel(&locked, &part(&there, &kept), &v_kept));
         let weight = force * (1.0 + largest(&there) + largest(&case.q));
         prop_assert!(((moved_all - v_all) - (moved_one - v_one)).abs() <= 1e-11 * weight, "V");
-        for frame in 0..robot.frames().len() {
-            let (before, after) = (pose(&robot, frame, &case.q), pose(&locked, frame, &q_kept));
+        for (frame, old) in robot.frames().iter().enumerate() {
+            let same = |new: &Frame| new.name == old.name && new.kind == old.kind;
+            let now = locked.frames().iter().position(same).unwrap();
+            let (before, after) = (pose(&robot, frame, &case.q), pose(&locked, now, &q_kept));
             prop_assert!((before.rotation - after.rotation).amax() <= 1e-13);
             prop_assert!((before.translation - after.translation).amax() <= 1e-12 * (1.0 + before.translation.norm()));
+        }
+        // After the world come the frames of the joints, one each.
+        for (i, (joint, frame)) in locked.joints().iter().zip(&locked.frames()[1..]).enumerate() {
+            prop_assert!(frame.joint == Some(i) && frame.name == joint.name && frame.placement == Placement::identity());
         }
         let reduced = robot.reduced_to(&kept.iter().map(|&k| names[k]).collect::<Vec<_>>(), &case.q).unwrap();
         prop_assert_eq!(reduced.joints(), locked.joints());

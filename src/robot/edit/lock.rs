@@ -1,10 +1,12 @@
 //! Joints that no longer move.
 
 use crate::robot::error::RobotError;
+use crate::robot::frame::Frame;
 use crate::robot::joint::{Joint, Mimic};
 use crate::robot::link::Placement;
 use crate::robot::model::Robot;
 use crate::robot::warning::Warning;
+use crate::robot::wrench::AppliedWrench;
 
 /// Where the frame of an old joint is: in the frame of a joint that stays (its new index), or in the world.
 #[derive(Clone, Copy)]
@@ -18,7 +20,7 @@ impl Robot {
     ///
     /// The links beyond a locked joint become part of the link before it, or of the world; springs, friction
     /// and armature of locked joints are omitted, and the order of the others remains. All frames stay, those
-    /// of locked joints too. V may differ by a constant.
+    /// of locked joints too, after those of the others. V may differ by a constant.
     ///
     /// ```
     /// use costate::robot::Robot;
@@ -129,8 +131,24 @@ impl Robot {
                 frame.placement = seat.placement.then(&frame.placement);
             }
         }
+        let (frames, wrenches) = self.rearranged(frames, held);
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
         let armature = self.armature.restricted_to(&kept);
-        Ok(Self { joints, independent, armature, frames, ..self.clone() })
+        Ok(Self { joints, independent, armature, frames, wrenches, ..self.clone() })
+    }
+
+    /// Frames in the order of a robot: those of locked joints are no longer among those of the joints. Wrenches
+    /// stay at their frames.
+    fn rearranged(&self, frames: Vec<Frame>, held: &[Option<f64>]) -> (Vec<Frame>, Vec<AppliedWrench>) {
+        // After the frame of the world comes that of each joint.
+        let is_locked = |frame: &usize| held.get(frame.wrapping_sub(1)).is_some_and(Option::is_some);
+        let (locked, stays): (Vec<usize>, Vec<usize>) = (0..frames.len()).partition(is_locked);
+        let joints_end = 1 + held.len() - locked.len();
+        let order = [&stays[..joints_end], &locked, &stays[joints_end..]].concat();
+        let mut places = vec![0; frames.len()];
+        order.iter().enumerate().for_each(|(place, &frame)| places[frame] = place);
+        let mut wrenches = self.wrenches.clone();
+        wrenches.iter_mut().for_each(|applied| applied.frame = places[applied.frame]);
+        (order.iter().map(|&frame| frames[frame].clone()).collect(), wrenches)
     }
 }

@@ -1,6 +1,7 @@
 //! Relations between derivatives by parameters, and with other robots, for every kind of parameter.
 
 use super::{TOLERANCE, close, column, everything, last, times, tool};
+use costate::derivative::largest;
 use costate::lagrangian::Lagrangian;
 use costate::parameters::{
     DisplacedIn, Displacement, HamiltonianParameters, Parameter, ParameterSet, Regressor,
@@ -164,7 +165,9 @@ properties! {
             found[(i, i)] += joint.spring.stiffness * ratio * ratio;
             found.column_mut(i).axpy(ratio, &by_joints.column(k), 1.0);
         }
-        close("tau_q", found.as_slice(), tau_q.as_slice(), TOLERANCE)?;
+        // At rest without gravity both are rounding errors of products with M.
+        let size = tau_q.amax().max(largest(lagrangian.mass_matrix(q).unwrap().as_slice()));
+        prop_assert!((found - &tau_q).amax() <= TOLERANCE * size);
     }
 
     /// A rotation about an axis of the joint frame is one about the parent's, with a translation.
