@@ -127,8 +127,8 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panels of tau_q and tau_v; M is factored.
     ///
-    /// One product with M^-1 where packs of its rows fit into registers; else the factors, which branches leave
-    /// sparse.
+    /// One product with M^-1 where packs of its rows fit into registers; else the factors, which branches
+    /// leave sparse.
     #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
         let n = self.tree.dof();

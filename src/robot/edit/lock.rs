@@ -137,8 +137,8 @@ impl Robot {
         Ok(Self { joints, independent, armature, frames, wrenches, ..self.clone() })
     }
 
-    /// Frames in the order of a robot: those of locked joints are no longer among those of the joints. Wrenches
-    /// stay at their frames.
+    /// Frames in the order of a robot: those of locked joints are no longer among those of the joints.
+    /// Wrenches stay at their frames.
     fn rearranged(&self, frames: Vec<Frame>, held: &[Option<f64>]) -> (Vec<Frame>, Vec<AppliedWrench>) {
         // After the frame of the world comes that of each joint.
         let is_locked = |frame: &usize| held.get(frame.wrapping_sub(1)).is_some_and(Option::is_some);
