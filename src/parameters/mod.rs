@@ -58,6 +58,7 @@ mod hamiltonian;
 mod lagrangian;
 mod layout;
 mod mixed;
+mod names;
 mod parameter;
 mod regressor;
 mod response;

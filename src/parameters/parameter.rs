@@ -193,6 +193,11 @@ pub enum Parameter {
 }
 
 impl Parameter {
+    /// The component of gravity of that name.
+    pub(super) fn gravity_named(name: &str) -> Option<Self> {
+        Axis::ALL.into_iter().map(|axis| Self::Gravity { axis }).find(|one| one.entry_name() == name)
+    }
+
     /// Whether tau(q, v, a) is linear in it, jointly with all other parameters of which this is true.
     ///
     /// True for inertial parameters of links and payloads, stiffness, viscous friction, Coulomb limits and

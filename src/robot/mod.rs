@@ -5,11 +5,11 @@
 //! [`Tree`] is the same robot in the frames that the kernels use.
 
 mod armature;
+mod branches;
 mod builder;
 mod checks;
 pub mod dh;
 mod edit;
-mod edited;
 mod error;
 #[cfg(feature = "toml")]
 pub mod file;

@@ -7,6 +7,7 @@
 //! inertial parameters are regrouped. Only constants change: q, v, p, M and every derivative are those of the
 //! original frames.
 
+use super::branches::Branches;
 use super::frames::AlignedFrames;
 use super::joint::{Friction, JointKind};
 use super::joint_frame::{JointFrame, set_reach};
@@ -17,7 +18,6 @@ use super::regroup::regroup;
 use super::tree_frame::TreeFrame;
 use super::wrench::AppliedWrench;
 use nalgebra::Matrix3;
-use std::ops::Range;
 
 /// The model that the kernels run on; built from a [`Robot`] once.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +27,7 @@ pub struct Tree {
     gravity: [f64; 3],
     fixed_potential: f64,
     armature: Vec<(usize, usize, f64)>,
-    children: Vec<Vec<usize>>,
-    /// Prefix sums of the sizes of the subtrees.
-    subtree_starts: Vec<usize>,
-    /// The joints depth first: a subtree is a part of it.
-    depth_first: Vec<usize>,
-    depth_first_position: Vec<usize>,
+    branches: Branches,
     revolute: Vec<usize>,
     prismatic: Vec<usize>,
     with_spring: Vec<usize>,
@@ -103,18 +98,12 @@ impl Tree {
 
     /// The joints attached to the link of joint `i`.
     pub fn children(&self, i: usize) -> &[usize] {
-        &self.children[i]
+        self.branches.children(i)
     }
 
     /// Joint `i` and all joints beyond it: i, then the subtree of each child, one after the other.
     pub fn subtree(&self, i: usize) -> &[usize] {
-        let start = self.depth_first_position[i];
-        &self.depth_first[start..start + self.pairs_of(i).len()]
-    }
-
-    /// Positions of the pairs `(i, j)`, j in the subtree of i, among all pairs `i <= j` of tree order.
-    pub(crate) fn pairs_of(&self, i: usize) -> Range<usize> {
-        self.subtree_starts[i]..self.subtree_starts[i + 1]
+        self.branches.subtree(i)
     }
 
     /// The revolute joints.
@@ -145,7 +134,7 @@ impl Tree {
 
     /// Number of pairs `i <= j` of joints in tree order.
     pub fn pairs(&self) -> usize {
-        self.subtree_starts.last().copied().unwrap_or(0)
+        self.branches.pairs()
     }
 
     /// Whether no joint has friction.
@@ -199,36 +188,14 @@ impl Tree {
         gravity: [f64; 3],
         armature: Vec<(usize, usize, f64)>,
     ) -> Self {
-        let n = robot.joints().len();
-        let mut children = vec![Vec::new(); n];
-        let mut size = vec![1; n];
-        for (j, joint) in robot.joints().iter().enumerate() {
-            joint.parent.into_iter().for_each(|parent| children[parent].push(j));
-        }
-        for (j, joint) in robot.joints().iter().enumerate().rev() {
-            joint.parent.into_iter().for_each(|parent| size[parent] += size[j]);
-        }
-        let ends = size.iter().scan(0, |end, size| {
-            *end += size;
-            Some(*end)
-        });
-        let (mut depth_first, mut depth_first_position) = (Vec::with_capacity(n), vec![0; n]);
-        let roots = (0..n).rev().filter(|&i| robot.joints()[i].parent.is_none());
-        let mut next: Vec<usize> = roots.collect();
-        while let Some(i) = next.pop() {
-            depth_first_position[i] = depth_first.len();
-            depth_first.push(i);
-            next.extend(children[i].iter().rev());
-        }
+        let parents: Vec<_> = robot.joints().iter().map(|joint| joint.parent).collect();
+        let branches = Branches::new(&parents);
         let those = |has: fn(&JointFrame) -> bool| -> Vec<usize> {
             (0..joints.len()).filter(|&i| has(&joints[i])).collect()
         };
         let with_spring = those(|joint| joint.spring.stiffness != 0.0);
         let mut with_friction = those(|joint| !joint.friction.is_none());
-        let on_one_branch = (0..n).flat_map(|i| {
-            let start = depth_first_position[i];
-            depth_first[start..start + size[i]].iter().map(move |&k| (k, i))
-        });
+        let on_one_branch = (0..parents.len()).flat_map(|i| branches.subtree(i).iter().map(move |&k| (k, i)));
         let joint_map =
             JointMap::new(robot.joints(), on_one_branch.chain(armature.iter().map(|&(i, j, _)| (i, j))));
         if let Some(map) = &joint_map {
@@ -248,10 +215,7 @@ impl Tree {
             gravity,
             fixed_potential: 0.0,
             armature,
-            children,
-            subtree_starts: std::iter::once(0).chain(ends).collect(),
-            depth_first,
-            depth_first_position,
+            branches,
             frames: Vec::new(),
             wrenches: Vec::new(),
             world: Matrix3::identity(),

@@ -1,7 +1,8 @@
 //! Inertia of a rigid body about the origin of a frame.
 
+use super::motion::{Force, Motion};
 use super::turn::{FixedTurn, Turn};
-use super::vector::{Force, Motion, Vec3};
+use super::vector::Vec3;
 use crate::scalar::{Scalar, inlined};
 use std::ops::AddAssign;
 

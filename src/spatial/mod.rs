@@ -4,13 +4,15 @@
 //! with it are components, not multiplications.
 
 mod inertia;
+mod motion;
 mod screw;
 mod transform;
 mod turn;
 mod vector;
 
 pub use inertia::{ConstantInertia, Inertia, Symmetric3};
+pub use motion::{Force, Motion};
 pub use screw::FixedScrew;
 pub use transform::{JointPosition, Transform};
 pub use turn::{FixedTurn, Turn};
-pub use vector::{Force, Motion, Vec3};
+pub use vector::Vec3;

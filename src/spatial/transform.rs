@@ -6,9 +6,10 @@
 //! convention (A1.2). Rotations use sine and cosine only.
 
 use super::inertia::Inertia;
+use super::motion::{Force, Motion};
 use super::screw::FixedScrew;
 use super::turn::Turn;
-use super::vector::{Force, Motion, Vec3};
+use super::vector::Vec3;
 use crate::scalar::{Pack, Scalar, inlined};
 
 /// The part that depends on q.

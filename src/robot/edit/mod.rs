@@ -2,6 +2,7 @@
 //!
 //! Each method returns another robot, checked as a new one is. The original is not changed.
 
+mod constants;
 mod joints;
 mod lock;
 mod payload;

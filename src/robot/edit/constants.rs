@@ -1,14 +1,15 @@
-//! A robot with other constants.
+//! All constants of a robot at once.
 
-use super::armature::Armature;
-use super::checks;
-use super::error::RobotError;
-use super::joint::{Joint, JointKind, JointSpec};
-use super::model::Robot;
+use crate::robot::armature::Armature;
+use crate::robot::checks;
+use crate::robot::error::RobotError;
+use crate::robot::joint::{Joint, JointKind, JointSpec};
+use crate::robot::model::Robot;
 use nalgebra::{DMatrix, Vector3};
 
 impl Robot {
-    /// The same robot with these constants of its joints, checked as those of a description are.
+    /// The same robot with these constants of its joints, checked as those of a description are; what only
+    /// warns of a description says nothing here.
     pub(crate) fn with_constants(
         &self,
         joints: Vec<Joint>,
@@ -16,12 +17,9 @@ impl Robot {
         gravity: Vector3<f64>,
     ) -> Result<Self, RobotError> {
         joints.iter().try_for_each(|joint| checks::joint(&described(joint)))?;
-        if gravity.iter().any(|g| !g.is_finite()) {
-            return Err(RobotError::BadGravity);
-        }
         let armature = Armature::from_matrix(armature)?;
         checks::robot(&joints, &armature, &vec![true; joints.len()], &mut Vec::new())?;
-        Ok(Self { joints, armature, gravity, ..self.clone() })
+        Self { joints, armature, ..self.clone() }.with_gravity(gravity.into())
     }
 }
 
