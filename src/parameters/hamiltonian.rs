@@ -107,7 +107,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
         self.mixed.layout.len
     }
 
-    /// `F_theta = (v_theta ; L_q,theta + P'v_theta + D_v v_theta + D_theta)`, `v_theta = -M^-1 p_theta`, at
+    /// `F_theta = (v_theta ; L_q,theta + P'v_theta + D_v v_theta + D_theta + Q_theta)`, `v_theta = -M^-1 p_theta`, at
     /// fixed (q, p); 2n x n_theta.
     ///
     /// # Errors
@@ -119,7 +119,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
         Ok(&self.f_theta)
     }
 
-    /// `y'F_theta = -D_w~ L_theta + y_p . D_theta`, n_theta, without F_theta: O(n) and ten products for each
+    /// `y'F_theta = -D_w~ L_theta + y_p . (D_theta + Q_theta)`, n_theta, without F_theta: O(n) and ten products for each
     /// inertial parameter after the first order of the state equation.
     ///
     /// `w = (-y_p, y_q + D_v y_p)`, `w~ = (w_q, M^-1 (w_p - P w_q))` is the direction of y'F_xx.
@@ -140,7 +140,8 @@ impl<S: Scalar> HamiltonianParameters<S> {
     /// \end{pmatrix} + \begin{pmatrix} (D\_{\tilde w} P)^T \\\\ D\_{\tilde w} M \end{pmatrix} v\_\theta
     /// \right), \qquad E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix} $$
     ///
-    /// Friction adds `V' (y_p . D_vv v_theta + y_p . D_v,theta)`, V the lower rows of E. With y'F_xx this is
+    /// Friction adds `V' (y_p . D_vv v_theta + y_p . D_v,theta)`, V the lower rows of E, and wrenches from
+    /// outside `y_p . Q_q,theta`. With y'F_xx this is
     /// what the derivatives of extremals by parameters need.
     ///
     /// # Errors
@@ -195,6 +196,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
         for (column, i, by) in mixed.layout.friction_columns(v) {
             f_theta[(n + i, column)] = by.value;
         }
+        mixed.add_force_slopes(1.0, n, f_theta);
     }
 
     /// The direction w~ of a costate.
@@ -223,6 +225,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
         for (column, i, by) in mixed.layout.friction_columns(v) {
             y_f_theta[column] = y[v.len() + i] * by.value;
         }
+        mixed.add_force_products(1.0, &y[v.len()..], y_f_theta);
     }
 
     /// y'F_x,theta from the changes along w~.
@@ -254,5 +257,6 @@ impl<S: Scalar> HamiltonianParameters<S> {
             }
             y_f_x_theta.row_mut(n + i).copy_from_slice(pulled.row(i));
         }
+        mixed.add_force_curvature(&y[n..], y_f_x_theta);
     }
 }

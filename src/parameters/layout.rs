@@ -33,10 +33,6 @@ pub(super) enum Source {
     Armature(usize, usize),
 }
 
-/// Why lengths are refused where wrenches act: their arms depend on them.
-const WRENCHES: &str = "derivatives by lengths do not contain wrenches from outside; remove the wrenches of the \
-                        robot, or translations, rotations and displacements from the set of parameters";
-
 /// The constants of a set of parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
@@ -49,8 +45,6 @@ pub(super) struct Layout {
     pub seats: Vec<Seat>,
     /// Number of parameters.
     pub len: usize,
-    /// Whether one of them displaces frames.
-    has_lengths: bool,
     pub bodies: Vec<Body>,
     /// Column and source.
     pub sources: Vec<(usize, Source)>,
@@ -74,7 +68,6 @@ impl Layout {
             extended: Tree::from(&extended),
             kept,
             len: set.len(),
-            has_lengths: added.iter().any(|one| one.site != Site::World),
             bodies: Vec::new(),
             sources: Vec::new(),
             friction: Vec::new(),
@@ -99,11 +92,8 @@ impl Layout {
         self.tree.dof()
     }
 
-    /// Every argument has n finite entries; no wrench from outside acts if a parameter moves frames.
+    /// Every argument has n finite entries.
     pub fn check<S: Scalar>(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        if self.has_lengths && !self.tree.wrenches().is_empty() {
-            return Err(EvalError::Model { reason: WRENCHES.into() });
-        }
         let n = self.dof();
         arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, n))
     }

@@ -3,6 +3,7 @@
 use super::bodies::UnitBodies;
 use super::layout::{Layout, Source};
 use super::set::ParameterSet;
+use super::wrenches::Wrenches;
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo};
 use crate::matrix::{Matrix, dot};
@@ -21,6 +22,8 @@ pub(super) struct Mixed<S: Scalar> {
     /// Kernel one of the extended tree.
     pub one: KernelOne<S>,
     pub two: KernelTwo<S>,
+    /// Where lengths are among the parameters.
+    wrenches: Option<Wrenches<S>>,
     /// Positions, velocities and directions of the extended tree; zero for locked joints.
     q: Vec<S>,
     v: Vec<S>,
@@ -42,6 +45,7 @@ impl<S: Scalar> Mixed<S> {
             bodies: UnitBodies::new(&layout.tree),
             one: KernelOne::new(&layout.extended),
             two: KernelTwo::new(&layout.extended),
+            wrenches: Wrenches::new(&layout),
             q: zeros.clone(),
             v: zeros.clone(),
             dq: zeros.clone(),
@@ -183,6 +187,28 @@ impl<S: Scalar> Mixed<S> {
                 Source::Armature(i, j) if i == j => rate(i, v) * rate(i, dv),
                 Source::Armature(i, j) => rate(i, v).mul_add(rate(j, dv), rate(j, v) * rate(i, dv)),
             };
+        }
+    }
+
+    /// Adds `factor Q_theta` of wrenches from outside to the rows from `first` on, after
+    /// [`set_position`](Self::set_position).
+    pub fn add_force_slopes(&mut self, factor: f64, first: usize, to: &mut Matrix<S>) {
+        if let Some(wrenches) = &mut self.wrenches {
+            wrenches.add_slopes(&self.q, factor, first, to);
+        }
+    }
+
+    /// Adds `factor y'Q_theta`, after [`set_position`](Self::set_position).
+    pub fn add_force_products(&mut self, factor: f64, y: &[S], to: &mut [S]) {
+        if let Some(wrenches) = &mut self.wrenches {
+            wrenches.add_products(&self.q, factor, y, to);
+        }
+    }
+
+    /// Adds `y'Q_q,theta` to the first n rows, after [`set_position`](Self::set_position).
+    pub fn add_force_curvature(&mut self, y: &[S], to: &mut Matrix<S>) {
+        if let Some(wrenches) = &mut self.wrenches {
+            wrenches.add_curvature(&self.q, y, to);
         }
     }
 

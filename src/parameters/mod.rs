@@ -66,6 +66,7 @@ mod seat;
 mod set;
 mod unit;
 mod value;
+mod wrenches;
 
 pub use error::ParameterError;
 pub use hamiltonian::{HamiltonianParameters, ParameterContraction};

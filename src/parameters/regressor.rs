@@ -39,12 +39,12 @@ pub struct Regressor<S: Scalar> {
     motions: Vec<Motion<S>>,
 }
 
-/// Derivatives of the two sides of `dp/dt = L_q + D + u`; borrowed from the workspace.
+/// Derivatives of the two sides of `dp/dt = L_q + D + Q + u`; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
 pub struct MomentumRegressor<'a, S> {
     /// `p_theta`, n x n_theta.
     pub momentum: &'a Matrix<S>,
-    /// `L_q,theta + D_theta`, n x n_theta.
+    /// `L_q,theta + D_theta + Q_theta`, n x n_theta.
     pub force: &'a Matrix<S>,
 }
 
@@ -72,7 +72,7 @@ impl<S: Scalar> Regressor<S> {
         self.mixed.layout.len
     }
 
-    /// `tau_theta = D_(v,a) p_theta - L_q,theta - D_theta`, n x n_theta: the regressor of inverse dynamics.
+    /// `tau_theta = D_(v,a) p_theta - L_q,theta - D_theta - Q_theta`, n x n_theta: the regressor of inverse dynamics.
     ///
     /// A link or payload has entries for the joints before it only.
     ///
@@ -94,6 +94,7 @@ impl<S: Scalar> Regressor<S> {
         for (column, i, by) in mixed.layout.friction_columns(v) {
             tau[(i, column)] = -by.value;
         }
+        mixed.add_force_slopes(-1.0, 0, tau);
         Ok(&self.tau)
     }
 
@@ -117,10 +118,11 @@ impl<S: Scalar> Regressor<S> {
         for (column, i, by) in mixed.layout.friction_columns(v) {
             row[column] = -(w[i] * by.value);
         }
+        mixed.add_force_products(-1.0, w, row);
         Ok(&self.row)
     }
 
-    /// p_theta and `L_q,theta + D_theta`, for identification without accelerations: over any time,
+    /// p_theta and `L_q,theta + D_theta + Q_theta`, for identification without accelerations: over any time,
     ///
     /// $$ \left\[ p\_\theta \theta \right\]\_{t\_1}^{t\_2} - \int\_{t\_1}^{t\_2} (L\_{q,\theta} +
     /// D\_\theta) \theta \\, dt = \int\_{t\_1}^{t\_2} u \\, dt $$
@@ -138,6 +140,7 @@ impl<S: Scalar> Regressor<S> {
         for (column, i, by) in mixed.layout.friction_columns(v) {
             force[(i, column)] = by.value;
         }
+        mixed.add_force_slopes(1.0, 0, force);
         Ok(MomentumRegressor { momentum: &mixed.p, force })
     }
 

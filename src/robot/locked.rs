@@ -39,7 +39,7 @@ pub(crate) struct WithLocked {
 }
 
 impl Robot {
-    /// The same robot with locked joints, those of one site following each other, without its wrenches.
+    /// The same robot with locked joints, those of one site following each other.
     ///
     /// At coordinate 0 and rate 0 of these joints L(q, v) is that of this robot, and its derivatives by their
     /// coordinates are those by the displacements.
@@ -70,8 +70,7 @@ impl Robot {
         let mut coordinates = vec![0; n];
         independent.iter().enumerate().for_each(|(k, &i)| coordinates[i] = k);
         let armature = self.armature.spread(n, &kept);
-        let wrenches = Vec::new();
-        let mut robot = Self { joints, independent, armature, wrenches, ..self.clone() };
+        let mut robot = Self { joints, independent, armature, ..self.clone() };
         for frame in &mut robot.frames {
             frame.joint = frame.joint.map(|joint| kept[joint]);
         }

@@ -3,10 +3,11 @@
 mod inputs;
 mod judges;
 mod relations;
+mod wrenches;
 
 use costate::matrix::Matrix;
 use costate::parameters::{DisplacedIn, Displacement, ParameterSet};
-use costate::robot::{FrameSpec, Placement};
+use costate::robot::{FrameSpec, Placement, Robot, Wrench, WrenchAxes};
 use costate_test_support::random_robot::{Case, difference};
 use proptest::test_runner::TestCaseError;
 
@@ -16,10 +17,22 @@ const TOLERANCE: f64 = 1e-12;
 /// Everything that a set can hold: all of the model, what the model has not, a payload and two displacements.
 fn everything(case: &Case) -> ParameterSet {
     let frame = FrameSpec::new("tool").on(last(case)).placed(tool(case));
-    let robot = case.robot().with_frame(frame).unwrap();
+    all_of(&case.robot().with_frame(frame).unwrap(), case)
+}
+
+/// The same of a robot with a wrench that turns with its last link, and one that does not.
+fn everything_with_wrenches(case: &Case) -> ParameterSet {
+    let [a, b, c] = [case.y[0], case.u[0], case.y[1]];
+    let follower = Wrench { moment: [2.0, b, -a], force: [c, -3.0, 1.5], axes: WrenchAxes::Frame };
+    let dead = Wrench { moment: [c, 1.0, a], force: [4.0, a, b], axes: WrenchAxes::World };
+    let robot = everything(case).robot().with_wrench("tool", follower).unwrap();
+    all_of(&robot.with_wrench("tool", dead).unwrap().with_wrench("j0", dead).unwrap(), case)
+}
+
+fn all_of(robot: &Robot, case: &Case) -> ParameterSet {
     let tilted = Displacement::about(DisplacedIn::Parent, [0.3, -0.5, 0.4]);
     let slid = Displacement::along(DisplacedIn::Joint, [0.7, 0.2, -1.0]);
-    ParameterSet::new(&robot)
+    ParameterSet::new(robot)
         .model()
         .rotations()
         .stiffness()

@@ -1,6 +1,6 @@
 //! Relations between derivatives by parameters, and with other robots, for every kind of parameter.
 
-use super::{TOLERANCE, close, column, everything, last, times, tool};
+use super::{TOLERANCE, close, column, everything, everything_with_wrenches, last, times, tool};
 use costate::derivative::largest;
 use costate::lagrangian::Lagrangian;
 use costate::parameters::{
@@ -107,7 +107,7 @@ properties! {
     /// `tau_theta = D p_theta - (L_q,theta + D_theta)` along (v, a), by dual numbers as positions.
     #[test]
     fn the_regressors_of_momentum_and_of_inverse_dynamics_agree(case in all_cases(5)) {
-        let set = everything(&case);
+        let set = everything_with_wrenches(&case);
         let dual = |x: &[f64], d: &[f64]| x.iter().zip(d).map(|(&x, &d)| Dual64::new(x, d)).collect::<Vec<_>>();
         let mut along = Regressor::<Dual64>::new(&set);
         let sides = along.momentum(&dual(&case.q, &case.v), &dual(&case.v, &case.u)).unwrap();
@@ -217,7 +217,7 @@ properties! {
     #[test]
     fn columns_are_differences_between_robots_with_other_values(case in all_cases(4)) {
         const STEP: f64 = 1e-4;
-        let set = everything(&case);
+        let set = everything_with_wrenches(&case);
         let mut regressor = Regressor::<f64>::new(&set);
         let (q, v, a) = (&case.q, &case.v, &case.u);
         let tau_theta = regressor.inverse_dynamics(q, v, a).unwrap().view().to_nalgebra();
@@ -240,7 +240,8 @@ properties! {
     /// `y'F_x,theta`, y'F_theta and F_theta by dual numbers as states, for every kind of parameter.
     #[test]
     fn dual_states_give_the_mixed_derivatives_of_the_state_equation(case in cases(4)) {
-        let (set, n, robot) = (everything(&case), case.n(), case.robot());
+        let (set, n) = (everything_with_wrenches(&case), case.n());
+        let robot = case.robot();
         let p = case.p(&robot);
         let mut dual = HamiltonianParameters::<Dual64>::new(&set);
         let mut x: Vec<_> = [&case.q[..], &p].concat().into_iter().map(Dual64::from_re).collect();

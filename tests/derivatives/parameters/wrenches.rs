@@ -1,0 +1,106 @@
+//! Lengths as parameters of robots with wrenches from outside.
+
+use super::{TOLERANCE, close, everything, everything_with_wrenches};
+use costate::kinematics::ExternalForces;
+use costate::parameters::{HamiltonianParameters, LagrangianParameters, Parameter, ParameterSet, Regressor};
+use costate::robot::{JointKind, Tree};
+use costate_test_support::properties;
+use costate_test_support::random_robot::{all_cases, cases, tolerance};
+use nalgebra::{DMatrix, DVector};
+
+/// The exact derivative by parameter `k` of what depends on the generalised forces of robots alone: they are
+/// linear in a translation, and `a + b cos + c sin` of a rotation.
+fn by_length(
+    set: &ParameterSet,
+    k: usize,
+    forces: impl Fn(&mut ExternalForces<f64>) -> DVector<f64>,
+) -> DVector<f64> {
+    let kind = match set.parameters()[k] {
+        Parameter::Translation { .. } => JointKind::Prismatic,
+        Parameter::Rotation { .. } => JointKind::Revolute,
+        Parameter::Displacement { displacement, .. } => displacement.kind,
+        _ => return forces(&mut ExternalForces::new(&Tree::from(set.robot())).unwrap()) * 0.0,
+    };
+    let step = if kind == JointKind::Revolute { std::f64::consts::FRAC_PI_2 } else { 0.5 };
+    let at = |step: f64| {
+        let mut values = set.values().to_vec();
+        values[k] += step;
+        let moved = set.robot_with(&values).unwrap();
+        forces(&mut ExternalForces::new(&Tree::from(&moved)).unwrap())
+    };
+    let difference = at(step) - at(-step);
+    if kind == JointKind::Revolute { difference / 2.0 } else { difference }
+}
+
+/// The columns of `what` for each parameter of a set.
+fn columns(set: &ParameterSet, what: impl Fn(usize) -> DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_columns(&(0..set.len()).map(what).collect::<Vec<_>>())
+}
+
+properties! {
+    48;
+
+    #[test]
+    fn the_columns_of_lengths_are_those_without_wrenches_and_the_change_of_their_arms(case in all_cases(6)) {
+        let (set, without) = (everything_with_wrenches(&case), everything(&case));
+        let q_theta = columns(&set, |k| {
+            by_length(&set, k, |forces| DVector::from_column_slice(forces.evaluate(&case.q).unwrap()))
+        });
+        let (q, v, a) = (&case.q, &case.v, &case.u);
+        let [mut ours, mut bare] = [&set, &without].map(Regressor::<f64>::new);
+        let expected = bare.inverse_dynamics(q, v, a).unwrap().view().to_nalgebra() - &q_theta;
+        let found = ours.inverse_dynamics(q, v, a).unwrap().view().to_nalgebra();
+        close("tau_theta", found.as_slice(), expected.as_slice(), 10.0 * TOLERANCE)?;
+        let force = bare.momentum(q, v).unwrap().force.view().to_nalgebra() + &q_theta;
+        let found = ours.momentum(q, v).unwrap().force.view().to_nalgebra();
+        close("force", found.as_slice(), force.as_slice(), 10.0 * TOLERANCE)?;
+        let w = &case.y[..case.n()];
+        let along = expected.tr_mul(&DVector::from_column_slice(w));
+        close("w'tau_theta", ours.adjoint(q, v, a, w).unwrap(), along.as_slice(), 100.0 * TOLERANCE)?;
+    }
+
+    #[test]
+    fn in_momenta_arms_change_the_rates_of_momenta_and_their_slopes(case in cases(4)) {
+        let (set, without, n) = (everything_with_wrenches(&case), everything(&case), case.n());
+        let (p, y) = (case.p(&case.robot()), &case.y);
+        let q_theta = columns(&set, |k| {
+            by_length(&set, k, |forces| DVector::from_column_slice(forces.evaluate(&case.q).unwrap()))
+        });
+        let y_q_theta = columns(&set, |k| {
+            by_length(&set, k, |forces| {
+                let slopes = forces.linearise(&case.q).unwrap().view().to_nalgebra();
+                slopes.tr_mul(&DVector::from_column_slice(&y[n..]))
+            })
+        });
+        let [mut ours, mut bare] = [&set, &without].map(HamiltonianParameters::<f64>::new);
+        let (bare, tolerance) = (bare.contract(&case.q, &p, y).unwrap(), tolerance(&case.robot(), &case.q));
+        let mut f_theta = bare.f_theta().view().to_nalgebra();
+        f_theta.rows_mut(n, n).zip_apply(&q_theta, |entry, force| *entry += force);
+        let mut mixed = bare.y_f_x_theta().view().to_nalgebra();
+        mixed.rows_mut(0, n).zip_apply(&y_q_theta, |entry, slope| *entry += slope);
+        let product = f_theta.tr_mul(&DVector::from_column_slice(y));
+        let found = ours.contract(&case.q, &p, y).unwrap();
+        close("F_theta", found.f_theta().view().to_nalgebra().as_slice(), f_theta.as_slice(), tolerance)?;
+        close("y'F_x,theta", found.y_f_x_theta().view().to_nalgebra().as_slice(), mixed.as_slice(), tolerance)?;
+        close("y'F_theta", found.y_f_theta(), product.as_slice(), 10.0 * tolerance)?;
+    }
+
+    /// `M a_theta = -tau_theta` at the acceleration that the wrenches and u cause.
+    #[test]
+    fn in_velocities_arms_change_the_acceleration(case in cases(4)) {
+        let set = everything_with_wrenches(&case);
+        let (q, v, u, n) = (&case.q, &case.v, &case.u, case.n());
+        let mut parameters = LagrangianParameters::<f64>::new(&set);
+        let linear = parameters.linearise_forward_dynamics(q, v, u).unwrap();
+        let mut lagrangian = costate::lagrangian::Lagrangian::<f64>::new(set.robot());
+        let tolerance = tolerance(set.robot(), q);
+        close("a", linear.acceleration, lagrangian.forward_dynamics(q, v, u).unwrap(), tolerance)?;
+        let (a, a_theta) = (linear.acceleration.to_vec(), linear.a_theta.view().to_nalgebra());
+        let tau_theta = Regressor::<f64>::new(&set).inverse_dynamics(q, v, &a).unwrap().view().to_nalgebra();
+        let m = lagrangian.mass_matrix(q).unwrap().view().to_nalgebra();
+        close("M a_theta", (m * &a_theta).as_slice(), (-tau_theta).as_slice(), tolerance)?;
+        let along = a_theta.tr_mul(&DVector::from_column_slice(&case.y[..n]));
+        let found = parameters.adjoint_forward_dynamics(q, v, u, &case.y[..n]).unwrap();
+        close("y'a_theta", found, along.as_slice(), 10.0 * tolerance)?;
+    }
+}
