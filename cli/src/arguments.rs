@@ -52,16 +52,20 @@ impl RobotArguments {
     ///
     /// # Errors
     /// [`RobotError::InFile`] with the path, or `standard input`, and the line where it is known; the errors
-    /// of
-    /// [`Robot::edited`].
+    /// of [`Robot::edited`].
     pub fn load(&self) -> Result<Robot, RobotError> {
-        self.read()?.edited(&self.edits.edits(), self.options())
+        let edits = self.edits.edits();
+        if edits.is_empty() {
+            return self.read(self.options());
+        }
+        // Changes may mend what strict loading would refuse.
+        self.read(self.options().strict(false))?.edited(&edits, self.options())
     }
 
-    fn read(&self) -> Result<Robot, RobotError> {
+    fn read(&self, options: LoadOptions) -> Result<Robot, RobotError> {
         let from_input = is_standard(&self.robot);
         if !from_input && self.format.is_none() {
-            return Robot::from_file_with(&self.robot, self.options());
+            return Robot::from_file_with(&self.robot, options);
         }
         let path = if from_input { PathBuf::from("standard input") } else { self.robot.clone() };
         let in_file = |error| match error {
@@ -69,8 +73,7 @@ impl RobotArguments {
             error => RobotError::InFile { path: path.clone(), line: None, error: Box::new(error) },
         };
         let unreadable = |source| in_file(RobotError::Unreadable { source });
-        let read =
-            |source: &mut dyn Read, format| Robot::read(source, format, self.options()).map_err(in_file);
+        let read = |source: &mut dyn Read, format| Robot::read(source, format, options).map_err(in_file);
         let format = self.format.map(RobotFormat::from);
         if !from_input {
             let mut file = std::fs::File::open(&self.robot).map_err(unreadable)?;

@@ -110,6 +110,11 @@ impl<S: Scalar> Factor<S> {
         if settled {
             return Ok(());
         }
+        // A pivot that is not positive makes all that follow meaningless.
+        let positive = |pivot: &S| S::all(S::zero().less(*pivot));
+        if let Some(i) = self.pivots.iter().rposition(|pivot| !positive(pivot)) {
+            return Err(i);
+        }
         self.invert();
         let u = if self.tiles.is_some() { &self.upper } else { &self.work };
         let unit = 128.0 * S::EPSILON;

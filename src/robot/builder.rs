@@ -94,7 +94,7 @@ impl RobotBuilder {
     /// [`RobotError::BadValue`],
     /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
     /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
-    /// [`RobotError::MovesNothing`] where M would be singular, [`RobotError::Strict`] where the options
+    /// [`RobotError::KinematicsOnly`] where no joint moves any mass, [`RobotError::Strict`] where the options
     /// refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
@@ -130,17 +130,15 @@ impl RobotBuilder {
             )?,
             None => Armature::diagonal(of_joints),
         };
-        let virtual_links: Vec<bool> = order.iter().map(|&source| self.joints[source].virtual_link).collect();
         let mut warnings = self.warnings;
-        mimic::narrow_limits(&mut joints, &mut warnings);
-        checks::robot(&joints, &armature, &virtual_links, &mut warnings)?;
-        if self.options.strict {
-            let refused: Vec<Warning> =
-                warnings.iter().filter(|warning| warning.is_refused_when_strict()).cloned().collect();
-            if !refused.is_empty() {
-                return Err(RobotError::Strict { warnings: refused });
+        for spec in order.iter().map(|&source| &self.joints[source]) {
+            if spec.inertia.is_massless() && !spec.virtual_link {
+                warnings.push(Warning::MasslessLink { link: spec.link_name().into() });
             }
         }
+        mimic::narrow_limits(&mut joints, &mut warnings);
+        checks::robot(&joints, &armature, &mut warnings)?;
+        self.options.refuse(&warnings)?;
         let frames = frames(&joints, self.frames)?;
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
         Ok(Robot {

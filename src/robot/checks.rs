@@ -134,11 +134,10 @@ fn large_limits(joints: &[Joint]) -> Option<Warning> {
     limits.first().map(|&limit| Warning::LargeLimits { joints, limit })
 }
 
-/// What needs the whole tree: joints that move nothing, massless links, impossible inertias.
+/// What needs the whole tree: joints that move nothing, impossible inertias.
 pub(super) fn robot(
     joints: &[Joint],
     armature: &Armature,
-    virtual_links: &[bool],
     warnings: &mut Vec<Warning>,
 ) -> Result<(), RobotError> {
     let n = joints.len();
@@ -159,13 +158,14 @@ pub(super) fn robot(
         has_inertia[mimic.joint] |= has_inertia[i];
         (is_mimicked[mimic.joint], is_mimicked[i]) = (true, true);
     }
+    if let Some(first) = joints.first().filter(|_| !has_inertia.contains(&true)) {
+        return Err(RobotError::KinematicsOnly { joint: first.name.clone() });
+    }
     for (i, joint) in joints.iter().enumerate() {
         let link = &joint.inertia;
         if joint.mimic.is_none() && !has_inertia[i] {
-            return Err(RobotError::MovesNothing { joint: joint.name.clone() });
-        }
-        if link.is_massless() && !virtual_links[i] {
-            warnings.push(Warning::MasslessLink { link: joint.link.clone() });
+            warnings.push(Warning::MovesNothing { joint: joint.name.clone() });
+            continue;
         }
         warnings.extend(principal_moments(&joint.link, link));
         let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));

@@ -1,7 +1,6 @@
 //! The robot itself.
 
 use super::armature::Armature;
-use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameList, FrameSpec};
 use super::joint::{Friction, Joint};
@@ -189,8 +188,7 @@ impl Robot {
     /// The same robot with another armature matrix: one row for each of the [`joints`](Self::joints).
     ///
     /// # Errors
-    /// [`RobotError::BadArmature`], and [`RobotError::MovesNothing`] for a joint that needs armature and has
-    /// none.
+    /// [`RobotError::BadArmature`].
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
         let n = self.joints.len();
         if armature.shape() != (n, n) {
@@ -198,7 +196,6 @@ impl Robot {
             return Err(RobotError::BadArmature { problem, n });
         }
         let armature = Armature::from_matrix(&armature)?;
-        checks::robot(&self.joints, &armature, &vec![true; n], &mut Vec::new())?;
-        Ok(Self { armature, ..self.clone() })
+        Self { armature, ..self.clone() }.checked(Vec::new())
     }
 }

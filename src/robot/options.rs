@@ -1,5 +1,8 @@
 //! How a robot is read.
 
+use super::error::RobotError;
+use super::warning::Warning;
+
 /// How a robot is read.
 ///
 /// ```
@@ -21,6 +24,13 @@ impl LoadOptions {
     #[must_use]
     pub fn strict(self, strict: bool) -> Self {
         Self { strict, ..self }
+    }
+
+    /// [`RobotError::Strict`] for warnings that strict loading refuses.
+    pub(super) fn refuse(self, warnings: &[Warning]) -> Result<(), RobotError> {
+        let refused = warnings.iter().filter(|warning| self.strict && warning.is_refused_when_strict());
+        let warnings: Vec<Warning> = refused.cloned().collect();
+        if warnings.is_empty() { Ok(()) } else { Err(RobotError::Strict { warnings }) }
     }
 
     /// Sets [`friction`](Self::friction).

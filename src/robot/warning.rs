@@ -26,6 +26,12 @@ pub enum Warning {
         /// The moment (kg m^2).
         moment: f64,
     },
+    /// A joint that moves no mass and has no armature: M is singular in every pose. Kinematics and inverse
+    /// dynamics are not concerned; the other derivatives need the joint locked, or with armature or a payload.
+    MovesNothing {
+        /// The joint.
+        joint: String,
+    },
     /// All mass that the last joint moves lies on its axis: M is singular in every pose.
     OnAxis {
         /// The joint.
@@ -130,6 +136,11 @@ impl Warning {
         !matches!(self, Self::FrictionIgnored { .. } | Self::Expanded { .. } | Self::Note { .. })
     }
 
+    /// Whether it is about the joints and links of a robot as a whole, which an edit changes.
+    pub(super) fn is_of_whole(&self) -> bool {
+        matches!(self, Self::MovesNothing { .. } | Self::OnAxis { .. } | Self::LargeLimits { .. })
+    }
+
     /// The line of the file that it is about, from 1, where one is known.
     pub fn line(&self) -> Option<usize> {
         match self {
@@ -162,6 +173,12 @@ impl fmt::Display for Warning {
                 "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
                  the largest exceeds the sum of the others",
                 printable(link)
+            ),
+            Self::MovesNothing { joint } => write!(
+                f,
+                "joint '{}' moves no mass at all, so the mass matrix is singular in every pose: give its links a \
+                 mass, give it armature (rotor inertia), lock it, or make it fixed",
+                printable(joint)
             ),
             Self::OnAxis { joint } => write!(
                 f,

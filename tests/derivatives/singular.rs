@@ -2,12 +2,13 @@
 
 use costate::EvalError;
 use costate::derivative::worse;
-use costate::hamiltonian::Hamiltonian;
+use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::Lagrangian;
-use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Warning};
 use costate::scalar::Scalar;
 use fastrand::Rng;
 use nalgebra::Matrix3;
+use num_dual::Dual64;
 
 fn random_placement(rng: &mut Rng) -> Placement {
     let mut uniform = |range: f64| range * (2.0 * rng.f64() - 1.0);
@@ -144,5 +145,56 @@ fn articulated_bodies_refuse_redundant_joints_and_no_others() {
         let (refused, worst) = refused_by_forward_dynamics(&robot, &mut rng);
         assert!(refused <= 2, "{refused} of 200 refused, n = {}", robot.dof());
         assert!(worst < 1e-8, "error {worst:.1e}, n = {}", robot.dof());
+    }
+}
+
+/// A chain whose last link has no mass, and a branch of one more joint before it.
+fn with_idle_joint(n: usize, rng: &mut Rng) -> Robot {
+    let chain = chain((0..n - 1).map(|_| body(2.0)), rng);
+    let specs = chain.joints().iter().map(|joint| {
+        let spec = JointSpec::revolute(&joint.name).placed(joint.placement).carrying(joint.inertia);
+        joint.parent.map_or(spec.clone(), |parent| spec.on(&chain.joints()[parent].name))
+    });
+    let idle = JointSpec::revolute("idle").on("j0").placed(random_placement(rng));
+    let builder = specs.fold(Robot::builder("idle"), |builder, spec| builder.joint(spec));
+    let branch = JointSpec::revolute("arm").on("j1").placed(random_placement(rng)).carrying(body(1.0));
+    builder.joint(idle).joint(branch).build().unwrap()
+}
+
+/// All that inverts M names the joint that moves nothing, whichever algorithm the size of the robot calls for;
+/// what does not invert it is computed.
+#[test]
+fn a_joint_that_moves_nothing_is_named_where_its_inertia_is_needed() {
+    let mut rng = Rng::with_seed(11);
+    for n in [3, 7, 13, 14, 18, 25, 40] {
+        let robot = with_idle_joint(n, &mut rng);
+        let dof = robot.dof();
+        assert!(robot.warnings().contains(&Warning::MovesNothing { joint: "idle".into() }));
+        let (x, y) = (vec![0.3; dof], vec![0.7; 2 * dof]);
+        let idle = |result: Result<(), EvalError>| {
+            let expected = EvalError::SingularMassMatrix { joint: "idle".into() };
+            assert_eq!(result.unwrap_err(), expected, "{dof} joints");
+        };
+        let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
+        idle(hamiltonian.velocity(&x, &x).map(|_| ()));
+        idle(hamiltonian.linearise(&x, &x, &x).map(|_| ()));
+        let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
+        idle(second.contract(&x, &x, &x, &y).map(|_| ()));
+        let mut lagrangian = Lagrangian::<f64>::new(&robot);
+        idle(lagrangian.forward_dynamics(&x, &x, &x).map(|_| ()));
+        idle(lagrangian.linearise_forward_dynamics(&x, &x, &x).map(|_| ()));
+        let tau = lagrangian.linearise_inverse_dynamics(&x, &x, &x).unwrap();
+        assert!(tau.tau_q.as_slice().iter().chain(tau.tau).all(|entry| entry.is_finite()));
+        let mut slow = Hamiltonian::<Dual64>::new(&robot);
+        let dual: Vec<_> = x.iter().map(|&x| Dual64::new(x, 1.0)).collect();
+        idle(slow.linearise(&dual, &dual, &dual).map(|_| ()));
+        let mended = robot.lock(&[("idle", 0.2)]).unwrap();
+        assert_eq!((mended.warnings(), mended.dof()), (&[][..], dof - 1));
+        let x = &x[1..];
+        assert!(Lagrangian::<f64>::new(&mended).forward_dynamics(x, x, x).is_ok());
+        let geared = robot.with_joint_armature("idle", 0.1).unwrap();
+        assert!(!geared.warnings().contains(&Warning::MovesNothing { joint: "idle".into() }));
+        let lead = vec![0.3; dof];
+        assert!(Lagrangian::<f64>::new(&geared).forward_dynamics(&lead, &lead, &lead).is_ok());
     }
 }

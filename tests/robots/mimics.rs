@@ -119,8 +119,8 @@ fn limits_of_mimics_narrow_those_of_the_independent_joint() {
 fn what_one_joint_of_a_coordinate_moves_is_enough() {
     let light = JointSpec::revolute("a");
     let heavy = JointSpec::revolute("b").carrying(LinkInertia::point(1.0, [0.1, 0.0, 0.0]));
-    let free = Robot::builder("free").joint(light.clone()).joint(heavy.clone()).build();
-    assert!(matches!(free, Err(RobotError::MovesNothing { joint }) if joint == "a"));
+    let free = Robot::builder("free").joint(light.clone()).joint(heavy.clone()).build().unwrap();
+    assert!(free.warnings().contains(&Warning::MovesNothing { joint: "a".into() }));
     let coupled =
         Robot::builder("coupled").joint(light).joint(heavy.mimicking("a", 2.0, 0.0)).build().unwrap();
     let m = Hamiltonian::<f64>::new(&coupled).mass_matrix(&[0.3]).unwrap()[(0, 0)];

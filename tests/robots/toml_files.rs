@@ -76,7 +76,6 @@ refuses! {
     mimic_without_joint: two("", "mimic = { ratio = 2.0 }"), Some(13), E::Malformed { .. }, ["joint"];
     mimic_with_an_unknown_key: two("", "mimic = { joint = 'a', multiplier = 2.0 }"), Some(13), E::Malformed { .. }, ["`multiplier`", "ratio"];
     limits_swapped: two("limits = { lower = 1.0, upper = -1.0 }", ""), Some(3), E::BadValue { .. }, ["lower limit", "'a'"];
-    last_link_massless: two("", "").replace(&format!("'b'\n{BODY}"), "'b'"), Some(9), E::MovesNothing { .. }, ["'b'", "armature", "fixed"];
     dh_without_convention: two("dh = { a = 1.0 }", ""), Some(3), E::Malformed { .. }, ["dh", "modified-dh", "'a'"];
     axis_in_a_dh_table: two("axis = [1.0, 0.0, 0.0]", "").replacen("[[", "convention = 'modified-dh'\n[[", 1), Some(4), E::Malformed { .. }, ["axis", "placements"];
     armature_ragged: two("", "").replacen("[[", "armature = [[1.0, 0.0], [0.0]]\n[[", 1), Some(2), E::BadArmature { n: 2, .. }, ["row of 1"];

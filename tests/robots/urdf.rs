@@ -3,7 +3,9 @@
 use crate::texts::*;
 use costate::robot::RobotError as E;
 use costate::robot::urdf::parse;
-use costate::robot::{Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, Warning};
+use costate::robot::{
+    Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Warning,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// Inertia of `INERTIAL`.
@@ -150,6 +152,24 @@ fn impossible_inertias_are_named_once() {
     assert!(matches!(&error, E::Strict { warnings } if warnings.len() == 1), "{error}");
     assert!(error.to_string().contains("'tool'"), "{error}");
     assert!(parse(&more(""), strict).is_ok());
+}
+
+#[test]
+fn a_joint_that_moves_nothing_is_a_warning_that_locking_it_mends() {
+    let spin = "<joint name=\"spin\" type=\"continuous\"><parent link=\"arm\"/><child link=\"tip\"/></joint>";
+    let text = more(&format!("<link name=\"tip\"/>{spin}"));
+    let robot = load(&text);
+    let warnings: Vec<String> = robot.warnings().iter().map(ToString::to_string).collect();
+    assert!(
+        warnings.iter().any(|one| one.contains("'spin' moves no mass") && one.contains("lock it")),
+        "{warnings:?}"
+    );
+    let strict = LoadOptions::default().strict(true);
+    assert!(
+        matches!(parse(&text, strict), Err(E::InFile { error, .. }) if matches!(*error, E::Strict { .. }))
+    );
+    let edit = [RobotEdit::Lock(vec![("spin".into(), 0.0)])];
+    assert_eq!(robot.edited(&edit, strict).unwrap().warnings(), []);
 }
 
 #[test]

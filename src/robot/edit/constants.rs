@@ -18,7 +18,7 @@ impl Robot {
     ) -> Result<Self, RobotError> {
         joints.iter().try_for_each(|joint| checks::joint(&described(joint)))?;
         let armature = Armature::from_matrix(armature)?;
-        checks::robot(&joints, &armature, &vec![true; joints.len()], &mut Vec::new())?;
+        checks::robot(&joints, &armature, &mut Vec::new())?;
         Self { joints, armature, ..self.clone() }.with_gravity(gravity.into())
     }
 }

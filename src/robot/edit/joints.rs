@@ -11,8 +11,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownJoint`], [`RobotError::BadValue`] if it is negative or not finite,
-    /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite,
-    /// [`RobotError::MovesNothing`] for a joint that needs armature.
+    /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite.
     pub fn with_joint_armature(&self, joint: &str, armature: f64) -> Result<Self, RobotError> {
         let index = self.joint_index(joint)?;
         let part = &self.joints[index];

@@ -39,8 +39,8 @@ impl Robot {
     /// The robot after these changes, one after the other.
     ///
     /// # Errors
-    /// Those of the methods that [`RobotEdit`] names; [`RobotError::Strict`] for warnings that they cause, if
-    /// the options refuse warnings.
+    /// Those of the methods that [`RobotEdit`] names; [`RobotError::Strict`] for warnings about the robot that
+    /// results, if the options refuse warnings.
     pub fn edited(&self, edits: &[RobotEdit], options: LoadOptions) -> Result<Self, RobotError> {
         let mut robot = self.clone();
         for edit in edits {
@@ -61,12 +61,7 @@ impl Robot {
                 }
             };
         }
-        let caused = robot.warnings.iter().filter(|warning| !self.warnings.contains(warning));
-        let refused: Vec<Warning> =
-            caused.filter(|warning| warning.is_refused_when_strict()).cloned().collect();
-        if options.strict && !refused.is_empty() {
-            return Err(RobotError::Strict { warnings: refused });
-        }
+        options.refuse(&robot.warnings)?;
         Ok(robot)
     }
 
@@ -93,9 +88,16 @@ impl Robot {
         }
     }
 
-    /// Checks what depends on the whole tree, and adds the warnings that are new.
-    fn checked(mut self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
-        super::checks::robot(&self.joints, &self.armature, &vec![true; self.joints.len()], &mut caused)?;
+    /// Checks what depends on the whole tree; adds the warnings that are new, and omits those of joints and
+    /// links that are no longer there, or have mass now.
+    pub(super) fn checked(mut self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
+        super::checks::robot(&self.joints, &self.armature, &mut caused)?;
+        let joints = &self.joints;
+        let is_massless = |link: &str| joints.iter().any(|j| j.link == link && j.inertia.is_massless());
+        self.warnings.retain(|warning| match warning {
+            Warning::MasslessLink { link } => is_massless(link),
+            warning => !warning.is_of_whole(),
+        });
         for warning in caused {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);

@@ -175,16 +175,10 @@ impl fmt::Display for RobotError {
                 printable(link),
                 printable_number(*moment)
             ),
-            Self::MovesNothing { joint } => write!(
-                f,
-                "joint '{}' moves no mass at all, so the mass matrix is singular in every pose; \
-                 give its links a mass, give it armature (rotor inertia), or make it fixed",
-                printable(joint)
-            ),
             Self::KinematicsOnly { joint } => write!(
                 f,
-                "joint '{}' moves no mass, and no link of the file has any: it describes kinematics only; \
-                 give its links <inertial> with <mass> and <inertia>",
+                "joint '{}' moves no mass, nor does any other joint: this is a robot of kinematics only; give its \
+                 links mass and inertia (<inertial> in a URDF)",
                 printable(joint)
             ),
             Self::BadGravity => f.write_str("gravity is not finite; correct it"),

@@ -227,12 +227,7 @@ pub enum RobotError {
         /// Smallest principal moment (kg m^2).
         moment: f64,
     },
-    /// A joint that moves nothing.
-    MovesNothing {
-        /// The joint.
-        joint: String,
-    },
-    /// A file without any mass.
+    /// A robot without any mass that moves.
     KinematicsOnly {
         /// First joint.
         joint: String,
@@ -287,7 +282,6 @@ impl RobotError {
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
             | Self::BadValue { joint, .. }
-            | Self::MovesNothing { joint }
             | Self::KinematicsOnly { joint } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
             Self::Cycle { joints } | Self::MimicCycle { joints } => joints.first().map(String::as_str),

@@ -72,11 +72,6 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
         builder.warn(warning);
     }
     builder.build().map_err(|error| {
-        let has_mass = source.links.iter().any(|link| !link.inertia.is_massless());
-        let error = match error {
-            RobotError::MovesNothing { joint } if !has_mass => RobotError::KinematicsOnly { joint },
-            error => error,
-        };
         let line = match &error {
             RobotError::NoJoints { .. } => Some(source.line),
             RobotError::Strict { warnings } => warnings.iter().find_map(Warning::line),

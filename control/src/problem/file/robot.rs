@@ -97,14 +97,18 @@ fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, Fault> {
 impl RobotTable {
     /// Loads the robot file and changes the robot.
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
-        let refused = |error| ProblemFileCause::Robot(error);
-        let mut robot =
-            Robot::from_file_with(path, options).map_err(|error| root.fault("robot", refused(error)))?;
+        let refused = |error| root.fault("robot", ProblemFileCause::Robot(error));
+        if self.edits.is_empty() {
+            return Robot::from_file_with(path, options).map_err(refused);
+        }
+        // Changes may mend what strict loading would refuse.
+        let lenient = options.strict(false);
+        let mut robot = Robot::from_file_with(path, lenient).map_err(refused)?;
         for (key, edit) in &self.edits {
             let table = root.need("robot", root.table("robot")?)?;
-            let edited = robot.edited(std::slice::from_ref(edit), options);
-            robot = edited.map_err(|error| table.fault(key, refused(error)))?;
+            let edited = robot.edited(std::slice::from_ref(edit), lenient);
+            robot = edited.map_err(|error| table.fault(key, ProblemFileCause::Robot(error)))?;
         }
-        Ok(robot)
+        robot.edited(&[], options).map_err(refused)
     }
 }
