@@ -107,8 +107,8 @@ impl<S: Scalar> HamiltonianParameters<S> {
         self.mixed.layout.len
     }
 
-    /// `F_theta = (v_theta ; L_q,theta + P'v_theta + D_v v_theta + D_theta + Q_theta)`, `v_theta = -M^-1 p_theta`, at
-    /// fixed (q, p); 2n x n_theta.
+    /// `F_theta = (v_theta ; L_q,theta + P'v_theta + D_v v_theta + D_theta + Q_theta)`, `v_theta = -M^-1
+    /// p_theta`, at fixed (q, p); 2n x n_theta.
     ///
     /// # Errors
     /// See [`HamiltonianParameters`].
@@ -119,8 +119,8 @@ impl<S: Scalar> HamiltonianParameters<S> {
         Ok(&self.f_theta)
     }
 
-    /// `y'F_theta = -D_w~ L_theta + y_p . (D_theta + Q_theta)`, n_theta, without F_theta: O(n) and ten products for each
-    /// inertial parameter after the first order of the state equation.
+    /// `y'F_theta = -D_w~ L_theta + y_p . (D_theta + Q_theta)`, n_theta, without F_theta: O(n) and ten
+    /// products for each inertial parameter after the first order of the state equation.
     ///
     /// `w = (-y_p, y_q + D_v y_p)`, `w~ = (w_q, M^-1 (w_p - P w_q))` is the direction of y'F_xx.
     ///

@@ -72,7 +72,8 @@ impl<S: Scalar> Regressor<S> {
         self.mixed.layout.len
     }
 
-    /// `tau_theta = D_(v,a) p_theta - L_q,theta - D_theta - Q_theta`, n x n_theta: the regressor of inverse dynamics.
+    /// `tau_theta = D_(v,a) p_theta - L_q,theta - D_theta - Q_theta`, n x n_theta: the regressor of inverse
+    /// dynamics.
     ///
     /// A link or payload has entries for the joints before it only.
     ///

@@ -27,7 +27,8 @@ pub enum Warning {
         moment: f64,
     },
     /// A joint that moves no mass and has no armature: M is singular in every pose. Kinematics and inverse
-    /// dynamics are not concerned; the other derivatives need the joint locked, or with armature or a payload.
+    /// dynamics are not concerned; the other derivatives need the joint locked, or with armature or a
+    /// payload.
     MovesNothing {
         /// The joint.
         joint: String,

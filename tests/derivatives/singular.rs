@@ -161,8 +161,8 @@ fn with_idle_joint(n: usize, rng: &mut Rng) -> Robot {
     builder.joint(idle).joint(branch).build().unwrap()
 }
 
-/// All that inverts M names the joint that moves nothing, whichever algorithm the size of the robot calls for;
-/// what does not invert it is computed.
+/// All that inverts M names the joint that moves nothing, whichever algorithm the size of the robot calls
+/// for; what does not invert it is computed.
 #[test]
 fn a_joint_that_moves_nothing_is_named_where_its_inertia_is_needed() {
     let mut rng = Rng::with_seed(11);

@@ -39,8 +39,8 @@ impl Robot {
     /// The robot after these changes, one after the other.
     ///
     /// # Errors
-    /// Those of the methods that [`RobotEdit`] names; [`RobotError::Strict`] for warnings about the robot that
-    /// results, if the options refuse warnings.
+    /// Those of the methods that [`RobotEdit`] names; [`RobotError::Strict`] for warnings about the robot
+    /// that results, if the options refuse warnings.
     pub fn edited(&self, edits: &[RobotEdit], options: LoadOptions) -> Result<Self, RobotError> {
         let mut robot = self.clone();
         for edit in edits {
