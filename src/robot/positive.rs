@@ -13,7 +13,7 @@ const POSITIONS: usize = 7;
 const MOST_JOINTS: usize = 300;
 
 /// Whether `M = G' (sum_k m_k Jv_k' Jv_k + Jw_k' I_k Jw_k + A) G` has a Cholesky factor at q = 0 and at
-/// positions spread over the limits; a test of some positions, not a proof for all.
+/// positions spread over the limits, without joints that move nothing; a test of some positions, not a proof for all.
 pub(super) fn mass_matrix_is_positive(joints: &[Joint], armature: &Armature) -> bool {
     if joints.len() > MOST_JOINTS {
         return false;
@@ -33,7 +33,13 @@ pub(super) fn mass_matrix_is_positive(joints: &[Joint], armature: &Armature) -> 
             q.iter_mut().zip(moved).for_each(|(q, moved)| *q = moved);
         }
         let m = mass_matrix(joints, &q) + armature.matrix();
-        let m = g.as_ref().map_or_else(|| m.clone(), |(g, _)| g.transpose() * &m * g);
+        let mut m = g.as_ref().map_or_else(|| m.clone(), |(g, _)| g.transpose() * &m * g);
+        // The row of a joint that moves nothing is zero: without it M may be positive.
+        for k in 0..m.nrows() {
+            if m[(k, k)] == 0.0 {
+                m[(k, k)] = 1.0;
+            }
+        }
         m.cholesky().is_some()
     })
 }
@@ -109,5 +115,18 @@ mod tests {
         kernel.set_position(&Tree::from(&robot), &q).unwrap();
         let expected = DMatrix::from_row_slice(4, 4, kernel.mass_matrix().as_slice());
         assert!((mass_matrix(robot.joints(), &q) - expected).amax() < 1e-14);
+    }
+    #[test]
+    fn a_joint_that_moves_nothing_does_not_make_m_indefinite() {
+        let slightly = Matrix3::from_diagonal(&[0.2, 0.3, -0.002].into());
+        let heavy = LinkInertia::about_com(2.0, [0.4, 0.3, 0.0], slightly);
+        let with = |spec: JointSpec| {
+            Robot::builder("arm").joint(JointSpec::revolute("a").carrying(heavy)).joint(spec.on("a")).build()
+        };
+        let robot = with(JointSpec::revolute("grip")).unwrap();
+        assert!(mass_matrix_is_positive(robot.joints(), &Armature::diagonal([0.0, 0.0].into_iter())));
+        let spinning = JointSpec::revolute("spin").placed(Placement::from_xyz_rpy([0.0; 3], [0.0; 3]));
+        let negative = LinkInertia::about_com(1e-3, [0.0; 3], slightly);
+        assert!(with(spinning.carrying(negative)).is_err(), "an axis through the centre");
     }
 }
