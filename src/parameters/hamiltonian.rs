@@ -107,6 +107,15 @@ impl<S: Scalar> HamiltonianParameters<S> {
         self.mixed.layout.len
     }
 
+    /// Changes wrench `k` of [`Robot::wrenches`](crate::robot::Robot::wrenches) to this moment (N m) and
+    /// force (N), in the axes that it was given in.
+    ///
+    /// # Errors
+    /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        self.mixed.set_wrench(k, moment, force)
+    }
+
     /// `F_theta = (v_theta ; L_q,theta + P'v_theta + D_v v_theta + D_theta + Q_theta)`, `v_theta = -M^-1
     /// p_theta`, at fixed (q, p); 2n x n_theta.
     ///

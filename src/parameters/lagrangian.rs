@@ -75,6 +75,16 @@ impl<S: Scalar> LagrangianParameters<S> {
         self.regressor.parameters()
     }
 
+    /// Changes wrench `k` of [`Robot::wrenches`](crate::robot::Robot::wrenches) to this moment (N m) and
+    /// force (N), in the axes that it was given in.
+    ///
+    /// # Errors
+    /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        self.lagrangian.set_wrench(k, moment, force)?;
+        self.regressor.set_wrench(k, moment, force)
+    }
+
     /// a(q, v, u) and `a_theta = -M^-1 tau_theta(q, v, a)`.
     ///
     /// # Errors

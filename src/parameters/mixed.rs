@@ -22,7 +22,6 @@ pub(super) struct Mixed<S: Scalar> {
     /// Kernel one of the extended tree.
     pub one: KernelOne<S>,
     pub two: KernelTwo<S>,
-    /// Where lengths are among the parameters.
     wrenches: Option<Wrenches<S>>,
     /// Positions, velocities and directions of the extended tree; zero for locked joints.
     q: Vec<S>,
@@ -187,6 +186,14 @@ impl<S: Scalar> Mixed<S> {
                 Source::Armature(i, j) if i == j => rate(i, v) * rate(i, dv),
                 Source::Armature(i, j) => rate(i, v).mul_add(rate(j, dv), rate(j, v) * rate(i, dv)),
             };
+        }
+    }
+
+    /// Changes wrench `k` from outside.
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        match &mut self.wrenches {
+            Some(wrenches) => wrenches.set(k, moment, force),
+            None => Err(EvalError::NoWrench { wrench: k, count: 0 }),
         }
     }
 

@@ -72,6 +72,15 @@ impl<S: Scalar> Regressor<S> {
         self.mixed.layout.len
     }
 
+    /// Changes wrench `k` of [`Robot::wrenches`](crate::robot::Robot::wrenches) to this moment (N m) and
+    /// force (N), in the axes that it was given in.
+    ///
+    /// # Errors
+    /// [`EvalError::NoWrench`] or [`EvalError::BadWrench`].
+    pub fn set_wrench(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        self.mixed.set_wrench(k, moment, force)
+    }
+
     /// `tau_theta = D_(v,a) p_theta - L_q,theta - D_theta - Q_theta`, n x n_theta: the regressor of inverse
     /// dynamics.
     ///

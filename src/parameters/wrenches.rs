@@ -5,6 +5,7 @@
 //! of the wrenches.
 
 use super::layout::{Layout, Source};
+use crate::error::EvalError;
 use crate::kinematics::ExternalForces;
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
@@ -22,20 +23,28 @@ pub(super) struct Wrenches<S: Scalar> {
 }
 
 impl<S: Scalar> Wrenches<S> {
-    /// `None` if no parameter displaces frames, or no wrench acts.
+    /// `None` if no wrench acts.
     pub fn new(layout: &Layout) -> Option<Self> {
         let locked = |&(column, source): &(usize, Source)| match source {
             Source::Locked(at) => Some((column, at)),
             _ => None,
         };
         let columns: Vec<_> = layout.sources.iter().filter_map(locked).collect();
-        let forces = (!columns.is_empty()).then(|| ExternalForces::new(&layout.extended)).flatten()?;
+        let forces = ExternalForces::new(&layout.extended)?;
         let y = vec![S::zero(); layout.extended.dof()];
         Some(Self { forces, columns, kept: layout.kept.clone(), y })
     }
 
+    /// As [`ExternalForces::set_wrench`].
+    pub fn set(&mut self, k: usize, moment: &[S; 3], force: &[S; 3]) -> Result<(), EvalError> {
+        self.forces.set_wrench(k, moment, force)
+    }
+
     /// Adds `factor Q_theta`, n x n_theta, to the rows from `first` on; q of the extended tree.
     pub fn add_slopes(&mut self, q: &[S], factor: f64, first: usize, to: &mut Matrix<S>) {
+        if self.columns.is_empty() {
+            return;
+        }
         let slopes = self.forces.slopes(q);
         for &(column, at) in &self.columns {
             for (i, &k) in self.kept.iter().enumerate() {
@@ -47,6 +56,9 @@ impl<S: Scalar> Wrenches<S> {
 
     /// Adds `factor y'Q_theta`, n_theta.
     pub fn add_products(&mut self, q: &[S], factor: f64, y: &[S], to: &mut [S]) {
+        if self.columns.is_empty() {
+            return;
+        }
         let slopes = self.forces.slopes(q);
         for &(column, at) in &self.columns {
             let sum =
@@ -57,6 +69,9 @@ impl<S: Scalar> Wrenches<S> {
 
     /// Adds `y'Q_q,theta`, to the first n rows.
     pub fn add_curvature(&mut self, q: &[S], y: &[S], to: &mut Matrix<S>) {
+        if self.columns.is_empty() {
+            return;
+        }
         self.kept.iter().zip(y).for_each(|(&k, &y)| self.y[k] = y);
         let curvature = self.forces.curvature(q, &self.y);
         for &(column, at) in &self.columns {

@@ -99,6 +99,37 @@ fn extreme_states_and_masses_give_the_torques_of_inverse_dynamics() {
     }
 }
 
+/// A wrench that is set is that of a robot that was built with it.
+#[test]
+fn wrenches_are_changed_in_the_workspaces() {
+    let pull = |force| Wrench { force, moment: [1.0, 0.2, -0.5], axes: WrenchAxes::Frame };
+    let [soft, hard] = [[1.0, 2.0, 3.0], [-30.0, 20.0, 5.0]]
+        .map(|force| panda().with_wrench("panda_link7", pull(force)).unwrap());
+    let sets = [soft, hard].map(|robot| ParameterSet::new(&robot).links().translations());
+    let (q, v, y) = ([0.3; 7], [0.7; 7], [0.1; 14]);
+    let (moment, force) = ([1.0, 0.2, -0.5], [-30.0, 20.0, 5.0]);
+    let [mut set, mut expected] = sets.each_ref().map(Regressor::<f64>::new);
+    set.set_wrench(0, &moment, &force).unwrap();
+    let tau = |one: &mut Regressor<f64>| one.inverse_dynamics(&q, &v, &v).unwrap().as_slice().to_vec();
+    assert_eq!(tau(&mut set), tau(&mut expected));
+    let [mut set, mut expected] = sets.each_ref().map(HamiltonianParameters::<f64>::new);
+    assert_ne!(set.linearise(&q, &v).unwrap().as_slice(), expected.linearise(&q, &v).unwrap().as_slice());
+    set.set_wrench(0, &moment, &force).unwrap();
+    let (set, expected) = (set.contract(&q, &v, &y).unwrap(), expected.contract(&q, &v, &y).unwrap());
+    assert_eq!(set.f_theta().as_slice(), expected.f_theta().as_slice());
+    assert_eq!(set.y_f_x_theta().as_slice(), expected.y_f_x_theta().as_slice());
+    let [mut set, mut expected] = sets.each_ref().map(LagrangianParameters::<f64>::new);
+    set.set_wrench(0, &moment, &force).unwrap();
+    let linear = set.linearise_forward_dynamics(&q, &v, &v).unwrap();
+    let expected = expected.linearise_forward_dynamics(&q, &v, &v).unwrap();
+    assert_eq!(linear.acceleration, expected.acceleration);
+    assert_eq!(linear.a_theta.as_slice(), expected.a_theta.as_slice());
+    assert_eq!(set.set_wrench(1, &moment, &force), Err(EvalError::NoWrench { wrench: 1, count: 1 }));
+    assert_eq!(set.set_wrench(0, &moment, &[f64::NAN; 3]), Err(EvalError::BadWrench { wrench: 0 }));
+    let mut without = Regressor::<f64>::new(&ParameterSet::new(&panda()).links());
+    assert_eq!(without.set_wrench(0, &moment, &force), Err(EvalError::NoWrench { wrench: 0, count: 0 }));
+}
+
 /// Columns of masses do not depend on wrenches, but a(q, v, u) does.
 #[test]
 fn wrenches_are_a_part_of_forward_dynamics() {
