@@ -71,12 +71,12 @@ fn kinematics(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError>
     kinematics.jacobian(FRAME, local)?;
     kinematics.jacobian_rate(FRAME, local)?;
     kinematics.twist_jacobian(FRAME, local)?;
-    kinematics.contract_jacobian(FRAME, local, &wrench)?;
-    kinematics.contract_twist(FRAME, local, &wrench)?;
+    kinematics.force_jacobian(FRAME, local, &wrench)?;
+    kinematics.twist_hessian(FRAME, local, &wrench)?;
     kinematics.position_hessian(FRAME, &weights)?;
     kinematics.contract_orientation_error(FRAME, &Rotation3::identity(), &weights)?;
     kinematics.momentum()?;
-    kinematics.contract_momentum(&weights, &weights)?;
+    kinematics.momentum_hessian(&weights, &weights)?;
     kinematics.centre_of_mass()?;
     kinematics.centre_of_mass_hessian(&weights)?;
     Ok(())

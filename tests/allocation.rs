@@ -47,7 +47,7 @@ fn kinematics_do_not_allocate() {
         let desired = Rotation3::identity();
         let count = allocations(|| {
             second.set_motion(&q, &v, &a).unwrap();
-            second.contract_acceleration(frame, ReferenceFrame::Local, &wrench).unwrap();
+            second.acceleration_hessian(frame, ReferenceFrame::Local, &wrench).unwrap();
             kinematics.set_position(&q).unwrap();
             kinematics.set_state(&q, &v).unwrap();
             kinematics.set_motion(&q, &v, &a).unwrap();
@@ -55,15 +55,15 @@ fn kinematics_do_not_allocate() {
                 kinematics.jacobian(frame, axes).unwrap();
                 kinematics.jacobian_rate(frame, axes).unwrap();
                 kinematics.twist_jacobian(frame, axes).unwrap();
-                kinematics.contract_jacobian(frame, axes, &wrench).unwrap();
-                kinematics.contract_twist(frame, axes, &wrench).unwrap();
+                kinematics.force_jacobian(frame, axes, &wrench).unwrap();
+                kinematics.twist_hessian(frame, axes, &wrench).unwrap();
             }
             kinematics.position_hessian(frame, &w).unwrap();
             kinematics.position_hessian_product(frame, &w, &v, &mut product).unwrap();
             kinematics.contract_orientation_error(frame, &desired, &w).unwrap();
             kinematics.orientation_error_hessian_product(frame, &desired, &w, &v, &mut product).unwrap();
             kinematics.momentum().unwrap();
-            kinematics.contract_momentum(&w, &w).unwrap();
+            kinematics.momentum_hessian(&w, &w).unwrap();
             kinematics.centre_of_mass().unwrap();
             kinematics.centre_of_mass_hessian(&w).unwrap();
             kinematics.centre_of_mass_hessian_product(&w, &v, &mut product).unwrap();
@@ -75,7 +75,7 @@ fn kinematics_do_not_allocate() {
 #[test]
 fn wrenches_do_not_allocate() {
     let robot = robot("panda.urdf");
-    let pull = Wrench { force: [1.0, 2.0, -3.0], axes: WrenchAxes::World, ..Wrench::default() };
+    let pull = Wrench { force: [1.0, 2.0, -3.0], axes: WrenchAxes::Aligned, ..Wrench::default() };
     let robot = robot.with_wrench("panda_link8", pull).unwrap();
     let (q, v, u, y) = ([0.3; 7], [0.7; 7], [0.1; 7], [0.4; 14]);
     let mut hamiltonian = HamiltonianSecondOrder::<f64>::new(&robot);

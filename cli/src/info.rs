@@ -115,8 +115,8 @@ fn wrench_as_json(robot: &Robot, applied: &AppliedWrench) -> Value {
 
 fn axes(axes: WrenchAxes) -> &'static str {
     match axes {
-        WrenchAxes::Frame => "frame",
-        WrenchAxes::World => "world",
+        WrenchAxes::Local => "local",
+        WrenchAxes::Aligned => "aligned",
     }
 }
 

@@ -72,7 +72,8 @@ enum Command {
     /// has an object for each with its `position` and `rotation` in the world and its `jacobian`, 6 x n, the
     /// angular rows first: in axes of the world at the origin of the frame (`axes` = "aligned", the default),
     /// in those of the frame ("local"), or at the origin of the world ("world"). For given weights, `w_x_qq`
-    /// is the second derivative of w . position in q.
+    /// is the second derivative of w . position in q. A line with `q` and `frames` alone is answered without
+    /// the dynamics.
     ///
     /// A result line can serve as an input line: its results are ignored. All other keys are
     /// errors.

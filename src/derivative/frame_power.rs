@@ -59,7 +59,7 @@ impl FramePower {
             };
             add(0, kinematics.twist_jacobian(*frame, *axes)?);
             add(n, kinematics.jacobian(*frame, *axes)?);
-            let hessian = kinematics.contract_twist(*frame, *axes, &lifted)?;
+            let hessian = kinematics.twist_hessian(*frame, *axes, &lifted)?;
             second = matrix(2 * n, 2 * n, |i, j| second[(i, j)] + hessian[(i, j)]);
         }
         Ok([first, second])

@@ -61,7 +61,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.first.dof()
     }

@@ -56,11 +56,11 @@ use state::StateEquation;
 /// [`Christoffel`](crate::tensors::Christoffel).
 ///
 /// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s) and u (N m, N) have n entries, in the order of
-/// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
-/// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
-/// product overflows, they are infinite.
+/// [`Robot::independent_joints`]. Every method can fail with [`EvalError::WrongLength`] or
+/// [`EvalError::NonFinite`], and with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix.
+/// Results are not checked: if a product overflows, they are infinite.
 ///
-/// The generalised forces of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains tau(q),
+/// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains Q,
 /// F_x and y'F_xx its derivatives.
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
@@ -116,7 +116,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.tree.dof()
     }

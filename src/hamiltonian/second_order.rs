@@ -67,7 +67,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.first.dof()
     }

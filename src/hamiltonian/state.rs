@@ -35,7 +35,7 @@ impl<S: Scalar> StateEquation<S> {
             f_x: Matrix::zeros(2 * n, 2 * n),
             f_u,
             across: Panel::zeros(n, n),
-            external: ExternalForces::new(tree),
+            external: ExternalForces::where_any(tree),
         }
     }
 

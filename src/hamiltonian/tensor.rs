@@ -85,7 +85,7 @@ impl<S: Scalar> HessianTensor<S> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.n
     }

@@ -74,7 +74,7 @@ impl<S: Scalar> Kinematics<S> {
     ///
     /// # Errors
     /// See [`Kinematics`].
-    pub fn contract_jacobian(
+    pub fn force_jacobian(
         &mut self,
         frame: usize,
         axes: ReferenceFrame,
@@ -110,7 +110,7 @@ impl<S: Scalar> Kinematics<S> {
     ///
     /// # Errors
     /// See [`Kinematics`].
-    pub fn contract_twist(
+    pub fn twist_hessian(
         &mut self,
         frame: usize,
         axes: ReferenceFrame,

@@ -8,7 +8,7 @@ use super::{Kinematics, ReferenceFrame};
 use crate::error::EvalError;
 use crate::kernels::Coupled;
 use crate::matrix::Matrix;
-use crate::robot::{Tree, TreeFrame, WrenchAxes};
+use crate::robot::{AppliedWrench, Robot, Tree, TreeFrame, WrenchAxes};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Vec3};
 
@@ -17,9 +17,9 @@ use crate::spatial::{Force, Vec3};
 pub struct ExternalForces<S: Scalar> {
     kinematics: Kinematics<S>,
     wrenches: Vec<Applied<S>>,
-    tau: Coupled<Vec<S>>,
-    tau_q: Matrix<S>,
-    y_tau_qq: Matrix<S>,
+    force: Coupled<Vec<S>>,
+    force_q: Matrix<S>,
+    y_force_qq: Matrix<S>,
 }
 
 /// One wrench, where it acts and in which axes it is given.
@@ -31,31 +31,33 @@ struct Applied<S> {
 }
 
 impl<S: Scalar> ExternalForces<S> {
+    /// For the wrenches of a robot, in their order.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(&Tree::from(robot))
+    }
+
     /// For the wrenches of a tree; `None` if there are none.
-    pub fn new(tree: &Tree) -> Option<Box<Self>> {
-        let applied: Vec<_> = tree
-            .wrenches()
-            .iter()
-            .filter_map(|one| {
-                let axes = match one.wrench.axes {
-                    WrenchAxes::Frame => ReferenceFrame::Local,
-                    WrenchAxes::World => ReferenceFrame::LocalWorldAligned,
-                };
-                let (moment, force) = (Vec3::constant(one.wrench.moment), Vec3::constant(one.wrench.force));
-                let frame = *tree.frames().get(one.frame)?;
-                Some(Applied { frame, axes, wrench: Force { moment, force } })
-            })
-            .collect();
+    pub(crate) fn where_any(tree: &Tree) -> Option<Box<Self>> {
+        (!tree.wrenches().is_empty()).then(|| Box::new(Self::from_tree(tree)))
+    }
+
+    fn from_tree(tree: &Tree) -> Self {
+        let applied = |one: &AppliedWrench| {
+            let axes = match one.wrench.axes {
+                WrenchAxes::Local => ReferenceFrame::Local,
+                WrenchAxes::Aligned => ReferenceFrame::LocalWorldAligned,
+            };
+            let (moment, force) = (Vec3::constant(one.wrench.moment), Vec3::constant(one.wrench.force));
+            Applied { frame: tree.frames()[one.frame], axes, wrench: Force { moment, force } }
+        };
         let n = tree.dof();
-        (!applied.is_empty()).then(|| {
-            Box::new(Self {
-                wrenches: applied,
-                kinematics: Kinematics::from_tree(tree.clone()),
-                tau: Coupled::row(tree),
-                tau_q: Matrix::zeros(n, n),
-                y_tau_qq: Matrix::zeros(n, n),
-            })
-        })
+        Self {
+            wrenches: tree.wrenches().iter().map(applied).collect(),
+            kinematics: Kinematics::from_tree(tree.clone()),
+            force: Coupled::row(tree),
+            force_q: Matrix::zeros(n, n),
+            y_force_qq: Matrix::zeros(n, n),
+        }
     }
 
     /// Changes wrench `k` of [`Robot::wrenches`](crate::robot::Robot::wrenches) to this moment (N m) and
@@ -73,7 +75,7 @@ impl<S: Scalar> ExternalForces<S> {
         Ok(())
     }
 
-    /// `tau(q) = sum of J'W`, n (N m, N), at q of length n.
+    /// `Q(q) = sum of J'W`, n (N m, N), at q of length n.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
@@ -82,20 +84,20 @@ impl<S: Scalar> ExternalForces<S> {
         Ok(self.force(q))
     }
 
-    /// `tau_q = sum of (J'W)_q`, n x n: row j belongs to `tau_j`.
+    /// `Q_q = sum of (J'W)_q`, n x n: row j belongs to `Q_j`.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
-    pub fn linearise(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+    pub fn jacobian(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.kinematics.check(&[("q", q)])?;
         Ok(self.slopes(q))
     }
 
-    /// `sum_k y_k d2 tau_k / dq dq`, n x n, symmetric, for y of length n.
+    /// `sum_k y_k d2 Q_k / dq dq`, n x n, symmetric, for y of length n.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
-    pub fn contract(&mut self, q: &[S], y: &[S]) -> Result<&Matrix<S>, EvalError> {
+    pub fn hessian(&mut self, q: &[S], y: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.kinematics.check(&[("q", q), ("y", y)])?;
         Ok(self.curvature(q, y))
     }
@@ -103,42 +105,42 @@ impl<S: Scalar> ExternalForces<S> {
     /// As [`evaluate`](Self::evaluate), without a check.
     #[inline(never)]
     pub(crate) fn force(&mut self, q: &[S]) -> &[S] {
-        let Self { kinematics, wrenches, tau, .. } = self;
+        let Self { kinematics, wrenches, force, .. } = self;
         kinematics.place_still(q);
-        tau.all.fill(S::zero());
+        force.all.fill(S::zero());
         for Applied { frame, axes, wrench } in wrenches {
             let placed = kinematics.look(frame, *axes);
             let seen = placed.seen_from_world(*axes, wrench);
             for j in kinematics.tree.path(frame.joint) {
-                tau.all[j] += seen.dot(kinematics.columns[j].motion);
+                force.all[j] += seen.dot(kinematics.columns[j].motion);
             }
         }
-        tau.sum(&kinematics.tree);
-        self.tau.get()
+        force.sum(&kinematics.tree);
+        self.force.get()
     }
 
-    /// As [`linearise`](Self::linearise), without a check.
+    /// As [`jacobian`](Self::jacobian), without a check.
     #[inline(never)]
     pub(crate) fn slopes(&mut self, q: &[S]) -> &Matrix<S> {
-        let Self { kinematics, wrenches, tau_q, .. } = self;
+        let Self { kinematics, wrenches, force_q, .. } = self;
         kinematics.place_still(q);
-        tau_q.fill_zero();
+        force_q.fill_zero();
         for Applied { frame, axes, wrench } in wrenches {
-            add(tau_q, kinematics.contract_columns(frame, *axes, wrench));
+            add(force_q, kinematics.contract_columns(frame, *axes, wrench));
         }
-        &self.tau_q
+        &self.force_q
     }
 
-    /// As [`contract`](Self::contract), without a check.
+    /// As [`hessian`](Self::hessian), without a check.
     #[inline(never)]
     pub(crate) fn curvature(&mut self, q: &[S], y: &[S]) -> &Matrix<S> {
-        let Self { kinematics, wrenches, y_tau_qq, .. } = self;
+        let Self { kinematics, wrenches, y_force_qq, .. } = self;
         kinematics.place_moving(q, y);
-        y_tau_qq.fill_zero();
+        y_force_qq.fill_zero();
         for Applied { frame, axes, wrench } in wrenches {
-            add(y_tau_qq, kinematics.contract_power(frame, *axes, wrench));
+            add(y_force_qq, kinematics.contract_power(frame, *axes, wrench));
         }
-        &self.y_tau_qq
+        &self.y_force_qq
     }
 }
 

@@ -63,7 +63,9 @@ use term::Term;
 /// [`set_motion`](Self::set_motion) place the robot; all other methods read from there. Before the first of
 /// them the robot is at rest at q = 0. Frames are given by their position in [`Robot::frames`], which
 /// [`Robot::frame_index`] finds. Every method that takes one can fail with [`EvalError::NoFrame`]; those that
-/// take slices fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+/// take slices fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`]. Weights and desired
+/// orientations are factors of the result and not checked: what is not finite in them is not finite in the
+/// result.
 ///
 /// ```
 /// use costate::kinematics::{Kinematics, ReferenceFrame};

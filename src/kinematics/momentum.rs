@@ -17,7 +17,8 @@ pub struct Momentum<'a, S> {
     pub linear: [S; 3],
     /// Angular momentum about the centre of mass (kg m^2/s).
     pub angular: [S; 3],
-    /// Derivative of the linear momentum in time (N): the sum of all forces from outside and of gravity. It
+    /// Derivative of the linear momentum in time (N) for the given accelerations: the sum of all forces that
+    /// cause them, gravity and that of the base included. It
     /// is the bias after [`set_state`](Kinematics::set_state).
     pub linear_rate: [S; 3],
     /// Derivative of the angular momentum in time (N m): their moment about the centre of mass.

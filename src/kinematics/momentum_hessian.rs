@@ -21,13 +21,14 @@ impl<S: Scalar> Kinematics<S> {
     /// n = m x s    psi = V x s    F = I s    g = s x* h + I psi    r = I n + s x* (I m)
     /// ```
     ///
-    /// for the inertia I and momentum h of all that a joint carries: O(n d) products. That c moves subtracts
+    /// for the inertia I and momentum h of all that a joint carries: O(n d) products; the motion of c, which
+    /// depends on all joints, makes it O(n^2). That c moves subtracts
     /// the second derivatives of `k . (c x P)` at fixed `c = 0`.
     ///
     /// # Errors
     /// [`EvalError::Massless`].
     #[inline(never)]
-    pub fn contract_momentum(&mut self, k: &[S; 3], l: &[S; 3]) -> Result<&Matrix<S>, EvalError> {
+    pub fn momentum_hessian(&mut self, k: &[S; 3], l: &[S; 3]) -> Result<&Matrix<S>, EvalError> {
         let (mass, total) = self.sum_moments()?;
         self.sum_inertias();
         let (k, l) = (Vec3::from(*k), Vec3::from(*l));

@@ -66,7 +66,7 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
     /// # Errors
     /// See [`Kinematics`].
     #[inline(never)]
-    pub fn contract_acceleration(
+    pub fn acceleration_hessian(
         &mut self,
         frame: usize,
         axes: ReferenceFrame,
@@ -74,7 +74,7 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
     ) -> Result<&Matrix<S>, EvalError> {
         let lift = |a: Vec3<S>| Vec3::from(a.to_array().map(|entry| Tangent::new(entry, S::zero())));
         let weight = Force { moment: lift(weight.moment), force: lift(weight.force) };
-        let twist = self.kinematics.contract_twist(frame, axes, &weight)?;
+        let twist = self.kinematics.twist_hessian(frame, axes, &weight)?;
         let n = self.q.len();
         for i in 0..n {
             for j in 0..n {

@@ -2,7 +2,7 @@
 
 use super::Lagrangian;
 use super::forward::write_packs;
-use crate::error::EvalError;
+use crate::error::{EvalError, LengthError};
 use crate::matrix::add_scaled;
 use crate::scalar::{Pack, Scalar};
 
@@ -34,7 +34,9 @@ impl<S: Scalar> Lagrangian<S> {
         f: &mut [S],
         y_a_x: &mut [S],
     ) -> Result<(), EvalError> {
-        self.check(&[("v", v), ("u", u)])?;
+        self.check(&[("q", q), ("v", v), ("u", u), ("w", w)])?;
+        LengthError::check("f", 2 * self.dof(), f.len())?;
+        LengthError::check("y_a_x", 2 * self.dof(), y_a_x.len())?;
         self.accelerate_factored(q, v, u);
         self.differentiate_torque(q, v)?;
         f.copy_from_slice(&self.rate);

@@ -22,7 +22,7 @@ impl<S: Scalar> Lagrangian<S> {
         Ok(&self.tau)
     }
 
-    /// `a = M^-1 (u + D - C v - g)` (9), n (rad/s^2, m/s^2).
+    /// `a = M^-1 (u + D + Q - C v - g)` (9), n (rad/s^2, m/s^2).
     ///
     /// # Errors
     /// See [`Lagrangian`].

@@ -20,7 +20,7 @@ impl<'a, S: Scalar> ForwardDynamicsLinearisation<'a, S> {
         self.a_z.block(0, k * n, n, n)
     }
 
-    /// `a = M^-1 (u + D - C v - g)`, n (rad/s^2, m/s^2).
+    /// `a = M^-1 (u + D + Q - C v - g)`, n (rad/s^2, m/s^2).
     pub fn acceleration(&self) -> &'a [S] {
         self.acceleration
     }

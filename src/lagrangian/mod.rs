@@ -45,12 +45,12 @@ use newton_euler::NewtonEuler;
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
 ///
 /// Slices q (rad, m), v (rad/s, m/s), a (rad/s^2, m/s^2) and u, tau (N m, N) have n entries, in the order of
-/// [`Robot::joints`]. Every method can fail with [`EvalError::WrongLength`] or [`EvalError::NonFinite`], and
-/// with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix. Results are not checked: if a
-/// product overflows, they are infinite.
+/// [`Robot::independent_joints`]. Every method can fail with [`EvalError::WrongLength`] or
+/// [`EvalError::NonFinite`], and with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix.
+/// Results are not checked: if a product overflows, they are infinite.
 ///
-/// The generalised forces of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all their
-/// derivatives: inverse dynamics subtracts them, forward dynamics adds them.
+/// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all
+/// their derivatives: inverse dynamics subtracts them, forward dynamics adds them.
 ///
 /// ```
 /// use costate::lagrangian::Lagrangian;
@@ -134,12 +134,12 @@ impl<S: Scalar> Lagrangian<S> {
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),
-            external: ExternalForces::new(&tree),
+            external: ExternalForces::where_any(&tree),
             tree,
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.tree.dof()
     }

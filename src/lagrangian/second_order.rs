@@ -121,7 +121,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.first.dof()
     }

@@ -12,8 +12,8 @@ impl ParameterSet {
     /// The same robot with these values of the parameters of the set, such as identified ones; with
     /// [`values`](Self::values) it is the robot of the set. Links that result are checked as those of a file.
     ///
-    /// Displacements and rotations apply in the order of the set: `J(theta_1) J(theta_2) .. placement` in the
-    /// frame of the parent, `placement J(theta_1) J(theta_2) ..` in the joint frame.
+    /// Displacements and rotations apply after translations, in the order of the set: `J(theta_1) J(theta_2)
+    /// .. placement` in the frame of the parent, `placement J(theta_1) J(theta_2) ..` in the joint frame.
     ///
     /// # Errors
     /// [`ParameterError::WrongLength`]; [`ParameterError::Robot`] for what no robot can have, such as a
@@ -25,13 +25,17 @@ impl ParameterSet {
         let (mut armature, mut gravity) = (robot.armature_matrix(), robot.gravity());
         let mut inertias: Vec<_> = joints.iter().map(|joint| ten(&joint.inertia)).collect();
         let mut shifts = vec![Placement::identity(); joints.len()];
+        // Displacements and rotations follow the translations that the file has, wherever they are in the
+        // set.
+        for (parameter, &value) in self.parameters().iter().zip(values) {
+            if let Parameter::Translation { joint, axis } = *parameter {
+                joints[joint].placement.translation[axis as usize] = value;
+            }
+        }
         for (parameter, &value) in self.parameters().iter().zip(values) {
             match *parameter {
                 Parameter::Link { joint, entry } => inertias[joint][entry as usize] = value,
-                Parameter::Payload { .. } => {}
-                Parameter::Translation { joint, axis } => {
-                    joints[joint].placement.translation[axis as usize] = value;
-                }
+                Parameter::Payload { .. } | Parameter::Translation { .. } => {}
                 Parameter::Rotation { joint, axis } => {
                     let turn = Displacement::about(DisplacedIn::Joint, axis.unit());
                     joints[joint].placement = joints[joint].placement.then(&moved(&turn, value));
@@ -88,6 +92,23 @@ fn moved(displacement: &Displacement, theta: f64) -> Placement {
 mod tests {
     use super::*;
     use crate::robot::{FrameSpec, JointSpec, LinkInertia, RobotError};
+
+    #[test]
+    fn translations_come_before_displacements_wherever_they_are_in_the_set() {
+        let turned = Placement::from_xyz_rpy([0.3, -0.1, 0.2], [0.5, 1.0, -0.4]);
+        let link = LinkInertia::point(1.0, [0.1, 0.2, 0.3]);
+        let joint = JointSpec::revolute("a").placed(turned).carrying(link);
+        let robot = Robot::builder("one").joint(joint).build().unwrap();
+        let slid = Displacement::along(DisplacedIn::Joint, [0.0, 0.6, 0.8]);
+        let early =
+            ParameterSet::new(&robot).displacement("slid", "a", slid).and_then(|set| set.named("a.x"));
+        let late = ParameterSet::new(&robot).named("a.x").and_then(|set| set.displacement("slid", "a", slid));
+        let [early, late] = [early.unwrap().robot_with(&[0.1, 0.7]), late.unwrap().robot_with(&[0.7, 0.1])];
+        let (early, late) = (early.unwrap().joints()[0].placement, late.unwrap().joints()[0].placement);
+        assert_eq!(early, late);
+        let expected = Vector3::new(0.7, -0.1, 0.2) + turned.rotation * Vector3::new(0.0, 0.06, 0.08);
+        assert!((early.translation - expected).amax() < 1e-15);
+    }
 
     #[test]
     fn a_payload_is_the_merged_body_and_values_of_the_model_change_nothing() {

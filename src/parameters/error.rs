@@ -7,35 +7,6 @@ use crate::robot::{RobotError, list_names, printable};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParameterError {
-    /// The robot has no such joint.
-    #[error("the robot has no joint '{}'{}", printable(joint), offer(nearest))]
-    UnknownJoint {
-        /// The name that was asked for.
-        joint: String,
-        /// The names of joints that resemble it.
-        nearest: Vec<String>,
-    },
-    /// The robot has no such frame.
-    #[error("the robot has no frame '{}'{}", printable(frame), offer(nearest))]
-    UnknownFrame {
-        /// The name that was asked for.
-        frame: String,
-        /// The names of frames that resemble it.
-        nearest: Vec<String>,
-    },
-    /// A payload at a frame that no joint moves.
-    #[error(
-        "payload '{}' is at frame '{}', which no joint moves: no quantity depends on it; choose a frame of a \
-         link that moves",
-        printable(name),
-        printable(frame)
-    )]
-    FixedFrame {
-        /// The payload.
-        name: String,
-        /// The frame.
-        frame: String,
-    },
     /// No parameter has this name.
     #[error(
         "there is no parameter '{}'{}; names are a joint, a dot and one of {entries} (elbow.mass), two joints \
@@ -71,8 +42,8 @@ pub enum ParameterError {
     /// As many values as the set has parameters are needed.
     #[error(transparent)]
     WrongLength(#[from] LengthError),
-    /// Values that no robot can have.
-    #[error("no robot has these values: {0}")]
+    /// A joint or frame that the robot has not, or values that no robot can have.
+    #[error(transparent)]
     Robot(#[from] RobotError),
 }
 

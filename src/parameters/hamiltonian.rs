@@ -97,7 +97,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.mixed.layout.dof()
     }

@@ -42,7 +42,7 @@ pub struct LagrangianParameters<S: Scalar> {
 /// Forward dynamics and its derivative by parameters; borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterLinearisation<'a, S> {
-    /// `a = M^-1 (u + D - C v - g)`, n (rad/s^2, m/s^2).
+    /// `a = M^-1 (u + D + Q - C v - g)`, n (rad/s^2, m/s^2).
     pub acceleration: &'a [S],
     /// `a_theta = -M^-1 tau_theta`, n x n_theta.
     pub a_theta: &'a Matrix<S>,
@@ -65,7 +65,7 @@ impl<S: Scalar> LagrangianParameters<S> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.regressor.dof()
     }

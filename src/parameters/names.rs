@@ -23,15 +23,6 @@ impl ParameterSet {
             .map(|[i, j]| Parameter::Armature { joints: [i.max(j), i.min(j)] })
     }
 
-    /// Index of the joint of that name.
-    pub(super) fn joint(&self, name: &str) -> Result<usize, ParameterError> {
-        let found = self.robot().joints().iter().position(|joint| joint.name == name);
-        found.ok_or_else(|| {
-            let known = self.robot().joints().iter().map(|joint| joint.name.as_str());
-            ParameterError::UnknownJoint { joint: name.into(), nearest: resembling(name, known) }
-        })
-    }
-
     /// What to say about a name that no parameter has: known joints and entries that resemble its parts.
     pub(super) fn unknown(&self, name: &str) -> ParameterError {
         let joints = || self.robot().joints().iter().map(|joint| joint.name.as_str());

@@ -12,6 +12,7 @@ use crate::spatial::Motion;
 /// `tau(q, v, a)` is linear in the parameters for which [`is_linear`](super::Parameter::is_linear) is true.
 /// If pi are the values of all of them that the robot has, `tau = Y(q, v, a) pi` with `Y = tau_pi`: the
 /// regressor of identification. By other parameters the columns are derivatives at the values of the model.
+/// Wrenches from outside are no parameters: with their generalised forces Q, `tau + Q = Y pi`.
 ///
 /// Slices q (rad, m), v (rad/s, m/s), a (rad/s^2, m/s^2) and w have n entries. Every method can fail with
 /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`]. No mass matrix is inverted, so that links may have
@@ -62,7 +63,7 @@ impl<S: Scalar> Regressor<S> {
         }
     }
 
-    /// Number of joints, n.
+    /// Number of coordinates, n.
     pub fn dof(&self) -> usize {
         self.mixed.layout.dof()
     }
@@ -135,7 +136,7 @@ impl<S: Scalar> Regressor<S> {
     /// p_theta and `L_q,theta + D_theta + Q_theta`, for identification without accelerations: over any time,
     ///
     /// $$ \left\[ p\_\theta \theta \right\]\_{t\_1}^{t\_2} - \int\_{t\_1}^{t\_2} (L\_{q,\theta} +
-    /// D\_\theta) \theta \\, dt = \int\_{t\_1}^{t\_2} u \\, dt $$
+    /// D\_\theta) \theta \\, dt = \int\_{t\_1}^{t\_2} (u + Q) \\, dt $$
     ///
     /// for the linear parameters, if the set contains all that the robot has.
     ///
@@ -155,7 +156,7 @@ impl<S: Scalar> Regressor<S> {
     }
 
     /// `E_theta = v' p_theta - L_theta`, n_theta, of the energy `E = 1/2 v' M v + V` at fixed (q, v); zero
-    /// for friction. Along a motion dE/dt = v'(u + D).
+    /// for friction. Along a motion dE/dt = v'(u + D + Q).
     ///
     /// # Errors
     /// See [`Regressor`].

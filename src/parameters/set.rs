@@ -4,7 +4,7 @@ use super::error::ParameterError;
 use super::parameter::{Axis, Displacement, Inertial, Parameter};
 use super::value::value_of;
 use crate::robot::parameters::{Group, groups};
-use crate::robot::{Robot, resembling};
+use crate::robot::{Robot, RobotError};
 use nalgebra::Vector3;
 
 /// Parameters of a robot, in the order of the columns of all derivatives by them.
@@ -81,9 +81,9 @@ impl ParameterSet {
     /// Adds mass, first moment and inertia of the link of a joint.
     ///
     /// # Errors
-    /// [`ParameterError::UnknownJoint`].
+    /// [`RobotError::UnknownJoint`] as [`ParameterError::Robot`].
     pub fn link(self, joint: &str) -> Result<Self, ParameterError> {
-        let joint = self.joint(joint)?;
+        let joint = self.robot.joint_index(joint)?;
         let entries = Inertial::ALL.map(|entry| Parameter::Link { joint, entry });
         Ok(entries.into_iter().fold(self, Self::with))
     }
@@ -151,17 +151,12 @@ impl ParameterSet {
     /// their values are 0, what the body adds to the model.
     ///
     /// # Errors
-    /// [`ParameterError::UnknownFrame`], [`ParameterError::FixedFrame`], [`ParameterError::Duplicate`].
+    /// [`RobotError::UnknownFrame`] and [`RobotError::FixedFrame`] as [`ParameterError::Robot`];
+    /// [`ParameterError::Duplicate`].
     pub fn payload(mut self, name: &str, frame: &str) -> Result<Self, ParameterError> {
-        let Ok(found) = self.robot.frame(frame) else {
-            let known = self.robot.frames().iter().map(|frame| frame.name.as_str());
-            return Err(ParameterError::UnknownFrame {
-                frame: frame.into(),
-                nearest: resembling(frame, known),
-            });
-        };
+        let found = self.robot.frame(frame)?;
         let Some(joint) = found.joint else {
-            return Err(ParameterError::FixedFrame { name: name.into(), frame: frame.into() });
+            return Err(RobotError::FixedFrame { frame: frame.into() }.into());
         };
         let placement = found.placement;
         for entry in Inertial::ALL {
@@ -174,14 +169,15 @@ impl ParameterSet {
     /// Adds a displacement of the frame of a joint, under a name of its own; its value is 0.
     ///
     /// # Errors
-    /// [`ParameterError::UnknownJoint`], [`ParameterError::BadAxis`], [`ParameterError::Duplicate`].
+    /// [`RobotError::UnknownJoint`] as [`ParameterError::Robot`], [`ParameterError::BadAxis`],
+    /// [`ParameterError::Duplicate`].
     pub fn displacement(
         mut self,
         name: &str,
         joint: &str,
         displacement: Displacement,
     ) -> Result<Self, ParameterError> {
-        let joint = self.joint(joint)?;
+        let joint = self.robot.joint_index(joint)?;
         let axis = Vector3::from(displacement.axis);
         if !axis.norm().is_finite() || axis.norm() == 0.0 {
             let axis = format!("{:?}", displacement.axis);

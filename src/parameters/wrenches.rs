@@ -30,7 +30,7 @@ impl<S: Scalar> Wrenches<S> {
             _ => None,
         };
         let columns: Vec<_> = layout.sources.iter().filter_map(locked).collect();
-        let forces = ExternalForces::new(&layout.extended)?;
+        let forces = ExternalForces::where_any(&layout.extended)?;
         let y = vec![S::zero(); layout.extended.dof()];
         Some(Self { forces, columns, kept: layout.kept.clone(), y })
     }

@@ -58,6 +58,12 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
     Ok(())
 }
 
+/// A body whose figures the caller gives: no principal moment is negative by more than rounding.
+pub(super) fn rigid(name: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
+    let moment = negative_moment(inertia);
+    if moment < 0.0 { Err(RobotError::IndefiniteInertia { link: name.into(), moment }) } else { Ok(()) }
+}
+
 /// The smallest principal moment where it is negative by more than rounding, else 0.
 fn negative_moment(inertia: &LinkInertia) -> f64 {
     let [smallest, _, largest] = inertia.principal_moments();
@@ -114,6 +120,13 @@ pub(super) fn figures(
         ("the spring stiffness", spring.stiffness, spring.stiffness.is_finite(), "it must be finite"),
         ("the rest position of the spring", spring.rest, spring.rest.is_finite(), "it must be finite"),
         ("the lower limit", limits.lower, limits.lower <= limits.upper, "it must not exceed the upper limit"),
+        ("the lower limit", limits.lower, limits.lower < f64::INFINITY, "it must be below infinity"),
+        (
+            "the upper limit",
+            limits.upper,
+            limits.upper > f64::NEG_INFINITY,
+            "it must be above minus infinity",
+        ),
         ("the velocity limit", limits.velocity, limits.velocity >= 0.0, "it must not be negative"),
         ("the effort limit", limits.effort, limits.effort >= 0.0, "it must not be negative"),
     ];

@@ -108,7 +108,10 @@ impl FrameList {
         if !placement.is_rigid() {
             return Err(RobotError::BadFramePlacement { frame: name });
         }
-        if self.named(&name).any(|other| other.kind == kind) {
+        // One name of a description may be that of a link and of a joint; added frames have names of their
+        // own.
+        let is_taken = |other: &Frame| other.kind == kind || kind == FrameKind::Added;
+        if self.named(&name).any(is_taken) {
             let kind = if kind == FrameKind::Link { "link" } else { "frame" };
             return Err(RobotError::DuplicateName { kind, name });
         }

@@ -13,7 +13,8 @@ const POSITIONS: usize = 7;
 const MOST_JOINTS: usize = 300;
 
 /// Whether `M = G' (sum_k m_k Jv_k' Jv_k + Jw_k' I_k Jw_k + A) G` has a Cholesky factor at q = 0 and at
-/// positions spread over the limits, without joints that move nothing; a test of some positions, not a proof for all.
+/// positions spread over the limits, without joints that move nothing; a test of some positions, not a proof
+/// for all.
 pub(super) fn mass_matrix_is_positive(joints: &[Joint], armature: &Armature) -> bool {
     if joints.len() > MOST_JOINTS {
         return false;

@@ -137,9 +137,41 @@ impl Warning {
         !matches!(self, Self::FrictionIgnored { .. } | Self::Expanded { .. } | Self::Note { .. })
     }
 
-    /// Whether it is about the joints and links of a robot as a whole, which an edit changes.
-    pub(super) fn is_of_whole(&self) -> bool {
-        matches!(self, Self::MovesNothing { .. } | Self::OnAxis { .. } | Self::LargeLimits { .. })
+    /// What is left of it for the joints that a robot has: lists of joints without others; `None` for
+    /// nothing.
+    pub(super) fn about(self, is_joint: impl Fn(&str) -> bool) -> Option<Self> {
+        match self {
+            Self::MimicLimits { ref joint, ref master } => {
+                (is_joint(joint) && is_joint(master)).then_some(self)
+            }
+            mut warning => {
+                let Some(joints) = warning.joints_mut() else { return Some(warning) };
+                joints.retain(|joint| is_joint(joint));
+                let some = !joints.is_empty();
+                some.then_some(warning)
+            }
+        }
+    }
+
+    /// What is left of it where the limits of a joint are given anew; `None` for nothing.
+    pub(super) fn without_limits_of(self, name: &str) -> Option<Self> {
+        match self {
+            Self::FrictionIgnored { .. } => Some(self),
+            Self::MimicLimits { ref master, .. } if master == name => None,
+            warning => warning.about(|joint| joint != name),
+        }
+    }
+
+    /// The joints of a warning about several.
+    fn joints_mut(&mut self) -> Option<&mut Vec<String>> {
+        match self {
+            Self::WithoutLimit { joints, .. }
+            | Self::SwappedLimits { joints, .. }
+            | Self::NegativeLimit { joints, .. }
+            | Self::LargeLimits { joints, .. }
+            | Self::FrictionIgnored { joints } => Some(joints),
+            _ => None,
+        }
     }
 
     /// The line of the file that it is about, from 1, where one is known.

@@ -19,7 +19,8 @@ impl Robot {
     ///
     /// The generalised force `J'W` of the wrench is added to the actuation in every quantity: `dp/dt`, the
     /// accelerations, and with the opposite sign tau of inverse dynamics, with all their derivatives.
-    /// A wrench is no part of L, V or H. Workspaces change its value by `set_wrench`.
+    /// A wrench is no part of L, V or H. The workspaces of `hamiltonian`, `lagrangian`
+    /// and `parameters` change its value by `set_wrench`.
     ///
     /// ```
     /// use costate::lagrangian::Lagrangian;
@@ -27,7 +28,7 @@ impl Robot {
     ///
     /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     /// let arm = Robot::from_file("robots/ur5.urdf")?;
-    /// let pull = Wrench { force: [0.0, 0.0, -20.0], axes: WrenchAxes::World, ..Wrench::default() };
+    /// let pull = Wrench { force: [0.0, 0.0, -20.0], axes: WrenchAxes::Aligned, ..Wrench::default() };
     /// let loaded = arm.with_wrench("tool0", pull)?;
     /// let q = [0.3, -1.2, 0.8, 0.1, 0.5, 0.0];
     /// let alone = Lagrangian::<f64>::new(&arm).gravity(&q)?[1];

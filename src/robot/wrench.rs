@@ -5,9 +5,9 @@
 pub enum WrenchAxes {
     /// Those of its frame: the wrench turns with the link, as the thrust of a propeller does.
     #[default]
-    Frame,
+    Local,
     /// Those of the world: its direction is constant, as that of a weight on a rope.
-    World,
+    Aligned,
 }
 
 /// A force at the origin of a frame and a moment, from outside the robot.

@@ -49,7 +49,7 @@ properties! {
         elsewhere in prop::collection::vec(-2.0..2.0, 9),
     ) {
         let (robot, n) = (case.robot(), case.n());
-        let pull = Wrench { moment: [1.0, -2.0, 0.5], force: [3.0, 0.7, -4.0], axes: WrenchAxes::World };
+        let pull = Wrench { moment: [1.0, -2.0, 0.5], force: [3.0, 0.7, -4.0], axes: WrenchAxes::Aligned };
         let robot = robot.with_wrench(&format!("j{}", case.parts.len() - 1), pull).unwrap();
         let kept: Vec<usize> = (0..n).filter(|&k| choice[k]).collect();
         prop_assume!(!kept.is_empty());

@@ -6,7 +6,7 @@ use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecond
 use costate::kinematics::{ExternalForces, Kinematics, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
-use costate::robot::{FrameSpec, Placement, Robot, Tree, Wrench, WrenchAxes};
+use costate::robot::{FrameSpec, JointSpec, LinkInertia, Placement, Robot, Wrench, WrenchAxes};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, difference, tolerance};
 use costate_test_support::reference::flat;
@@ -14,15 +14,15 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
 const AXES: [(WrenchAxes, ReferenceFrame); 2] =
-    [(WrenchAxes::Frame, ReferenceFrame::Local), (WrenchAxes::World, ReferenceFrame::LocalWorldAligned)];
+    [(WrenchAxes::Local, ReferenceFrame::Local), (WrenchAxes::Aligned, ReferenceFrame::LocalWorldAligned)];
 
 /// A robot with wrenches of both kinds, on its last link and on its first.
 fn loaded(case: &Case) -> Robot {
     let on_last = Placement::from_xyz_rpy([0.3, -0.2, 0.5], [0.4, -1.0, 2.0]);
-    let tool = FrameSpec::new("tool").on(format!("j{}", case.n() - 1)).placed(on_last);
+    let tool = FrameSpec::new("tool").on(format!("j{}", case.parts.len() - 1)).placed(on_last);
     let [a, b, c] = [case.y[0], case.u[0], case.y[1]];
-    let follower = Wrench { moment: [2.0, b, -a], force: [c, -3.0, 1.5], axes: WrenchAxes::Frame };
-    let dead = Wrench { moment: [c, 1.0, a], force: [4.0, a, b], axes: WrenchAxes::World };
+    let follower = Wrench { moment: [2.0, b, -a], force: [c, -3.0, 1.5], axes: WrenchAxes::Local };
+    let dead = Wrench { moment: [c, 1.0, a], force: [4.0, a, b], axes: WrenchAxes::Aligned };
     let robot = case.robot().with_frame(tool).unwrap();
     let robot = robot.with_wrench("tool", follower).unwrap().with_wrench("tool", dead).unwrap();
     robot.with_wrench("j0", dead).unwrap()
@@ -156,7 +156,7 @@ properties! {
         let changed = transform.at(q, v, u).unwrap().lagrangian().f.to_vec();
         let mut loaded = Lagrangian::<f64>::new(&robot);
         prop_assert!(difference(&changed, loaded.evaluate(q, v, u).unwrap()) < tolerance);
-        let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
+        let mut external = ExternalForces::<f64>::new(&robot);
         prop_assert!((DVector::from_column_slice(external.evaluate(q).unwrap()) - force).amax() < 1e-12);
     }
 
@@ -164,10 +164,10 @@ properties! {
     fn a_force_in_axes_of_the_world_is_the_gradient_of_its_work(case in cases(4)) {
         let robot = case.robot();
         let frame = format!("j{}", case.n() - 1);
-        let pull = Wrench { force: [case.y[0], -2.0, 1.0], axes: WrenchAxes::World, ..Wrench::default() };
+        let pull = Wrench { force: [case.y[0], -2.0, 1.0], axes: WrenchAxes::Aligned, ..Wrench::default() };
         let robot = robot.with_wrench(&frame, pull).unwrap();
-        let mut external = ExternalForces::<f64>::new(&Tree::from(&robot)).unwrap();
-        let slope = matrix(external.linearise(&case.q).unwrap());
+        let mut external = ExternalForces::<f64>::new(&robot);
+        let slope = matrix(external.jacobian(&case.q).unwrap());
         prop_assert!((&slope - slope.transpose()).amax() < 1e-13);
         let mut kinematics = Kinematics::<f64>::new(&robot);
         kinematics.set_position(&case.q).unwrap();
@@ -190,20 +190,82 @@ fn bad_wrenches_are_refused() {
     assert!(one.set_wrench(1, &[0.0; 3], &[0.0; 3]).is_err());
     assert!(one.set_wrench(0, &[0.0; 3], &[f64::INFINITY, 0.0, 0.0]).is_err());
     assert!(one.set_wrench(0, &[1.0; 3], &[0.0; 3]).is_ok());
-    let tree = Tree::from(&robot.with_wrench("tool0", Wrench::default()).unwrap());
-    let mut external = ExternalForces::<f64>::new(&tree).unwrap();
-    assert!(external.evaluate(&[0.0; 5]).is_err() && external.linearise(&[f64::NAN; 6]).is_err());
+    let loaded = robot.with_wrench("tool0", Wrench::default()).unwrap();
+    let mut external = ExternalForces::<f64>::new(&loaded);
+    assert!(external.evaluate(&[0.0; 5]).is_err() && external.jacobian(&[f64::NAN; 6]).is_err());
     assert!(
-        external.contract(&[0.0; 6], &[0.0; 7]).is_err() && external.contract(&[0.0; 6], &[0.0; 6]).is_ok()
+        external.hessian(&[0.0; 6], &[0.0; 7]).is_err() && external.hessian(&[0.0; 6], &[0.0; 6]).is_ok()
     );
 }
 
 #[test]
-fn a_robot_without_wrenches_costs_no_operation_more_for_them() {
+fn a_wrench_on_the_world_changes_nothing() {
     let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/ur5.urdf")).unwrap();
-    assert!(ExternalForces::<f64>::new(&Tree::from(&robot)).is_none());
     let fixed = robot.with_wrench("world", Wrench { force: [1.0; 3], ..Wrench::default() }).unwrap();
     let (q, v, u) = ([0.3; 6], [0.2; 6], [0.1; 6]);
     let expected = Lagrangian::<f64>::new(&robot).forward_dynamics(&q, &v, &u).unwrap().to_vec();
     assert_eq!(Lagrangian::<f64>::new(&fixed).forward_dynamics(&q, &v, &u).unwrap(), expected);
+}
+
+/// A tree of n joints: a spine with a branch at every fourth joint.
+fn tree(n: usize) -> Robot {
+    let wave = |k: usize, shift: f64| (1.7 * k as f64 + shift).sin();
+    let body = |k: usize| {
+        let com = [0.2 * wave(k, 0.1), 0.3 * wave(k, 1.0), 0.1];
+        LinkInertia::about_com(1.0 + 0.5 * wave(k, 2.0), com, nalgebra::Matrix3::identity() * 0.1)
+    };
+    let spec = |k: usize| {
+        let xyz = [0.3 * wave(k, 3.0), -0.2, 0.4 * wave(k, 0.4)];
+        let placed = Placement::from_xyz_rpy(xyz, [wave(k, 0.7), 2.0 * wave(k, 4.0), 0.3]);
+        let joint = if k % 5 == 3 {
+            JointSpec::prismatic(format!("j{k}"))
+        } else {
+            JointSpec::revolute(format!("j{k}"))
+        };
+        let parent = if k % 4 == 2 { k - 2 } else { k.max(1) - 1 };
+        let joint = joint.placed(placed).carrying(body(k));
+        if k == 0 { joint } else { joint.on(format!("j{parent}")) }
+    };
+    (0..n).fold(Robot::builder("tree"), |builder, k| builder.joint(spec(k))).build().unwrap()
+}
+
+/// Robots of every size take another algorithm: products in registers, in blocks, articulated bodies.
+#[test]
+fn on_robots_of_every_size_wrenches_act_as_actuation_that_depends_on_q() {
+    for n in [3, 7, 13, 18, 25, 40] {
+        let bare = tree(n);
+        let pull = |axes, size: f64| Wrench { moment: [size, -1.0, 0.5], force: [3.0, size, -4.0], axes };
+        let robot = bare.with_wrench(&format!("j{}", n - 1), pull(WrenchAxes::Local, 2.0)).unwrap();
+        let robot = robot.with_wrench(&format!("j{}", n / 2), pull(WrenchAxes::Aligned, -5.0)).unwrap();
+        let values =
+            |shift: f64, count: usize| (0..count).map(|k| (1.3 * k as f64 + shift).cos()).collect::<Vec<_>>();
+        let (q, v, u, y) = (values(0.1, n), values(0.9, n), values(2.0, n), values(3.0, 2 * n));
+        let mut external = ExternalForces::<f64>::new(&robot);
+        let force = external.evaluate(&q).unwrap().to_vec();
+        let force_q = matrix(external.jacobian(&q).unwrap());
+        let force_qq = matrix(external.hessian(&q, &y[n..]).unwrap());
+        let pushed: Vec<f64> = u.iter().zip(&force).map(|(u, force)| u + force).collect();
+        let tolerance = 1e-10;
+        let p = Hamiltonian::<f64>::new(&bare).momentum(&q, &v).unwrap().to_vec();
+        let [mut ours, mut theirs] = [&robot, &bare].map(HamiltonianSecondOrder::<f64>::new);
+        let expected = theirs.contract(&q, &p, &pushed, &y).unwrap();
+        let found = ours.contract(&q, &p, &u, &y).unwrap();
+        assert!(difference(found.linearisation().f(), expected.linearisation().f()) < tolerance, "F, {n}");
+        let mut f_x = expected.linearisation().matrix().to_nalgebra();
+        f_x.view_mut((n, 0), (n, n)).zip_apply(&force_q, |entry, slope| *entry += slope);
+        let f_x_found = found.linearisation().matrix().to_nalgebra();
+        assert!(difference(f_x_found.as_slice(), f_x.as_slice()) < tolerance, "F_x, {n}");
+        let mut y_f_xx = expected.matrix().to_nalgebra();
+        y_f_xx.view_mut((0, 0), (n, n)).zip_apply(&force_qq, |entry, slope| *entry += slope);
+        let y_f_xx_found = found.matrix().to_nalgebra();
+        assert!(difference(y_f_xx_found.as_slice(), y_f_xx.as_slice()) < tolerance, "y'F_xx, {n}");
+        let [mut ours, mut theirs] = [&robot, &bare].map(Lagrangian::<f64>::new);
+        let alone = ours.forward_dynamics(&q, &v, &u).unwrap().to_vec();
+        let expected = theirs.linearise_forward_dynamics(&q, &v, &pushed).unwrap();
+        let found = ours.linearise_forward_dynamics(&q, &v, &u).unwrap();
+        assert!(difference(&alone, expected.acceleration()) < tolerance, "a alone, {n}");
+        assert!(difference(found.acceleration(), expected.acceleration()) < tolerance, "a, {n}");
+        let a_q = expected.a_q().to_nalgebra() + expected.a_u().to_nalgebra() * &force_q;
+        assert!(difference(found.a_q().to_nalgebra().as_slice(), a_q.as_slice()) < tolerance, "a_q, {n}");
+    }
 }

@@ -74,14 +74,14 @@ fn check_wrenches(file: &str, name: &str) {
         reference.agrees("tau", &tau, &context);
         let wrench = reference.numbers("wrench");
         let three = |start: usize| [wrench[start], wrench[start + 1], wrench[start + 2]];
-        for (key, axes) in [("local", WrenchAxes::Frame), ("aligned", WrenchAxes::World)] {
+        for (key, axes) in [("local", WrenchAxes::Local), ("aligned", WrenchAxes::Aligned)] {
             let wrench = Wrench { moment: three(0), force: three(3), axes };
             let mut lagrangian = Lagrangian::<f64>::new(&robot.with_wrench(frame, wrench).unwrap());
             let agrees =
                 |what: &str, found: &[f64]| reference.agrees(&format!("{what}.{key}"), found, &context);
             agrees("tau", lagrangian.inverse_dynamics(&q, &v, &a).unwrap());
             agrees("qdd", lagrangian.forward_dynamics(&q, &v, &a).unwrap());
-            if axes == WrenchAxes::Frame {
+            if axes == WrenchAxes::Local {
                 let inverse = lagrangian.linearise_inverse_dynamics(&q, &v, &a).unwrap();
                 agrees("tau_q", inverse.tau_q.as_slice());
                 let forward = lagrangian.linearise_forward_dynamics(&q, &v, &a).unwrap();

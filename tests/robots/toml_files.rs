@@ -292,7 +292,7 @@ fn frames_and_wrenches_are_read_in_their_order() {
     let attached = "[[frame]]\nname = 'tool'\nparent = 'b'\nplacement = { xyz = [0.1, 0.0, 0.2] }\n\
         [[frame]]\nname = 'tip'\nparent = 'tool'\nplacement = { xyz = [0.0, 0.0, 0.3] }\n\
         [[frame]]\nname = 'mark'\nplacement = { xyz = [1.0, 2.0, 3.0] }\n\
-        [[wrench]]\nframe = 'tip'\nforce = [1.0, 2.0, 3.0]\naxes = 'world'\n\
+        [[wrench]]\nframe = 'tip'\nforce = [1.0, 2.0, 3.0]\naxes = 'aligned'\n\
         [[wrench]]\nframe = 'a'\nmoment = [0.0, 0.0, 4.0]\n";
     let robot = parse(&two("", attached), LoadOptions::default()).unwrap();
     let (tip, mark) = (robot.frame("tip").unwrap(), robot.frame("mark").unwrap());
@@ -300,9 +300,9 @@ fn frames_and_wrenches_are_read_in_their_order() {
     assert!((tip.placement.translation - nalgebra::Vector3::new(0.1, 0.0, 0.5)).amax() < 1e-15);
     let [first, second] = robot.wrenches() else { panic!("{:?}", robot.wrenches()) };
     assert_eq!(first.frame, robot.frame_index("tip").unwrap());
-    assert_eq!((first.wrench.force, first.wrench.axes), ([1.0, 2.0, 3.0], WrenchAxes::World));
+    assert_eq!((first.wrench.force, first.wrench.axes), ([1.0, 2.0, 3.0], WrenchAxes::Aligned));
     assert_eq!(second.frame, robot.frame_index("a").unwrap());
-    assert_eq!((second.wrench.moment, second.wrench.axes), ([0.0, 0.0, 4.0], WrenchAxes::Frame));
+    assert_eq!((second.wrench.moment, second.wrench.axes), ([0.0, 0.0, 4.0], WrenchAxes::Local));
 }
 
 #[test]

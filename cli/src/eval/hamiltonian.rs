@@ -67,9 +67,9 @@ impl Hamiltonian {
 }
 
 impl Evaluator for Hamiltonian {
-    fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>> {
+    fn answer(&mut self, state: &State, motion: &Motion) -> Result<Answer, Box<dyn std::error::Error>> {
         let State { q, u, .. } = state;
-        let p = match &state.motion {
+        let p = match motion {
             Motion::Momentum(p) => p.clone(),
             Motion::Velocity(v) => self.hamiltonian.momentum(q, v)?.to_vec(),
         };

@@ -53,9 +53,9 @@ impl Lagrangian {
 }
 
 impl Evaluator for Lagrangian {
-    fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn std::error::Error>> {
+    fn answer(&mut self, state: &State, motion: &Motion) -> Result<Answer, Box<dyn std::error::Error>> {
         let State { q, u, .. } = state;
-        let v = match &state.motion {
+        let v = match motion {
             Motion::Velocity(v) => v.clone(),
             Motion::Momentum(p) => self.hamiltonian.velocity(q, p)?.to_vec(),
         };

@@ -11,7 +11,8 @@ use serde_json::{Map, Value};
 /// A state, each array of the right length.
 pub struct State {
     pub q: Vec<f64>,
-    pub motion: Motion,
+    /// `None` if only frames are asked for.
+    pub motion: Option<Motion>,
     /// Actuation, n; zeros by default.
     pub u: Vec<f64>,
     /// Costate, 2n.
@@ -40,9 +41,12 @@ impl State {
             Coordinates::Hamiltonian => momentum().transpose().or_else(|| velocity().transpose()),
             Coordinates::Lagrangian => velocity().transpose().or_else(|| momentum().transpose()),
         };
-        let motion = motion.ok_or("`p` and `v` are missing; give the momenta or the velocities")??;
+        let motion = motion.transpose()?;
         let frames = state.get("frames").filter(|value| !value.is_null());
         let frames = frames.map(|value| Request::parse_all(value, robot)).transpose()?;
+        if motion.is_none() && (frames.is_none() || y.is_some()) {
+            return Err("`p` and `v` are missing; give the momenta or the velocities".into());
+        }
         Ok(Self { q, motion, u, y, frames })
     }
 }
@@ -64,6 +68,13 @@ fn numbers(state: &Fields, key: &str, expected: usize) -> Result<Option<Vec<f64>
 pub struct Answer(Map<String, Value>);
 
 impl Answer {
+    /// The answer to a position alone.
+    pub fn of_position(q: &[f64]) -> Self {
+        let mut answer = Self::default();
+        answer.vector("q", q);
+        answer
+    }
+
     /// Adds a vector.
     pub fn vector(&mut self, key: &str, values: &[f64]) {
         self.0.insert(key.into(), values.into());

@@ -22,7 +22,7 @@ use costate::Coordinates;
 use costate::robot::Robot;
 use frames::Frames;
 use input::{Input, Lines};
-use line::State;
+use line::{Answer, State};
 use route::{Evaluator, Route};
 use serde_json::json;
 use std::io::{BufWriter, Write};
@@ -99,7 +99,10 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
         let answer = state.and_then(|state| {
             units.check(number, &state.q);
-            let mut answer = evaluator.answer(&state).map_err(|error| error.to_string())?;
+            let mut answer = match &state.motion {
+                Some(motion) => evaluator.answer(&state, motion).map_err(|error| error.to_string())?,
+                None => Answer::of_position(&state.q),
+            };
             if let Some(requests) = &state.frames {
                 frames.answer(&state.q, requests, &mut answer).map_err(|error| error.to_string())?;
             }

@@ -1,6 +1,6 @@
 //! Methods for the derivatives, and the interface of what computes by them.
 
-use super::line::{Answer, State};
+use super::line::{Answer, Motion, State};
 use std::error::Error;
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -20,6 +20,6 @@ pub enum Route {
 
 /// What computes the answers, for one choice of coordinates and method.
 pub trait Evaluator {
-    /// The answer to a state of the right lengths.
-    fn answer(&mut self, state: &State) -> Result<Answer, Box<dyn Error>>;
+    /// The answer to a state of the right lengths, with its motion.
+    fn answer(&mut self, state: &State, motion: &Motion) -> Result<Answer, Box<dyn Error>>;
 }

@@ -280,6 +280,22 @@ fn frames_are_answered_by_every_route() {
     assert_eq!(json_lines(&again)[0]["frames"], answers[0]["frames"]);
 }
 
+/// Where M is singular, too.
+#[test]
+fn frames_alone_need_no_motion() {
+    let robot = "name = 'wrist'\n[[joint]]\nname = 'a'\nmass = 1.0\ncom = [0.3, 0.0, 0.0]\n[[joint]]\nname = 'idle'\n";
+    let states = std::env::temp_dir().join(format!("costate-frames-{}.jsonl", std::process::id()));
+    let lines = "{\"q\":[0,0],\"frames\":[\"idle\"]}\n{\"q\":[0,0],\"v\":[0,0],\"frames\":[\"idle\"]}\n\
+                 {\"q\":[0,0],\"y\":[0,0,0,0],\"frames\":[\"idle\"]}\n";
+    std::fs::write(&states, lines).unwrap();
+    let output = costate(&["eval", "-", "--states", states.to_str().unwrap()], robot.as_bytes());
+    std::fs::remove_file(states).unwrap();
+    let answers = json_lines(&output);
+    assert_eq!(answers[0]["frames"][0]["jacobian"][2], json!([1.0, 1.0]));
+    assert!(answers[1]["error"].as_str().unwrap().contains("'idle'"), "{}", answers[1]);
+    assert!(answers[2]["error"].as_str().unwrap().contains("`p` and `v` are missing"), "{}", answers[2]);
+}
+
 #[test]
 fn bad_frames_are_explained() {
     for (frames, reason) in [
@@ -306,7 +322,7 @@ fn wrenches_of_a_robot_file_are_in_every_route() {
     let pull = "\n[[frame]]\nname = 'tip'\nparent = 'elbow'\nplacement = { xyz = [0.4, 0.0, 0.1] }\n\
         [[wrench]]\nframe = 'tip'\nforce = [1.0, -2.0, 3.0]\nmoment = [0.1, 0.2, 0.3]\naxes = 'AXES'\n";
     let state = r#"{"q":[0.3,-0.8],"v":[1.0,0.5],"y":[1,-2,0.5,0.3],"frames":["tip"]}"#;
-    for axes in ["frame", "world"] {
+    for axes in ["local", "aligned"] {
         let robot = std::env::temp_dir().join(format!("costate-pulled-{axes}-{}.toml", std::process::id()));
         std::fs::write(&robot, text.clone() + &pull.replace("AXES", axes)).unwrap();
         let path = robot.to_str().unwrap();

@@ -8,8 +8,7 @@ use crate::robot::model::Robot;
 use nalgebra::{DMatrix, Vector3};
 
 impl Robot {
-    /// The same robot with these constants of its joints, checked as those of a description are; what only
-    /// warns of a description says nothing here.
+    /// The same robot with these constants of its joints, checked as those of a description are.
     pub(crate) fn with_constants(
         &self,
         joints: Vec<Joint>,
@@ -18,8 +17,7 @@ impl Robot {
     ) -> Result<Self, RobotError> {
         joints.iter().try_for_each(|joint| checks::joint(&described(joint)))?;
         let armature = Armature::from_matrix(armature)?;
-        checks::robot(&joints, &armature, &mut Vec::new())?;
-        Self { joints, armature, ..self.clone() }.with_gravity(gravity.into())
+        Self { joints, armature, ..self.clone() }.checked(self, Vec::new())?.with_gravity(gravity.into())
     }
 }
 

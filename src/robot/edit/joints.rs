@@ -11,12 +11,15 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownJoint`], [`RobotError::BadValue`] if it is negative or not finite,
-    /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite.
+    /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite,
+    /// [`RobotError::KinematicsOnly`] if no joint has inertia any more, [`RobotError::IndefiniteInertia`] if
+    /// M is no longer positive.
     pub fn with_joint_armature(&self, joint: &str, armature: f64) -> Result<Self, RobotError> {
         let index = self.joint_index(joint)?;
         let part = &self.joints[index];
         checks::figures(joint, armature, &part.spring, &part.friction, &part.limits)?;
-        Self { armature: self.armature.with_diagonal(index, armature)?, ..self.clone() }.checked(Vec::new())
+        Self { armature: self.armature.with_diagonal(index, armature)?, ..self.clone() }
+            .checked(self, Vec::new())
     }
 
     /// The same robot with other friction of one joint.
@@ -36,13 +39,16 @@ impl Robot {
     /// narrow them.
     ///
     /// # Errors
-    /// [`RobotError::UnknownJoint`], [`RobotError::DependentJoint`], [`RobotError::BadValue`].
+    /// [`RobotError::UnknownJoint`], [`RobotError::DependentJoint`], [`RobotError::BadValue`], and
+    /// [`RobotError::IndefiniteInertia`] if M is not positive within them.
     pub fn with_limits(&self, joint: &str, limits: Limits) -> Result<Self, RobotError> {
         let index = self.independent_index(joint)?;
         let part = &self.joints[index];
         checks::figures(joint, 0.0, &part.spring, &part.friction, &limits)?;
         let mut robot = self.clone();
         robot.joints[index].limits = limits;
-        robot.checked(Vec::new())
+        let others = robot.warnings.into_iter().filter_map(|warning| warning.without_limits_of(joint));
+        robot.warnings = others.collect();
+        robot.checked(self, Vec::new())
     }
 }

@@ -38,8 +38,8 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownJoint`]; [`RobotError::DependentJoint`] for a joint that mimics another one;
-    /// [`RobotError::BadValue`] for a position that is not finite or given twice; [`RobotError::NoJoints`] if
-    /// nothing can move any more.
+    /// [`RobotError::BadValue`] for a position that is not finite or given twice; [`RobotError::AllLocked`]
+    /// if nothing can move any more, [`RobotError::KinematicsOnly`] if what can move has no mass.
     pub fn lock(&self, joints: &[(&str, f64)]) -> Result<Self, RobotError> {
         let mut held: Vec<Option<f64>> = vec![None; self.joints.len()];
         let mut warnings = Vec::new();
@@ -51,7 +51,7 @@ impl Robot {
                 return bad("it must be finite");
             }
             if held[index].replace(value).is_some() {
-                return bad("it must be given once");
+                return bad("it is locked twice: give it one position");
             }
             let limits = self.joints[index].limits;
             if !(limits.lower..=limits.upper).contains(&value) {
@@ -64,7 +64,7 @@ impl Robot {
                 held[i] = held[joint].map(|value| ratio.mul_add(value, offset));
             }
         }
-        self.holding(&held)?.checked(warnings)
+        self.holding(&held)?.checked(self, warnings)
     }
 
     /// The robot of these independent joints, and of those that mimic them; all others are held at the
@@ -117,7 +117,8 @@ impl Robot {
             }
         }
         if joints.is_empty() {
-            return Err(RobotError::NoJoints { robot: self.name.clone() });
+            let joints = self.independent_joints().map(|joint| joint.name.clone()).collect();
+            return Err(RobotError::AllLocked { joints });
         }
         for joint in &mut joints {
             // What a joint mimics stays if the joint does.

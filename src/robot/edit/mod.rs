@@ -7,6 +7,7 @@ mod joints;
 mod lock;
 mod payload;
 
+use super::checks;
 use super::error::RobotError;
 use super::joint::{Friction, Limits};
 use super::link::LinkInertia;
@@ -88,16 +89,23 @@ impl Robot {
         }
     }
 
-    /// Checks what depends on the whole tree; adds the warnings that are new, and omits those of joints and
-    /// links that are no longer there, or have mass now.
-    pub(super) fn checked(mut self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
-        super::checks::robot(&self.joints, &self.armature, &mut caused)?;
+    /// Checks what depends on the whole tree; adds the warnings that are new, and omits those of the robot
+    /// before that no longer apply.
+    pub(super) fn checked(mut self, before: &Self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
+        checks::robot(&self.joints, &self.armature, &mut caused)?;
+        let mut past = Vec::new();
+        // What is wrong with the robot before is not of interest here.
+        let _ = checks::robot(&before.joints, &before.armature, &mut past);
         let joints = &self.joints;
-        let is_massless = |link: &str| joints.iter().any(|j| j.link == link && j.inertia.is_massless());
-        self.warnings.retain(|warning| match warning {
+        let is_joint = |name: &str| joints.iter().any(|joint| joint.name == name);
+        let is_massless =
+            |link: &str| joints.iter().any(|joint| joint.link == link && joint.inertia.is_massless());
+        let applies = |warning: &Warning| match warning {
             Warning::MasslessLink { link } => is_massless(link),
-            warning => !warning.is_of_whole(),
-        });
+            warning => caused.contains(warning) || !past.contains(warning),
+        };
+        let left = std::mem::take(&mut self.warnings).into_iter().filter(applies);
+        self.warnings = left.filter_map(|warning| warning.about(is_joint)).collect();
         for warning in caused {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);

@@ -23,11 +23,13 @@ impl Robot {
     /// # Errors
     /// [`RobotError::UnknownFrame`], [`RobotError::FixedFrame`] for a frame that no joint moves,
     /// [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`], [`RobotError::OutOfRange`] and
-    /// [`RobotError::IndefiniteInertia`] for a body that cannot be.
+    /// [`RobotError::IndefiniteInertia`] for a body that cannot be. Principal moments that violate the
+    /// triangle inequality are a warning, as those of links are.
     pub fn with_payload(&self, frame: &str, payload: &LinkInertia) -> Result<Self, RobotError> {
         let frame = self.frame(frame)?;
         let name = format!("payload of {}", frame.name);
         checks::inertia(&name, payload)?;
+        checks::rigid(&name, payload)?;
         let Some(joint) = frame.joint else {
             return Err(RobotError::FixedFrame { frame: frame.name.clone() });
         };
@@ -36,6 +38,6 @@ impl Robot {
         let body = payload.placed(&frame.placement);
         carrier.inertia = if carrier.inertia.is_massless() { body } else { carrier.inertia.merged(&body) };
         checks::inertia(&carrier.link, &carrier.inertia)?;
-        robot.checked(checks::principal_moments(&name, payload).into_iter().collect())
+        robot.checked(self, checks::principal_moments(&name, payload).into_iter().collect())
     }
 }

@@ -43,6 +43,11 @@ impl fmt::Display for RobotError {
                  (the base does not move: attach a free body to a link 'world' by a floating joint)",
                 printable(robot)
             ),
+            Self::AllLocked { joints } => write!(
+                f,
+                "all independent joints are locked, '{}'; leave at least one of them free",
+                list(joints, "', '")
+            ),
             Self::DuplicateName { kind, name } => {
                 write!(f, "two {kind}s are called '{}'; give each its own name", printable(name))
             }
@@ -117,7 +122,7 @@ impl fmt::Display for RobotError {
                 f,
                 "there is no joint '{}'{}",
                 printable(joint),
-                offer(nearest, "; `costate info` lists the names")
+                offer(nearest, "; `costate info` lists the names, without joints that are fixed or locked")
             ),
             Self::DependentJoint { joint, master } => write!(
                 f,

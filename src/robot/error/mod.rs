@@ -160,6 +160,11 @@ pub enum RobotError {
         /// The frame.
         frame: String,
     },
+    /// Every independent joint is locked.
+    AllLocked {
+        /// The joints.
+        joints: Vec<String>,
+    },
     /// A list of positions whose length is not that of q.
     WrongPositions {
         /// Number of independent joints.
@@ -269,13 +274,14 @@ impl RobotError {
         }
     }
 
-    /// The joint or link at fault, where there is one.
+    /// The joint, link or frame at fault, where there is one.
     pub fn culprit(&self) -> Option<&str> {
         match self {
             Self::InFile { error, .. } => error.culprit(),
             Self::UnknownParent { joint, .. }
             | Self::UnknownChild { joint, .. }
             | Self::UnknownMimic { joint, .. }
+            | Self::UnknownJoint { joint, .. }
             | Self::DependentJoint { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
@@ -284,7 +290,9 @@ impl RobotError {
             | Self::BadValue { joint, .. }
             | Self::KinematicsOnly { joint } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
-            Self::Cycle { joints } | Self::MimicCycle { joints } => joints.first().map(String::as_str),
+            Self::Cycle { joints } | Self::MimicCycle { joints } | Self::AllLocked { joints } => {
+                joints.first().map(String::as_str)
+            }
             Self::SeveralRoots { second, .. } => Some(second),
             Self::NonFiniteInertia { link, .. }
             | Self::NegativeMass { link, .. }
@@ -292,6 +300,7 @@ impl RobotError {
             | Self::IndefiniteInertia { link, .. } => Some(link),
             Self::DuplicateName { name, .. } => Some(name),
             Self::UnknownFrame { frame, .. }
+            | Self::FixedFrame { frame }
             | Self::BadFramePlacement { frame }
             | Self::BadWrench { frame } => Some(frame),
             _ => None,

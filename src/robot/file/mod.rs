@@ -36,7 +36,7 @@
 //! frame = "tool"                         # a frame or a joint
 //! force = [0.0, 0.0, -20.0]              # N, at the origin of the frame; default: none
 //! moment = [0.0, 0.0, 0.0]               # N m; default: none
-//! axes = "world"                         # or "frame" (the default): the wrench turns with the link
+//! axes = "aligned"                       # with the world; "local" (the default) turns with the link
 //! ```
 //!
 //! With `convention = "placements"`, `placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }` (the joint frame in
@@ -52,6 +52,7 @@ use self::rows::{JointRow, RobotFile, RowKind, TableConvention};
 use super::dh::{self, Convention};
 use super::error::RobotError;
 use super::format::RobotFormat;
+use super::frame::{FrameKind, FrameSpec};
 use super::joint::{Friction, JointKind, JointSpec, Limits, Spring};
 use super::link::Placement;
 use super::model::Robot;
@@ -104,6 +105,11 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
         let parent_row = parent.and_then(|parent| row_of.get(parent).copied());
         let spec = row.spec(file.convention, parent, parent_row);
         builder = builder.joint(spec.map_err(|error| error.at(line_of(row.name.span().start)))?);
+        if file.convention == TableConvention::StandardDh {
+            // A joint of a standard table moves the far frame of its link, in which masses are given.
+            let far = row.dh_row().far_frame();
+            builder = builder.frame(FrameSpec::described(row.name(), FrameKind::Link, Some(row.name()), far));
+        }
         before = Some(row.name());
     }
     if let Some(rows) = &file.armature {
@@ -111,7 +117,7 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
             builder.armature_matrix(armature_matrix(rows.get_ref(), file.joints.len()).map_err(located)?);
     }
     let robot = builder.build().map_err(located)?;
-    attached::attach(robot, &file, &row_of, text)
+    attached::attach(robot, &file, text)
 }
 
 fn armature_matrix(rows: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>, RobotError> {

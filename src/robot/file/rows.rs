@@ -49,8 +49,8 @@ pub(super) struct WrenchRow {
 #[serde(rename_all = "lowercase")]
 pub(super) enum RowAxes {
     #[default]
-    Frame,
-    World,
+    Local,
+    Aligned,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]

@@ -4,13 +4,15 @@ use super::source::{JointType, Source};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use crate::robot::nearest::resembling;
+use crate::robot::printable::{printable, printable_number};
+use crate::robot::warning::Warning;
 use std::collections::{HashMap, HashSet};
 
 /// Joints that mimic a fixed joint, whose position is 0, become fixed at their offset; so do their own
 /// mimics.
 ///
 /// A joint of several degrees of freedom mimics nothing and is not mimicked.
-pub(super) fn settle(source: &mut Source) -> Result<(), RobotError> {
+pub(super) fn settle(source: &mut Source, warnings: &mut Vec<Warning>) -> Result<(), RobotError> {
     let index: HashMap<&str, usize> =
         source.joints.iter().enumerate().map(|(i, joint)| (joint.name.as_str(), i)).collect();
     let mut masters = vec![None; source.joints.len()];
@@ -48,6 +50,13 @@ pub(super) fn settle(source: &mut Source) -> Result<(), RobotError> {
                 let joint = &mut source.joints[joint];
                 if let Some(mimic) = joint.mimic.take() {
                     position = mimic.spec.ratio.mul_add(position, mimic.spec.offset);
+                    let [name, master] =
+                        [&joint.name, &mimic.spec.joint].map(|name| printable(name).to_string());
+                    let held = printable_number(position);
+                    let text = format!(
+                        "joint '{name}' mimics joint '{master}', which is fixed: it is held at {held}"
+                    );
+                    warnings.push(Warning::Note { text });
                 }
                 joint.fix(position);
             }

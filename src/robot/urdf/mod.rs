@@ -52,7 +52,7 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
 
 fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {
     let mut warnings = std::mem::take(&mut source.warnings);
-    mimics::settle(&mut source)?;
+    mimics::settle(&mut source, &mut warnings)?;
     let attached = tree::attachments(&source)?;
     let bodies = bodies(&source, &attached.links, &mut warnings)?;
     if let Some(root) = attached.root.map(|root| &source.links[root]).filter(|root| root.inertia.mass > 0.0) {

@@ -31,7 +31,7 @@ impl Quantities {
     /// For a frame in general position on the last link; the desired orientation is near or far.
     pub fn new(case: &Case) -> Self {
         let on_last = Placement::from_xyz_rpy([0.3, -0.2, 0.5], [0.4, -1.0, 2.0]);
-        let tool = FrameSpec::new("tool").on(format!("j{}", case.n() - 1)).placed(on_last);
+        let tool = FrameSpec::new("tool").on(format!("j{}", case.parts.len() - 1)).placed(on_last);
         let robot = case.robot().with_frame(tool).unwrap();
         let frame = robot.frame_index("tool").unwrap();
         let desired = Rotation3::from_scaled_axis(Vector3::new(case.y[0], case.u[0], -case.y[1]));

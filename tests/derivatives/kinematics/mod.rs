@@ -151,9 +151,9 @@ properties! {
         for (k, axes) in ReferenceFrame::ALL.into_iter().enumerate() {
             let expected = judged.contracted(TWISTS + 6 * k, &[moment, force].concat());
             let scale = expected.amax().max(1.0);
-            let whole = kinematics.contract_twist(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            let whole = kinematics.twist_hessian(frame, axes, &wrench).unwrap().view().to_nalgebra();
             prop_assert!((whole - &expected).amax() < 10.0 * TOLERANCE * scale, "{axes:?}");
-            let rows = kinematics.contract_jacobian(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            let rows = kinematics.force_jacobian(frame, axes, &wrench).unwrap().view().to_nalgebra();
             let expected = expected.view((n, 0), (n, n)).into_owned();
             prop_assert!(apart(&rows, &expected) < TOLERANCE, "{axes:?}");
         }
@@ -172,7 +172,7 @@ properties! {
             let mut judge = Hessian::new(ByCalls(accelerations));
             let z = [&case.q[..], &case.v, &case.u].concat();
             let expected = judge.contract(&z, &[moment, force].concat()).unwrap().view().to_nalgebra();
-            let found = second.contract_acceleration(frame, axes, &wrench).unwrap().view().to_nalgebra();
+            let found = second.acceleration_hessian(frame, axes, &wrench).unwrap().view().to_nalgebra();
             prop_assert!(found.shape() == (3 * n, 3 * n) && apart(&found, &expected) < 10.0 * TOLERANCE, "{axes:?}");
         }
     }
@@ -184,7 +184,7 @@ properties! {
         let (k, l) = (weight(&case.y), weight(&case.u.repeat(2)));
         let expected = judged.contracted(ANGULAR, &[k, l].concat());
         let mut kinematics = quantities.kinematics(&case.q, &case.v);
-        let found = kinematics.contract_momentum(&k, &l).unwrap().view().to_nalgebra();
+        let found = kinematics.momentum_hessian(&k, &l).unwrap().view().to_nalgebra();
         prop_assert!(apart(&found, &expected) < 10.0 * TOLERANCE, "{found} is not {expected}");
     }
 
@@ -251,7 +251,7 @@ fn extreme_angles_and_masses_lose_nothing() {
         assert!(apart(&hessian, &judged.contracted_q(CENTRE, &w)) < TOLERANCE);
         let hessian = kinematics.position_hessian(frame, &w).unwrap().view().to_nalgebra();
         assert!(apart(&hessian, &judged.contracted_q(POSITION, &w)) < TOLERANCE);
-        let found = kinematics.contract_momentum(&w, &w).unwrap().view().to_nalgebra() / mass;
+        let found = kinematics.momentum_hessian(&w, &w).unwrap().view().to_nalgebra() / mass;
         let expected = judged.contracted(ANGULAR, &[w, w].concat()) / mass;
         assert!(apart(&found, &expected) < 10.0 * TOLERANCE);
     }

@@ -102,7 +102,7 @@ fn extreme_states_and_masses_give_the_torques_of_inverse_dynamics() {
 /// A wrench that is set is that of a robot that was built with it.
 #[test]
 fn wrenches_are_changed_in_the_workspaces() {
-    let pull = |force| Wrench { force, moment: [1.0, 0.2, -0.5], axes: WrenchAxes::Frame };
+    let pull = |force| Wrench { force, moment: [1.0, 0.2, -0.5], axes: WrenchAxes::Local };
     let [soft, hard] = [[1.0, 2.0, 3.0], [-30.0, 20.0, 5.0]]
         .map(|force| panda().with_wrench("panda_link7", pull(force)).unwrap());
     let sets = [soft, hard].map(|robot| ParameterSet::new(&robot).links().translations());
@@ -133,7 +133,7 @@ fn wrenches_are_changed_in_the_workspaces() {
 /// Columns of masses do not depend on wrenches, but a(q, v, u) does.
 #[test]
 fn wrenches_are_a_part_of_forward_dynamics() {
-    let pull = Wrench { force: [3.0, -20.0, 5.0], axes: WrenchAxes::World, ..Wrench::default() };
+    let pull = Wrench { force: [3.0, -20.0, 5.0], axes: WrenchAxes::Aligned, ..Wrench::default() };
     let robot = panda().with_wrench("panda_link7", pull).unwrap();
     let (q, v, u) = ([0.3; 7], [0.7; 7], [0.1; 7]);
     let set = ParameterSet::new(&robot).links().gravity();

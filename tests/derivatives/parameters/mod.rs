@@ -23,8 +23,8 @@ fn everything(case: &Case) -> ParameterSet {
 /// The same of a robot with a wrench that turns with its last link, and one that does not.
 fn everything_with_wrenches(case: &Case) -> ParameterSet {
     let [a, b, c] = [case.y[0], case.u[0], case.y[1]];
-    let follower = Wrench { moment: [2.0, b, -a], force: [c, -3.0, 1.5], axes: WrenchAxes::Frame };
-    let dead = Wrench { moment: [c, 1.0, a], force: [4.0, a, b], axes: WrenchAxes::World };
+    let follower = Wrench { moment: [2.0, b, -a], force: [c, -3.0, 1.5], axes: WrenchAxes::Local };
+    let dead = Wrench { moment: [c, 1.0, a], force: [4.0, a, b], axes: WrenchAxes::Aligned };
     let robot = everything(case).robot().with_wrench("tool", follower).unwrap();
     all_of(&robot.with_wrench("tool", dead).unwrap().with_wrench("j0", dead).unwrap(), case)
 }

@@ -3,7 +3,7 @@
 use super::{TOLERANCE, close, everything, everything_with_wrenches};
 use costate::kinematics::ExternalForces;
 use costate::parameters::{HamiltonianParameters, LagrangianParameters, Parameter, ParameterSet, Regressor};
-use costate::robot::{JointKind, Tree};
+use costate::robot::JointKind;
 use costate_test_support::properties;
 use costate_test_support::random_robot::{all_cases, cases, tolerance};
 use nalgebra::{DMatrix, DVector};
@@ -19,14 +19,14 @@ fn by_length(
         Parameter::Translation { .. } => JointKind::Prismatic,
         Parameter::Rotation { .. } => JointKind::Revolute,
         Parameter::Displacement { displacement, .. } => displacement.kind,
-        _ => return forces(&mut ExternalForces::new(&Tree::from(set.robot())).unwrap()) * 0.0,
+        _ => return forces(&mut ExternalForces::new(set.robot())) * 0.0,
     };
     let step = if kind == JointKind::Revolute { std::f64::consts::FRAC_PI_2 } else { 0.5 };
     let at = |step: f64| {
         let mut values = set.values().to_vec();
         values[k] += step;
         let moved = set.robot_with(&values).unwrap();
-        forces(&mut ExternalForces::new(&Tree::from(&moved)).unwrap())
+        forces(&mut ExternalForces::new(&moved))
     };
     let difference = at(step) - at(-step);
     if kind == JointKind::Revolute { difference / 2.0 } else { difference }
@@ -68,7 +68,7 @@ properties! {
         });
         let y_q_theta = columns(&set, |k| {
             by_length(&set, k, |forces| {
-                let slopes = forces.linearise(&case.q).unwrap().view().to_nalgebra();
+                let slopes = forces.jacobian(&case.q).unwrap().view().to_nalgebra();
                 slopes.tr_mul(&DVector::from_column_slice(&y[n..]))
             })
         });
