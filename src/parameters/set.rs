@@ -272,7 +272,7 @@ mod tests {
         let still = Displacement::along(DisplacedIn::Parent, [0.0; 3]);
         says(set().displacement("gap", "a", still), "'gap' has the axis [0.0, 0.0, 0.0]");
         says(set().payload("tool", "b.d"), "no frame 'b.d'; did you mean 'b.c'?");
-        says(set().payload("tool", "world"), "'tool' is at frame 'world', which no joint moves");
+        says(set().payload("tool", "world"), "no joint moves frame 'world'");
         says(set().payload("a", "b.c"), "'a.mass' is in the set");
         says(set().payload("tool", "a").unwrap().payload("tool", "b.c"), "'tool.mass' is in the set");
     }

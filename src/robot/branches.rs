@@ -75,7 +75,7 @@ mod tests {
             assert_eq!(branches.subtree(i), expected);
             assert_eq!(branches.pairs_of(i).len(), expected.len());
         }
-        assert_eq!((branches.pairs(), branches.pairs_of(2)), (11, 7..9));
+        assert_eq!((branches.pairs(), branches.pairs_of(2)), (11, 6..8));
         assert_eq!(Branches::new(&[]).pairs(), 0);
     }
 }
