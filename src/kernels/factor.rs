@@ -244,6 +244,11 @@ impl<S: Scalar> Factor<S> {
         &self.upper
     }
 
+    /// `D^-1 U'`, after [`place_inverse`](Self::place_inverse).
+    pub(crate) fn scaled_upper(&self) -> &Panel<S> {
+        &self.scaled
+    }
+
     /// `Y <- D^-1 Y D^-1` for an n x n matrix.
     pub(crate) fn divide_by_pivots_twice(&self, y: &mut Panel<S>) {
         for (k, &inverse) in self.inverse_pivots.iter().enumerate() {

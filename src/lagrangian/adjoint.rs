@@ -36,7 +36,7 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<(), EvalError> {
         self.check(&[("v", v), ("u", u)])?;
         self.accelerate_factored(q, v, u);
-        self.differentiate_torque(q, v)?;
+        self.differentiate_torque_after_bias(q, v)?;
         f.copy_from_slice(&self.rate);
         let (in_q, in_v) = y_a_x.split_at_mut(v.len());
         for ((torque, sums), product) in self.torque.iter().zip(&mut self.solved).zip([in_q, in_v]) {

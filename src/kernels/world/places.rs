@@ -1,6 +1,6 @@
 //! The order of the joints: a subtree is a range of places, and so is a row of a matrix.
 
-use crate::matrix::Panel;
+use crate::matrix::{Matrix, Panel};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 
@@ -61,29 +61,54 @@ impl Places {
     #[inline(always)]
     pub fn mirror<S: Scalar>(&self, entries: &mut Panel<S>, lower: Option<&Panel<S>>) {
         let (lanes, width) = (Panel::<S>::LANES, entries.width::<0>());
-        for (top, some) in self.chunks(lanes).enumerate() {
+        for (top, side) in self.blocks(lanes) {
+            let mut block = [S::Pack::zero(); MOST_LANES];
+            let rows = lower.unwrap_or(entries).packs();
+            for (r, pack) in block.iter_mut().enumerate().take(lanes) {
+                *pack = rows[(top * lanes + r) * width + side];
+            }
+            S::Pack::transpose(&mut block[..lanes]);
+            let rows = entries.packs_mut();
+            for (r, pack) in block.iter().enumerate().take(lanes) {
+                let to = &mut rows[(side * lanes + r) * width + top];
+                *to = if side > top { *pack } else { pack.before(r, *to) };
+            }
+        }
+    }
+
+    /// Blocks (a, b), a <= b, of rows and packs that hold entries of joints on one branch.
+    #[inline(always)]
+    fn blocks(&self, lanes: usize) -> impl Iterator<Item = (usize, usize)> {
+        self.chunks(lanes).enumerate().flat_map(move |(top, some)| {
             let end = some.iter().fold(0, |end, place| end.max(place.end)).div_ceil(lanes);
-            for side in top..end {
-                let mut block = [S::Pack::zero(); MOST_LANES];
-                let rows = lower.unwrap_or(entries).packs();
-                for (r, pack) in block.iter_mut().enumerate().take(lanes) {
-                    *pack = rows[(top * lanes + r) * width + side];
-                }
-                S::Pack::transpose(&mut block[..lanes]);
-                let rows = entries.packs_mut();
-                for (r, pack) in block.iter().enumerate().take(lanes) {
-                    let to = &mut rows[(side * lanes + r) * width + top];
-                    *to = if side > top { *pack } else { pack.before(r, *to) };
+            (top..end).map(move |side| (top, side))
+        })
+    }
+
+    /// Sets the entries of joints on one branch in a matrix by joints from one by places, n x n; others are
+    /// left as they are.
+    #[inline(never)]
+    pub fn write<S: Scalar>(&self, from: &Panel<S>, to: &mut Matrix<S>) {
+        if !self.in_order {
+            return self.reorder(from, |i, j, entry| to[(i, j)] = entry);
+        }
+        let (lanes, n) = (Panel::<S>::LANES, self.len());
+        for (a, b) in self.blocks(lanes) {
+            for (top, side) in [(a, b), (b, a)] {
+                let columns = side * lanes..((side + 1) * lanes).min(n);
+                for i in top * lanes..((top + 1) * lanes).min(n) {
+                    from.row(i)[side].write(&mut to.row_mut(i)[columns.clone()]);
                 }
             }
         }
     }
 
-    /// Sets entry (i, j) of the joints from a square matrix by places.
+    /// Sets entry (i, j) of the joints from a square matrix by places, for joints on one branch.
     pub fn reorder<S: Scalar>(&self, from: &Panel<S>, mut set: impl FnMut(usize, usize, S)) {
         for (k, row) in self.iter().enumerate() {
-            for (l, column) in self.iter().enumerate() {
+            for (l, column) in self.iter().enumerate().take(row.end).skip(k) {
                 set(row.joint, column.joint, from.get(k, l));
+                set(column.joint, row.joint, from.get(l, k));
             }
         }
     }
