@@ -24,7 +24,8 @@ pub struct Factor<S: Scalar> {
     /// `D^-1 U'` likewise.
     pub(super) scaled: Panel<S>,
     tiles: Option<Box<FactorTiles>>,
-    product: Panel<S>,
+    /// `M^-1`.
+    pub(super) product: Panel<S>,
 }
 
 impl<S: Scalar> Factor<S> {
