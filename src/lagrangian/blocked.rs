@@ -31,7 +31,7 @@ impl<S: Scalar> Blocked<S> {
         let across = u.transposed();
         let pair = below.or(&below.transposed()).with_diagonal();
         let y = across.times(&pair);
-        let tiles = |a: &Pattern, b: &Pattern| Tiles::new(Panel::<S>::LANES, a, b, Part::Whole, Terms::All);
+        let tiles = |a: &Pattern, b: &Pattern| Tiles::new::<S>(a, b, Part::Whole, Terms::All);
         Self {
             first: tiles(&across, &pair),
             second: tiles(&u, &y),

@@ -159,6 +159,11 @@ impl<S: Scalar> Lagrangian<S> {
 /// A function of the packs, as many lanes as there are numbers.
 #[inline(always)]
 pub(super) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
-    let chunks = to.chunks_mut(<S::Pack as Pack<S>>::LANES);
-    chunks.zip(from).for_each(|(to, &pack)| function(pack).write(to));
+    // Whole packs apart: each is one store.
+    let (whole, rest) = to.split_at_mut(to.len() - to.len() % Panel::<S>::LANES);
+    let packs = whole.len() / Panel::<S>::LANES;
+    whole.chunks_exact_mut(Panel::<S>::LANES).zip(from).for_each(|(to, &pack)| function(pack).write(to));
+    if !rest.is_empty() {
+        function(from[packs]).write(rest);
+    }
 }
