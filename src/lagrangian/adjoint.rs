@@ -1,9 +1,8 @@
 //! The adjoint product y'f_x of the Lagrangian state equation, without f_x.
 
 use super::Lagrangian;
-use super::forward::write_packs;
 use crate::error::EvalError;
-use crate::matrix::add_scaled;
+use crate::matrix::{add_scaled, write_packs};
 use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Lagrangian<S> {

@@ -1,18 +1,17 @@
 //! The Jacobian of forward dynamics block by block, limited to the entries that the tree leaves.
 
-use super::forward::write_packs;
 use crate::kernels::Factor;
-use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Terms, Tiles};
+use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Terms, Tiles, write_packs};
 use crate::scalar::Scalar;
 
 /// Products with the triangular matrix `U = L^-1` that give `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`, for
 /// packs of several lanes.
 ///
 /// With `M^-1 = U D^-1 U'`, `Y = D^-1 U' tau_q` and `a_q = -U Y`. Entries of tau_q belong to pairs of joints
-/// on one branch, those of U' to a joint and one beyond it: so an entry of Y is a sum over the joints that are
-/// beyond one joint and on a branch with the other, an entry of a_q one over the joints on the way from the
-/// base. A product with M^-1, which has entries for all pairs of joints on one joint of the base, takes about
-/// twice as many products for a tree, and as many for a chain.
+/// on one branch, those of U' to a joint and one beyond it. So an entry of Y is a sum over the joints that
+/// are beyond one joint and on a branch with the other, an entry of a_q one over the joints on the way from
+/// the base. A product with M^-1, which has entries for all pairs of joints on one joint of the base, takes
+/// about twice as many products for a tree, and as many for a chain.
 #[derive(Clone, Debug)]
 pub(super) struct Blocked<S: Scalar> {
     /// Y.

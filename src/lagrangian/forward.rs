@@ -3,8 +3,8 @@
 use super::Lagrangian;
 use super::choice::current_mass_matrix;
 use crate::error::EvalError;
-use crate::matrix::{Block, Left, Matrix, Panel, Part, sized};
-use crate::scalar::{Pack, Scalar};
+use crate::matrix::{Block, Left, Matrix, Panel, Part, sized, write_packs};
+use crate::scalar::Scalar;
 
 /// Forward dynamics and its Jacobian in z = (q, v, u); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
@@ -153,17 +153,5 @@ impl<S: Scalar> Lagrangian<S> {
             write_packs(by_v.row(i), in_v, |pack| -pack);
             write_packs(self.inverse.row(i), in_u, |pack| pack);
         }
-    }
-}
-
-/// A function of the packs, as many lanes as there are numbers.
-#[inline(always)]
-pub(super) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
-    // Whole packs apart: each is one store.
-    let (whole, rest) = to.split_at_mut(to.len() - to.len() % Panel::<S>::LANES);
-    let packs = whole.len() / Panel::<S>::LANES;
-    whole.chunks_exact_mut(Panel::<S>::LANES).zip(from).for_each(|(to, &pack)| function(pack).write(to));
-    if !rest.is_empty() {
-        function(from[packs]).write(rest);
     }
 }

@@ -13,7 +13,7 @@ pub(crate) use panel::{Panel, sized};
 pub(crate) use pattern::Pattern;
 pub(crate) use place::Place;
 pub(crate) use product::{Left, Part};
-pub(crate) use rows::{add_rows, sum_rows};
+pub(crate) use rows::{add_rows, sum_rows, write_packs};
 pub use rows::{add_scaled, dot};
 pub(crate) use tiles::{Terms, Tiles};
 
