@@ -42,10 +42,10 @@ use crate::tensors::Christoffel;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OperationTable {
-    /// By quantity, then by method.
-    counts: [[Operations; 4]; 4],
+    /// By quantity, then by method; `None` where it was not counted.
+    counts: [[Option<Operations>; 4]; 4],
     /// In the order of [`Self::MORE`].
-    more: [Operations; 5],
+    more: [Option<Operations>; 5],
 }
 
 /// One quantity by one method, see [`OperationTable`].
@@ -117,16 +117,35 @@ impl OperationTable {
         constants: Constants,
         number: &dyn Fn(usize) -> f64,
     ) -> Result<Self, DerivativeError<EvalError>> {
-        Self::at(robot, constants, &State::new(robot.dof(), number))
+        let state = State::new(robot.dof(), number);
+        let automatic = automatic(robot, constants, &state)?.map(|counts| counts.map(Some));
+        Ok(Self::at(robot, constants, &state, automatic)?)
     }
 
+    /// The rows of [`Self::new`] without derivatives by dual and hyper-dual numbers, whose operations grow
+    /// with n^2 times those of F: counting them for a humanoid takes minutes.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
     #[inline]
-    fn at(robot: &Robot, constants: Constants, state: &State) -> Result<Self, DerivativeError<EvalError>> {
+    pub fn by_hand(robot: &Robot, constants: Constants) -> Result<Self, EvalError> {
+        let state = State::new(robot.dof(), |i| (1.0 + i as f64).sqrt());
+        Self::at(robot, constants, &state, [[None; 2]; 2])
+    }
+
+    /// With F_x and y'F_xx by dual, then by hyper-dual numbers.
+    #[inline]
+    fn at(
+        robot: &Robot,
+        constants: Constants,
+        state: &State,
+        [dual, hyperdual]: [[Option<Operations>; 2]; 2],
+    ) -> Result<Self, EvalError> {
         let tree = Tree::from(robot);
-        let tensors = by_dual_pass(&tree, Christoffel, constants, state)?;
-        let [mass_matrix, f, f_x, dual_pass] = by_dual_pass(&tree, Contracted, constants, state)?;
-        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?;
-        let [dual, hyperdual] = automatic(robot, constants, state)?;
+        let tensors = by_dual_pass(&tree, Christoffel, constants, state)?.map(Some);
+        let by_hand = by_dual_pass(&tree, Contracted, constants, state)?.map(Some);
+        let [mass_matrix, f, f_x, dual_pass] = by_hand;
+        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?.map(Some);
         let by_route = [
             tensors,
             [mass_matrix, f, f_x, y_f_xx],
@@ -139,17 +158,18 @@ impl OperationTable {
         })
     }
 
-    /// Every quantity by every method, then [`MORE`](Self::MORE).
+    /// Every quantity by every method, then [`MORE`](Self::MORE), as far as it was counted.
     pub fn rows(&self) -> impl Iterator<Item = OperationRow> {
         let every = Self::QUANTITIES.into_iter().zip(self.counts).flat_map(|(quantity, counts)| {
-            let row = move |(route, operations)| OperationRow { quantity, route, operations };
-            Self::ROUTES.into_iter().zip(counts).map(row)
+            Self::ROUTES.into_iter().zip(counts).map(move |(route, counts)| ((quantity, route), counts))
         });
         let more = Self::MORE.into_iter().zip(self.more);
-        every.chain(more.map(|((quantity, route), operations)| OperationRow { quantity, route, operations }))
+        every.chain(more).filter_map(|((quantity, route), operations)| {
+            operations.map(|operations| OperationRow { quantity, route, operations })
+        })
     }
 
-    /// One quantity by one method, `None` if there is no such name.
+    /// One quantity by one method, `None` if there is no such name or if it was not counted.
     pub fn get(&self, quantity: &str, route: &str) -> Option<Operations> {
         self.rows().find(|row| row.quantity == quantity && row.route == route).map(|row| row.operations)
     }

@@ -3,7 +3,7 @@
 
 use super::elimination::Patterns;
 use crate::kernels::{Factor, KernelTwo};
-use crate::matrix::{Base, Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
+use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
 use crate::scalar::Scalar;
 
 /// The products of [`Blocked::apply`].
@@ -52,6 +52,8 @@ pub(super) struct Blocked<S: Scalar> {
     r: Panel<S>,
     /// C^, then G of the result.
     c: Panel<S>,
+    /// `U D^-1 T^`.
+    mixed: Panel<S>,
     /// H and `H' U'` of the result. Each matrix has its own buffer: what no tile sets stays zero.
     back: Panel<S>,
     last: Panel<S>,
@@ -60,7 +62,7 @@ pub(super) struct Blocked<S: Scalar> {
 impl<S: Scalar> Blocked<S> {
     pub fn new(factor: &Factor<S>) -> Self {
         let Patterns { u, u_across, pair, y } = Patterns::new(factor);
-        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
+        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new::<S>(a, b, part, Terms::All);
         let (whole, lower) = (Part::Whole, Part::Lower);
         let half = pair.lower();
         let h = half.times(&u);
@@ -91,6 +93,7 @@ impl<S: Scalar> Blocked<S> {
             h: square(),
             r: square(),
             c: square(),
+            mixed: square(),
             back: square(),
             last: square(),
         }
@@ -98,7 +101,7 @@ impl<S: Scalar> Blocked<S> {
 
     /// Fills both triangles of the 2n x 2n matrix.
     pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>, result: &mut Matrix<S>) {
-        let Self { products, t, b, u, g, h, r, c, back, last } = self;
+        let Self { products, t, b, u, g, h, r, c, mixed, back, last } = self;
         let (upper, n) = (factor.upper(), z.rows());
         u.take_transpose::<0>(upper);
         t.read::<0>(along.l_vq());
@@ -114,19 +117,19 @@ impl<S: Scalar> Blocked<S> {
         t.subtract_tiles(&products.inner, Left::Rows(c), z);
         g.read::<0>(along.l_qq());
         g.subtract_tiles(&products.square, Left::Columns(b), z);
-        let qq = Place::symmetric((0, 0));
-        result.place_tiles(qq, &products.outer, (Left::Columns(z), t), Base::Less(g));
+        g.subtract_tiles(&products.outer, Left::Columns(z), t);
+        result.place_tiles(Place::symmetric((0, 0), true), &products.outer, g);
 
         factor.divide_by_pivots(t);
-        let pq = Place { at: (n, 0), across: (0, n), minus: [true; 2] };
-        result.place_tiles(pq, &products.mixed, (Left::Columns(upper), t), Base::Zero);
+        mixed.set_tiles(&products.mixed, Left::Columns(upper), t);
+        result.place_tiles(Place { at: (n, 0), across: (0, n), minus: [true; 2] }, &products.mixed, mixed);
 
         factor.divide_by_pivots_twice(c);
         c.keep_half();
         back.set_tiles(&products.back, Left::Columns(c), upper);
         last.set_tiles(&products.last, Left::Columns(back), upper);
-        let pp = Place { minus: [true; 2], ..Place::symmetric((n, n)) };
-        result.place_tiles(pp, &products.last, (Left::Columns(upper), back), Base::Plus(last));
+        last.add_tiles(&products.last, Left::Columns(upper), back);
+        result.place_tiles(Place::symmetric((n, n), true), &products.last, last);
     }
 }
 

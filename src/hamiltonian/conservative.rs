@@ -3,7 +3,7 @@
 use super::elimination::Elimination;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Base, Left, Matrix, Panel, Part, Place, dot, sized};
+use crate::matrix::{Left, Matrix, Panel, Part, Place, dot, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -140,14 +140,14 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     #[inline(never)]
     pub fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
         let Some(tiles) = self.tiles.take() else { return };
-        let Self { kernel, factor, p, y, z, .. } = self;
+        let Self { kernel, factor, p, w, y, z, .. } = self;
         let n = z.rows();
         factor.place_inverse(f_x, (0, n));
-        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
-        f_x.place_tiles(velocity, &tiles.lower, (Left::Columns(factor.upper()), z), Base::Zero);
+        w.set_tiles(&tiles.lower, Left::Columns(factor.upper()), z);
+        f_x.place_tiles(Place { at: (0, 0), across: (n, n), minus: [true, false] }, &tiles.lower, w);
         p.read::<0>(kernel.l_qq());
-        let force = Place::symmetric((n, 0));
-        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), Base::Minus(p));
+        p.subtract_tiles(&tiles.square, Left::Columns(y), z);
+        f_x.place_tiles(Place::symmetric((n, 0), false), &tiles.square, p);
         self.tiles = Some(tiles);
     }
 

@@ -1,7 +1,7 @@
 //! Where the entries of the matrices of F_x and y'F_xx are, and the products that give F_x.
 
 use crate::kernels::Factor;
-use crate::matrix::{Panel, Part, Pattern, Terms, Tiles};
+use crate::matrix::{Part, Pattern, Terms, Tiles};
 use crate::scalar::Scalar;
 
 /// Products with the triangular matrix `U = L^-1` that give the conservative part of F_x.
@@ -39,7 +39,7 @@ impl Patterns {
 impl Elimination {
     pub fn new<S: Scalar>(factor: &Factor<S>) -> Self {
         let Patterns { u, u_across, pair, y } = Patterns::new(factor);
-        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new(Panel::<S>::LANES, a, b, part, Terms::All);
+        let tiles = |a: &Pattern, b: &Pattern, part| Tiles::new::<S>(a, b, part, Terms::All);
         Self {
             upper: tiles(&u_across, &pair, Part::Whole),
             square: tiles(&y.transposed(), &y, Part::Lower),

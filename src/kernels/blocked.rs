@@ -2,7 +2,7 @@
 
 use super::Factor;
 use super::factor_tiles::FactorTiles;
-use crate::matrix::{Base, Left, Matrix, Panel, Place};
+use crate::matrix::{Left, Matrix, Panel, Place};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ impl<S: Scalar> Factor<S> {
 
     /// Number of blocks of rows.
     fn blocks(&self) -> usize {
-        self.work.width::<0>()
+        self.work.columns().div_ceil(Panel::<S>::LANES)
     }
 
     /// `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, block by block from the last.
@@ -127,8 +127,8 @@ impl<S: Scalar> Factor<S> {
         at: (usize, usize),
     ) {
         self.scale(tiles);
-        let factors = (Left::Columns(&self.upper), &self.scaled);
-        to.place_tiles(Place::symmetric(at), &tiles.inverse, factors, Base::Zero);
+        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
+        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, &self.product);
     }
 
     /// `D^-1 U'`.

@@ -24,7 +24,8 @@ pub struct Factor<S: Scalar> {
     /// `D^-1 U'` likewise.
     pub(super) scaled: Panel<S>,
     tiles: Option<Box<FactorTiles>>,
-    product: Panel<S>,
+    /// `M^-1`.
+    pub(super) product: Panel<S>,
 }
 
 impl<S: Scalar> Factor<S> {
@@ -247,6 +248,11 @@ impl<S: Scalar> Factor<S> {
     /// U', after the inverse, if it is computed block by block.
     pub(crate) fn upper(&self) -> &Panel<S> {
         &self.upper
+    }
+
+    /// `D^-1 U'`, after [`place_inverse`](Self::place_inverse).
+    pub(crate) fn scaled_upper(&self) -> &Panel<S> {
+        &self.scaled
     }
 
     /// `Y <- D^-1 Y D^-1` for an n x n matrix.

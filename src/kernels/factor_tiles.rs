@@ -54,9 +54,9 @@ impl FactorTiles {
             (l.pattern(), l.pattern().with_diagonal(), l.inverse_pattern().transposed());
         let across = below.transposed();
         Self {
-            eliminate: Tiles::new(lanes, &across, &lower, Part::Lower, Terms::OtherBlocks),
-            invert: Tiles::new(lanes, &across, &upper, Part::Whole, Terms::OtherBlocks),
-            inverse: Tiles::new(lanes, &upper.transposed(), &upper, Part::Lower, Terms::All),
+            eliminate: Tiles::new::<S>(&across, &lower, Part::Lower, Terms::OtherBlocks),
+            invert: Tiles::new::<S>(&across, &upper, Part::Whole, Terms::OtherBlocks),
+            inverse: Tiles::new::<S>(&upper.transposed(), &upper, Part::Lower, Terms::All),
             lower: Packs::new(lanes, &lower),
             upper: Packs::new(lanes, &upper),
         }

@@ -172,6 +172,7 @@ impl<S: Scalar> KernelOne<S> {
 }
 
 /// See [`KernelOne::size_of_entry`]: for the entry `M_kk` of joint k of all joints, at their positions.
+#[inline]
 pub(crate) fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
     if tree.joints()[k].kind == JointKind::Prismatic {
         return entry;

@@ -1,9 +1,8 @@
 //! The adjoint product y'f_x of the Lagrangian state equation, without f_x.
 
 use super::Lagrangian;
-use super::forward::write_packs;
 use crate::error::{EvalError, LengthError};
-use crate::matrix::add_scaled;
+use crate::matrix::{add_scaled, write_packs};
 use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Lagrangian<S> {
@@ -38,7 +37,7 @@ impl<S: Scalar> Lagrangian<S> {
         LengthError::check("f", 2 * self.dof(), f.len())?;
         LengthError::check("y_a_x", 2 * self.dof(), y_a_x.len())?;
         self.accelerate_factored(q, v, u);
-        self.differentiate_torque(q, v)?;
+        self.differentiate_torque_after_bias(q, v)?;
         f.copy_from_slice(&self.rate);
         let (in_q, in_v) = y_a_x.split_at_mut(v.len());
         for ((torque, sums), product) in self.torque.iter().zip(&mut self.solved).zip([in_q, in_v]) {

@@ -3,8 +3,8 @@
 use super::Lagrangian;
 use super::choice::current_mass_matrix;
 use crate::error::EvalError;
-use crate::matrix::{Block, Left, Matrix, Panel, Part, sized};
-use crate::scalar::{Pack, Scalar};
+use crate::matrix::{Block, Left, Matrix, Panel, Part, sized, write_packs};
+use crate::scalar::Scalar;
 
 /// Forward dynamics and its Jacobian in z = (q, v, u); borrowed from the workspace.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +75,7 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
-        self.differentiate_torque(q, v)?;
+        self.differentiate_torque_after_bias(q, v)?;
         self.solve_jacobian();
         Ok(self.forward_jacobian())
     }
@@ -127,19 +127,18 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Fills `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]` from the panels of tau_q and tau_v; M is factored.
     ///
-    /// One product with M^-1 where packs of its rows fit into registers; else the factors, which branches
-    /// leave sparse.
+    /// Products with M^-1 where packs of its rows fit into registers, with the factors otherwise.
     #[inline(never)]
     pub(super) fn solve_jacobian(&mut self) {
-        let n = self.tree.dof();
-        let (factor, in_blocks) = (&mut self.factor, Panel::<S>::in_blocks(n));
-        if in_blocks {
-            factor.place_inverse(&mut self.a_z, (0, 2 * n));
-        } else {
-            sized!(S, n, factor.form_inverse(&mut self.inverse));
+        let (n, factor) = (self.tree.dof(), &mut self.factor);
+        if !Panel::<S>::ONE_LANE
+            && let Some(blocked) = &mut self.blocked
+        {
+            return blocked.solve(factor, &self.torque, &mut self.a_z);
         }
+        sized!(S, n, factor.form_inverse(&mut self.inverse));
         for (solved, torque) in self.solved.iter_mut().zip(&self.torque) {
-            if Panel::<S>::ONE_LANE || in_blocks {
+            if Panel::<S>::ONE_LANE {
                 solved.copy_from::<0, 0>(torque);
                 self.factor.solve_panel(solved);
             } else {
@@ -152,16 +151,7 @@ impl<S: Scalar> Lagrangian<S> {
             let [by_q, by_v] = &self.solved;
             write_packs(by_q.row(i), in_q, |pack| -pack);
             write_packs(by_v.row(i), in_v, |pack| -pack);
-            if !in_blocks {
-                write_packs(self.inverse.row(i), in_u, |pack| pack);
-            }
+            write_packs(self.inverse.row(i), in_u, |pack| pack);
         }
     }
-}
-
-/// A function of the packs, as many lanes as there are numbers.
-#[inline(always)]
-pub(super) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
-    let chunks = to.chunks_mut(<S::Pack as Pack<S>>::LANES);
-    chunks.zip(from).for_each(|(to, &pack)| function(pack).write(to));
 }

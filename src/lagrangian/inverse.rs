@@ -80,9 +80,11 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Takes tau_q and tau_v from the panels.
     pub(super) fn unpack_torque(&mut self) {
-        let [in_q, in_v] = &self.torque;
-        in_q.write(&mut self.tau_q);
-        in_v.write(&mut self.tau_v);
+        let both = self.torque.iter().zip([&mut self.tau_q, &mut self.tau_v]);
+        match &self.world {
+            Some(world) if self.routes.derivatives => both.for_each(|(from, to)| world.write_pairs(from, to)),
+            _ => both.for_each(|(from, to)| from.write(to)),
+        }
     }
 
     /// Fills tau_q and tau_v from the kernels.

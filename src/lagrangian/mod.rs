@@ -16,6 +16,7 @@
 //! differentiation.
 
 mod adjoint;
+mod blocked;
 mod choice;
 mod coriolis;
 mod dynamics;
@@ -39,6 +40,7 @@ use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
+use blocked::Blocked;
 use choice::Routes;
 use newton_euler::NewtonEuler;
 
@@ -86,9 +88,11 @@ pub struct Lagrangian<S: Scalar> {
     /// `(v, a)`, 2n.
     rate: Vec<S>,
     inverse: Panel<S>,
-    /// tau_q and tau_v as panels, and the same times M^-1.
+    /// tau_q and tau_v as panels, and the same times M^-1 (where a_z is computed block by block, one row).
     torque: [Panel<S>; 2],
     solved: [Panel<S>; 2],
+    /// How a_z is computed block by block, where it is.
+    blocked: Option<Box<Blocked<S>>>,
     /// `[a_q, a_v, a_u]`, n x 3n.
     a_z: Matrix<S>,
     /// `[0 1 ; a_q a_v]`, 2n x 2n.
@@ -111,7 +115,11 @@ impl<S: Scalar> Lagrangian<S> {
         let n = tree.dof();
         let routes = Routes::of::<S>(&tree);
         let square = Matrix::zeros(n, n);
-        let torque = [Panel::zeros(n, n), Panel::zeros(n, n)];
+        let panels = |rows: usize| [Panel::zeros(rows, n), Panel::zeros(rows, n)];
+        // Block by block, a_z needs neither M^-1 nor more than a row of products.
+        let in_blocks = Panel::<S>::in_blocks(n);
+        let (inverse, solved) = if in_blocks { (0, 1) } else { (n, n) };
+        let factor = Factor::new(&tree);
         let mut f_x = Matrix::zeros(2 * n, 2 * n);
         (0..n).for_each(|i| f_x[(i, n + i)] = S::one());
         Self {
@@ -120,7 +128,6 @@ impl<S: Scalar> Lagrangian<S> {
             routes,
             world: routes.world().then(|| WorldKernel::new(&tree)),
             bodies: routes.bodies.then(|| ArticulatedBodies::new(&tree)),
-            factor: Factor::new(&tree),
             newton_euler: NewtonEuler::new(&tree),
             zero: vec![S::zero(); n],
             tau: vec![S::zero(); n],
@@ -128,9 +135,11 @@ impl<S: Scalar> Lagrangian<S> {
             tau_v: square.clone(),
             coriolis: square,
             rate: vec![S::zero(); 2 * n],
-            inverse: Panel::zeros(n, n),
-            solved: torque.clone(),
-            torque,
+            inverse: Panel::zeros(inverse, inverse),
+            solved: panels(solved),
+            torque: panels(n),
+            blocked: in_blocks.then(|| Box::new(Blocked::new(&factor))),
+            factor,
             a_z: Matrix::zeros(n, 3 * n),
             f_x,
             f_u: Matrix::zeros(2 * n, n),

@@ -72,12 +72,27 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Fills the panels of tau_q and tau_v at (q, v) and the acceleration computed last, where
     /// [`place`](Self::place) was called at the same q.
-    #[inline(never)]
     pub(super) fn differentiate_torque(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        if let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) {
+            world.set_motion(&self.tree, v, Some(&self.rate[self.tree.dof()..]));
+        }
+        self.differentiate_torque_at_motion(q, v)
+    }
+
+    /// The same where [`set_bias`](Self::set_bias) was called last, at the same (q, v).
+    pub(super) fn differentiate_torque_after_bias(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        if let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) {
+            world.set_acceleration(&self.tree, v, &self.rate[self.tree.dof()..]);
+        }
+        self.differentiate_torque_at_motion(q, v)
+    }
+
+    /// The same where the motion of the links is known, if they move in the axes of the world.
+    #[inline(never)]
+    fn differentiate_torque_at_motion(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             return self.differentiate_torque_by_kernels(q, v);
         };
-        world.set_motion(&self.tree, v, Some(&self.rate[self.tree.dof()..]));
         world.torque_derivatives(&mut self.torque);
         let [in_q, in_v] = &mut self.torque;
         for &i in self.tree.with_friction() {

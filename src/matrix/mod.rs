@@ -5,14 +5,15 @@ mod pattern;
 mod place;
 mod product;
 mod rows;
+mod tile;
 mod tiles;
 mod transpose;
 
 pub(crate) use panel::{Panel, sized};
 pub(crate) use pattern::Pattern;
-pub(crate) use place::{Base, Place};
+pub(crate) use place::Place;
 pub(crate) use product::{Left, Part};
-pub(crate) use rows::{add_rows, sum_rows};
+pub(crate) use rows::{add_rows, sum_rows, write_packs};
 pub use rows::{add_scaled, dot};
 pub(crate) use tiles::{Terms, Tiles};
 

@@ -3,8 +3,8 @@
 use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
-/// A dense matrix whose rows are padded to a whole number of packs, and whose number of rows is padded to a
-/// multiple of the lanes: the operand of matrix products.
+/// A dense matrix whose rows are padded to a whole number of packs (of registers, if it is computed block by
+/// block), and whose number of rows is padded in the same way: the operand of matrix products.
 ///
 /// The padding is never read as a result.
 #[derive(Clone, Debug)]
@@ -57,8 +57,10 @@ impl<S: Scalar> Panel<S> {
 
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        let width = columns.div_ceil(Self::LANES);
-        let padded = rows.next_multiple_of(Self::LANES);
+        // Tiles take whole registers.
+        let packs = if Self::in_blocks(columns) { <S::Pack as Pack<S>>::WIDTH } else { 1 };
+        let width = columns.div_ceil(Self::LANES).next_multiple_of(packs);
+        let padded = rows.next_multiple_of(Self::LANES * packs);
         Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
     }
 

@@ -1,7 +1,6 @@
-//! Products whose tiles go to their places in a larger matrix, together with their transposes.
+//! Products in panels go to their places in a larger matrix, together with their transposes.
 
-use super::tiles::{Corner, Sums, Tiles, sums};
-use super::{Left, Matrix, Panel};
+use super::{Matrix, Panel, Tiles};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 
 /// Where an n x n product goes in a matrix.
@@ -17,112 +16,72 @@ pub(crate) struct Place {
 
 impl Place {
     /// Both triangles of a symmetric matrix, of which the tiles cover the lower one.
-    pub fn symmetric(at: (usize, usize)) -> Self {
-        Self { at, across: at, minus: [false; 2] }
+    pub fn symmetric(at: (usize, usize), minus: bool) -> Self {
+        Self { at, across: at, minus: [minus; 2] }
     }
-}
-
-/// A matrix to which a product is added.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Base<'a, S: Scalar> {
-    Zero,
-    /// `C - A B`.
-    Minus(&'a Panel<S>),
-    /// `A B - C`.
-    Less(&'a Panel<S>),
-    /// `A B + C`.
-    Plus(&'a Panel<S>),
 }
 
 impl<S: Scalar> Matrix<S> {
-    /// Writes a product of n x n matrices, or its sum with or difference from a matrix, to its place. Entries
-    /// outside of the tiles are not touched.
+    /// Writes an n x n panel that holds the product of these tiles to its place. Entries outside of the tiles
+    /// are not touched.
     #[inline(never)]
-    pub(crate) fn place_tiles(
-        &mut self,
-        place: Place,
-        tiles: &Tiles,
-        (a, b): (Left<'_, S>, &Panel<S>),
-        base: Base<'_, S>,
-    ) {
-        match a {
-            Left::Rows(a) => self.place_all::<false>(place, tiles, (a, b), base),
-            Left::Columns(a) => self.place_all::<true>(place, tiles, (a, b), base),
+    pub(crate) fn place_tiles(&mut self, place: Place, tiles: &Tiles, product: &Panel<S>) {
+        match place.minus {
+            [false, false] => self.place_all::<false, false>(place, tiles, product),
+            [true, false] => self.place_all::<true, false>(place, tiles, product),
+            [false, true] => self.place_all::<false, true>(place, tiles, product),
+            [true, true] => self.place_all::<true, true>(place, tiles, product),
         }
     }
 
-    fn place_all<const ACROSS: bool>(
+    fn place_all<const MINUS: bool, const ACROSS_MINUS: bool>(
         &mut self,
         place: Place,
         tiles: &Tiles,
-        (a, b): (&Panel<S>, &Panel<S>),
-        base: Base<'_, S>,
+        product: &Panel<S>,
     ) {
-        let n = b.rows();
-        for (corner, packs, terms) in tiles.all() {
-            let mut tile = sums::<S, ACROSS>(a, b, corner, packs, terms);
-            add_base(base, corner, packs, &mut tile);
-            self.place_tile(n, place, corner, packs, &mut tile);
-        }
-    }
-
-    #[inline(always)]
-    fn place_tile(
-        &mut self,
-        n: usize,
-        place: Place,
-        (block, left): Corner,
-        packs: usize,
-        tile: &mut Sums<S::Pack>,
-    ) {
-        let lanes = Panel::<S>::LANES;
-        let top = block * lanes;
-        for c in 0..packs {
-            let pack = left + c;
-            let mut columns = [S::Pack::zero(); MOST_LANES];
-            columns.iter_mut().zip(tile.iter()).for_each(|(column, row)| *column = row[c]);
-            S::Pack::transpose(&mut columns[..lanes]);
-            if place.at == place.across && pack == block {
-                // The lower triangle decides.
-                for (r, row) in tile.iter_mut().enumerate().take(lanes) {
-                    for above in r + 1..lanes {
-                        row[c] = row[c].with_lane(above, columns[r].lane(above));
+        let (lanes, n) = (Panel::<S>::LANES, product.rows());
+        let symmetric = place.at == place.across;
+        for (block, packs) in tiles.packs::<S>() {
+            let (top, rows) = (block * lanes, lanes.min(n - block * lanes));
+            for pack in packs.start..packs.end.min(if symmetric { block + 1 } else { usize::MAX }) {
+                let (left, columns) = (pack * lanes, lanes.min(n - pack * lanes));
+                let mut tile = product.block::<0>(block, pack);
+                let mut across = tile;
+                S::Pack::transpose(&mut across[..lanes]);
+                if symmetric && pack == block {
+                    // The lower triangle decides.
+                    for r in 0..lanes {
+                        tile[r] = tile[r].before(r + 1, across[r]);
                     }
+                } else {
+                    let at = (place.across.0 + left, place.across.1 + top);
+                    self.write_packs::<ACROSS_MINUS>(at, (columns, rows), across);
                 }
-                continue;
-            }
-            let first = pack * lanes;
-            for (r, &column) in columns.iter().enumerate().take(lanes.min(n - first)) {
-                let row = &mut self.row_mut(place.across.0 + first + r)[place.across.1..][..n];
-                let end = (top + lanes).min(n);
-                if place.minus[1] { -column } else { column }.write(&mut row[top..end]);
-            }
-        }
-        for (r, tile) in tile.iter().enumerate().take(lanes.min(n - top)) {
-            let row = &mut self.row_mut(place.at.0 + top + r)[place.at.1..][..n];
-            let end = ((left + packs) * lanes).min(n);
-            for (to, &tile) in row[left * lanes..end].chunks_mut(lanes).zip(tile) {
-                if place.minus[0] { -tile } else { tile }.write(to);
+                self.write_packs::<MINUS>((place.at.0 + top, place.at.1 + left), (rows, columns), tile);
             }
         }
     }
-}
 
-/// The product and the matrix that it is added to.
-#[inline(always)]
-fn add_base<S: Scalar>(base: Base<'_, S>, (block, left): Corner, packs: usize, tile: &mut Sums<S::Pack>) {
-    let lanes = Panel::<S>::LANES;
-    let mut join = |base: &Panel<S>, join: fn(S::Pack, S::Pack) -> S::Pack| {
-        for (r, tile) in tile.iter_mut().enumerate().take(lanes) {
-            for (tile, &base) in tile.iter_mut().zip(&base.row(block * lanes + r)[left..][..packs]) {
-                *tile = join(*tile, base);
+    /// Writes a square block of packs from this row and column on, and of that so many rows and columns.
+    #[inline(always)]
+    fn write_packs<const MINUS: bool>(
+        &mut self,
+        (top, left): (usize, usize),
+        (rows, columns): (usize, usize),
+        packs: [S::Pack; MOST_LANES],
+    ) {
+        let (lanes, stride) = (Panel::<S>::LANES, self.columns);
+        let packs = if MINUS { packs.map(|pack| -pack) } else { packs };
+        let to = &mut self.data[top * stride + left..];
+        if rows == lanes && columns == lanes {
+            for (r, pack) in packs.iter().enumerate().take(lanes) {
+                pack.write(&mut to[r * stride..][..lanes]);
+            }
+        } else {
+            for (r, pack) in packs.iter().enumerate().take(rows) {
+                pack.write(&mut to[r * stride..][..columns]);
             }
         }
-    };
-    match base {
-        Base::Zero => {}
-        Base::Minus(base) => join(base, |tile, base| base - tile),
-        Base::Less(base) => join(base, |tile, base| tile - base),
-        Base::Plus(base) => join(base, |tile, base| tile + base),
     }
 }

@@ -1,6 +1,7 @@
-//! Sums of rows, the building block of matrix products.
+//! Sums of rows, the building block of matrix products; rows of packs as numbers.
 
-use crate::scalar::Scalar;
+use super::Panel;
+use crate::scalar::{Pack, Scalar};
 
 /// `sum_k a_k b_k`, truncated to the shorter slice.
 #[inline]
@@ -91,6 +92,18 @@ fn add_block<const B: usize, S: Scalar>(
         }
     }
     *target = sum;
+}
+
+/// A function of the packs, as many lanes as there are numbers.
+#[inline(always)]
+pub(crate) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: impl Fn(S::Pack) -> S::Pack) {
+    // Whole packs apart: each is one store.
+    let (whole, rest) = to.split_at_mut(to.len() - to.len() % Panel::<S>::LANES);
+    let packs = whole.len() / Panel::<S>::LANES;
+    whole.chunks_exact_mut(Panel::<S>::LANES).zip(from).for_each(|(to, &pack)| function(pack).write(to));
+    if !rest.is_empty() {
+        function(from[packs]).write(rest);
+    }
 }
 
 #[cfg(test)]

@@ -105,14 +105,7 @@ impl<S: Scalar> WorldKernel<S> {
             clear_beyond::<S>(row, place.end);
         }
         places.mirror(entries, None);
-        if !places.are_in_order() {
-            places.reorder(entries, |i, j, entry| self.mass_matrix[(i, j)] = entry);
-            return;
-        }
-        for k in 0..places.len() {
-            let row = self.mass_matrix.row_mut(k).chunks_mut(Self::LANES);
-            row.zip(entries.row(k)).for_each(|(to, pack)| pack.write(to));
-        }
+        places.write(entries, &mut self.mass_matrix);
     }
 }
 

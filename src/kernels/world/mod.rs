@@ -58,7 +58,7 @@ impl<S: Scalar> WorldKernel<S> {
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
-        let places = Places::new(tree);
+        let places = Places::new(tree, Self::LANES);
         let chunks = places.chunks(Self::LANES);
         let links = chunks.map(|some| {
             let joints: Vec<_> = some.iter().map(|place| &tree.joints()[place.joint]).collect();

@@ -1,7 +1,7 @@
 //! Velocities, accelerations and forces in the axes of the world: inverse dynamics.
 
 use super::WorldKernel;
-use super::group::{add_force, along_axis, force_lane, set_motion};
+use super::group::{Group, add_force, along_axis, force_lane, motion_lane, set_motion};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Motion, Vec3};
@@ -49,17 +49,37 @@ impl<S: Scalar> WorldKernel<S> {
             set_motion(&mut group.psi, lane, psi);
         }
         for group in &mut self.groups {
-            let (velocity, momentum) = (group.velocity, group.body.apply(group.velocity));
-            let turning = velocity.angular;
-            let Force { moment, force } = group.body.apply(group.acceleration);
-            group.momentum = momentum;
-            group.force = Force {
-                moment: moment
-                    .plus_product(turning, momentum.moment)
-                    .plus_product(velocity.linear, momentum.force),
-                force: force.plus_product(turning, momentum.force),
-            };
+            group.momentum = group.body.apply(group.velocity);
+            group.set_force();
         }
+    }
+
+    /// Sets other accelerations than those of [`set_motion`](Self::set_motion), called at the same position
+    /// and velocity.
+    #[inline(never)]
+    pub fn set_acceleration(&mut self, tree: &Tree, v: &[S], a: &[S]) {
+        for (k, place) in self.places.iter().enumerate() {
+            let joint = &self.joints[k];
+            let (z, rate) = (joint.axes[2], v[place.joint]);
+            let psi: Motion<S> = motion_lane(&self.groups[k / Self::LANES].psi, k % Self::LANES);
+            let mut acceleration = match place.parent {
+                Some(parent) => moved(self.joints[parent].acceleration, joint.arm),
+                None => Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) },
+            };
+            acceleration.linear = acceleration.linear.plus_scaled(psi.linear, rate);
+            match place.kind {
+                JointKind::Revolute => {
+                    acceleration.angular =
+                        acceleration.angular.plus_scaled(psi.angular, rate).plus_scaled(z, a[place.joint]);
+                }
+                JointKind::Prismatic => {
+                    acceleration.linear = acceleration.linear.plus_scaled(z, a[place.joint]);
+                }
+            }
+            self.joints[k].acceleration = acceleration;
+            set_motion(&mut self.groups[k / Self::LANES].acceleration, k % Self::LANES, acceleration);
+        }
+        self.groups.iter_mut().for_each(Group::set_force);
     }
 
     /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last; the forces
@@ -75,6 +95,21 @@ impl<S: Scalar> WorldKernel<S> {
                 add_force(to, parent % Self::LANES, inward(force, self.joints[k].arm));
             }
         }
+    }
+}
+
+impl<P: Scalar> Group<P> {
+    /// The force on each link, `I a + v x* I v`.
+    #[inline(always)]
+    fn set_force(&mut self) {
+        let (velocity, momentum) = (self.velocity, self.momentum);
+        let Force { moment, force } = self.body.apply(self.acceleration);
+        self.force = Force {
+            moment: moment
+                .plus_product(velocity.angular, momentum.moment)
+                .plus_product(velocity.linear, momentum.force),
+            force: force.plus_product(velocity.angular, momentum.force),
+        };
     }
 }
 

@@ -1,8 +1,9 @@
 //! The order of the joints: a subtree is a range of places, and so is a row of a matrix.
 
-use crate::matrix::Panel;
+use crate::matrix::{Matrix, Panel, write_packs};
 use crate::robot::{JointKind, Tree};
-use crate::scalar::{MOST_LANES, Pack, Scalar};
+use crate::scalar::{Pack, Scalar};
+use std::ops::Range;
 
 /// Where a joint stands in the order.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +24,8 @@ pub(super) struct Places {
     places: Vec<Place>,
     /// Whether this is the order of the joints.
     in_order: bool,
+    /// Blocks of rows with packs that hold entries of joints on one branch.
+    spans: Vec<(usize, Range<usize>)>,
 }
 
 impl std::ops::Deref for Places {
@@ -33,8 +36,30 @@ impl std::ops::Deref for Places {
     }
 }
 
+/// Blocks of rows with packs, each as long as possible, that hold entries of joints on one branch.
+fn spans(places: &[Place], lanes: usize) -> Vec<(usize, Range<usize>)> {
+    let blocks = places.len().div_ceil(lanes);
+    let mut held = vec![vec![false; blocks]; blocks];
+    for (k, place) in places.iter().enumerate() {
+        for l in k..place.end {
+            (held[k / lanes][l / lanes], held[l / lanes][k / lanes]) = (true, true);
+        }
+    }
+    let mut spans: Vec<(usize, Range<usize>)> = Vec::new();
+    for (block, held) in held.iter().enumerate() {
+        for pack in (0..blocks).filter(|&pack| held[pack]) {
+            match spans.last_mut() {
+                Some((last, packs)) if *last == block && packs.end == pack => packs.end += 1,
+                _ => spans.push((block, pack..pack + 1)),
+            }
+        }
+    }
+    spans
+}
+
 impl Places {
-    pub fn new(tree: &Tree) -> Self {
+    /// For packs of so many lanes.
+    pub fn new(tree: &Tree, lanes: usize) -> Self {
         let n = tree.dof();
         let mut place_of = vec![0; n];
         let mut places: Vec<Place> = Vec::with_capacity(n);
@@ -47,7 +72,8 @@ impl Places {
             places.push(Place { joint: i, parent, end: k + tree.subtree(i).len(), kind: joint.kind, turns });
         }
         let in_order = places.iter().enumerate().all(|(k, place)| place.joint == k);
-        Self { places, in_order }
+        let spans = spans(&places, lanes);
+        Self { places, in_order, spans }
     }
 
     /// Whether this is the order of the joints.
@@ -60,30 +86,51 @@ impl Places {
     /// of the lower matrix or, if it is symmetric, of the same.
     #[inline(always)]
     pub fn mirror<S: Scalar>(&self, entries: &mut Panel<S>, lower: Option<&Panel<S>>) {
-        let (lanes, width) = (Panel::<S>::LANES, entries.width::<0>());
-        for (top, some) in self.chunks(lanes).enumerate() {
-            let end = some.iter().fold(0, |end, place| end.max(place.end)).div_ceil(lanes);
-            for side in top..end {
-                let mut block = [S::Pack::zero(); MOST_LANES];
-                let rows = lower.unwrap_or(entries).packs();
+        let lanes = Panel::<S>::LANES;
+        for (top, side) in self.blocks(lanes) {
+            let mut block = lower.unwrap_or(entries).block::<0>(top, side);
+            S::Pack::transpose(&mut block[..lanes]);
+            if side == top {
+                let above = entries.block::<0>(top, top);
                 for (r, pack) in block.iter_mut().enumerate().take(lanes) {
-                    *pack = rows[(top * lanes + r) * width + side];
+                    *pack = pack.before(r, above[r]);
                 }
-                S::Pack::transpose(&mut block[..lanes]);
-                let rows = entries.packs_mut();
-                for (r, pack) in block.iter().enumerate().take(lanes) {
-                    let to = &mut rows[(side * lanes + r) * width + top];
-                    *to = if side > top { *pack } else { pack.before(r, *to) };
-                }
+            }
+            entries.set_block::<0>(side, top, &block);
+        }
+    }
+
+    /// Blocks (a, b), a <= b, of rows and packs that hold entries of joints on one branch.
+    #[inline(always)]
+    fn blocks(&self, lanes: usize) -> impl Iterator<Item = (usize, usize)> {
+        self.chunks(lanes).enumerate().flat_map(move |(top, some)| {
+            let end = some.iter().fold(0, |end, place| end.max(place.end)).div_ceil(lanes);
+            (top..end).map(move |side| (top, side))
+        })
+    }
+
+    /// Sets the entries of joints on one branch in a matrix by joints from one by places, n x n; others are
+    /// left as they are.
+    #[inline(never)]
+    pub fn write<S: Scalar>(&self, from: &Panel<S>, to: &mut Matrix<S>) {
+        if !self.in_order {
+            return self.reorder(from, |i, j, entry| to[(i, j)] = entry);
+        }
+        let (lanes, n) = (Panel::<S>::LANES, self.len());
+        for (block, packs) in &self.spans {
+            let columns = packs.start * lanes..(packs.end * lanes).min(n);
+            for i in block * lanes..((block + 1) * lanes).min(n) {
+                write_packs(&from.row(i)[packs.clone()], &mut to.row_mut(i)[columns.clone()], |pack| pack);
             }
         }
     }
 
-    /// Sets entry (i, j) of the joints from a square matrix by places.
+    /// Sets entry (i, j) of the joints from a square matrix by places, for joints on one branch.
     pub fn reorder<S: Scalar>(&self, from: &Panel<S>, mut set: impl FnMut(usize, usize, S)) {
         for (k, row) in self.iter().enumerate() {
-            for (l, column) in self.iter().enumerate() {
+            for (l, column) in self.iter().enumerate().take(row.end).skip(k) {
                 set(row.joint, column.joint, from.get(k, l));
+                set(column.joint, row.joint, from.get(l, k));
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::WorldKernel;
 use super::composite::clear_beyond;
 use super::group::{Carried, Group, along_axis, force_lane, motion_lane};
-use crate::matrix::Panel;
+use crate::matrix::{Matrix, Panel};
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Motion, Vec3};
@@ -75,6 +75,12 @@ impl<S: Scalar> WorldKernel<S> {
         }
         self.places.mirror(q_upper, Some(&*q_lower));
         self.places.mirror(v_upper, Some(&*v_lower));
+    }
+
+    /// Writes the entries of joints on one branch of an n x n panel by joints to a matrix; others are left as
+    /// they are.
+    pub fn write_pairs(&self, from: &Panel<S>, to: &mut Matrix<S>) {
+        if self.places.are_in_order() { self.places.write(from, to) } else { from.write(to) }
     }
 
     /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after

@@ -64,3 +64,16 @@ fn rows_are_found_by_name() {
     assert_eq!(table.get("f", "dual"), table.get("f", "analytic"));
     assert_eq!(table.get("f", "analytic").map(|o| o.sincos), Some(2));
 }
+
+#[test]
+fn the_rows_by_hand_are_those_without_automatic_differentiation() {
+    let automatic = |quantity: &str, route: &str| {
+        matches!(route, "dual" | "hyperdual") && !matches!(quantity, "mass_matrix" | "f")
+    };
+    for constants in [Folded, Kept] {
+        let table = OperationTable::new(&robot(), constants).unwrap();
+        let by_hand = OperationTable::by_hand(&robot(), constants).unwrap();
+        assert!(table.rows().filter(|row| !automatic(row.quantity, row.route)).eq(by_hand.rows()));
+        assert_eq!(by_hand.get("f_xx", "hyperdual"), None);
+    }
+}

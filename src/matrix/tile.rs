@@ -1,0 +1,138 @@
+//! One tile of a product of panels, whose sums stay in registers, and products stored in panels.
+
+use super::{Left, Panel, Tiles};
+use crate::scalar::{MOST_LANES, Pack, Scalar};
+
+/// Block of rows and first register of a tile.
+pub(super) type Corner = (usize, usize);
+
+/// As many packs as fit into a register.
+type Wide<S> = <<S as Scalar>::Pack as Pack<S>>::Wide;
+
+/// Some rows of a product, C registers of each.
+type Sums<S, const C: usize> = [[Wide<S>; C]; MOST_LANES];
+
+/// Which step a product takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Update {
+    Set,
+    Subtract,
+    Add,
+}
+
+/// Computes a tile, and calls a method with its sums: their number in a row is a const parameter.
+macro_rules! with_sums {
+    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr), |$sums:ident| $then:expr) => {
+        match $registers {
+            1 => {
+                let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $terms);
+                $then
+            }
+            2 => {
+                let $sums = sums::<$S, 2, $ACROSS>($a, $b, $corner, $terms);
+                $then
+            }
+            _ => {
+                let $sums = sums::<$S, 3, $ACROSS>($a, $b, $corner, $terms);
+                $then
+            }
+        }
+    };
+}
+
+/// The tile of A B, or of A' B.
+#[inline(always)]
+fn sums<S: Scalar, const C: usize, const ACROSS: bool>(
+    a: &Panel<S>,
+    b: &Panel<S>,
+    (block, left): Corner,
+    terms: &[u32],
+) -> Sums<S, C> {
+    let (lanes, width) = (Panel::<S>::LANES, <S::Pack as Pack<S>>::WIDTH);
+    let (stride, from, left) = (a.width::<0>(), b.width::<0>(), left * width);
+    let mut sums = [[Wide::<S>::zero(); C]; MOST_LANES];
+    let mut along = [&a.packs()[..0]; MOST_LANES];
+    if !ACROSS {
+        for (r, along) in along.iter_mut().enumerate().take(lanes) {
+            *along = a.row(block * lanes + r);
+        }
+    }
+    let (a, b) = (a.packs(), b.packs());
+    for &k in terms {
+        let k = k as usize;
+        let row = &b[k * from + left..][..C * width];
+        let across = &a[if ACROSS { k * stride + block } else { 0 }];
+        for (r, (sums, along)) in sums.iter_mut().zip(&along).enumerate().take(lanes) {
+            let entry = if ACROSS { across.lane(r) } else { along[k / lanes].lane(k % lanes) };
+            let entry = S::Pack::splat_wide(entry);
+            for (c, sum) in sums.iter_mut().enumerate() {
+                *sum = entry.mul_add(S::Pack::join(&row[c * width..][..width]), *sum);
+            }
+        }
+    }
+    sums
+}
+
+impl<S: Scalar> Panel<S> {
+    /// `T = A B` for this panel T: entries outside of the tiles are not touched.
+    #[inline(never)]
+    pub fn set_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
+        match a {
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set),
+        }
+    }
+
+    /// `T -= A B` likewise.
+    #[inline(never)]
+    pub fn subtract_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
+        match a {
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract),
+        }
+    }
+
+    /// `T += A B` likewise.
+    #[inline(never)]
+    pub fn add_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
+        match a {
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Add),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Add),
+        }
+    }
+
+    fn tiles<const ACROSS: bool>(&mut self, tiles: &Tiles, a: &Self, b: &Self, update: Update) {
+        for (corner, registers, terms) in tiles.all() {
+            with_sums!(S, ACROSS, (a, b, corner, registers, terms), |sums| self.store(corner, &sums, update));
+        }
+    }
+
+    /// `T_I -= A' T` for the rows I of a block, A' with the pattern of the tiles: the terms are other rows of
+    /// T.
+    #[inline(always)]
+    pub(crate) fn subtract_own_rows(&mut self, tiles: &Tiles, block: usize, a: &Self) {
+        for (corner, registers, terms) in tiles.of_block(block) {
+            with_sums!(S, true, (a, &*self, corner, registers, terms), |sums| {
+                self.store(corner, &sums, Update::Subtract)
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn store<const C: usize>(&mut self, (block, left): Corner, sums: &Sums<S, C>, update: Update) {
+        let (stride, width) = (self.width::<0>(), <S::Pack as Pack<S>>::WIDTH);
+        for (r, sums) in sums.iter().enumerate().take(Self::LANES) {
+            let place = (block * Self::LANES + r) * stride + left * width;
+            let target = &mut self.packs_mut()[place..][..C * width];
+            for (c, &sum) in sums.iter().enumerate() {
+                let target = &mut target[c * width..][..width];
+                let sum = match update {
+                    Update::Set => sum,
+                    Update::Subtract => S::Pack::join(target) - sum,
+                    Update::Add => S::Pack::join(target) + sum,
+                };
+                S::Pack::split(sum, target);
+            }
+        }
+    }
+}
