@@ -2,7 +2,7 @@
 
 use super::Factor;
 use super::factor_tiles::FactorTiles;
-use crate::matrix::{Left, Matrix, Panel, Place};
+use crate::matrix::{Left, Matrix, Panel, Place, Update};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -127,8 +127,9 @@ impl<S: Scalar> Factor<S> {
         at: (usize, usize),
     ) {
         self.scale(tiles);
-        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
-        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, &self.product);
+        let factors = (Left::Columns(&self.upper), &self.scaled);
+        let product = (&mut self.product, Update::Set);
+        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, factors, product);
     }
 
     /// `D^-1 U'`.

@@ -2,6 +2,7 @@
 
 use super::{Left, Panel, Tiles};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
+use std::ops::Range;
 
 /// Block of rows and first register of a tile.
 pub(super) type Corner = (usize, usize);
@@ -14,7 +15,7 @@ type Sums<S, const C: usize> = [[Wide<S>; C]; MOST_LANES];
 
 /// Which step a product takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Update {
+pub(crate) enum Update {
     Set,
     Subtract,
     Add,
@@ -78,8 +79,8 @@ impl<S: Scalar> Panel<S> {
     #[inline(never)]
     pub fn set_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
         match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set),
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set, |_, _, _| {}),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set, |_, _, _| {}),
         }
     }
 
@@ -87,23 +88,25 @@ impl<S: Scalar> Panel<S> {
     #[inline(never)]
     pub fn subtract_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
         match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract),
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract, |_, _, _| {}),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract, |_, _, _| {}),
         }
     }
 
-    /// `T += A B` likewise.
-    #[inline(never)]
-    pub fn add_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
-        match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Add),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Add),
-        }
-    }
-
-    fn tiles<const ACROSS: bool>(&mut self, tiles: &Tiles, a: &Self, b: &Self, update: Update) {
+    /// Calls `then` after each tile, with its block of rows and its packs.
+    #[inline(always)]
+    pub(super) fn tiles<const ACROSS: bool>(
+        &mut self,
+        tiles: &Tiles,
+        a: &Self,
+        b: &Self,
+        update: Update,
+        mut then: impl FnMut(&Self, usize, Range<usize>),
+    ) {
+        let width = <S::Pack as Pack<S>>::WIDTH;
         for (corner, registers, terms) in tiles.all() {
             with_sums!(S, ACROSS, (a, b, corner, registers, terms), |sums| self.store(corner, &sums, update));
+            then(self, corner.0, corner.1 * width..(corner.1 + registers) * width);
         }
     }
 

@@ -93,16 +93,6 @@ impl Tiles {
         self.of(self.starts[block]..self.starts[block + 1])
     }
 
-    /// Block of rows and packs of each tile, of those that hold columns.
-    #[inline(always)]
-    pub(super) fn packs<S: Scalar>(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        let width = <S::Pack as Pack<S>>::WIDTH;
-        self.tiles.iter().map(move |tile| {
-            let (left, end) = (tile.left as usize * width, (tile.left + tile.registers) as usize * width);
-            (tile.block as usize, left..end.min(self.starts.len() - 1))
-        })
-    }
-
     #[inline(always)]
     fn of(&self, range: Range<usize>) -> impl Iterator<Item = (Corner, usize, &[u32])> {
         let mut start = range.start.checked_sub(1).map_or(0, |before| self.tiles[before].end as usize);
