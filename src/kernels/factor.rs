@@ -2,7 +2,7 @@
 
 use super::factor_tiles::FactorTiles;
 use super::triangle::Triangle;
-use crate::matrix::{Matrix, Panel, Pattern, add_scaled, sized, sum_rows};
+use crate::matrix::{Matrix, Panel, Pattern, sized};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 

@@ -123,3 +123,66 @@ fn write_block<S: Scalar, const MINUS: bool>(to: &mut [S], stride: usize, packs:
         pack.write(&mut to[r * stride..][..lanes]);
     }
 }
+
+#[cfg(all(test, feature = "wide"))]
+mod tests {
+    use super::*;
+    use crate::matrix::{Part, Pattern, Terms};
+    use nalgebra::DMatrix;
+
+    /// A dense matrix with entries where the pattern has them, and a panel of it.
+    fn some(n: usize, pattern: &Pattern, from: f64) -> (DMatrix<f64>, Panel<f64>) {
+        let entry = |i, j| (from + 1.3 * i as f64 + 0.7 * j as f64).sin();
+        let dense = DMatrix::from_fn(n, n, |i, j| if pattern.has(i, j) { entry(i, j) } else { 0.0 });
+        let mut panel = Panel::zeros(n, n);
+        (0..n).for_each(|i| (0..n).for_each(|j| panel.set(i, j, dense[(i, j)])));
+        (dense, panel)
+    }
+
+    #[test]
+    fn products_of_tiles_are_those_of_matrices_in_their_places() {
+        for n in [13, 14, 16, 19, 24, 33, 50] {
+            let columns: Vec<Vec<usize>> = (0..n)
+                .map(|i| (0..n).filter(|j| (i * i + 3 * j) % 5 < 2 && i / 9 != j / 7).collect())
+                .collect();
+            let pattern = Pattern::from_rows(n, |i| &columns[i]);
+            let across = pattern.transposed();
+            let ((a, a_panel), (b, b_panel)) = (some(n, &pattern, 0.2), some(n, &across, 1.1));
+            for (left, left_pattern, dense) in [
+                (Left::Rows(&a_panel), &pattern, a.clone()),
+                (Left::Columns(&a_panel), &across, a.transpose()),
+            ] {
+                let expected = dense * &b;
+                let tiles = Tiles::new::<f64>(left_pattern, &across, Part::Whole, Terms::All);
+                let (mut set, mut result) = (Panel::zeros(n, n), Matrix::zeros(2 * n, 2 * n));
+                set.set_tiles(&tiles, left, &b_panel);
+                set.subtract_tiles(&tiles, left, &b_panel);
+                let place = Place { at: (n, 0), across: (0, n), minus: [true, false] };
+                result.place_tiles(place, &tiles, (left, &b_panel), (&mut set, Update::Add));
+                let result = result.view().to_nalgebra();
+                let error = |found: DMatrix<f64>| (found - &expected).amax();
+                assert!(error(-result.view((n, 0), (n, n)).into_owned()) < 1e-13, "n = {n}");
+                assert!(error(result.view((0, n), (n, n)).transpose()) < 1e-13, "n = {n}");
+                assert_eq!(result.view((0, 0), (n, n)).amax(), 0.0);
+                assert_eq!(result.view((n, n), (n, n)).amax(), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_lower_tiles_fill_both_triangles_of_a_symmetric_place() {
+        for n in [13, 16, 22] {
+            let columns: Vec<usize> = (0..n).collect();
+            let full = Pattern::from_rows(n, |_| &columns);
+            let (dense, panel) = some(n, &full, 0.4);
+            let tiles = Tiles::new::<f64>(&full, &full, Part::Lower, Terms::All);
+            let (mut product, mut result) = (Panel::zeros(n, n), Matrix::zeros(n, n));
+            let place = Place::symmetric((0, 0), true);
+            let factors = (Left::Columns(&panel), &panel);
+            result.place_tiles(place, &tiles, factors, (&mut product, Update::Set));
+            let result = result.view().to_nalgebra();
+            assert_eq!(result, result.transpose());
+            assert!((result + dense.transpose() * &dense).amax() < 1e-13, "n = {n}");
+        }
+    }
+}

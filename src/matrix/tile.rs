@@ -1,11 +1,9 @@
 //! One tile of a product of panels, whose sums stay in registers, and products stored in panels.
 
-use super::{Left, Panel, Tiles};
+use super::tiles::{Corner, Tiles};
+use super::{Left, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
-
-/// Block of rows and first register of a tile.
-pub(super) type Corner = (usize, usize);
 
 /// As many packs as fit into a register.
 type Wide<S> = <<S as Scalar>::Pack as Pack<S>>::Wide;
@@ -21,9 +19,10 @@ pub(crate) enum Update {
     Add,
 }
 
-/// Computes a tile, and calls a method with its sums: their number in a row is a const parameter.
+/// Computes a tile of so many registers in a row, and does something with its sums.
 macro_rules! with_sums {
-    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr), |$sums:ident| $then:expr) => {
+    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr),
+     |$sums:ident| $then:expr) => {
         match $registers {
             1 => {
                 let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $terms);

@@ -1,10 +1,12 @@
 //! Products of panels, limited to the entries that can differ from zero.
 
 use super::pattern::Pattern;
-use super::tile::Corner;
 use super::{Panel, Part};
 use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
+
+/// Block of rows and first register of a tile.
+pub(super) type Corner = (usize, usize);
 
 /// Numbers of registers in a row of a tile, such that its sums fit into registers; most first.
 const SIZES: &[usize] = if cfg!(target_feature = "avx") { &[3, 2, 1] } else { &[1] };

@@ -3,8 +3,8 @@
 use super::{Friction, JointSpec, LinkInertia, Robot};
 use nalgebra::{DMatrix, Matrix3};
 
-/// Joint k stands on joint `parent(k)`, if that is below k. If `coupled`, armature couples the last joint with
-/// the one in the middle.
+/// Joint k stands on joint `parent(k)`, if that is below k. If `coupled`, armature couples the last joint
+/// with the one in the middle.
 pub(crate) fn robot(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Robot {
     let mut builder = Robot::builder("tree");
     for k in 0..n {
