@@ -3,7 +3,7 @@
 
 use super::elimination::Patterns;
 use crate::kernels::{Factor, KernelTwo};
-use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles};
+use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles, Update};
 use crate::scalar::Scalar;
 
 /// The products of [`Blocked::apply`].
@@ -117,19 +117,19 @@ impl<S: Scalar> Blocked<S> {
         t.subtract_tiles(&products.inner, Left::Rows(c), z);
         g.read::<0>(along.l_qq());
         g.subtract_tiles(&products.square, Left::Columns(b), z);
-        g.subtract_tiles(&products.outer, Left::Columns(z), t);
-        result.place_tiles(Place::symmetric((0, 0), true), &products.outer, g);
+        let qq = Place::symmetric((0, 0), true);
+        result.place_tiles(qq, &products.outer, (Left::Columns(z), t), (g, Update::Subtract));
 
         factor.divide_by_pivots(t);
-        mixed.set_tiles(&products.mixed, Left::Columns(upper), t);
-        result.place_tiles(Place { at: (n, 0), across: (0, n), minus: [true; 2] }, &products.mixed, mixed);
+        let pq = Place { at: (n, 0), across: (0, n), minus: [true; 2] };
+        result.place_tiles(pq, &products.mixed, (Left::Columns(upper), t), (mixed, Update::Set));
 
         factor.divide_by_pivots_twice(c);
         c.keep_half();
         back.set_tiles(&products.back, Left::Columns(c), upper);
         last.set_tiles(&products.last, Left::Columns(back), upper);
-        last.add_tiles(&products.last, Left::Columns(upper), back);
-        result.place_tiles(Place::symmetric((n, n), true), &products.last, last);
+        let pp = Place::symmetric((n, n), true);
+        result.place_tiles(pp, &products.last, (Left::Columns(upper), back), (last, Update::Add));
     }
 }
 
@@ -137,29 +137,8 @@ impl<S: Scalar> Blocked<S> {
 mod tests {
     use crate::hamiltonian::{DualPass, FullHessian, HamiltonianSecondOrder};
     use crate::matrix::Block;
-    use crate::robot::{Friction, JointSpec, LinkInertia, Robot};
-    use nalgebra::{DMatrix, Matrix3};
-
-    /// Joint k stands on joint `parent(k)`, if that is below k.
-    fn robot(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Robot {
-        let mut builder = Robot::builder("tree");
-        for k in 0..n {
-            let x = k as f64;
-            let link =
-                LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
-            let friction = Friction { viscous: 0.2, coulomb: (k % 3) as f64, coulomb_velocity: 0.1 };
-            let joint = JointSpec::revolute(format!("j{k}")).axis([x.sin(), 1.0, x.cos()]);
-            let joint = joint.carrying(link).friction(friction);
-            let on = parent(k);
-            builder = builder.joint(if on < k { joint.on(format!("j{on}")) } else { joint });
-        }
-        if coupled {
-            let mut armature = DMatrix::identity(n, n);
-            (armature[(n - 1, n / 2)], armature[(n / 2, n - 1)]) = (0.3, 0.3);
-            builder = builder.armature_matrix(armature);
-        }
-        builder.build().unwrap()
-    }
+    use crate::robot::Robot;
+    use crate::robot::test_robot::robot;
 
     fn compare(robot: &Robot) {
         let n = robot.dof();

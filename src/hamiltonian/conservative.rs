@@ -3,7 +3,7 @@
 use super::elimination::Elimination;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Left, Matrix, Panel, Part, Place, dot, sized};
+use crate::matrix::{Left, Matrix, Panel, Part, Place, Update, dot, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -143,11 +143,12 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         let Self { kernel, factor, p, w, y, z, .. } = self;
         let n = z.rows();
         factor.place_inverse(f_x, (0, n));
-        w.set_tiles(&tiles.lower, Left::Columns(factor.upper()), z);
-        f_x.place_tiles(Place { at: (0, 0), across: (n, n), minus: [true, false] }, &tiles.lower, w);
+        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
+        let factors = (Left::Columns(factor.upper()), &*z);
+        f_x.place_tiles(velocity, &tiles.lower, factors, (w, Update::Set));
         p.read::<0>(kernel.l_qq());
-        p.subtract_tiles(&tiles.square, Left::Columns(y), z);
-        f_x.place_tiles(Place::symmetric((n, 0), false), &tiles.square, p);
+        let force = Place::symmetric((n, 0), false);
+        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), (p, Update::Subtract));
         self.tiles = Some(tiles);
     }
 

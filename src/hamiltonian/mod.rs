@@ -166,9 +166,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
 
     /// Assembles F_x from the blocks of the conservative part.
     pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
-        if Panel::<S>::ONE_LANE {
-            self.state.assemble(&self.tree, &self.flow);
-        } else if self.flow.in_blocks() {
+        if !Panel::<S>::ONE_LANE && self.flow.in_blocks() {
             self.state.assemble_by_blocks(&self.tree, &mut self.flow);
         } else {
             self.state.assemble(&self.tree, &self.flow);

@@ -2,7 +2,7 @@
 
 use super::Factor;
 use super::factor_tiles::FactorTiles;
-use crate::matrix::{Left, Matrix, Panel, Place};
+use crate::matrix::{Left, Matrix, Panel, Place, Update};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -127,8 +127,9 @@ impl<S: Scalar> Factor<S> {
         at: (usize, usize),
     ) {
         self.scale(tiles);
-        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
-        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, &self.product);
+        let factors = (Left::Columns(&self.upper), &self.scaled);
+        let product = (&mut self.product, Update::Set);
+        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, factors, product);
     }
 
     /// `D^-1 U'`.
@@ -200,26 +201,12 @@ impl<S: Scalar> Factor<S> {
 mod tests {
     use crate::kernels::{Factor, KernelOne};
     use crate::matrix::{Matrix, Panel};
-    use crate::robot::{JointSpec, LinkInertia, Robot, Tree};
-    use nalgebra::{DMatrix, DVector, Matrix3};
+    use crate::robot::Tree;
+    use crate::robot::test_robot::robot;
+    use nalgebra::{DMatrix, DVector};
 
-    /// Joint k stands on joint `parent(k)`, if that is below k.
     fn tree(n: usize, parent: impl Fn(usize) -> usize, coupled: bool) -> Tree {
-        let mut builder = Robot::builder("tree");
-        for k in 0..n {
-            let x = k as f64;
-            let link =
-                LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2 * x.cos(), 0.2], Matrix3::identity());
-            let joint = JointSpec::revolute(format!("j{k}")).axis([x.sin(), 1.0, x.cos()]).carrying(link);
-            let on = parent(k);
-            builder = builder.joint(if on < k { joint.on(format!("j{on}")) } else { joint });
-        }
-        if coupled {
-            let mut armature = DMatrix::identity(n, n);
-            (armature[(n - 1, n / 2)], armature[(n / 2, n - 1)]) = (0.3, 0.3);
-            builder = builder.armature_matrix(armature);
-        }
-        Tree::from(&builder.build().unwrap())
+        Tree::from(&robot(n, parent, coupled))
     }
 
     fn compare(tree: &Tree) {

@@ -9,6 +9,7 @@ mod dissipation;
 mod factor;
 mod factor_tiles;
 mod hessian;
+mod inverse;
 mod pass;
 mod position;
 mod route;

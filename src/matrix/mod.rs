@@ -15,6 +15,7 @@ pub(crate) use place::Place;
 pub(crate) use product::{Left, Part};
 pub(crate) use rows::{add_rows, sum_rows, write_packs};
 pub use rows::{add_scaled, dot};
+pub(crate) use tile::Update;
 pub(crate) use tiles::{Terms, Tiles};
 
 use crate::scalar::{Pack, Scalar};

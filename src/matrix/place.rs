@@ -1,7 +1,9 @@
-//! Products in panels go to their places in a larger matrix, together with their transposes.
+//! Products that go to their places in a larger matrix, together with their transposes.
 
-use super::{Matrix, Panel, Tiles};
+use super::tile::Update;
+use super::{Left, Matrix, Panel, Tiles};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
+use std::ops::Range;
 
 /// Where an n x n product goes in a matrix.
 #[derive(Clone, Copy, Debug)]
@@ -22,66 +24,165 @@ impl Place {
 }
 
 impl<S: Scalar> Matrix<S> {
-    /// Writes an n x n panel that holds the product of these tiles to its place. Entries outside of the tiles
-    /// are not touched.
+    /// Sets a panel T to `A B`, or adds to it or subtracts from it, and writes each tile to its place as soon
+    /// as it is there. Entries outside of the tiles are not touched.
+    ///
+    /// The matrix is larger than the nearest cache: its lines arrive while the next tile is computed.
     #[inline(never)]
-    pub(crate) fn place_tiles(&mut self, place: Place, tiles: &Tiles, product: &Panel<S>) {
-        match place.minus {
-            [false, false] => self.place_all::<false, false>(place, tiles, product),
-            [true, false] => self.place_all::<true, false>(place, tiles, product),
-            [false, true] => self.place_all::<false, true>(place, tiles, product),
-            [true, true] => self.place_all::<true, true>(place, tiles, product),
-        }
-    }
-
-    fn place_all<const MINUS: bool, const ACROSS_MINUS: bool>(
+    pub(crate) fn place_tiles(
         &mut self,
         place: Place,
         tiles: &Tiles,
+        (a, b): (Left<'_, S>, &Panel<S>),
+        (product, update): (&mut Panel<S>, Update),
+    ) {
+        match a {
+            Left::Rows(a) => self.place_all::<false>(place, tiles, (a, b), (product, update)),
+            Left::Columns(a) => self.place_all::<true>(place, tiles, (a, b), (product, update)),
+        }
+    }
+
+    fn place_all<const ACROSS: bool>(
+        &mut self,
+        place: Place,
+        tiles: &Tiles,
+        (a, b): (&Panel<S>, &Panel<S>),
+        (product, update): (&mut Panel<S>, Update),
+    ) {
+        product.tiles::<ACROSS>(tiles, a, b, update, |product, block, packs| match place.minus {
+            [false, false] => self.place_packs::<false, false>(place, product, block, packs),
+            [true, false] => self.place_packs::<true, false>(place, product, block, packs),
+            [false, true] => self.place_packs::<false, true>(place, product, block, packs),
+            [true, true] => self.place_packs::<true, true>(place, product, block, packs),
+        });
+    }
+
+    /// Some packs of a block of rows.
+    #[inline(never)]
+    fn place_packs<const MINUS: bool, const ACROSS_MINUS: bool>(
+        &mut self,
+        place: Place,
         product: &Panel<S>,
+        block: usize,
+        packs: Range<usize>,
     ) {
         let (lanes, n) = (Panel::<S>::LANES, product.rows());
         let symmetric = place.at == place.across;
-        for (block, packs) in tiles.packs::<S>() {
-            let (top, rows) = (block * lanes, lanes.min(n - block * lanes));
-            for pack in packs.start..packs.end.min(if symmetric { block + 1 } else { usize::MAX }) {
-                let (left, columns) = (pack * lanes, lanes.min(n - pack * lanes));
-                let mut tile = product.block::<0>(block, pack);
-                let mut across = tile;
-                S::Pack::transpose(&mut across[..lanes]);
-                if symmetric && pack == block {
-                    // The lower triangle decides.
-                    for r in 0..lanes {
-                        tile[r] = tile[r].before(r + 1, across[r]);
-                    }
-                } else {
-                    let at = (place.across.0 + left, place.across.1 + top);
-                    self.write_packs::<ACROSS_MINUS>(at, (columns, rows), across);
-                }
-                self.write_packs::<MINUS>((place.at.0 + top, place.at.1 + left), (rows, columns), tile);
+        let (top, stride) = (block * lanes, self.columns);
+        let end = packs.end.min(if symmetric { block + 1 } else { n.div_ceil(lanes) });
+        // Those that are not cut off, and not on the diagonal of a symmetric matrix.
+        let whole = if top + lanes > n { 0 } else { end.min(if symmetric { block } else { n / lanes }) };
+        let mut to = (place.at.0 + top) * stride + place.at.1 + packs.start * lanes;
+        let mut across = (place.across.0 + packs.start * lanes) * stride + place.across.1 + top;
+        for pack in packs.start..whole {
+            let mut tile = product.block::<0>(block, pack);
+            write_block::<S, MINUS>(&mut self.data[to..], stride, &tile);
+            S::Pack::transpose(&mut tile[..lanes]);
+            write_block::<S, ACROSS_MINUS>(&mut self.data[across..], stride, &tile);
+            to += lanes;
+            across += lanes * stride;
+        }
+        for pack in whole.max(packs.start)..end {
+            self.place_at_edge(place, product, block, pack);
+        }
+    }
+
+    /// A pack of a block of rows that may be cut off, or on the diagonal.
+    #[inline(never)]
+    fn place_at_edge(&mut self, place: Place, product: &Panel<S>, block: usize, pack: usize) {
+        let (lanes, n) = (Panel::<S>::LANES, product.rows());
+        let (top, left) = (block * lanes, pack * lanes);
+        let (rows, columns) = (lanes.min(n - top), lanes.min(n - left));
+        let mut tile = product.block::<0>(block, pack);
+        let mut across = tile;
+        S::Pack::transpose(&mut across[..lanes]);
+        if place.at == place.across && pack == block {
+            // The lower triangle decides.
+            for r in 0..lanes {
+                tile[r] = tile[r].before(r + 1, across[r]);
+            }
+        } else {
+            for (r, pack) in across.iter().enumerate().take(columns) {
+                let pack = if place.minus[1] { -*pack } else { *pack };
+                pack.write(&mut self.row_mut(place.across.0 + left + r)[place.across.1 + top..][..rows]);
+            }
+        }
+        for (r, pack) in tile.iter().enumerate().take(rows) {
+            let pack = if place.minus[0] { -*pack } else { *pack };
+            pack.write(&mut self.row_mut(place.at.0 + top + r)[place.at.1 + left..][..columns]);
+        }
+    }
+}
+
+/// Writes a square block of packs to the beginning of rows that are `stride` apart.
+#[inline(always)]
+fn write_block<S: Scalar, const MINUS: bool>(to: &mut [S], stride: usize, packs: &[S::Pack; MOST_LANES]) {
+    let lanes = Panel::<S>::LANES;
+    for (r, &pack) in packs.iter().enumerate().take(lanes) {
+        let pack = if MINUS { -pack } else { pack };
+        pack.write(&mut to[r * stride..][..lanes]);
+    }
+}
+
+#[cfg(all(test, feature = "wide"))]
+mod tests {
+    use super::*;
+    use crate::matrix::{Part, Pattern, Terms};
+    use nalgebra::DMatrix;
+
+    /// A dense matrix with entries where the pattern has them, and a panel of it.
+    fn some(n: usize, pattern: &Pattern, from: f64) -> (DMatrix<f64>, Panel<f64>) {
+        let entry = |i, j| (from + 1.3 * i as f64 + 0.7 * j as f64).sin();
+        let dense = DMatrix::from_fn(n, n, |i, j| if pattern.has(i, j) { entry(i, j) } else { 0.0 });
+        let mut panel = Panel::zeros(n, n);
+        (0..n).for_each(|i| (0..n).for_each(|j| panel.set(i, j, dense[(i, j)])));
+        (dense, panel)
+    }
+
+    #[test]
+    fn products_of_tiles_are_those_of_matrices_in_their_places() {
+        for n in [13, 14, 16, 19, 24, 33, 50] {
+            let columns: Vec<Vec<usize>> = (0..n)
+                .map(|i| (0..n).filter(|j| (i * i + 3 * j) % 5 < 2 && i / 9 != j / 7).collect())
+                .collect();
+            let pattern = Pattern::from_rows(n, |i| &columns[i]);
+            let across = pattern.transposed();
+            let ((a, a_panel), (b, b_panel)) = (some(n, &pattern, 0.2), some(n, &across, 1.1));
+            for (left, left_pattern, dense) in [
+                (Left::Rows(&a_panel), &pattern, a.clone()),
+                (Left::Columns(&a_panel), &across, a.transpose()),
+            ] {
+                let expected = dense * &b;
+                let tiles = Tiles::new::<f64>(left_pattern, &across, Part::Whole, Terms::All);
+                let (mut set, mut result) = (Panel::zeros(n, n), Matrix::zeros(2 * n, 2 * n));
+                set.set_tiles(&tiles, left, &b_panel);
+                set.subtract_tiles(&tiles, left, &b_panel);
+                let place = Place { at: (n, 0), across: (0, n), minus: [true, false] };
+                result.place_tiles(place, &tiles, (left, &b_panel), (&mut set, Update::Add));
+                let result = result.view().to_nalgebra();
+                let error = |found: DMatrix<f64>| (found - &expected).amax();
+                assert!(error(-result.view((n, 0), (n, n)).into_owned()) < 1e-13, "n = {n}");
+                assert!(error(result.view((0, n), (n, n)).transpose()) < 1e-13, "n = {n}");
+                assert_eq!(result.view((0, 0), (n, n)).amax(), 0.0);
+                assert_eq!(result.view((n, n), (n, n)).amax(), 0.0);
             }
         }
     }
 
-    /// Writes a square block of packs from this row and column on, and of that so many rows and columns.
-    #[inline(always)]
-    fn write_packs<const MINUS: bool>(
-        &mut self,
-        (top, left): (usize, usize),
-        (rows, columns): (usize, usize),
-        packs: [S::Pack; MOST_LANES],
-    ) {
-        let (lanes, stride) = (Panel::<S>::LANES, self.columns);
-        let packs = if MINUS { packs.map(|pack| -pack) } else { packs };
-        let to = &mut self.data[top * stride + left..];
-        if rows == lanes && columns == lanes {
-            for (r, pack) in packs.iter().enumerate().take(lanes) {
-                pack.write(&mut to[r * stride..][..lanes]);
-            }
-        } else {
-            for (r, pack) in packs.iter().enumerate().take(rows) {
-                pack.write(&mut to[r * stride..][..columns]);
-            }
+    #[test]
+    fn the_lower_tiles_fill_both_triangles_of_a_symmetric_place() {
+        for n in [13, 16, 22] {
+            let columns: Vec<usize> = (0..n).collect();
+            let full = Pattern::from_rows(n, |_| &columns);
+            let (dense, panel) = some(n, &full, 0.4);
+            let tiles = Tiles::new::<f64>(&full, &full, Part::Lower, Terms::All);
+            let (mut product, mut result) = (Panel::zeros(n, n), Matrix::zeros(n, n));
+            let place = Place::symmetric((0, 0), true);
+            let factors = (Left::Columns(&panel), &panel);
+            result.place_tiles(place, &tiles, factors, (&mut product, Update::Set));
+            let result = result.view().to_nalgebra();
+            assert_eq!(result, result.transpose());
+            assert!((result + dense.transpose() * &dense).amax() < 1e-13, "n = {n}");
         }
     }
 }

@@ -1,10 +1,9 @@
 //! One tile of a product of panels, whose sums stay in registers, and products stored in panels.
 
-use super::{Left, Panel, Tiles};
+use super::tiles::{Corner, Tiles};
+use super::{Left, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
-
-/// Block of rows and first register of a tile.
-pub(super) type Corner = (usize, usize);
+use std::ops::Range;
 
 /// As many packs as fit into a register.
 type Wide<S> = <<S as Scalar>::Pack as Pack<S>>::Wide;
@@ -14,15 +13,16 @@ type Sums<S, const C: usize> = [[Wide<S>; C]; MOST_LANES];
 
 /// Which step a product takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Update {
+pub(crate) enum Update {
     Set,
     Subtract,
     Add,
 }
 
-/// Computes a tile, and calls a method with its sums: their number in a row is a const parameter.
+/// Computes a tile of so many registers in a row, and does something with its sums.
 macro_rules! with_sums {
-    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr), |$sums:ident| $then:expr) => {
+    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr),
+     |$sums:ident| $then:expr) => {
         match $registers {
             1 => {
                 let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $terms);
@@ -78,8 +78,8 @@ impl<S: Scalar> Panel<S> {
     #[inline(never)]
     pub fn set_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
         match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set),
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set, |_, _, _| {}),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set, |_, _, _| {}),
         }
     }
 
@@ -87,23 +87,25 @@ impl<S: Scalar> Panel<S> {
     #[inline(never)]
     pub fn subtract_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
         match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract),
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract, |_, _, _| {}),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract, |_, _, _| {}),
         }
     }
 
-    /// `T += A B` likewise.
-    #[inline(never)]
-    pub fn add_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
-        match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Add),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Add),
-        }
-    }
-
-    fn tiles<const ACROSS: bool>(&mut self, tiles: &Tiles, a: &Self, b: &Self, update: Update) {
+    /// Calls `then` after each tile, with its block of rows and its packs.
+    #[inline(always)]
+    pub(super) fn tiles<const ACROSS: bool>(
+        &mut self,
+        tiles: &Tiles,
+        a: &Self,
+        b: &Self,
+        update: Update,
+        mut then: impl FnMut(&Self, usize, Range<usize>),
+    ) {
+        let width = <S::Pack as Pack<S>>::WIDTH;
         for (corner, registers, terms) in tiles.all() {
             with_sums!(S, ACROSS, (a, b, corner, registers, terms), |sums| self.store(corner, &sums, update));
+            then(self, corner.0, corner.1 * width..(corner.1 + registers) * width);
         }
     }
 

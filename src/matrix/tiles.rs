@@ -1,10 +1,12 @@
 //! Products of panels, limited to the entries that can differ from zero.
 
 use super::pattern::Pattern;
-use super::tile::Corner;
 use super::{Panel, Part};
 use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
+
+/// Block of rows and first register of a tile.
+pub(super) type Corner = (usize, usize);
 
 /// Numbers of registers in a row of a tile, such that its sums fit into registers; most first.
 const SIZES: &[usize] = if cfg!(target_feature = "avx") { &[3, 2, 1] } else { &[1] };
@@ -91,16 +93,6 @@ impl Tiles {
     #[inline(always)]
     pub(super) fn of_block(&self, block: usize) -> impl Iterator<Item = (Corner, usize, &[u32])> {
         self.of(self.starts[block]..self.starts[block + 1])
-    }
-
-    /// Block of rows and packs of each tile, of those that hold columns.
-    #[inline(always)]
-    pub(super) fn packs<S: Scalar>(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        let width = <S::Pack as Pack<S>>::WIDTH;
-        self.tiles.iter().map(move |tile| {
-            let (left, end) = (tile.left as usize * width, (tile.left + tile.registers) as usize * width);
-            (tile.block as usize, left..end.min(self.starts.len() - 1))
-        })
     }
 
     #[inline(always)]

@@ -33,6 +33,8 @@ mod positive;
 mod printable;
 mod read;
 mod regroup;
+#[cfg(test)]
+pub(crate) mod test_robot;
 mod tree;
 mod tree_frame;
 #[cfg(feature = "urdf")]
