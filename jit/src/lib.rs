@@ -20,17 +20,22 @@ mod compiled;
 mod emit;
 mod error;
 mod functions;
+mod limit;
+mod machine;
 mod number;
 mod order;
+mod pairs;
 mod place;
 mod plan;
 mod quantity;
 mod registers;
+mod step;
 mod translate;
 
 pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
-pub use compiled::{Compiled, DEFAULT_LIMIT, LANES_LIMIT};
+pub use compiled::Compiled;
 pub use error::JitError;
+pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};
