@@ -92,7 +92,7 @@ fn check(robot: &Robot, rng: &mut Rng) -> Option<[usize; 2]> {
 }
 
 #[test]
-fn two_equal_sides_are_computed_at_once() {
+fn robots_with_two_sides_agree_with_the_generic_code() {
     let mut rng = Rng::with_seed(15);
     for limb in [2, 3, 5] {
         for right in [Right::Mirrored, Right::Heavier, Right::Other] {
