@@ -30,7 +30,8 @@ pub struct Machine<T: Element> {
 }
 
 impl<T: Element> Machine<T> {
-    /// Compiles a program; its last result is no output if `guarded`, but what a [`call`](Self::call) returns.
+    /// Compiles a program; its last result is no output if `guarded`, but what a [`call`](Self::call)
+    /// returns.
     ///
     /// # Errors
     /// See [`JitError`].

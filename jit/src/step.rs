@@ -75,7 +75,8 @@ impl Step {
 
 /// A program: its steps, each after its operands, and what their leaves and results stand for.
 ///
-/// In a program of pairs, every value is two numbers, one in each lane. Otherwise the second ones are ignored.
+/// In a program of pairs, every value is two numbers, one in each lane. Otherwise the second ones are
+/// ignored.
 #[derive(Clone, Debug, Default)]
 pub struct Steps {
     pub steps: Vec<Step>,

@@ -13,11 +13,11 @@ fn mixed(a: u64, b: u64) -> u64 {
     (product as u64) ^ ((product >> 64) as u64).rotate_left(29) ^ a.rotate_left(7)
 }
 
-/// Colours of all steps that are heads. They depend on operations and on the magnitudes of constants, not on the
-/// order of terms and factors.
+/// Colours of all steps that are heads. They depend on operations and on the magnitudes of constants, not on
+/// the order of terms and factors.
 ///
-/// The numbers of a left and a right side differ in sign at most, so mirror images have equal colours; steps that
-/// differ in constants only have different ones.
+/// The numbers of a left and a right side differ in sign at most, so mirror images have equal colours; steps
+/// that differ in constants only have different ones.
 pub(super) fn colors(program: &Steps, sums: &Sums) -> Vec<u64> {
     let mut colors: Vec<u64> = vec![0; program.steps.len()];
     for (k, step) in program.steps.iter().enumerate().filter(|(k, _)| sums.heads[*k] == *k) {

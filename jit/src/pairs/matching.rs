@@ -39,8 +39,8 @@ struct Matcher<'a> {
 /// Finds the mirror images in a program, given those of its inputs.
 ///
 /// A step is the mirror image of an earlier one if it has the same colour and the mirror images of that one's
-/// operands. A step whose operands are their own mirror images, or each other's, is its own one if no other step
-/// has the same operands.
+/// operands. A step whose operands are their own mirror images, or each other's, is its own one if no other
+/// step has the same operands.
 pub(super) fn matching(program: &Steps, sums: &Sums, images: &[u32]) -> Matching {
     let halves = (0..program.steps.len()).map(|of| Half { of, lane: 0, same: false }).collect();
     let matching = Matching { halves, partners: HashMap::new() };

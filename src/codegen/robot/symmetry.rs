@@ -3,11 +3,11 @@
 use crate::robot::{Joint, Robot};
 use std::collections::HashMap;
 
-/// For each independent joint the one that stands in its place when equal branches are exchanged, itself where
-/// nothing is; `None` where no branches are equal.
+/// For each independent joint the one that stands in its place when equal branches are exchanged, itself
+/// where nothing is; `None` where no branches are equal.
 ///
-/// Branches from one joint are equal if they have the same joint types and branches; their numbers are not compared.
-/// Of several equal ones, the first half is exchanged with the second half.
+/// Branches from one joint are equal if they have the same joint types and branches; their numbers are not
+/// compared. Of several equal ones, the first half is exchanged with the second half.
 pub(super) fn exchanged_joints(robot: &Robot) -> Option<Vec<usize>> {
     let branches = Branches::new(robot.joints());
     let mut images: Vec<usize> = (0..robot.joints().len()).collect();
