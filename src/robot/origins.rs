@@ -65,7 +65,8 @@ fn middle(positions: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let positions: Vec<f64> = positions.collect::<Option<_>>()?;
     let (least, most) =
         positions.iter().fold((f64::INFINITY, -f64::INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-    (!positions.is_empty()).then(|| if least == most { least } else { 0.5 * (least + most) })
+    let middle = if least == most { least } else { 0.5 * (least + most) };
+    (!positions.is_empty()).then_some(middle)
 }
 
 /// Displacement of the frame of a revolute joint along its axis to the foot towards its main child, or to the
