@@ -31,6 +31,8 @@ fn all() -> Vec<(&'static str, Robot)> {
         ("PUMA 560", file("puma560.toml")),
         ("Panda", file("panda.urdf")),
         ("biped", file("biped.toml")),
+        ("humanoid", file("humanoid32.urdf")),
+        ("humanoid with hands", file("humanoid50.urdf")),
     ]
     .into_iter()
     .chain([12, 16, 20, 24, 32].map(|n| ("general chain", robots::random("chain", n, 1))))

@@ -71,19 +71,30 @@ impl Assembler {
         Self { code: Vec::new(), width, upper: width == Width::Four }
     }
 
-    /// The bytes of one number in memory.
+    /// The bytes of one number in memory of the program.
     fn size(&self) -> usize {
         match self.width {
             Width::One => 8,
+            Width::Two => 16,
             Width::Four => 32,
         }
+    }
+
+    /// Whether a value is two numbers, with a result for each.
+    pub fn has_pairs(&self) -> bool {
+        self.width == Width::Two
+    }
+
+    /// The bytes of one argument or result: those of a pair are apart.
+    fn outer_size(&self) -> usize {
+        if self.width == Width::Two { 8 } else { self.size() }
     }
 
     /// The prefix for one double or packed ones.
     fn prefix(&self) -> u8 {
         match self.width {
             Width::One => PREFIX_F2,
-            Width::Four => PREFIX_66,
+            Width::Two | Width::Four => PREFIX_66,
         }
     }
 
@@ -145,15 +156,31 @@ impl Assembler {
         self.write(self.instruction(Map::Of0F, self.prefix(), 0x10), target, 0, Operand::Memory(place));
     }
 
-    /// `place = source`.
+    /// `place = source`; of a pair, the first number where the place is a result.
     pub fn store(&mut self, source: Register, place: Place) {
+        if let (Width::Two, Place::Output(_)) = (self.width, place) {
+            let first = Instruction { width: Width::One, ..self.instruction(Map::Of0F, PREFIX_F2, 0x11) };
+            return self.write(first, source, 0, Operand::Memory(place));
+        }
         self.write(self.instruction(Map::Of0F, self.prefix(), 0x11), source, 0, Operand::Memory(place));
     }
 
-    /// `target = place`, in every lane of the register.
+    /// The second number of a pair as a result.
+    pub fn store_second(&mut self, source: Register, place: Place) {
+        self.write(self.instruction(Map::Of0F, PREFIX_66, 0x17), source, 0, Operand::Memory(place));
+    }
+
+    /// The two numbers of a pair, exchanged.
+    pub fn exchange(&mut self, target: Register, source: Operand) {
+        const SECOND_FIRST: u8 = 1;
+        self.write(self.instruction(Map::Of0F3A, PREFIX_66, 0x05), target, 0, source);
+        self.code.push(SECOND_FIRST);
+    }
+
+    /// `target = place`, in every lane of the register; of a pair, the first number.
     pub fn spread(&mut self, target: Register, place: Place) {
         match self.width {
-            Width::One => {
+            Width::One | Width::Two => {
                 self.upper = true;
                 let spread =
                     Instruction { width: Width::Four, ..self.instruction(Map::Of0F38, PREFIX_66, 0x19) };
@@ -166,7 +193,7 @@ impl Assembler {
     /// Stores a value that was [`spread`](Self::spread) in these outputs, as whole registers where possible.
     pub fn fill(&mut self, source: Register, outputs: Range<u32>) {
         let Range { mut start, end } = outputs;
-        if self.width == Width::One {
+        if self.width != Width::Four {
             let four = Instruction { width: Width::Four, ..self.instruction(Map::Of0F, PREFIX_66, 0x11) };
             while end - start >= 4 {
                 self.write(four, source, 0, Operand::Memory(Place::Output(start)));
@@ -213,7 +240,7 @@ impl Assembler {
         let last = match last {
             Operand::Register(register) => Last::Register(register),
             Operand::Memory(place) => {
-                let (Base(base), displacement) = place.address(self.size());
+                let (Base(base), displacement) = place.address(self.size(), self.outer_size());
                 Last::Memory { base, displacement }
             }
         };

@@ -1,7 +1,7 @@
 //! Executable memory, and calls into it.
 
 use crate::error::JitError;
-use crate::number::JitNumber;
+use crate::number::Element;
 use memmap2::{Mmap, MmapMut};
 use std::mem::MaybeUninit;
 
@@ -51,11 +51,11 @@ impl Code {
     /// outputs, constants and slots of these lengths: it reads and writes nothing else, reads of the slots
     /// only what was written, and ends by a return. The processor is [`supported`](Self::supported).
     #[cfg(target_arch = "x86_64")]
-    pub unsafe fn run<T: JitNumber>(
+    pub unsafe fn run<T: Element>(
         &self,
         entry: usize,
-        inputs: &[T],
-        outputs: &mut [T],
+        inputs: &[T::Outer],
+        outputs: &mut [T::Outer],
         constants: &[T::Stored],
         slots: &mut [MaybeUninit<T::Stored>],
     ) {
@@ -83,11 +83,11 @@ impl Code {
     /// # Safety
     /// None is needed.
     #[cfg(not(target_arch = "x86_64"))]
-    pub unsafe fn run<T: JitNumber>(
+    pub unsafe fn run<T: Element>(
         &self,
         _: usize,
-        _: &[T],
-        _: &mut [T],
+        _: &[T::Outer],
+        _: &mut [T::Outer],
         _: &[T::Stored],
         _: &mut [MaybeUninit<T::Stored>],
     ) {

@@ -2,23 +2,14 @@
 
 use crate::code::Code;
 use crate::error::JitError;
-use crate::number::JitNumber;
-use crate::place::Place;
-use crate::plan::Function;
-use crate::translate::{Call, Stage, Translation, translate};
+use crate::limit::{DEFAULT_LIMIT, LANES_LIMIT};
+use crate::machine::Machine;
+use crate::number::{JitNumber, Pair, Pairable, RunPairs};
+use crate::pairs::paired;
+use crate::step::Steps;
 use costate::codegen::Program;
 use costate::{EvalError, LengthError};
-use std::mem::MaybeUninit;
-
-/// Default limit of steps for one state: longer straight-line code is slower than the loops of the generic
-/// code, see docs/jit.md.
-pub const DEFAULT_LIMIT: usize = 18_000;
-
-/// Default limit of steps for four states at once, which do four times the work with the code that is read.
-pub const LANES_LIMIT: usize = 100_000;
-
-/// Most numbers that one call may keep in memory; they are on the stack.
-const MOST_SLOTS: usize = 1 << 13;
+use std::convert::Infallible;
 
 /// A program as machine code of this processor: for numbers, or for the numbers of four states at once.
 ///
@@ -41,14 +32,16 @@ const MOST_SLOTS: usize = 1 << 13;
 /// ```
 #[derive(Debug)]
 pub struct Compiled<T: JitNumber = f64> {
-    code: Code,
-    stages: Vec<Stage>,
-    constants: Vec<T::Stored>,
-    slots: usize,
+    form: Form<T>,
     inputs: usize,
     outputs: usize,
-    /// Whether the last result of the program is in slot 0 and not an output.
-    guarded: bool,
+}
+
+/// The machine code of a program, step by step or with mirror images together.
+#[derive(Debug)]
+enum Form<T: JitNumber> {
+    Single(Machine<T>),
+    Pairs(T::Pairs),
 }
 
 impl Compiled {
@@ -108,14 +101,14 @@ impl<T: JitNumber> Compiled<T> {
         if steps > limit {
             return Err(JitError::TooLong { steps, limit });
         }
-        let Translation { code, stages, constants, slots } = translate(program, T::WIDTH, guarded)?;
-        if slots > MOST_SLOTS {
-            let what = "values that are alive at once";
-            return Err(JitError::TooWide { what, found: slots, limit: MOST_SLOTS });
-        }
-        let constants = constants.into_iter().map(|constant| T::splat(constant).store()).collect();
+        let program_steps = Steps::of(program);
+        let pairs = <T::Pairs as RunPairs<T>>::compile(&program_steps, program.symmetry(), guarded)?;
+        let form = match pairs {
+            Some(pairs) => Form::Pairs(pairs),
+            None => Form::Single(Machine::new(&program_steps, guarded)?),
+        };
         let (inputs, outputs) = (program.inputs(), program.outputs() - usize::from(guarded));
-        Ok(Self { code: Code::new(&code)?, stages, constants, slots, inputs, outputs, guarded })
+        Ok(Self { form, inputs, outputs })
     }
 
     /// Number of entries of all arguments.
@@ -128,6 +121,14 @@ impl<T: JitNumber> Compiled<T> {
         self.outputs
     }
 
+    /// Steps of one call: those of the program, or fewer where steps of two equal sides of a robot are one.
+    pub fn steps(&self) -> usize {
+        match &self.form {
+            Form::Single(machine) => machine.steps,
+            Form::Pairs(pairs) => pairs.steps(),
+        }
+    }
+
     /// Length of the machine code in bytes.
     pub fn code_len(&self) -> usize {
         self.code_bytes().len()
@@ -135,7 +136,10 @@ impl<T: JitNumber> Compiled<T> {
 
     /// The machine code, for disassemblers: position-independent, one function or more.
     pub fn code_bytes(&self) -> &[u8] {
-        self.code.bytes()
+        match &self.form {
+            Form::Single(machine) => machine.bytes(),
+            Form::Pairs(pairs) => pairs.bytes(),
+        }
     }
 
     /// Runs the program: all arguments one after the other in, all results likewise out, each row by row.
@@ -158,71 +162,48 @@ impl<T: JitNumber> Compiled<T> {
         for (what, expected, found) in lengths {
             LengthError::check(what, expected, found)?;
         }
-        Ok(match self.slots {
-            0..=512 => self.run::<512>(inputs, outputs),
-            513..=2048 => self.run::<2048>(inputs, outputs),
-            _ => self.run::<MOST_SLOTS>(inputs, outputs),
+        Ok(match &self.form {
+            Form::Single(machine) => machine.call(inputs, outputs),
+            Form::Pairs(pairs) => pairs.run(inputs, outputs),
         })
-    }
-
-    /// Runs it with `SLOTS` numbers on the stack, at least as many as it needs.
-    #[inline(never)]
-    fn run<const SLOTS: usize>(&self, inputs: &[T], outputs: &mut [T]) -> T {
-        let mut slots = [MaybeUninit::uninit(); SLOTS];
-        for stage in &self.stages {
-            if let Some(entry) = stage.entry {
-                // SAFETY: the code at `entry` was made for slices of just these lengths (`call` compares
-                // those of inputs and outputs, the constants are its own, `SLOTS` is not below what it needs)
-                // and reads of the slots only what it or a function stored; `with_limit` made sure of the
-                // processor.
-                unsafe { self.code.run(entry, inputs, outputs, &self.constants, &mut slots) };
-            }
-            let (angles, others) = stage.calls.split_at(stage.angles);
-            for group in angles.chunks(T::ANGLES) {
-                let mut values = [[T::splat(0.0); 2]; 4];
-                let angle = |k: usize| {
-                    let call = group.get(k);
-                    call.map_or(T::splat(0.0), |call| self.argument(call, inputs, outputs, &slots))
-                };
-                // SAFETY: `with_limit` made sure of the processor.
-                unsafe { T::sin_cos(angle, |k, both| values[k] = both) };
-                group.iter().zip(values).for_each(|(call, values)| store(call, values, &mut slots));
-            }
-            for call in others {
-                let argument = self.argument(call, inputs, outputs, &slots);
-                let value = match call.function {
-                    Function::Exp => argument.map_lanes(f64::exp),
-                    Function::ExpM1 | Function::SinCos => argument.map_lanes(f64::exp_m1),
-                };
-                store(call, [value; 2], &mut slots);
-            }
-        }
-        match self.guarded {
-            // SAFETY: a stretch of code stored the result there, and nothing else uses the slot.
-            true => T::load(unsafe { slots[0].assume_init() }),
-            false => T::splat(0.0),
-        }
-    }
-
-    /// The argument of a function.
-    #[inline]
-    fn argument(&self, call: &Call, inputs: &[T], outputs: &[T], slots: &[MaybeUninit<T::Stored>]) -> T {
-        match call.argument {
-            Place::Input(k) => inputs[k as usize],
-            Place::Output(k) => outputs[k as usize],
-            Place::Constant(k) => T::load(self.constants[k as usize]),
-            // SAFETY: an argument has its slot from the step that computes it, which is in an earlier stage.
-            Place::Slot(k) => T::load(unsafe { slots[k as usize].assume_init() }),
-        }
     }
 }
 
-/// The values of a function into their slots.
-#[inline]
-fn store<T: JitNumber>(call: &Call, values: [T; 2], slots: &mut [MaybeUninit<T::Stored>]) {
-    for (slot, value) in call.values.iter().zip(values) {
-        if let Some(slot) = *slot {
-            slots[slot as usize].write(value.store());
-        }
+impl Pairable for f64 {
+    type Pairs = Machine<Pair>;
+}
+
+impl RunPairs<f64> for Machine<Pair> {
+    fn compile(program: &Steps, images: &[u32], guarded: bool) -> Result<Option<Self>, JitError> {
+        paired(program, images).map(|pairs| Self::new(&pairs, guarded)).transpose()
+    }
+    fn steps(&self) -> usize {
+        self.steps
+    }
+    fn bytes(&self) -> &[u8] {
+        Self::bytes(self)
+    }
+    fn run(&self, inputs: &[f64], outputs: &mut [f64]) -> f64 {
+        self.call(inputs, outputs)
+    }
+}
+
+/// Lanes of four states leave no room for pairs.
+impl Pairable for [f64; 4] {
+    type Pairs = Infallible;
+}
+
+impl RunPairs<[f64; 4]> for Infallible {
+    fn compile(_: &Steps, _: &[u32], _: bool) -> Result<Option<Self>, JitError> {
+        Ok(None)
+    }
+    fn steps(&self) -> usize {
+        match *self {}
+    }
+    fn bytes(&self) -> &[u8] {
+        match *self {}
+    }
+    fn run(&self, _: &[[f64; 4]], _: &mut [[f64; 4]]) -> [f64; 4] {
+        match *self {}
     }
 }

@@ -4,47 +4,54 @@ use crate::assembler::{Arithmetic, Form, Fused, Operand, Register};
 use crate::error::JitError;
 use crate::place::Place;
 use crate::registers::{NEVER, Registers};
-use costate::codegen::{Id, Node};
+use crate::step::{Op, Step};
 
 /// The sign bits for negations: entries 0 and 1 of the constants, because at least 16 bytes are read.
-pub(crate) const SIGNS: [f64; 2] = [-0.0, -0.0];
+pub(crate) const SIGNS: [[f64; 2]; 2] = [[-0.0; 2]; 2];
 
 /// Writes the instructions of one step and returns the register that holds its value.
 ///
 /// # Errors
 /// [`JitError::Malformed`] where an operand is neither in a register nor in memory.
-pub(crate) fn step(registers: &mut Registers, k: usize, node: &Node) -> Result<Register, JitError> {
+pub(crate) fn step(registers: &mut Registers, k: usize, step: &Step) -> Result<Register, JitError> {
     use Arithmetic::{Add, Div, Mul, Sub};
-    registers.keep(&node.operands().map(Id::index).collect::<Vec<_>>())?;
-    match *node {
-        Node::Add(a, b) => either_way(registers, Add, a.index(), b.index()),
-        Node::Mul(a, b) => either_way(registers, Mul, a.index(), b.index()),
-        Node::Sub(a, b) => one_way(registers, Sub, a.index(), b.index()),
-        Node::Div(a, b) => one_way(registers, Div, a.index(), b.index()),
-        Node::MulAdd(a, b, c) => fused(registers, Fused::MulAdd, [a, b, c].map(|id| id.index())),
-        Node::MulSub(a, b, c) => fused(registers, Fused::MulSub, [a, b, c].map(|id| id.index())),
-        Node::NegMulAdd(a, b, c) => fused(registers, Fused::NegMulAdd, [a, b, c].map(|id| id.index())),
-        Node::Neg(a) => {
-            let ([a], target) = sources(registers, [a.index()])?;
+    registers.keep(&step.operands().collect::<Vec<_>>())?;
+    let [a, b, c] = step.operands.map(|operand| operand as usize);
+    match step.op {
+        Op::Add => either_way(registers, Add, a, b),
+        Op::Mul => either_way(registers, Mul, a, b),
+        Op::Sub => one_way(registers, Sub, a, b),
+        Op::Div => one_way(registers, Div, a, b),
+        Op::MulAdd => fused(registers, Fused::MulAdd, [a, b, c]),
+        Op::MulSub => fused(registers, Fused::MulSub, [a, b, c]),
+        Op::NegMulAdd => fused(registers, Fused::NegMulAdd, [a, b, c]),
+        Op::Neg => {
+            let ([a], target) = sources(registers, [a])?;
             registers.assembler.negate(target, a, Operand::Memory(Place::Constant(0)));
             Ok(target)
         }
-        Node::Sqrt(a) => {
-            let ([a], target) = sources(registers, [a.index()])?;
+        Op::Sqrt => {
+            let ([a], target) = sources(registers, [a])?;
             registers.assembler.sqrt(target, a);
             Ok(target)
         }
-        Node::Less(a, b) => {
-            let ([a, b], target) = sources(registers, [a.index(), b.index()])?;
+        Op::Less => {
+            let ([a, b], target) = sources(registers, [a, b])?;
             registers.assembler.less(target, a, b);
             Ok(target)
         }
-        Node::Select(mask, a, b) => {
-            let ([mask, a, b], target) = sources(registers, [mask, a, b].map(|id| id.index()))?;
+        Op::Select => {
+            let ([mask, a, b], target) = sources(registers, [a, b, c])?;
             registers.assembler.select(target, mask, a, b);
             Ok(target)
         }
-        Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) | Node::Exp(_) | Node::ExpM1(_) => {
+        Op::Exchange => {
+            let source = registers.operand(a)?;
+            let target = target(registers, &[a]);
+            registers.assembler.exchange(target, source);
+            Ok(target)
+        }
+        Op::Constant | Op::Input | Op::Sin | Op::Cos | Op::Exp | Op::ExpM1 => {
             // These are in memory before any step: the plan has no such steps.
             Err(JitError::Malformed { node: k })
         }

@@ -4,11 +4,12 @@
 //! compiler. [`JitQuantity`] does so for a quantity of a robot. Where that is not possible it uses the
 //! generic code, and its [`Backend`] has the reason.
 //!
-//! The modules in the order of their work: `plan` and `order` divide the steps into stages between function
-//! calls and sort them; `translate`, `emit`, `registers` and `place` choose a register or memory for each
-//! value while `assembler` writes the instructions; `code` is the executable memory, `functions` computes
-//! sines and cosines. Machine code is straight: it has no branches, calls nothing, and accesses four slices
-//! whose lengths are known when it is written.
+//! The modules in the order of their work: `step` has the steps of a program, `pairs` joins those of two
+//! equal sides of a robot; `plan` and `order` divide the steps into stages between function calls and sort
+//! them; `translate`, `emit`, `registers` and `place` choose a register or memory for each value while
+//! `assembler` writes the instructions; `code` is the executable memory, `functions` computes sines and
+//! cosines, `machine` runs all of it. Machine code is straight: it has no branches, calls nothing, and
+//! accesses four slices whose lengths are known when it is written.
 
 #![warn(missing_debug_implementations)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
@@ -20,17 +21,22 @@ mod compiled;
 mod emit;
 mod error;
 mod functions;
+mod limit;
+mod machine;
 mod number;
 mod order;
+mod pairs;
 mod place;
 mod plan;
 mod quantity;
 mod registers;
+mod step;
 mod translate;
 
 pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
-pub use compiled::{Compiled, DEFAULT_LIMIT, LANES_LIMIT};
+pub use compiled::Compiled;
 pub use error::JitError;
+pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};

@@ -1,6 +1,6 @@
 //! The order of computation: list scheduling by the length of dependent chains, within a window.
 
-use costate::codegen::{Id, Node};
+use crate::step::{Op, Step};
 
 /// Steps that are considered together. Wider windows find more parallel work and need more registers: of 1,
 /// 8, 16, 24, 32, 48, 64 and 128, 16 was fastest on UR5 and Panda.
@@ -12,24 +12,24 @@ const WIDTH: usize = 2;
 const LONGEST: u32 = 20;
 
 /// Approximate latency of a step, in cycles.
-fn latency(node: &Node) -> u32 {
-    match node {
-        Node::Constant(_) | Node::Input(_) => 0,
-        Node::Neg(_) => 1,
-        Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Less(..) | Node::Select(..) => 3,
-        Node::MulAdd(..) | Node::MulSub(..) | Node::NegMulAdd(..) => 4,
-        Node::Div(..) => 13,
-        Node::Sqrt(_) => LONGEST,
-        Node::Sin(_) | Node::Cos(_) | Node::Exp(_) | Node::ExpM1(_) => 40,
+fn latency(step: &Step) -> u32 {
+    match step.op {
+        Op::Constant | Op::Input => 0,
+        Op::Neg | Op::Exchange => 1,
+        Op::Add | Op::Sub | Op::Mul | Op::Less | Op::Select => 3,
+        Op::MulAdd | Op::MulSub | Op::NegMulAdd => 4,
+        Op::Div => 13,
+        Op::Sqrt => LONGEST,
+        Op::Sin | Op::Cos | Op::Exp | Op::ExpM1 => 40,
     }
 }
 
 /// Cycles from the start of each step to the end of the longest chain that depends on it.
-fn heights(nodes: &[Node]) -> Vec<u32> {
+fn heights(nodes: &[Step]) -> Vec<u32> {
     let mut heights = vec![0; nodes.len()];
     for (k, node) in nodes.iter().enumerate().rev() {
         heights[k] += latency(node);
-        for operand in node.operands().map(Id::index) {
+        for operand in node.operands() {
             heights[operand] = heights[operand].max(heights[k]);
         }
     }
@@ -38,7 +38,7 @@ fn heights(nodes: &[Node]) -> Vec<u32> {
 
 /// Orders the steps of one stage after the other.
 pub(crate) struct Scheduler<'a> {
-    nodes: &'a [Node],
+    nodes: &'a [Step],
     heights: Vec<u32>,
     /// The cycle from which the value of each node can be used; never for steps that have not started.
     ready: Vec<u32>,
@@ -46,7 +46,7 @@ pub(crate) struct Scheduler<'a> {
 }
 
 impl<'a> Scheduler<'a> {
-    pub fn new(nodes: &'a [Node]) -> Self {
+    pub fn new(nodes: &'a [Step]) -> Self {
         let ready = nodes.iter().map(|node| if node.is_leaf() { 0 } else { u32::MAX }).collect();
         Self { nodes, heights: heights(nodes), ready, cycle: 0 }
     }
@@ -79,6 +79,6 @@ impl<'a> Scheduler<'a> {
     }
 
     fn can_start(&self, step: usize) -> bool {
-        self.nodes[step].operands().all(|operand| self.ready[operand.index()] <= self.cycle)
+        self.nodes[step].operands().all(|operand| self.ready[operand] <= self.cycle)
     }
 }

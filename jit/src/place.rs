@@ -30,8 +30,8 @@ pub(crate) const SLOTS: [Base; 6] = [Base(1), Base(8), Base(9), Base(10), Base(1
 pub(crate) const STRIDE: usize = 256;
 
 impl Place {
-    /// As base and displacement, for numbers of `size` bytes.
-    pub fn address(self, size: usize) -> (Base, i32) {
+    /// As base and displacement, for numbers of `size` bytes, and of `outer_size` as arguments and results.
+    pub fn address(self, size: usize, outer_size: usize) -> (Base, i32) {
         let (base, index, skipped) = match self {
             Place::Input(k) => (INPUTS, k, 0),
             Place::Output(k) => (OUTPUTS, k, 0),
@@ -41,6 +41,7 @@ impl Place {
                 (SLOTS[group], k, group * STRIDE)
             }
         };
+        let size = if matches!(self, Place::Input(_) | Place::Output(_)) { outer_size } else { size };
         // At most 32 MOST = 2^29.
         (base, (index as usize * size) as i32 - (BIAS + skipped) as i32)
     }

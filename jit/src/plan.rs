@@ -2,7 +2,7 @@
 
 use crate::error::JitError;
 use crate::order::Scheduler;
-use costate::codegen::{Id, Node};
+use crate::step::{Op, Step};
 use std::collections::HashMap;
 
 /// A function that the library evaluates between two stretches of machine code.
@@ -29,9 +29,9 @@ pub(crate) struct PlannedStage {
 }
 
 /// The argument of a node that is a function.
-fn argument(node: &Node) -> Option<usize> {
-    match node {
-        Node::Sin(a) | Node::Cos(a) | Node::Exp(a) | Node::ExpM1(a) => Some(a.index()),
+fn argument(step: &Step) -> Option<usize> {
+    match step.op {
+        Op::Sin | Op::Cos | Op::Exp | Op::ExpM1 => step.operands().next(),
         _ => None,
     }
 }
@@ -44,11 +44,11 @@ fn argument(node: &Node) -> Option<usize> {
 ///
 /// # Errors
 /// [`JitError::Malformed`] for a node that is not computed from nodes before it.
-pub(crate) fn plan(nodes: &[Node]) -> Result<Vec<PlannedStage>, JitError> {
+pub(crate) fn plan(nodes: &[Step]) -> Result<Vec<PlannedStage>, JitError> {
     check(nodes)?;
     let mut nesting = vec![0; nodes.len()];
     for (k, node) in nodes.iter().enumerate() {
-        let deepest = node.operands().map(|id| nesting[id.index()]).max().unwrap_or(0);
+        let deepest = node.operands().map(|operand| nesting[operand]).max().unwrap_or(0);
         nesting[k] = deepest + usize::from(argument(node).is_some());
     }
     let last = nesting.iter().max().copied().unwrap_or(0);
@@ -56,13 +56,13 @@ pub(crate) fn plan(nodes: &[Node]) -> Result<Vec<PlannedStage>, JitError> {
     let mut stages = vec![PlannedStage::default(); last + 1];
     for (k, node) in nodes.iter().enumerate().rev() {
         let limit = if argument(node).is_some() { nesting[k] - 1 } else { latest[k] };
-        for operand in node.operands().map(Id::index) {
+        for operand in node.operands() {
             latest[operand] = latest[operand].min(limit);
         }
     }
     for (k, node) in nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf() && argument(node).is_none())
     {
-        debug_assert!(node.operands().all(|id| latest[id.index()] <= latest[k]));
+        debug_assert!(node.operands().all(|operand| latest[operand] <= latest[k]));
         stages[latest[k]].steps.push(k);
     }
     call_functions(nodes, &nesting, &mut stages);
@@ -75,14 +75,13 @@ pub(crate) fn plan(nodes: &[Node]) -> Result<Vec<PlannedStage>, JitError> {
 }
 
 /// Checks that every node uses earlier nodes, and that selections, and only these, use comparisons.
-fn check(nodes: &[Node]) -> Result<(), JitError> {
-    let is_comparison = |id: Id| matches!(nodes[id.index()], Node::Less(..));
-    let sound = |k: usize, node: &Node| {
-        node.operands().all(|id| id.index() < k)
-            && match *node {
-                Node::Select(mask, a, b) => is_comparison(mask) && !is_comparison(a) && !is_comparison(b),
-                _ => !node.operands().any(is_comparison),
-            }
+fn check(nodes: &[Step]) -> Result<(), JitError> {
+    let is_comparison = |operand: usize| nodes[operand].op == Op::Less;
+    let sound = |k: usize, step: &Step| {
+        let mut choices = step.operands();
+        step.operands().all(|operand| operand < k)
+            && (step.op != Op::Select || choices.next().is_some_and(is_comparison))
+            && !choices.any(is_comparison)
     };
     match nodes.iter().enumerate().position(|(k, node)| !sound(k, node)) {
         Some(node) => Err(JitError::Malformed { node }),
@@ -91,16 +90,16 @@ fn check(nodes: &[Node]) -> Result<(), JitError> {
 }
 
 /// Puts each function into the stage before its nesting; sine and cosine of one argument are one call.
-fn call_functions(nodes: &[Node], nesting: &[usize], stages: &mut [PlannedStage]) {
+fn call_functions(nodes: &[Step], nesting: &[usize], stages: &mut [PlannedStage]) {
     let mut angles: HashMap<usize, usize> = HashMap::new();
     for (k, node) in nodes.iter().enumerate() {
         let Some(argument) = argument(node) else { continue };
         let stage = nesting[k] - 1;
         let calls = &mut stages[stage].calls;
-        let (function, which) = match node {
-            Node::Sin(_) => (Function::SinCos, 0),
-            Node::Cos(_) => (Function::SinCos, 1),
-            Node::Exp(_) => (Function::Exp, 0),
+        let (function, which) = match node.op {
+            Op::Sin => (Function::SinCos, 0),
+            Op::Cos => (Function::SinCos, 1),
+            Op::Exp => (Function::Exp, 0),
             _ => (Function::ExpM1, 0),
         };
         let mut values = [None; 2];

@@ -1,8 +1,9 @@
 //! A quantity of a robot by machine code, or by the generic code where there is none.
 
 use crate::code::Code;
-use crate::compiled::{Compiled, DEFAULT_LIMIT};
+use crate::compiled::Compiled;
 use crate::error::JitError;
+use crate::limit::limit_of;
 use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, RobotQuantity, Shape, guarded_program};
 use costate::robot::Robot;
@@ -32,10 +33,9 @@ pub struct JitQuantity {
     generic: RobotQuantity<f64>,
 }
 
-/// Machine code and the length of its program.
+/// Machine code of a quantity.
 #[derive(Debug)]
 struct Machine {
-    steps: usize,
     code: Compiled,
 }
 
@@ -45,7 +45,7 @@ struct Machine {
 pub enum Backend<'a> {
     /// Machine code.
     Compiled {
-        /// Steps of the program.
+        /// Steps of one call, see [`Compiled::steps`].
         steps: usize,
         /// Bytes of machine code.
         bytes: usize,
@@ -67,14 +67,15 @@ impl fmt::Display for Backend<'_> {
 }
 
 impl JitQuantity {
-    /// Records and compiles a quantity; see [`Quantity`] for arguments and results.
+    /// Records and compiles a quantity of at most [`limit_of`] steps; see [`Quantity`] for arguments and
+    /// results.
     ///
     /// A quantity that cannot be compiled is no error: [`backend`](Self::backend) has the reason.
     ///
     /// # Errors
     /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
     pub fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
-        Self::with_limit(robot, quantity, coordinates, DEFAULT_LIMIT)
+        Self::with_limit(robot, quantity, coordinates, limit_of(robot))
     }
 
     /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 selects the generic
@@ -98,7 +99,7 @@ impl JitQuantity {
     /// How it computes.
     pub fn backend(&self) -> Backend<'_> {
         match &self.compiled {
-            Ok(Machine { steps, code }) => Backend::Compiled { steps: *steps, bytes: code.code_len() },
+            Ok(Machine { code }) => Backend::Compiled { steps: code.steps(), bytes: code.code_len() },
             Err(reason) => Backend::Generic { reason },
         }
     }
@@ -133,7 +134,7 @@ impl JitQuantity {
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`].
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
-        if let Ok(Machine { code, .. }) = &self.compiled {
+        if let Ok(Machine { code }) = &self.compiled {
             let guard = code.call_guarded(inputs, outputs)?;
             if guard < REGULAR && all_finite(inputs) && all_finite(outputs) {
                 return Ok(());
@@ -162,7 +163,7 @@ impl Machine {
             Err(error) => return JitError::of_length(error).map(Err),
         };
         let code = Compiled::compile(&program, limit, quantity.inverts(coordinates));
-        Ok(code.map(|code| Self { steps: program.steps(), code }))
+        Ok(code.map(|code| Self { code }))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::error::JitError;
 use crate::place::{MOST, Place};
 use crate::plan::{Function, PlannedStage, plan};
 use crate::registers::Registers;
-use costate::codegen::{Id, Node, Program};
+use crate::step::{Op, Step, Steps};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
@@ -16,6 +16,13 @@ pub(crate) struct Call {
     pub function: Function,
     pub argument: Place,
     pub values: [Option<u32>; 2],
+}
+
+/// A pair of inputs, and the slot for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairedInput {
+    pub slot: u32,
+    pub inputs: [u32; 2],
 }
 
 /// A stretch of machine code, which may be empty, and the functions that are called after it: sines and
@@ -33,34 +40,48 @@ pub(crate) struct Stage {
 pub(crate) struct Translation {
     pub code: Vec<u8>,
     pub stages: Vec<Stage>,
-    pub constants: Vec<f64>,
-    /// Doubles of memory that a call needs for itself.
+    pub constants: Vec<[f64; 2]>,
+    /// In programs of pairs, the inputs, which a call gathers before anything else.
+    pub inputs: Vec<PairedInput>,
+    /// Numbers of memory that a call needs for itself, each of the width of the program.
     pub slots: usize,
 }
 
-/// Constants in the order of their first appearance, each once; nodes that hold them.
-fn constants(nodes: &[Node]) -> (Vec<f64>, Vec<(usize, Place)>) {
+/// Constants in the order of their first appearance, each once; steps that hold them.
+fn constants(program: &Steps) -> (Vec<[f64; 2]>, Vec<(usize, Place)>) {
     let mut table = emit::SIGNS.to_vec();
     let mut positions = HashMap::new();
     let mut homes = Vec::new();
-    for (k, node) in nodes.iter().enumerate() {
-        match node {
-            Node::Constant(value) => {
-                let position = *positions.entry(value.to_bits()).or_insert_with(|| {
-                    table.push(*value);
-                    table.len() as u32 - 1
-                });
-                homes.push((k, Place::Constant(position)));
-            }
-            Node::Input(index) => homes.push((k, Place::Input(*index))),
-            _ => {}
-        }
+    for (k, step) in program.steps.iter().enumerate().filter(|(_, step)| step.op == Op::Constant) {
+        let value = program.constants[step.operands[0] as usize];
+        let position = *positions.entry(value.map(f64::to_bits)).or_insert_with(|| {
+            table.push(value);
+            table.len() as u32 - 1
+        });
+        homes.push((k, Place::Constant(position)));
     }
     (table, homes)
 }
 
+/// The places of inputs: where the caller has them, or slots for pairs of them.
+fn inputs(program: &Steps, width: Width, registers: &mut Registers) -> Vec<PairedInput> {
+    let mut paired = Vec::new();
+    for (k, step) in program.steps.iter().enumerate().filter(|(_, step)| step.op == Op::Input) {
+        let inputs = program.inputs[step.operands[0] as usize];
+        let home = if width == Width::Two {
+            let slot = registers.new_slot();
+            paired.push(PairedInput { slot, inputs });
+            Place::Slot(slot)
+        } else {
+            Place::Input(inputs[0])
+        };
+        registers.set_home(k, home);
+    }
+    paired
+}
+
 /// The times at which each node is used: steps count 1 each, the calls after a stage 1 together, the end 1.
-fn uses(nodes: &[Node], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u32>> {
+fn uses(nodes: &[Step], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u32>> {
     let mut uses: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
     let mut record = |node: usize, time: u32| {
         if uses[node].last() != Some(&time) {
@@ -70,7 +91,7 @@ fn uses(nodes: &[Node], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u
     let mut time = 0;
     for stage in stages {
         for &step in &stage.steps {
-            nodes[step].operands().for_each(|id| record(id.index(), time));
+            nodes[step].operands().for_each(|operand| record(operand, time));
             time += 1;
         }
         stage.calls.iter().for_each(|call| record(call.argument, time));
@@ -85,38 +106,38 @@ fn uses(nodes: &[Node], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u
 ///
 /// # Errors
 /// [`JitError::Malformed`], [`JitError::TooWide`].
-pub(crate) fn translate(program: &Program, width: Width, guarded: bool) -> Result<Translation, JitError> {
-    let nodes = program.nodes();
+pub(crate) fn translate(program: &Steps, width: Width, guarded: bool) -> Result<Translation, JitError> {
+    let nodes = &program.steps;
     for (what, found) in
-        [("nodes", nodes.len()), ("inputs", program.inputs()), ("outputs", program.outputs())]
+        [("nodes", nodes.len()), ("inputs", program.inputs.len()), ("outputs", program.results.len())]
     {
         if found > MOST {
             return Err(JitError::TooWide { what, found, limit: MOST });
         }
     }
     let planned = plan(nodes)?;
-    let results: Vec<usize> =
-        program.results().iter().flat_map(|result| result.entries.iter().map(|id| id.index())).collect();
+    let results = &program.results;
     // A result that is computed by a step is stored there; the others are copied at the end.
-    let mut outputs: HashMap<usize, Vec<Place>> = HashMap::new();
+    let mut outputs: HashMap<usize, Vec<(Place, usize)>> = HashMap::new();
     for &step in planned.iter().flat_map(|stage| &stage.steps) {
         outputs.insert(step, Vec::new());
     }
     let mut copied = Vec::new();
     let guard = results.len().checked_sub(1).filter(|_| guarded);
-    for (k, node) in results.iter().enumerate() {
+    for (k, &(node, lane)) in results.iter().enumerate() {
         let place = if Some(k) == guard { Place::Slot(0) } else { Place::Output(k as u32) };
-        match outputs.get_mut(node) {
-            Some(places) => places.push(place),
-            None => copied.push((place, *node)),
+        match outputs.get_mut(&(node as usize)) {
+            Some(places) => places.push((place, lane)),
+            None => copied.push((place, node as usize, lane)),
         }
     }
-    let late: Vec<usize> = copied.iter().map(|&(_, node)| node).collect();
+    let late: Vec<usize> = copied.iter().map(|copied| copied.1).collect();
     let mut registers = Registers::new(width, uses(nodes, &planned, &late));
     if guard.is_some() {
         registers.new_slot();
     }
-    let (constants, homes) = constants(nodes);
+    let inputs = inputs(program, width, &mut registers);
+    let (constants, homes) = constants(program);
     homes.into_iter().for_each(|(node, home)| registers.set_home(node, home));
     let mut stages = Vec::new();
     let mut time = 0;
@@ -146,39 +167,46 @@ pub(crate) fn translate(program: &Program, width: Width, guarded: bool) -> Resul
         stages.push(Stage { entry: has_code.then_some(entry), calls, angles });
     }
     let slots = registers.slots();
-    Ok(Translation { code: registers.assembler.into_code(), stages, constants, slots })
+    Ok(Translation { code: registers.assembler.into_code(), stages, constants, inputs, slots })
 }
 
 /// One step: its instructions, its stores to results, and the release of its operands.
 fn step(
     registers: &mut Registers,
-    nodes: &[Node],
+    nodes: &[Step],
     k: usize,
     time: u32,
-    outputs: &[Place],
+    outputs: &[(Place, usize)],
 ) -> Result<(), JitError> {
     let node = &nodes[k];
-    node.operands().for_each(|id| registers.pass(id.index(), time));
+    node.operands().for_each(|operand| registers.pass(operand, time));
     let target = emit::step(registers, k, node)?;
     registers.assign(k, target);
-    for &output in outputs {
-        registers.assembler.store(target, output);
+    for &(output, lane) in outputs {
+        match lane {
+            0 => registers.assembler.store(target, output),
+            _ => registers.assembler.store_second(target, output),
+        }
     }
-    // Not the slot, which would be released with the value.
-    if let Some(&output) = outputs.iter().find(|output| matches!(output, Place::Output(_))) {
+    // Not the slot, which would be released with the value, and not one number of a pair.
+    let whole = |output: &&(Place, usize)| matches!(output.0, Place::Output(_));
+    if let Some(&(output, _)) = outputs.iter().find(whole).filter(|_| !registers.assembler.has_pairs()) {
         registers.set_home(k, output);
     }
-    node.operands().map(Id::index).chain([k]).for_each(|value| registers.release(value));
+    node.operands().chain([k]).for_each(|value| registers.release(value));
     Ok(())
 }
 
 /// Results that no step computes: constants, arguments, values of functions. Each is loaded once.
-fn copy(registers: &mut Registers, copied: &[(Place, usize)], time: u32) -> Result<(), JitError> {
+fn copy(registers: &mut Registers, copied: &[(Place, usize, usize)], time: u32) -> Result<(), JitError> {
     let mut outputs: BTreeMap<usize, Vec<Range<u32>>> = BTreeMap::new();
-    for &(place, node) in copied {
-        let Place::Output(output) = place else {
+    for &(place, node, lane) in copied {
+        let (Place::Output(output), 0) = (place, lane) else {
             let source = registers.load(node, registers.lock(&[]))?;
-            registers.assembler.store(source, place);
+            match lane {
+                0 => registers.assembler.store(source, place),
+                _ => registers.assembler.store_second(source, place),
+            }
             continue;
         };
         let ranges = outputs.entry(node).or_default();

@@ -56,6 +56,7 @@ pub struct Program {
     arguments: Vec<ProgramArgument>,
     nodes: Vec<Node>,
     results: Vec<ProgramResult>,
+    symmetry: Vec<u32>,
 }
 
 /// A result as a recorded function returns it.
@@ -144,6 +145,7 @@ impl Program {
             arguments: arguments.iter().map(|&(name, entries)| ProgramArgument::new(name, entries)).collect(),
             nodes,
             results: shaped(results, ids)?,
+            symmetry: Vec::new(),
         };
         let names = program.arguments.iter().map(|argument| &argument.name);
         check_names(name, names.chain(program.results.iter().map(|result| &result.name)))?;
@@ -174,6 +176,26 @@ impl Program {
     #[must_use]
     pub fn with_notes(self, notes: Vec<String>) -> Self {
         Self { notes, ..self }
+    }
+
+    /// For each entry of all arguments the one in its place when equal branches of a robot exchange their
+    /// roles, as left and right arm; empty where nothing is known.
+    ///
+    /// It tells a compiler which steps may be alike, and promises nothing: the numbers of the branches may
+    /// differ.
+    pub fn symmetry(&self) -> &[u32] {
+        &self.symmetry
+    }
+
+    /// The same program with this symmetry of n joints, in every argument; all are multiples of n numbers.
+    #[must_use]
+    pub(super) fn with_symmetry(mut self, images: &[usize]) -> Self {
+        let n = images.len();
+        if n > 0 && self.arguments.iter().all(|argument| argument.entries % n == 0) {
+            let image = |k: usize| (k / n * n + images[k % n]) as u32;
+            self.symmetry = (0..self.inputs()).map(image).collect();
+        }
+        self
     }
 
     /// The same program, with the meaning of arguments and results of these names.

@@ -15,8 +15,8 @@ pub(super) const LEAST_SINE: f64 = 0.3;
 /// New origin of each joint frame, seen from the old one, in its axes (m).
 pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
     let joints = robot.joints();
-    let main_child = main_children(joints);
-    let feet = feet(joints, &main_child);
+    let main_children = main_children(joints);
+    let feet = feet(joints, &main_children);
     let mut origins: Vec<Vector3<f64>> = Vec::with_capacity(joints.len());
     for (i, joint) in joints.iter().enumerate() {
         let parent = joint.parent.map_or(Vector3::zeros(), |p| origins[p]);
@@ -25,8 +25,8 @@ pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
         let beside = outer - joint.axis * outer.dot(&joint.axis);
         origins.push(match joint.kind {
             JointKind::Prismatic => {
-                let next = main_child[i].map(|child| &joints[child]);
-                beside + joint.axis * next.and_then(|next| foot(joint, &beside, next)).unwrap_or(0.0)
+                let foot = |&next: &usize| foot(joint, &beside, &joints[next]);
+                beside + joint.axis * middle(main_children[i].iter().map(foot)).unwrap_or(0.0)
             }
             JointKind::Revolute => {
                 let own_foot = || {
@@ -41,36 +41,56 @@ pub(super) fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
     origins
 }
 
-/// The child with the most joints beyond it: it determines the frame of its parent.
-fn main_children(joints: &[Joint]) -> Vec<Option<usize>> {
+/// The children with the most joints beyond them: they determine the frame of their parent. Several, as the
+/// two arms of a torso, have the same say, so that the frames of a symmetric robot are symmetric.
+fn main_children(joints: &[Joint]) -> Vec<Vec<usize>> {
     let mut size = vec![1; joints.len()];
-    let mut main_child: Vec<Option<usize>> = vec![None; joints.len()];
+    let mut main_children = vec![Vec::new(); joints.len()];
     for (j, joint) in joints.iter().enumerate().rev() {
-        if let Some(parent) = joint.parent {
-            size[parent] += size[j];
-            if main_child[parent].is_none_or(|other| size[other] <= size[j]) {
-                main_child[parent] = Some(j);
-            }
+        let Some(parent) = joint.parent else { continue };
+        size[parent] += size[j];
+        let largest = main_children[parent].first().map_or(0, |&other: &usize| size[other]);
+        if size[j] > largest {
+            main_children[parent].clear();
+        }
+        if size[j] >= largest {
+            main_children[parent].push(j);
         }
     }
-    main_child
+    main_children
 }
 
-/// Displacement of the frame of a revolute joint along its axis to the foot towards its main child; `None` if
-/// the foot is not determined.
-fn feet(joints: &[Joint], main_child: &[Option<usize>]) -> Vec<Option<f64>> {
-    let mut feet = vec![None; joints.len()];
+/// The middle between the first and the last of some positions, if all are known.
+fn middle(positions: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let positions: Vec<f64> = positions.collect::<Option<_>>()?;
+    let (least, most) =
+        positions.iter().fold((f64::INFINITY, -f64::INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+    let middle = if least == most { least } else { 0.5 * (least + most) };
+    (!positions.is_empty()).then_some(middle)
+}
+
+/// Displacement of the frame of a revolute joint along its axis to the foot towards its main child, or to the
+/// middle of the feet towards several; `None` if a foot is not determined.
+fn feet(joints: &[Joint], main_children: &[Vec<usize>]) -> Vec<Option<f64>> {
+    let mut feet: Vec<Option<f64>> = vec![None; joints.len()];
     for (i, joint) in joints.iter().enumerate().rev() {
-        let Some(next) = main_child[i].filter(|_| joint.kind == JointKind::Revolute) else { continue };
-        if joints[next].kind == JointKind::Revolute {
+        if joint.kind != JointKind::Revolute {
+            continue;
+        }
+        let towards = |&next: &usize| {
+            if joints[next].kind != JointKind::Revolute {
+                return None;
+            }
             let level = |foot: f64| {
                 let origin = joints[next].axis * foot;
                 joint
                     .axis
                     .dot(&(joints[next].placement.rotation * origin + joints[next].placement.translation))
             };
-            feet[i] = foot(joint, &Vector3::zeros(), &joints[next]).or(feet[next].map(level));
-        }
+            foot(joint, &Vector3::zeros(), &joints[next]).or(feet[next].map(level))
+        };
+        let foot = middle(main_children[i].iter().map(towards));
+        feet[i] = foot;
     }
     feet
 }

@@ -5,6 +5,8 @@
 pub enum Width {
     /// One double.
     One,
+    /// Two doubles with the same operations.
+    Two,
     /// Four doubles with the same operations.
     Four,
 }

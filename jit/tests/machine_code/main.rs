@@ -6,4 +6,5 @@ mod contract;
 mod extremals;
 mod programs;
 mod robots;
+mod sides;
 mod singular;

@@ -63,13 +63,12 @@ impl Arena {
         Value::Of(Signed { id: self.intern(node), negative: false })
     }
 
-    /// A constant by its magnitude: constants of both signs share a node.
+    /// A constant is a node with its sign: steps that differ in the signs of constants only, as those of the
+    /// left and the right side of a robot, remain alike.
     pub fn signed(&mut self, value: Value) -> Signed {
         match value {
             Value::Of(signed) => signed,
-            Value::Constant(value) => {
-                Signed { id: self.intern(Node::Constant(value.abs())), negative: value.is_sign_negative() }
-            }
+            Value::Constant(value) => Signed { id: self.intern(Node::Constant(value)), negative: false },
         }
     }
 
@@ -90,6 +89,11 @@ impl Arena {
             Node::Constant(value) => Some(value),
             _ => None,
         }
+    }
+
+    /// The order of operands that can be exchanged: constants first, whenever they appeared.
+    fn rank(&self, id: Id) -> (bool, Id) {
+        (self.constant(id).is_none(), id)
     }
 
     /// The signed terms of a sum of two.
@@ -128,7 +132,7 @@ impl Arena {
                 false => Value::Constant(0.0),
             };
         }
-        let [first, second] = if a.id < b.id { [a, b] } else { [b, a] };
+        let [first, second] = if self.rank(a.id) < self.rank(b.id) { [a, b] } else { [b, a] };
         let node = match first.negative == second.negative {
             true => Node::Add(first.id, second.id),
             false => Node::Sub(first.id, second.id),
@@ -195,7 +199,8 @@ impl Arena {
             _ => {}
         }
         let (a, b) = (self.signed(a), self.signed(b));
-        let node = Node::Mul(a.id.min(b.id), a.id.max(b.id));
+        let [first, second] = if self.rank(a.id) < self.rank(b.id) { [a.id, b.id] } else { [b.id, a.id] };
+        let node = Node::Mul(first, second);
         self.positive(node).negated_if(a.negative != b.negative)
     }
 

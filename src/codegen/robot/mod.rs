@@ -3,7 +3,7 @@
 //! `quantity` lists what there is with its arguments and results; `evaluator` computes it for any scalar;
 //! `program` records that, with the constants of the robot as numbers or, by `parameters`, as arguments;
 //! `guarded` adds the check of the mass matrix; `size` refuses robots that are too large before anything is
-//! recorded.
+//! recorded; `symmetry` tells which joints of a robot with two equal sides correspond.
 
 mod evaluator;
 mod guarded;
@@ -13,6 +13,7 @@ mod program;
 mod quantity;
 mod shape;
 mod size;
+mod symmetry;
 
 pub use evaluator::RobotQuantity;
 pub use guarded::{REGULAR, guarded_program};

@@ -6,6 +6,7 @@ use super::parameters::{labelled, layout, parameter_values};
 use super::quantity::{Coordinates, Quantity, Variable};
 use super::shape::Shape;
 use super::size::check_size;
+use super::symmetry::exchanged_joints;
 use crate::codegen::error::CodegenError;
 use crate::codegen::names::name_from;
 use crate::codegen::program::{Program, RecordedResult};
@@ -86,7 +87,8 @@ pub(super) fn program_with(
         notes.push("Parameters: link about the origin and in the axes of the joint frame of the robot file; SI units.".into());
         notes.extend(layout(robot));
     }
-    Ok(program.with_notes(notes).with_meanings(&MEANINGS))
+    let exchanged = exchanged_joints(robot).filter(|_| !options.parameters).unwrap_or_default();
+    Ok(program.with_notes(notes).with_meanings(&MEANINGS).with_symmetry(&exchanged))
 }
 
 /// Results of these shapes.
