@@ -117,12 +117,12 @@ fn frames_are_listed_on_request() {
     assert!(frames.iter().any(|frame| frame["name"] == "tool0" && frame["joint"] == "wrist_3_joint"));
     assert!(json_of("robots/ur5.urdf", "").get("frames").is_none());
     let table = stdout(&costate(&["info", "tests/fixtures/pulled_arm.toml", "--frames"], b""));
-    let row = table.lines().find(|line| line.contains("world") && line.contains("-12")).unwrap();
+    let row = table.lines().find(|line| line.contains("aligned") && line.contains("-12")).unwrap();
     assert!(row.contains("branch") && row.contains("(0.500, -0.200, 0)"), "{table}");
     let text = stdout(&costate(&["info", "tests/fixtures/pulled_arm.toml", "--frames", "--json"], b""));
     let info: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
         (&info["wrenches"][0]["frame"], &info["wrenches"][1]["axes"]),
-        (&json!("tip"), &json!("world"))
+        (&json!("tip"), &json!("aligned"))
     );
 }
