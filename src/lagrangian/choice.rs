@@ -22,7 +22,7 @@ use crate::scalar::Scalar;
 /// articulated bodies in the axes of the world do not: with them, humanoids of means 4.9 and 7.5 take 1.7 and
 /// 1.3 times the operations.
 ///
-/// Packs of several lanes take 1.1 to 2.8 times less time with articulated bodies on every such tree as soon
+/// Packs of several lanes take 1.03 to 2.8 times less time with articulated bodies on every such tree as soon
 /// as the factors are [computed block by block](Panel::in_blocks), and more time for 8 to 12 joints.
 const ARTICULATED_FROM: usize = 9;
 

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 /// The order of the joints of a tree, parents before children.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Branches {
+pub(crate) struct Branches {
+    roots: Vec<usize>,
     children: Vec<Vec<usize>>,
     /// Prefix sums of the sizes of the subtrees.
     starts: Vec<usize>,
@@ -31,13 +32,19 @@ impl Branches {
         });
         let starts = std::iter::once(0).chain(ends).collect();
         let (mut depth_first, mut places) = (Vec::with_capacity(n), vec![0; n]);
-        let mut next: Vec<usize> = (0..n).rev().filter(|&i| parents[i].is_none()).collect();
+        let roots: Vec<usize> = (0..n).filter(|&i| parents[i].is_none()).collect();
+        let mut next: Vec<usize> = roots.iter().rev().copied().collect();
         while let Some(i) = next.pop() {
             places[i] = depth_first.len();
             depth_first.push(i);
             next.extend(children[i].iter().rev());
         }
-        Self { children, starts, depth_first, places }
+        Self { roots, children, starts, depth_first, places }
+    }
+
+    /// The joints attached to the base.
+    pub fn roots(&self) -> &[usize] {
+        &self.roots
     }
 
     /// The joints attached to the link of joint `i`.
@@ -69,7 +76,7 @@ mod tests {
     #[test]
     fn subtrees_are_parts_of_the_joints_depth_first() {
         let branches = Branches::new(&[None, Some(0), None, Some(0), Some(1), Some(2)]);
-        assert_eq!(branches.children(0), [1, 3]);
+        assert_eq!((branches.roots(), branches.children(0)), (&[0, 2][..], &[1, 3][..]));
         let subtrees: [&[usize]; 6] = [&[0, 1, 4, 3], &[1, 4], &[2, 5], &[3], &[4], &[5]];
         for (i, expected) in subtrees.into_iter().enumerate() {
             assert_eq!(branches.subtree(i), expected);

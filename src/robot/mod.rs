@@ -43,6 +43,7 @@ mod warning;
 mod with_wrench;
 mod wrench;
 
+pub(crate) use branches::Branches;
 pub use builder::RobotBuilder;
 pub use edit::RobotEdit;
 pub use error::RobotError;

@@ -1,6 +1,6 @@
 //! The symmetry of a tree with equal branches, as the two legs and the two arms of a humanoid.
 
-use crate::robot::{Joint, Robot};
+use crate::robot::{Branches, Joint, Robot};
 use std::collections::HashMap;
 
 /// For each independent joint the one that stands in its place when equal branches are exchanged, itself
@@ -9,50 +9,47 @@ use std::collections::HashMap;
 /// Branches from one joint are equal if they have the same joint types and branches; their numbers are not
 /// compared. Of several equal ones, the first half is exchanged with the second half.
 pub(super) fn exchanged_joints(robot: &Robot) -> Option<Vec<usize>> {
-    let branches = Branches::new(robot.joints());
+    let shapes = Shapes::new(robot.joints());
     let mut images: Vec<usize> = (0..robot.joints().len()).collect();
-    branches.exchange(&branches.roots, &mut images);
+    shapes.exchange(shapes.branches.roots(), &mut images);
     let independent = robot.independent_indices();
     let place = |joint: usize| independent.iter().position(|&other| other == joint);
     let images: Option<Vec<usize>> = independent.iter().map(|&joint| place(images[joint])).collect();
     images.filter(|images| images.iter().enumerate().any(|(joint, &image)| joint != image))
 }
 
-/// The joints on each joint and on the base, and the shape of the branch that begins with it.
-struct Branches {
-    roots: Vec<usize>,
-    children: Vec<Vec<usize>>,
-    shapes: Vec<usize>,
+/// The branches of a robot, and for each joint the shape of the branch that begins with it.
+struct Shapes {
+    branches: Branches,
+    of: Vec<usize>,
 }
 
-impl Branches {
+impl Shapes {
     fn new(joints: &[Joint]) -> Self {
-        let (mut roots, mut children) = (Vec::new(), vec![Vec::new(); joints.len()]);
-        for (j, joint) in joints.iter().enumerate() {
-            joint.parent.map_or(&mut roots, |parent| &mut children[parent]).push(j);
-        }
+        let parents: Vec<_> = joints.iter().map(|joint| joint.parent).collect();
+        let branches = Branches::new(&parents);
         let mut known = HashMap::new();
-        let mut shapes = vec![0; joints.len()];
+        let mut of = vec![0; joints.len()];
         for (j, joint) in joints.iter().enumerate().rev() {
-            let mut on: Vec<usize> = children[j].iter().map(|&child| shapes[child]).collect();
+            let mut on: Vec<usize> = branches.children(j).iter().map(|&child| of[child]).collect();
             on.sort_unstable();
             let next = known.len();
-            shapes[j] = *known.entry((joint.kind.name(), on)).or_insert(next);
+            of[j] = *known.entry((joint.kind.name(), on)).or_insert(next);
         }
-        Self { roots, children, shapes }
+        Self { branches, of }
     }
 
     /// Exchanges equal branches among these, or else within each of them.
     fn exchange(&self, siblings: &[usize], images: &mut [usize]) {
         let mut groups: HashMap<usize, Vec<usize>> = HashMap::new();
-        siblings.iter().for_each(|&joint| groups.entry(self.shapes[joint]).or_default().push(joint));
+        siblings.iter().for_each(|&joint| groups.entry(self.of[joint]).or_default().push(joint));
         for group in groups.into_values() {
             let half = group.len() / 2;
             for (&a, &b) in group[..half].iter().zip(&group[half..]) {
                 self.swap(a, b, images);
             }
             if group.len() % 2 == 1 {
-                self.exchange(&self.children[group[2 * half]], images);
+                self.exchange(self.branches.children(group[2 * half]), images);
             }
         }
     }
@@ -61,8 +58,8 @@ impl Branches {
     fn swap(&self, a: usize, b: usize, images: &mut [usize]) {
         (images[a], images[b]) = (b, a);
         let sorted = |joint: usize| {
-            let mut children = self.children[joint].clone();
-            children.sort_by_key(|&child| (self.shapes[child], child));
+            let mut children = self.branches.children(joint).to_vec();
+            children.sort_by_key(|&child| (self.of[child], child));
             children
         };
         sorted(a).into_iter().zip(sorted(b)).for_each(|(a, b)| self.swap(a, b, images));
