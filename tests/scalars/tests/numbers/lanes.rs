@@ -103,14 +103,14 @@ fn packed<V: Vector>(states: &[State], which: usize) -> Vec<Lanes<V>> {
 
 /// How much rounding of q changes each quantity at a state: where that is more than the tolerance, no two
 /// evaluations agree better.
-fn sensitivities_of(robot: &Robot, state: &State) -> Vec<(&'static str, f64)> {
+fn sensitivities_of(state: &State, numbers: impl Fn(&State) -> Quantities<f64>) -> Vec<(&'static str, f64)> {
     let at = |signs: [f64; 2]| {
         let mut arguments = state.0.clone();
         arguments[0]
             .iter_mut()
             .zip(signs.iter().cycle())
             .for_each(|(q, sign)| *q *= 1.0 + sign * f64::EPSILON);
-        quantities::<f64>(robot, arguments.each_ref().map(Vec::as_slice))
+        numbers(&State(arguments))
     };
     let exact = at([0.0; 2]);
     let moved = [at([1.0, -1.0]), at([-1.0, 1.0]), at([1.0, 1.0])];
@@ -119,26 +119,27 @@ fn sensitivities_of(robot: &Robot, state: &State) -> Vec<(&'static str, f64)> {
     (0..exact.len()).map(|k| (exact[k].0, largest(k))).collect()
 }
 
-/// Part `part` of every quantity: lane k of those of all states against those of state k alone.
-fn compare<S, L>(
+/// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`; `again`
+/// computes these where the state is moved a little.
+fn compare<L>(
     robot: &Robot,
     states: &[State],
-    (lanes, alone): (&Quantities<L>, &[Quantities<S>]),
-    (of_lanes, of_alone): (impl Fn(&L, usize) -> f64, impl Fn(&S) -> f64),
+    (lanes, of_lanes): (&Quantities<L>, impl Fn(&L, usize) -> f64),
+    (alone, again): (&[Quantities<f64>], impl Fn(usize, &State) -> Quantities<f64>),
 ) {
     for (k, (state, alone)) in states.iter().zip(alone).enumerate() {
         // Tangents of second derivatives are third ones.
         let tolerance = 4.0 * tolerance(robot, &state.0[0]);
         let mut sensitivities = None;
-        for ((name, lanes), (_, alone)) in lanes.iter().zip(alone) {
+        for ((name, lanes), (_, expected)) in lanes.iter().zip(alone) {
             let found: Vec<f64> = lanes.iter().map(|entry| of_lanes(entry, k)).collect();
-            let expected: Vec<f64> = alone.iter().map(&of_alone).collect();
-            let difference = difference(&found, &expected);
+            let difference = difference(&found, expected);
             if difference > tolerance {
-                let all = sensitivities.get_or_insert_with(|| sensitivities_of(robot, state));
+                let all =
+                    sensitivities.get_or_insert_with(|| sensitivities_of(state, |moved| again(k, moved)));
                 let allowed =
                     8.0 * all.iter().find(|(other, _)| other == name).map_or(0.0, |(_, moved)| *moved);
-                assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {tolerance:e} allowed");
+                assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {allowed:e} allowed");
             }
         }
     }
@@ -149,9 +150,9 @@ fn lanes_are_states<V: Vector>(case: &Case) {
     let states = states(case, &robot, V::LANES);
     let packed: [_; 5] = std::array::from_fn(|which| packed::<V>(&states, which));
     let lanes = quantities(&robot, packed.each_ref().map(Vec::as_slice));
-    let alone: Vec<_> =
-        states.iter().map(|state| quantities::<f64>(&robot, state.0.each_ref().map(Vec::as_slice))).collect();
-    compare(&robot, &states, (&lanes, &alone), (|entry, k| entry.lane(k), |entry| *entry));
+    let at = |_: usize, state: &State| quantities::<f64>(&robot, state.0.each_ref().map(Vec::as_slice));
+    let alone: Vec<_> = states.iter().enumerate().map(|(k, state)| at(k, state)).collect();
+    compare(&robot, &states, (&lanes, |entry: &Lanes<V>, k| entry.lane(k)), (&alone, at));
 }
 
 /// Derivatives along one direction, which differs from lane to lane.
@@ -170,22 +171,28 @@ fn derivatives_are_those_of_states<V: Vector>(case: &Case) {
         std::array::from_fn(|which| pairs(which).map(|(x, d)| Dual::new(x, d)).collect());
     let tangents = fewer_quantities(&robot, tangents.each_ref().map(Vec::as_slice));
     let duals = fewer_quantities(&robot, duals.each_ref().map(Vec::as_slice));
-    let alone: Vec<_> = states
-        .iter()
-        .enumerate()
-        .map(|(k, state)| {
-            let lift = |which: usize| -> Vec<_> {
-                let values = state.0[which].iter().enumerate();
-                values.map(|(i, &x)| Tangent::new(x, direction(which, i, k))).collect()
-            };
-            let arguments: [_; 5] = std::array::from_fn(lift);
-            fewer_quantities(&robot, arguments.each_ref().map(Vec::as_slice))
-        })
-        .collect();
-    compare(&robot, &states, (&tangents, &alone), (|entry, k| entry.re.lane(k), |entry| entry.re));
-    compare(&robot, &states, (&tangents, &alone), (|entry, k| entry.eps.lane(k), |entry| entry.eps));
-    compare(&robot, &states, (&duals, &alone), (|entry, k| entry.re.lane(k), |entry| entry.re));
-    compare(&robot, &states, (&duals, &alone), (|entry, k| entry.eps.lane(k), |entry| entry.eps));
+    let at = |k: usize, state: &State| {
+        let lift = |which: usize| -> Vec<_> {
+            let values = state.0[which].iter().enumerate();
+            values.map(|(i, &x)| Tangent::new(x, direction(which, i, k))).collect()
+        };
+        let arguments: [_; 5] = std::array::from_fn(lift);
+        fewer_quantities(&robot, arguments.each_ref().map(Vec::as_slice))
+    };
+    let all: Vec<_> = states.iter().enumerate().map(|(k, state)| at(k, state)).collect();
+    for part in [|entry: &Tangent<f64>| entry.re, |entry: &Tangent<f64>| entry.eps] {
+        let of = |all: &Quantities<Tangent<f64>>| -> Quantities<f64> {
+            all.iter().map(|(name, entries)| (*name, entries.iter().map(part).collect())).collect()
+        };
+        let alone: Vec<_> = all.iter().map(of).collect();
+        let again = |k: usize, state: &State| of(&at(k, state));
+        let of_tangents =
+            |entry: &Tangent<Lanes<V>>, k: usize| part(&Tangent::new(entry.re.lane(k), entry.eps.lane(k)));
+        let of_duals =
+            |entry: &Dual<Lanes<V>>, k: usize| part(&Tangent::new(entry.re.lane(k), entry.eps.lane(k)));
+        compare(&robot, &states, (&tangents, of_tangents), (&alone, again));
+        compare(&robot, &states, (&duals, of_duals), (&alone, again));
+    }
 }
 
 /// Cases whose own pose is regular enough for the tolerance to mean something.
