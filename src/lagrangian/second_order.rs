@@ -25,8 +25,8 @@ use crate::scalar::{Scalar, Tangent};
 /// $$ (w \cdot \tau)\_{zz} = \begin{pmatrix} E\_{L\_{qq}} & (E\_P + A)^T & B^T \\\\
 /// E\_P + A & E\_M + B + B^T - w D\_{vv} & 0 \\\\ B & 0 & 0 \end{pmatrix} $$
 ///
-/// The real parts of the same pass are kernel one at (q, v) and kernel two along (v, a): they give tau and its
-/// Jacobian.
+/// The real parts of the same pass are kernel one at (q, v) and kernel two along (v, a): they give tau and
+/// its Jacobian.
 ///
 /// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus this Hessian for
 /// `w = M^-1 y`, transformed by Z = (1, 0, 0; 0, 1, 0; a_q, a_v, a_u). Hence `y'a_uv = y'a_uu = 0`. No
@@ -92,7 +92,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// let robot = Robot::from_file("robots/two_link.toml")?;
     /// let mut second = LagrangianSecondOrder::<f64>::new(&robot);
     /// let all = second.contract_inverse_dynamics(&[0.3, -0.8], &[1.0, 0.5], &[0.2, -4.0], &[1.0, 0.0])?;
-    /// println!("tau = {:?}, dtau/dq = {}", all.inverse_dynamics().tau, all.inverse_dynamics().tau_q.as_nalgebra());
+    /// let linear = all.inverse_dynamics();
+    /// println!("tau = {:?}, dtau/dq = {}", linear.tau, linear.tau_q.view().to_nalgebra());
     /// println!("d2 tau_0 / dx dx = {}", all.xx().to_nalgebra());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -44,8 +44,8 @@ properties! {
         prop_assert!(largest(&(&a_q - &expected)) <= bound * largest(&expected).max(largest(&a_q)));
     }
 
-    /// Derivatives of inverse dynamics in one call, by kernels, and by separate calls, which work in the axes of
-    /// the world unless joints mimic others.
+    /// Derivatives of inverse dynamics in one call, by kernels, and by separate calls, which work in the axes
+    /// of the world unless joints mimic others.
     #[test]
     fn inverse_dynamics_has_the_same_derivatives_in_one_call(case in all_cases(26)) {
         let inputs = [&case.q[..], &case.v, acceleration(&case), &case.u];
