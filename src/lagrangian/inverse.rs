@@ -1,4 +1,4 @@
-//! The Jacobian of inverse dynamics, from kernel two along (v, a).
+//! Inverse dynamics and its Jacobian from kernel one and kernel two along (v, a).
 
 use super::Lagrangian;
 use super::choice::current_mass_matrix;
@@ -41,6 +41,24 @@ pub(super) fn torque_jacobian<S: Scalar, T: Scalar>(
     }
     for &i in tree.with_friction() {
         tau_v[(i, i)] -= friction_of(tree, i, v[i]).first;
+    }
+}
+
+/// `tau = M a + P v - L_q - D` from kernel one at (q, v), which may compute with dual numbers as above.
+pub(super) fn torque<S: Scalar, T: Scalar>(
+    tree: &Tree,
+    kernel: &KernelOne<T>,
+    value: impl Fn(T) -> S,
+    (v, a): (&[S], &[S]),
+    tau: &mut [S],
+) {
+    let (mass_matrix, p, l_q) = (kernel.mass_matrix(), kernel.l_vq(), kernel.l_q());
+    for (i, tau) in tau.iter_mut().enumerate() {
+        let rows = mass_matrix.row(i).iter().zip(a).chain(p.row(i).iter().zip(v));
+        *tau = rows.fold(-value(l_q[i]), |sum, (&entry, &rate)| value(entry).mul_add(rate, sum));
+    }
+    for &i in tree.with_friction() {
+        tau[i] -= friction_of(tree, i, v[i]).value;
     }
 }
 

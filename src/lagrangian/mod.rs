@@ -18,6 +18,7 @@
 mod adjoint;
 mod blocked;
 mod choice;
+mod contraction;
 mod coriolis;
 mod dynamics;
 mod forward;
@@ -28,10 +29,11 @@ mod routes;
 mod second_order;
 mod wrenches;
 
+pub use contraction::{InverseDynamicsContraction, LagrangianContraction, whole_hessian};
 pub use forward::{ForwardDynamicsLinearisation, StateLinearisation};
 pub use inverse::InverseDynamicsLinearisation;
 pub use legendre_transform::LegendreTransform;
-pub use second_order::{LagrangianContraction, LagrangianSecondOrder, whole_hessian};
+pub use second_order::LagrangianSecondOrder;
 
 use crate::error::EvalError;
 use crate::hamiltonian::check;

@@ -1,15 +1,16 @@
-//! Contracted Hessians of inverse and forward dynamics, by one dual pass through kernels one and two.
+//! Contracted Hessians of inverse and forward dynamics, with values and Jacobians, by one dual pass through
+//! kernels one and two.
 
-use super::inverse::torque_jacobian;
-use super::{ForwardDynamicsLinearisation, Lagrangian, StateLinearisation};
+use super::inverse::{torque, torque_jacobian};
+use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{KernelOne, KernelTwo, friction_of};
-use crate::matrix::{Block, Matrix};
+use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
 
-/// Workspace for a, its Jacobian and its contracted Hessian of one robot; no call allocates.
+/// Workspace for tau or a, their Jacobians and their contracted Hessians of one robot; no call allocates.
 ///
 /// For constant w, the power `w.tau` of inverse dynamics consists of directional derivatives of L:
 ///
@@ -24,6 +25,9 @@ use crate::scalar::{Scalar, Tangent};
 /// $$ (w \cdot \tau)\_{zz} = \begin{pmatrix} E\_{L\_{qq}} & (E\_P + A)^T & B^T \\\\
 /// E\_P + A & E\_M + B + B^T - w D\_{vv} & 0 \\\\ B & 0 & 0 \end{pmatrix} $$
 ///
+/// The real parts of the same pass are kernel one at (q, v) and kernel two along (v, a): they give tau and
+/// its Jacobian.
+///
 /// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus this Hessian for
 /// `w = M^-1 y`, transformed by Z = (1, 0, 0; 0, 1, 0; a_q, a_v, a_u). Hence `y'a_uv = y'a_uu = 0`. No
 /// factorisation is differentiated.
@@ -37,63 +41,10 @@ pub struct LagrangianSecondOrder<S: Scalar> {
     direction_q: Vec<Tangent<S>>,
     direction_v: Vec<Tangent<S>>,
     w: Vec<S>,
+    tau_a: Matrix<S>,
     w_tau_zz: Matrix<S>,
     xx: Matrix<S>,
     uq: Matrix<S>,
-}
-
-/// Forward dynamics, its Jacobian and its contracted Hessian at one state; borrowed from the workspace.
-#[derive(Clone, Copy, Debug)]
-pub struct LagrangianContraction<'a, S> {
-    forward_dynamics: ForwardDynamicsLinearisation<'a, S>,
-    linearisation: StateLinearisation<'a, S>,
-    xx: &'a Matrix<S>,
-    uq: &'a Matrix<S>,
-}
-
-impl<'a, S: Scalar> LagrangianContraction<'a, S> {
-    /// a and its Jacobian in z = (q, v, u).
-    pub fn forward_dynamics(&self) -> ForwardDynamicsLinearisation<'a, S> {
-        self.forward_dynamics
-    }
-
-    /// dx/dt = (v, a) and its Jacobians in x = (q, v) and u.
-    pub fn linearisation(&self) -> StateLinearisation<'a, S> {
-        self.linearisation
-    }
-
-    /// `sum_k y_k d2 a_k / dx dx`, x = (q, v), 2n x 2n, symmetric.
-    pub fn xx(&self) -> Block<'a, S> {
-        self.xx.view()
-    }
-
-    /// `sum_k y_k d2 a_k / du dq`, n x n: all other blocks in u are zero by structure.
-    pub fn uq(&self) -> Block<'a, S> {
-        self.uq.view()
-    }
-
-    /// A copy as a full symmetric 3n x 3n matrix, in the order z = (q, v, u).
-    pub fn to_matrix(&self) -> Matrix<S> {
-        whole_hessian(self.xx(), self.uq())
-    }
-}
-
-/// The contracted Hessian of forward dynamics in z = (q, v, u) from its blocks
-/// [`xx`](LagrangianContraction::xx), 2n x 2n, and [`uq`](LagrangianContraction::uq), n x n, as a full
-/// symmetric 3n x 3n matrix.
-pub fn whole_hessian<S: Scalar>(xx: Block<'_, S>, uq: Block<'_, S>) -> Matrix<S> {
-    let n = uq.rows();
-    let mut whole = Matrix::zeros(3 * n, 3 * n);
-    for i in 0..2 * n {
-        whole.row_mut(i)[..2 * n].copy_from_slice(xx.row(i));
-    }
-    for i in 0..n {
-        for j in 0..n {
-            whole[(2 * n + i, j)] = uq[(i, j)];
-            whole[(j, 2 * n + i)] = uq[(i, j)];
-        }
-    }
-    whole
 }
 
 impl<S: Scalar> LagrangianSecondOrder<S> {
@@ -115,6 +66,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
             direction_q: vec![zero; n],
             direction_v: vec![zero; n],
             w: vec![S::zero(); n],
+            tau_a: Matrix::zeros(n, n),
             w_tau_zz: Matrix::zeros(3 * n, 3 * n),
             xx: Matrix::zeros(2 * n, 2 * n),
             uq: Matrix::zeros(n, n),
@@ -131,7 +83,20 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         &mut self.first
     }
 
-    /// `sum_k w_k d2 tau_k / dz dz`, z = (q, v, a): 3n x 3n, symmetric, for weights w of length n.
+    /// tau, its Jacobian and `sum_k w_k d2 tau_k / dz dz`, z = (q, v, a), for weights w of length n.
+    ///
+    /// ```
+    /// use costate::lagrangian::LagrangianSecondOrder;
+    /// use costate::robot::Robot;
+    /// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    /// let robot = Robot::from_file("robots/two_link.toml")?;
+    /// let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+    /// let all = second.contract_inverse_dynamics(&[0.3, -0.8], &[1.0, 0.5], &[0.2, -4.0], &[1.0, 0.0])?;
+    /// let linear = all.inverse_dynamics();
+    /// println!("tau = {:?}, dtau/dq = {}", linear.tau, linear.tau_q.view().to_nalgebra());
+    /// println!("d2 tau_0 / dx dx = {}", all.xx().to_nalgebra());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// See [`Lagrangian`]; a singular mass matrix is not an error here.
@@ -142,12 +107,16 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         v: &[S],
         a: &[S],
         w: &[S],
-    ) -> Result<&Matrix<S>, EvalError> {
+    ) -> Result<InverseDynamicsContraction<'_, S>, EvalError> {
         self.first.check(&[("q", q), ("v", v), ("a", a), ("w", w)])?;
         self.first.rate[q.len()..].copy_from_slice(a);
         self.w.copy_from_slice(w);
         self.differentiate(q, v)?;
-        Ok(&self.w_tau_zz)
+        self.take_torque_jacobian(q, v);
+        self.take_torque(q, v, a);
+        let Lagrangian { tau, tau_q, tau_v, .. } = &self.first;
+        let inverse_dynamics = InverseDynamicsLinearisation { tau, tau_q, tau_v, tau_a: &self.tau_a };
+        Ok(InverseDynamicsContraction { inverse_dynamics, zz: &self.w_tau_zz })
     }
 
     /// a, its Jacobian and `sum_k y_k d2 a_k / dz dz`, z = (q, v, u), for the costate y of the velocities,
@@ -171,9 +140,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.w.copy_from_slice(y);
         self.first.factor.solve(&mut self.w);
         self.differentiate(q, v)?;
-        let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
-        torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
-        self.first.subtract_wrench_slopes(q);
+        self.take_torque_jacobian(q, v);
         self.first.pack_torque();
         self.first.solve_jacobian();
         self.first.assemble();
@@ -216,6 +183,25 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.fill_torque_hessian(v);
         self.first.subtract_wrench_curvature(q, &self.w, &mut self.w_tau_zz);
         Ok(())
+    }
+
+    /// Fills tau_q and tau_v from the real parts of the dual pass.
+    fn take_torque_jacobian(&mut self, q: &[S], v: &[S]) {
+        let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
+        torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
+        self.first.subtract_wrench_slopes(q);
+    }
+
+    /// Fills tau and tau_a from them.
+    fn take_torque(&mut self, q: &[S], v: &[S], a: &[S]) {
+        let mass_matrix = self.kernel.mass_matrix();
+        for i in 0..q.len() {
+            let row = self.tau_a.row_mut(i).iter_mut().zip(mass_matrix.row(i));
+            row.for_each(|(entry, m)| *entry = m.re);
+        }
+        let Lagrangian { tree, tau, .. } = &mut self.first;
+        torque(tree, &self.kernel, |entry| entry.re, (v, a), tau);
+        self.first.subtract_wrenches(q);
     }
 
     /// The blocks of the Hessian of w.tau, both triangles.

@@ -27,7 +27,7 @@ fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
             }
         }
     }
-    assert_eq!(programs.len(), 2 * (7 + 6));
+    assert_eq!(programs.len(), 2 * (7 + 8));
     programs
 }
 

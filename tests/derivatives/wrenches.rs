@@ -1,6 +1,7 @@
 //! Wrenches from outside: every quantity with them against automatic differentiation of the same pipeline,
 //! and against the same generalised force given as actuation.
 
+use crate::lagrangian::{separate_calls_agree, torque_hessian};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kinematics::{ExternalForces, Kinematics, ReferenceFrame};
@@ -120,6 +121,17 @@ properties! {
         let p = map.momentum().to_vec();
         let direct = flat(Hamiltonian::<f64>::new(&robot).linearise(q, &p, u).unwrap().matrix());
         prop_assert!(difference(&f_x, &direct) < 10.0 * tolerance);
+    }
+
+    #[test]
+    fn derivatives_of_inverse_dynamics_are_those_of_automatic_differentiation(case in cases(4)) {
+        let (robot, n) = (loaded(&case), case.n());
+        let (q, v, a, w) = (&case.q[..], &case.v[..], &case.y[n..], &case.u[..]);
+        separate_calls_agree(&robot, [q, v, a, w])?;
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+        let found = matrix(second.contract_inverse_dynamics(q, v, a, w).unwrap().zz());
+        let expected = torque_hessian(&robot, &[q, v, a].concat(), w);
+        prop_assert!((found - &expected).amax() <= 1e-11 * expected.amax().max(1.0));
     }
 
     #[test]

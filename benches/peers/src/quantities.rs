@@ -5,8 +5,8 @@ use costate::hamiltonian::{
     DualPass, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
 };
 use costate::lagrangian::{
-    ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction,
-    LagrangianSecondOrder,
+    ForwardDynamicsLinearisation, InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian,
+    LagrangianContraction, LagrangianSecondOrder,
 };
 use costate::matrix::{Block, Matrix};
 use costate::robot::{Robot, RobotError, Tree};
@@ -217,8 +217,8 @@ quantity!(
     InverseHessian,
     c"w_tau_zz:costate",
     "The Hessian of w.tau in (q, v, a), w constant.",
-    &'a Matrix<f64>,
+    InverseDynamicsContraction<'a, f64>,
     |n| 9 * n * n,
     |w, x| w.lagrangian_second.contract_inverse_dynamics(x.q, x.v, x.a, x.weights(true)),
-    |h, out| put(h.view(), out)
+    |all, out| put(all.zz().view(), out)
 );

@@ -79,7 +79,7 @@ impl Objective {
             }
         }
         if exact {
-            let hessian = self.dynamics.contract_inverse_dynamics(q, v, a, &self.pull)?;
+            let hessian = self.dynamics.contract_inverse_dynamics(q, v, a, &self.pull)?.zz();
             for r in 0..width {
                 for c in 0..=r {
                     self.second[r * width + c] += hessian[(r, c)];

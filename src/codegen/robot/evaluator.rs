@@ -5,7 +5,7 @@ use super::shape::Shape;
 use crate::codegen::error::CodegenError;
 use crate::error::{EvalError, check_length};
 use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
-use crate::lagrangian::{Lagrangian, LagrangianSecondOrder};
+use crate::lagrangian::{InverseDynamicsLinearisation, Lagrangian, LagrangianSecondOrder};
 use crate::matrix::Block;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -62,7 +62,7 @@ impl<S: Scalar> RobotQuantity<S> {
         let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
         let arguments: Vec<Shape> = variables.iter().map(|variable| variable.shape(coordinates, n)).collect();
         let (results, _) = quantity.results(coordinates, n);
-        let second = matches!(quantity, Quantity::YFXX | Quantity::HessianProduct);
+        let second = matches!(quantity, Quantity::YFXX | Quantity::HessianProduct | Quantity::YTauZZ);
         let workspace = match (coordinates, second) {
             (Coordinates::Hamiltonian, false) => {
                 Workspace::Hamiltonian(Box::new(Hamiltonian::from_tree(tree)))
@@ -117,7 +117,9 @@ impl<S: Scalar> RobotQuantity<S> {
                 hamiltonian_second(second, self.quantity, &arguments, results)
             }
             Workspace::Lagrangian(first) => lagrangian(first, self.quantity, &arguments, results),
-            Workspace::LagrangianSecond(second) => lagrangian_second(second, &arguments, results),
+            Workspace::LagrangianSecond(second) => {
+                lagrangian_second(second, self.quantity, &arguments, results)
+            }
         }
     }
 }
@@ -168,6 +170,15 @@ impl<S: Scalar> Results<'_, S> {
         self
     }
 
+    /// Appends tau and the rows of `[tau_q, tau_v, tau_a]`.
+    fn push_torques(&mut self, linear: InverseDynamicsLinearisation<'_, S>) -> &mut Self {
+        self.push(linear.tau);
+        for i in 0..linear.tau.len() {
+            self.push(linear.tau_q.row(i)).push(linear.tau_v.row(i)).push(linear.tau_a.row(i));
+        }
+        self
+    }
+
     fn push_rows(&mut self, block: Block<'_, S>) -> &mut Self {
         block.iter_rows().for_each(|row| {
             self.push(row);
@@ -198,7 +209,11 @@ fn hamiltonian<S: Scalar>(
             results.push(&[energy.kinetic, energy.potential])
         }
         Quantity::MassMatrix => results.push_rows(first.mass_matrix(q)?.view()),
-        Quantity::YFXX | Quantity::HessianProduct | Quantity::InverseDynamics => results,
+        Quantity::YFXX
+        | Quantity::HessianProduct
+        | Quantity::InverseDynamics
+        | Quantity::TauZ
+        | Quantity::YTauZZ => results,
     };
     Ok(())
 }
@@ -238,18 +253,25 @@ fn lagrangian<S: Scalar>(
             results.push(&[energy.kinetic, energy.potential])
         }
         Quantity::InverseDynamics => results.push(first.inverse_dynamics(q, v, a)?),
+        Quantity::TauZ => results.push_torques(first.linearise_inverse_dynamics(q, v, a)?),
         Quantity::MassMatrix => results.push_rows(first.mass_matrix(q)?.view()),
-        Quantity::YFX | Quantity::YFXX | Quantity::HessianProduct => results,
+        Quantity::YFX | Quantity::YFXX | Quantity::HessianProduct | Quantity::YTauZZ => results,
     };
     Ok(())
 }
 
-/// The contracted Hessian of the accelerations, with these and their Jacobian.
+/// The contracted Hessian of the accelerations or of the actuation, with these and their Jacobian.
 fn lagrangian_second<S: Scalar>(
     second: &mut LagrangianSecondOrder<S>,
-    &Arguments { q, rate: v, u, y, .. }: &Arguments<'_, S>,
+    quantity: Quantity,
+    &Arguments { q, rate: v, u, a, y, .. }: &Arguments<'_, S>,
     results: &mut Results<'_, S>,
 ) -> Result<(), EvalError> {
+    if quantity == Quantity::YTauZZ {
+        let all = second.contract_inverse_dynamics(q, v, a, y)?;
+        results.push_torques(all.inverse_dynamics()).push_rows(all.xx()).push_rows(all.aq());
+        return Ok(());
+    }
     let all = second.contract_forward_dynamics(q, v, u, y)?;
     let linear = all.forward_dynamics();
     results.push(linear.acceleration()).push_rows(linear.matrix());

@@ -81,14 +81,21 @@ pub(super) fn program_with(
     let what = if options.only { "alone" } else { "with the results it builds on" };
     let mut notes = vec![
         format!("{}: {} in {} coordinates, {what}.", robot.name(), quantity.name(), coordinates.name()),
-        "The mass matrix must be regular: results are not finite otherwise, and nothing is checked.".into(),
+        if quantity.inverts(coordinates) {
+            "The mass matrix must be regular: results are not finite otherwise, and nothing is checked."
+                .into()
+        } else {
+            "Nothing is checked.".into()
+        },
     ];
     if options.parameters {
         notes.push("Parameters: link about the origin and in the axes of the joint frame of the robot file; SI units.".into());
         notes.extend(layout(robot));
     }
     let exchanged = exchanged_joints(robot).filter(|_| !options.parameters).unwrap_or_default();
-    Ok(program.with_notes(notes).with_meanings(&MEANINGS).with_symmetry(&exchanged))
+    let program = program.with_notes(notes).with_meanings(&MEANINGS).with_symmetry(&exchanged);
+    let weights = [("y", "weights of the entries of tau")];
+    Ok(if quantity == Quantity::YTauZZ { program.with_meanings(&weights) } else { program })
 }
 
 /// Results of these shapes.
@@ -103,7 +110,7 @@ fn split(shapes: &[Shape], entries: &[Expr]) -> Vec<RecordedResult> {
 }
 
 /// The meaning of each name, in SI units.
-const MEANINGS: [(&str, &str); 21] = [
+const MEANINGS: [(&str, &str); 24] = [
     ("q", "positions (rad, m)"),
     ("p", "conjugate momenta M v (kg m^2/s, kg m/s)"),
     ("v", "velocities (rad/s, m/s)"),
@@ -124,5 +131,8 @@ const MEANINGS: [(&str, &str); 21] = [
     ("y_qdd_xx", "sum over k of y_k d2qdd_k/dx dx, x = (q, v), symmetric"),
     ("y_qdd_uq", "sum over k of y_k d2qdd_k/du dq"),
     ("tau", "actuation for a (N m, N)"),
+    ("tau_z", "d tau/dz, columns in the order z = (q, v, a)"),
+    ("y_tau_xx", "sum over k of y_k d2tau_k/dx dx, x = (q, v), symmetric"),
+    ("y_tau_aq", "sum over k of y_k d2tau_k/da dq"),
     ("parameters", "constants of the robot, as listed above"),
 ];

@@ -17,10 +17,13 @@ use crate::codegen::error::CodegenError;
 /// | `mass_matrix` | q: m | q: m |
 /// | `energy` | q, p: kinetic, potential | q, v: kinetic, potential |
 /// | `inverse_dynamics` | | q, v, a: tau |
+/// | `tau_z` | | q, v, a: tau, tau_z |
+/// | `y_tau_zz` | | q, v, a, y: tau, tau_z, y_tau_xx, y_tau_aq |
 ///
 /// q, p, v, u, a, qdd and tau have n entries, f, y_f_x, d and y 2n (Lagrangian: y has n, those of the
-/// velocities). f_x, y_f_xx and y_qdd_xx are 2n x 2n, qdd_z is n x 3n with z = (q, v, u), m and y_qdd_uq are
-/// n x n.
+/// velocities or weights of tau). With x = (q, p) or (q, v), f_x, y_f_xx, y_qdd_xx and y_tau_xx are 2n x 2n;
+/// qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v, a); m, y_qdd_uq and y_tau_aq are n x n. The
+/// other second derivatives in u and a are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -40,6 +43,10 @@ pub enum Quantity {
     Energy,
     /// The actuation for an acceleration.
     InverseDynamics,
+    /// Its Jacobian in (q, v, a).
+    TauZ,
+    /// Its Hessian in (q, v, a), contracted with weights y.
+    YTauZZ,
 }
 
 /// An argument of a quantity.
@@ -79,7 +86,7 @@ impl Variable {
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::F,
         Self::FX,
         Self::YFX,
@@ -88,6 +95,8 @@ impl Quantity {
         Self::MassMatrix,
         Self::Energy,
         Self::InverseDynamics,
+        Self::TauZ,
+        Self::YTauZZ,
     ];
 
     /// The error for a quantity that is not defined in these coordinates; it names those that are.
@@ -103,10 +112,16 @@ impl Quantity {
     /// Whether it needs the inverse of the mass matrix.
     pub fn inverts(self, coordinates: Coordinates) -> bool {
         match (self, coordinates) {
-            (Self::MassMatrix | Self::InverseDynamics, _) | (Self::Energy, Coordinates::Lagrangian) => false,
+            (Self::MassMatrix | Self::InverseDynamics | Self::TauZ | Self::YTauZZ, _)
+            | (Self::Energy, Coordinates::Lagrangian) => false,
             (Self::F | Self::FX | Self::YFX | Self::YFXX | Self::HessianProduct, _)
             | (Self::Energy, Coordinates::Hamiltonian) => true,
         }
+    }
+
+    /// Whether the mass matrix is computed on the way.
+    pub(super) fn contains_mass_matrix(self, coordinates: Coordinates) -> bool {
+        self.inverts(coordinates) || matches!(self, Self::MassMatrix | Self::TauZ | Self::YTauZZ)
     }
 
     /// As in the table.
@@ -120,6 +135,8 @@ impl Quantity {
             Self::MassMatrix => "mass_matrix",
             Self::Energy => "energy",
             Self::InverseDynamics => "inverse_dynamics",
+            Self::TauZ => "tau_z",
+            Self::YTauZZ => "y_tau_zz",
         }
     }
 
@@ -135,8 +152,9 @@ impl Quantity {
             (Coordinates::Lagrangian, Self::F | Self::FX) => &[Q, V, U],
             (Coordinates::Lagrangian, Self::YFXX) => &[Q, V, U, Y],
             (Coordinates::Lagrangian, Self::Energy) => &[Q, V],
-            (Coordinates::Lagrangian, Self::InverseDynamics) => &[Q, V, A],
-            (Coordinates::Hamiltonian, Self::InverseDynamics)
+            (Coordinates::Lagrangian, Self::InverseDynamics | Self::TauZ) => &[Q, V, A],
+            (Coordinates::Lagrangian, Self::YTauZZ) => &[Q, V, A, Y],
+            (Coordinates::Hamiltonian, Self::InverseDynamics | Self::TauZ | Self::YTauZZ)
             | (Coordinates::Lagrangian, Self::YFX | Self::HessianProduct) => return None,
         })
     }
@@ -151,6 +169,7 @@ impl Quantity {
     /// Its results in order for n joints, and how many of the last ones are the quantity itself.
     pub(super) fn results(self, coordinates: Coordinates, n: usize) -> (Vec<Shape>, usize) {
         let (vector, matrix) = (Shape::vector, Shape::matrix);
+        let (tau, tau_z) = (vector("tau", n), matrix("tau_z", n, 3 * n));
         let (f, f_x) = match coordinates {
             Coordinates::Hamiltonian => (vector("f", 2 * n), matrix("f_x", 2 * n, 2 * n)),
             Coordinates::Lagrangian => (vector("qdd", n), matrix("qdd_z", n, 3 * n)),
@@ -166,7 +185,11 @@ impl Quantity {
             (Self::HessianProduct, _) => (vec![vector("y_f_xx_d", 2 * n)], 1),
             (Self::MassMatrix, _) => (vec![matrix("m", n, n)], 1),
             (Self::Energy, _) => (vec![vector("kinetic", 1), vector("potential", 1)], 2),
-            (Self::InverseDynamics, _) => (vec![vector("tau", n)], 1),
+            (Self::InverseDynamics, _) => (vec![tau], 1),
+            (Self::TauZ, _) => (vec![tau, tau_z], 1),
+            (Self::YTauZZ, _) => {
+                (vec![tau, tau_z, matrix("y_tau_xx", 2 * n, 2 * n), matrix("y_tau_aq", n, n)], 2)
+            }
         }
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn check_size(
     name: &str,
     limit: usize,
 ) -> Result<(), CodegenError> {
-    if limit == usize::MAX || quantity != Quantity::MassMatrix && !quantity.inverts(coordinates) {
+    if limit == usize::MAX || !quantity.contains_mass_matrix(coordinates) {
         return Ok(());
     }
     let mut depths: Vec<usize> = Vec::with_capacity(robot.joints().len());

@@ -7,12 +7,13 @@ mod dynamics;
 mod routes;
 
 use costate::derivative::largest;
-use costate::lagrangian::Lagrangian;
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_test_support::random_robot::Case;
 use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
 
 fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
@@ -50,8 +51,43 @@ fn smooth(case: &Case) -> Robot {
 }
 
 /// Inverse dynamics, all outputs, for dual numbers of any kind.
-fn torques<S: Scalar>(robot: &Robot, q: &[S], v: &[S], a: &[S]) -> Vec<S> {
+pub(crate) fn torques<S: Scalar>(robot: &Robot, q: &[S], v: &[S], a: &[S]) -> Vec<S> {
     Lagrangian::<S>::new(robot).inverse_dynamics(q, v, a).unwrap().to_vec()
+}
+
+/// `sum_k w_k d2 tau_k / dz dz`, z = (q, v, a), by hyper-dual numbers.
+pub(crate) fn torque_hessian(robot: &Robot, z: &[f64], w: &[f64]) -> DMatrix<f64> {
+    use num_dual::HyperDual64;
+    let n = w.len();
+    DMatrix::from_fn(3 * n, 3 * n, |i, j| {
+        let mut dual: Vec<_> = z.iter().map(|&z| HyperDual64::from_re(z)).collect();
+        dual[i].eps1 = 1.0;
+        dual[j].eps2 = 1.0;
+        let tau = torques(robot, &dual[..n], &dual[n..2 * n], &dual[2 * n..]);
+        tau.iter().zip(w).map(|(tau, w)| tau.eps1eps2 * w).sum::<f64>()
+    })
+}
+
+/// Inverse dynamics with both derivatives in one call and by separate calls: whether they agree.
+pub(crate) fn separate_calls_agree(robot: &Robot, [q, v, a, w]: [&[f64]; 4]) -> Result<(), TestCaseError> {
+    let (mut second, mut first) = (LagrangianSecondOrder::<f64>::new(robot), Lagrangian::<f64>::new(robot));
+    let all = second.contract_inverse_dynamics(q, v, a, w).unwrap().inverse_dynamics();
+    let tau = first.inverse_dynamics(q, v, a).unwrap().to_vec();
+    let linear = first.linearise_inverse_dynamics(q, v, a).unwrap();
+    let natural = [linear.tau, linear.tau_q.as_slice(), linear.tau_v.as_slice(), linear.tau_a.as_slice()]
+        .into_iter()
+        .map(largest)
+        .fold(0.0, f64::max);
+    prop_assert!(off(all.tau, &tau, natural) <= 1e-13, "tau: {:?}, {tau:?}", all.tau);
+    for (name, found, expected) in [
+        ("tau_q", all.tau_q, linear.tau_q),
+        ("tau_v", all.tau_v, linear.tau_v),
+        ("tau_a", all.tau_a, linear.tau_a),
+    ] {
+        let off = off(found.as_slice(), expected.as_slice(), natural);
+        prop_assert!(off <= 1e-12, "{name}: {off:.1e}");
+    }
+    Ok(())
 }
 
 /// Robots a property.

@@ -1,11 +1,11 @@
 //! The algorithms for long chains and large trees agree with those for short ones.
 
-use super::{dense, force, off};
+use super::{acceleration, dense, force, off, separate_calls_agree};
 use costate::derivative::{ForwardDynamics, Jacobian, largest};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LegendreTransform};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{cases, difference, tolerance};
+use costate_test_support::random_robot::{all_cases, cases, difference, tolerance};
 use proptest::prelude::*;
 
 /// Robots a property.
@@ -42,6 +42,14 @@ properties! {
         let a_q = -inverse * dense(linear.tau_q.view());
         let expected = dense(kernels.f_x.view()).view((n, 0), (n, n)).into_owned();
         prop_assert!(largest(&(&a_q - &expected)) <= bound * largest(&expected).max(largest(&a_q)));
+    }
+
+    /// Derivatives of inverse dynamics in one call, by kernels, and by separate calls, which work in the axes
+    /// of the world unless joints mimic others.
+    #[test]
+    fn inverse_dynamics_has_the_same_derivatives_in_one_call(case in all_cases(26)) {
+        let inputs = [&case.q[..], &case.v, acceleration(&case), &case.u];
+        separate_calls_agree(&case.robot(), inputs)?;
     }
 
     /// The derivatives of one algorithm, by dual numbers, are what the other computes.

@@ -101,7 +101,13 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
     let m = lagrangian.mass_matrix(q).unwrap().as_slice().to_vec();
     let tau = lagrangian.linearise_inverse_dynamics(q, v, u).unwrap();
     let tau_size = largest(tau.tau_q.as_slice()).max(largest(tau.tau_v.as_slice())).max(1.0);
+    let tau_z: Vec<f64> = (0..q.len())
+        .flat_map(|i| [tau.tau_q, tau.tau_v, tau.tau_a].map(|block| block.row(i).to_vec()).concat())
+        .collect();
     let tau = tau.tau.to_vec();
+    let bent = second.contract_inverse_dynamics(q, v, u, y).unwrap();
+    let (tau_xx, tau_aq) = (flat(bent.xx()), flat(bent.aq()));
+    let tau_y = tau_size * largest(y);
     let size = largest(&qdd_z).max(largest(&qdd)).max(1.0);
     let with_y = size * largest(y);
     match quantity {
@@ -118,6 +124,13 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
             vec![("kinetic", vec![energy.kinetic], 0.0), ("potential", vec![energy.potential], tau_size)]
         }
         Quantity::InverseDynamics => vec![("tau", tau, tau_size)],
+        Quantity::TauZ => vec![("tau", tau, tau_size), ("tau_z", tau_z, tau_size)],
+        Quantity::YTauZZ => vec![
+            ("tau", tau, tau_size),
+            ("tau_z", tau_z, tau_size),
+            ("y_tau_xx", tau_xx, tau_y),
+            ("y_tau_aq", tau_aq, tau_y),
+        ],
         _ => panic!("not in (q, v), or not known here"),
     }
 }
