@@ -5,7 +5,7 @@ use super::{ForwardDynamicsLinearisation, Lagrangian, StateLinearisation};
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{KernelOne, KernelTwo, friction_of};
-use crate::matrix::{Block, Matrix};
+use crate::matrix::{Block, Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
 
@@ -110,11 +110,11 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
             first: Lagrangian::from_tree(tree),
-            q: vec![zero; n],
-            v: vec![zero; n],
-            direction_q: vec![zero; n],
-            direction_v: vec![zero; n],
-            w: vec![S::zero(); n],
+            q: filled(zero, n),
+            v: filled(zero, n),
+            direction_q: filled(zero, n),
+            direction_v: filled(zero, n),
+            w: filled(S::zero(), n),
             w_tau_zz: Matrix::zeros(3 * n, 3 * n),
             xx: Matrix::zeros(2 * n, 2 * n),
             uq: Matrix::zeros(n, n),

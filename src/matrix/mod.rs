@@ -22,6 +22,17 @@ use crate::scalar::{Pack, Scalar};
 use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};
 use std::ops::{Index, IndexMut};
 
+/// As many copies of a value: `vec![value; count]` without its loop over clones, which is compiled for each
+/// type, part by part.
+#[inline(never)]
+pub(crate) fn filled<T: Copy>(value: T, count: usize) -> Vec<T> {
+    let mut copies = Vec::with_capacity(count);
+    for _ in 0..count {
+        copies.push(value);
+    }
+    copies
+}
+
 /// A dense matrix, stored row by row.
 #[derive(Clone, Debug)]
 pub struct Matrix<S> {
@@ -33,7 +44,7 @@ pub struct Matrix<S> {
 impl<S: Scalar> Matrix<S> {
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, data: vec![S::zero(); rows * columns] }
+        Self { rows, columns, data: filled(S::zero(), rows * columns) }
     }
 
     /// A matrix of as many rows of `columns` entries as `entries` fill, row by row.

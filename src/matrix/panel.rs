@@ -1,6 +1,6 @@
 //! A matrix whose rows are whole packs.
 
-use super::Matrix;
+use super::{Matrix, filled};
 use crate::scalar::{Pack, Scalar};
 
 /// A dense matrix whose rows are padded to a whole number of packs (of registers, if it is computed block by
@@ -55,13 +55,19 @@ impl<S: Scalar> Panel<S> {
         !Self::ONE_LANE && n > 12
     }
 
+    /// What that needs; the function is not compiled where packs are single numbers.
+    #[inline(always)]
+    pub fn for_blocks<T>(n: usize, make: impl FnOnce() -> T) -> Option<Box<T>> {
+        if Self::ONE_LANE { None } else { Self::in_blocks(n).then(|| Box::new(make())) }
+    }
+
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         // Tiles take whole registers.
         let packs = if Self::in_blocks(columns) { <S::Pack as Pack<S>>::WIDTH } else { 1 };
         let width = columns.div_ceil(Self::LANES).next_multiple_of(packs);
         let padded = rows.next_multiple_of(Self::LANES * packs);
-        Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
+        Self { rows, columns, width, data: filled(S::Pack::zero(), padded * width) }
     }
 
     /// Number of rows.
