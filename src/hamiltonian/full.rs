@@ -2,7 +2,6 @@
 
 use super::{HamiltonianSecondOrder, HessianTensor};
 use crate::error::EvalError;
-use crate::matrix::filled;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -39,7 +38,7 @@ impl<S: Scalar> FullHessian<S> {
     pub fn from_tree(tree: Tree) -> Self {
         Self {
             tensor: HessianTensor::new(&tree),
-            zero: filled(S::zero(), tree.dof()),
+            zero: vec![S::zero(); tree.dof()],
             second: HamiltonianSecondOrder::from_tree(tree),
         }
     }

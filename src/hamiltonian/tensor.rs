@@ -2,7 +2,7 @@
 
 use super::Hamiltonian;
 use crate::error::{EvalError, LengthError, check_length};
-use crate::matrix::{Matrix, filled};
+use crate::matrix::Matrix;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -38,15 +38,15 @@ impl<S: Scalar> HessianTensor<S> {
     /// Storage, filled with zeros.
     pub(super) fn new(tree: &Tree) -> Self {
         let n = tree.dof();
-        let zeros = filled(S::zero(), n);
+        let zeros = vec![S::zero(); n];
         let friction =
             || Friction { slope: zeros.clone(), curvature: zeros.clone(), velocity: Matrix::zeros(n, 2 * n) };
         Self {
             n,
-            packed: filled(S::zero(), start(2 * n, n)),
+            packed: vec![S::zero(); start(2 * n, n)],
             friction: (!tree.is_conservative()).then(friction),
             wrenches: if tree.wrenches().is_empty() { Vec::new() } else { vec![Matrix::zeros(n, n); n] },
-            unit: filled(S::zero(), n),
+            unit: vec![S::zero(); n],
         }
     }
 

@@ -24,6 +24,8 @@ use std::ops::{Index, IndexMut};
 
 /// As many copies of a value: `vec![value; count]` without its loop over clones, which is compiled for each
 /// type, part by part.
+///
+/// For vectors of the length of the tree: `vec![0.0; n]` takes zeros from the system, which long ones need.
 #[inline(never)]
 pub(crate) fn filled<T: Copy>(value: T, count: usize) -> Vec<T> {
     let mut copies = Vec::with_capacity(count);
@@ -44,7 +46,7 @@ pub struct Matrix<S> {
 impl<S: Scalar> Matrix<S> {
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, data: filled(S::zero(), rows * columns) }
+        Self { rows, columns, data: vec![S::zero(); rows * columns] }
     }
 
     /// A matrix of as many rows of `columns` entries as `entries` fill, row by row.

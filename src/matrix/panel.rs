@@ -1,6 +1,6 @@
 //! A matrix whose rows are whole packs.
 
-use super::{Matrix, filled};
+use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
 /// A dense matrix whose rows are padded to a whole number of packs (of registers, if it is computed block by
@@ -67,7 +67,7 @@ impl<S: Scalar> Panel<S> {
         let packs = if Self::in_blocks(columns) { <S::Pack as Pack<S>>::WIDTH } else { 1 };
         let width = columns.div_ceil(Self::LANES).next_multiple_of(packs);
         let padded = rows.next_multiple_of(Self::LANES * packs);
-        Self { rows, columns, width, data: filled(S::Pack::zero(), padded * width) }
+        Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
     }
 
     /// Number of rows.

@@ -2,7 +2,6 @@
 
 use super::global::GlobalTensors;
 use super::paths::gamma;
-use crate::matrix::filled;
 use crate::robot::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
@@ -19,7 +18,7 @@ pub(super) struct First<S> {
 impl<S: Scalar> First<S> {
     pub fn new(tensors: &GlobalTensors<S>) -> Self {
         let unknown = S::from_f64(f64::NAN);
-        let numbers = filled(unknown, tensors.paths.first_len());
+        let numbers = vec![unknown; tensors.paths.first_len()];
         Self {
             products: vec![Vec3::zero(); tensors.paths.all_pairs()],
             gamma: numbers.clone(),

@@ -4,7 +4,6 @@ use super::bodies::{AugmentedBody, Body};
 use super::paths::Paths;
 use crate::error::{EvalError, check_length};
 use crate::kernels::positions;
-use crate::matrix::filled;
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Symmetric3, Transform, Vec3};
@@ -54,8 +53,8 @@ impl<S: Scalar> GlobalTensors<S> {
             axes,
             arms: vec![Vec3::zero(); pairs],
             columns: vec![[Vec3::zero(); 2]; pairs],
-            mass: filled(S::zero(), pairs),
-            q: filled(S::zero(), tree.joints().len()),
+            mass: vec![S::zero(); pairs],
+            q: vec![S::zero(); tree.joints().len()],
             paths,
             augmented,
             origins,

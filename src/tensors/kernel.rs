@@ -3,7 +3,7 @@
 use super::derivatives::MassMatrixDerivatives;
 use crate::error::{EvalError, check_length};
 use crate::kernels::{Coupled, LagrangianHessian, positions, rates, size_of_sum};
-use crate::matrix::{Matrix, filled};
+use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
@@ -181,7 +181,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
     #[inline(never)]
     fn new(tree: &Tree) -> Self {
         let (n, pairs) = (tree.joints().len(), tree.pairs());
-        let vector = filled(S::zero(), n);
+        let vector = vec![S::zero(); n];
         Self {
             derivatives: MassMatrixDerivatives::new(tree),
             gravity: vec![Vec3::zero(); n],
@@ -189,7 +189,7 @@ impl<S: Scalar> LagrangianHessian<S> for ChristoffelKernel<S> {
             v: vector.clone(),
             half_v: vector,
             upper: vec![[S::zero(); 2]; pairs],
-            squares: filled(S::zero(), pairs),
+            squares: vec![S::zero(); pairs],
             mass_matrix: Coupled::square(tree),
             momentum: Coupled::row(tree),
             l_q: Coupled::row(tree),

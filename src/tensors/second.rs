@@ -3,7 +3,6 @@
 use super::first::First;
 use super::global::GlobalTensors;
 use super::paths::{gamma_by_last, gamma_of_last, triangle};
-use crate::matrix::filled;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
@@ -35,7 +34,7 @@ pub(super) struct Second<S> {
 impl<S: Scalar> Second<S> {
     pub fn new(tensors: &GlobalTensors<S>) -> Self {
         let unknown = S::from_f64(f64::NAN);
-        let numbers = filled(unknown, tensors.paths.second_len());
+        let numbers = vec![unknown; tensors.paths.second_len()];
         let paths = &tensors.paths;
         let most = (0..paths.len()).map(|d| paths.depth(d) + 1).max().unwrap_or(0);
         let mut cross_starts = vec![0];
@@ -47,7 +46,7 @@ impl<S: Scalar> Second<S> {
             mass: numbers,
             crosses: vec![Vec3::zero(); cross_starts[paths.len()]],
             cross_starts,
-            products: filled(S::zero(), most * triangle(0, most)),
+            products: vec![S::zero(); most * triangle(0, most)],
             levers: vec![[S::zero(); 2]; most],
         }
     }
