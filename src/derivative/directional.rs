@@ -1,6 +1,7 @@
 //! Derivative along one direction, by one dual number.
 
 use super::function::{DerivativeError, Function, InnerNumber, check_length};
+use crate::matrix::filled;
 use crate::scalar::Scalar;
 use num_dual::Dual;
 use std::fmt;
@@ -52,8 +53,8 @@ impl<F: Function, T: InnerNumber> Directional<F, T> {
             workspace: function.workspace(),
             x: vec![Dual::from_re(zero); n],
             y: vec![Dual::from_re(zero); m],
-            value: vec![zero; m],
-            derivative: vec![zero; m],
+            value: filled(zero, m),
+            derivative: filled(zero, m),
             function,
         }
     }

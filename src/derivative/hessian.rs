@@ -1,7 +1,7 @@
 //! Second derivatives by hyper-dual numbers.
 
 use super::function::{DerivativeError, Function, InnerNumber, check_length};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 use num_dual::HyperDual;
 use std::fmt;
@@ -78,7 +78,7 @@ impl<F: Function, T: InnerNumber> Hessian<F, T> {
             workspace: function.workspace(),
             x: vec![HyperDual::from_re(zero); n],
             y: vec![HyperDual::from_re(zero); m],
-            value: vec![zero; m],
+            value: filled(zero, m),
             jacobian: Matrix::zeros(m, n),
             tensor: Matrix::zeros(m, n * (n + 1) / 2),
             contracted: Matrix::zeros(n, n),

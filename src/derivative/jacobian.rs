@@ -2,7 +2,7 @@
 
 use super::CHUNK;
 use super::function::{DerivativeError, Function, InnerNumber, check_length};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 use num_dual::DualSVec;
 use std::fmt;
@@ -80,7 +80,7 @@ impl<F: Function, const C: usize, T: InnerNumber> Jacobian<F, C, T> {
             workspace: function.workspace(),
             x: vec![DualSVec::from_re(zero); n],
             y: vec![DualSVec::from_re(zero); m],
-            value: vec![zero; m],
+            value: filled(zero, m),
             jacobian: Matrix::zeros(m, n),
             function,
         }

@@ -11,7 +11,7 @@ use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::kinematics::Kinematics;
 use crate::lagrangian::LagrangianSecondOrder;
-use crate::matrix::{Block, Matrix, dot};
+use crate::matrix::{Block, Matrix, dot, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use crate::tensors::Christoffel;
@@ -168,7 +168,7 @@ impl<S: Scalar> Methods<S> {
     ) -> Result<(), EvalError> {
         let n = state.v.len();
         let (q, p) = state.x.split_at(n);
-        let first = self.conservative.linearise(q, p, &vec![S::zero(); n])?;
+        let first = self.conservative.linearise(q, p, &filled(S::zero(), n))?;
         let f_x = first.matrix();
         let j_f_x = matrix(2 * n, 2 * n, |i, j| if i < n { f_x.row(n + i)[j] } else { -f_x.row(i - n)[j] });
         let products: Vec<S> = to.energy_gradient.iter().zip(first.f()).map(|(&g, &f)| g * f).collect();

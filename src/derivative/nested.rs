@@ -2,7 +2,7 @@
 
 use super::CHUNK;
 use super::function::{DerivativeError, Function, InnerNumber, check_length};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 use num_dual::{Dual, DualSVec};
 use std::fmt;
@@ -50,8 +50,8 @@ impl<F: Function, const C: usize, T: InnerNumber> NestedHessian<F, C, T> {
         let zero = Dual::from_re(DualSVec::from_re(<T as Scalar>::zero()));
         Self {
             workspace: function.workspace(),
-            x: vec![zero; n],
-            y: vec![zero; m],
+            x: filled(zero, n),
+            y: filled(zero, m),
             contracted: Matrix::zeros(n, n),
             function,
         }

@@ -3,6 +3,7 @@
 use super::function::Function;
 use crate::error::{EvalError, check_length};
 use crate::hamiltonian::Hamiltonian;
+use crate::matrix::filled;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -41,7 +42,7 @@ impl Function for PhaseVelocity {
     }
 
     fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
-        (Hamiltonian::from_tree(self.tree.clone()), vec![S::zero(); self.tree.dof()])
+        (Hamiltonian::from_tree(self.tree.clone()), filled(S::zero(), self.tree.dof()))
     }
 
     fn evaluate<S: Scalar>(

@@ -2,7 +2,7 @@
 
 use super::{Cost, CostGradient, CostHessian};
 use crate::error::{EvalError, check_length};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 
 /// `1/2 sum_i Q_i (x_i - x*_i)^2 + 1/2 sum_j R_j (u_j - u*_j)^2`, with a weight and a target for each
@@ -35,7 +35,7 @@ impl<S: Scalar> QuadraticCost<S> {
         Self {
             weights: weights.map(<[f64]>::to_vec),
             targets: weights.map(|weights| vec![0.0; weights.len()]),
-            gradient: weights.map(|weights| vec![S::zero(); weights.len()]),
+            gradient: weights.map(|weights| filled(S::zero(), weights.len())),
             hessian: weights.map(diagonal),
         }
     }

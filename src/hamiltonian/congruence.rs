@@ -56,7 +56,7 @@ impl<S: Scalar> Congruence<S> {
             pq: square(),
             pp: square(),
             qp: square(),
-            blocked: Panel::<S>::in_blocks(n).then(|| Box::new(Blocked::new(factor))),
+            blocked: Panel::<S>::for_blocks(n, || Blocked::new(factor)),
         }
     }
 

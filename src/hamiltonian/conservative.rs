@@ -3,7 +3,7 @@
 use super::elimination::Elimination;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Left, Matrix, Panel, Part, Place, Update, dot, sized};
+use crate::matrix::{Left, Matrix, Panel, Part, Place, Update, dot, filled, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -34,9 +34,9 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         let (square, factor) = (Panel::zeros(n, n), Factor::new(tree));
         Self {
             kernel: K::new(tree),
-            tiles: Panel::<S>::in_blocks(n).then(|| Box::new(Elimination::new(&factor))),
+            tiles: Panel::<S>::for_blocks(n, || Elimination::new(&factor)),
             factor,
-            v: vec![S::zero(); n],
+            v: filled(S::zero(), n),
             w: square.clone(),
             inverse: square.clone(),
             reduced: square.clone(),

@@ -1,6 +1,7 @@
 //! The direction along which a costate contracts the derivatives of H.
 
 use crate::kernels::friction_of;
+use crate::matrix::filled;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -21,7 +22,7 @@ pub(super) struct Direction<S> {
 impl<S: Scalar> Direction<S> {
     /// Buffers for n joints.
     pub fn new(n: usize) -> Self {
-        let zeros = vec![S::zero(); n];
+        let zeros = filled(S::zero(), n);
         Self { q: zeros.clone(), p: zeros.clone(), v: zeros }
     }
 

@@ -4,7 +4,7 @@ use super::conservative::Conservative;
 use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
 
@@ -53,10 +53,10 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         Self {
             tangent: Conservative::new(&tree),
             first: Hamiltonian::with_route(tree, route),
-            l_q: vec![S::zero(); n],
+            l_q: filled(S::zero(), n),
             mass_matrix: Matrix::zeros(n, n),
-            q: vec![zero; n],
-            p: vec![zero; n],
+            q: filled(zero, n),
+            p: filled(zero, n),
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
         }
     }

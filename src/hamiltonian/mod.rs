@@ -43,7 +43,7 @@ pub use tensor::HessianTensor;
 use crate::error::EvalError;
 pub(crate) use crate::kernels::check;
 use crate::kernels::{Contracted, LagrangianHessian, Route};
-use crate::matrix::{Matrix, Panel};
+use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
@@ -111,7 +111,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             state: StateEquation::new(&tree),
             direction: Direction::new(n),
             inverse: Matrix::zeros(n, n),
-            product: vec![S::zero(); 2 * n],
+            product: filled(S::zero(), 2 * n),
             tree,
         }
     }

@@ -4,7 +4,7 @@ use super::congruence::Congruence;
 use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{KernelTwo, friction_of};
-use crate::matrix::{Matrix, add_scaled, dot};
+use crate::matrix::{Matrix, add_scaled, dot, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -61,9 +61,9 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
             congruence: Congruence::new(&first.flow.factor),
             first,
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
-            change: vec![S::zero(); n],
-            pull: vec![S::zero(); n],
-            product: vec![S::zero(); 2 * n],
+            change: filled(S::zero(), n),
+            pull: filled(S::zero(), n),
+            product: filled(S::zero(), 2 * n),
         }
     }
 

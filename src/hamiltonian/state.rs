@@ -4,7 +4,7 @@ use super::HamiltonianLinearisation;
 use super::conservative::Conservative;
 use crate::kernels::{FrictionDerivatives, LagrangianHessian, friction_of};
 use crate::kinematics::ExternalForces;
-use crate::matrix::{Matrix, Panel, add_scaled, sized};
+use crate::matrix::{Matrix, Panel, add_scaled, filled, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -30,8 +30,8 @@ impl<S: Scalar> StateEquation<S> {
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
         Self {
-            friction: vec![none; n],
-            f: vec![S::zero(); 2 * n],
+            friction: filled(none, n),
+            f: filled(S::zero(), 2 * n),
             f_x: Matrix::zeros(2 * n, 2 * n),
             f_u,
             across: Panel::zeros(n, n),

@@ -4,7 +4,7 @@
 //! and second derivatives, their changes among them, `G' A G`. The kernels run with all N joints; here rows
 //! and columns are summed into n. A robot without mimic joints has no sums, and pays nothing.
 
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{Tree, scaled};
 use crate::scalar::Scalar;
 
@@ -34,7 +34,7 @@ impl<T> Coupled<T> {
 impl<S: Scalar> Coupled<Vec<S>> {
     /// A vector of zeros.
     pub fn row(tree: &Tree) -> Self {
-        Self::new(tree, |n| vec![S::zero(); n])
+        Self::new(tree, |n| filled(S::zero(), n))
     }
 
     /// `G' f`.
@@ -162,7 +162,7 @@ pub(crate) struct Spread<S>(Vec<S>);
 impl<S: Scalar> Spread<S> {
     /// A buffer for a tree; empty without mimic joints.
     pub fn new(tree: &Tree) -> Self {
-        Self(tree.joint_map().map_or(Vec::new(), |map| vec![S::zero(); map.rows().len()]))
+        Self(tree.joint_map().map_or(Vec::new(), |map| filled(S::zero(), map.rows().len())))
     }
 
     /// `G q + b`.

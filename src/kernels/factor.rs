@@ -2,7 +2,7 @@
 
 use super::factor_tiles::FactorTiles;
 use super::triangle::Triangle;
-use crate::matrix::{Matrix, Panel, Pattern, sized};
+use crate::matrix::{Matrix, Panel, Pattern, filled, sized};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 
@@ -36,13 +36,13 @@ impl<S: Scalar> Factor<S> {
         let blocks = Panel::<S>::in_blocks(n);
         let upper = if blocks { n } else { 0 };
         Self {
-            tiles: blocks.then(|| Box::new(FactorTiles::new(&l))),
+            tiles: Panel::<S>::for_blocks(n, || FactorTiles::new(&l)),
             upper: Panel::zeros(upper, upper),
             scaled: Panel::zeros(upper, upper),
             l,
-            inverse_pivots: vec![S::one(); n],
-            pivots: vec![S::zero(); n],
-            sizes: vec![S::zero(); n],
+            inverse_pivots: filled(S::one(), n),
+            pivots: filled(S::zero(), n),
+            sizes: filled(S::zero(), n),
             inverted: false,
             work: Panel::zeros(n, n),
             product: Panel::zeros(n, n),
@@ -60,6 +60,13 @@ impl<S: Scalar> Factor<S> {
     /// The index of a joint whose pivot is not above its rounding error: M is singular in working precision.
     /// The factorisation is completed nevertheless.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
+        self.decompose(mass_matrix);
+        if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
+    }
+
+    /// L and D.
+    #[inline(never)]
+    fn decompose(&mut self, mass_matrix: &Matrix<S>) {
         if Panel::<S>::ONE_LANE {
             self.eliminate::<0, 0>(mass_matrix);
         } else if let Some(tiles) = self.tiles.take() {
@@ -68,7 +75,6 @@ impl<S: Scalar> Factor<S> {
         } else {
             sized!(S, self.work.columns(), self.eliminate(mass_matrix));
         }
-        if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 
     /// Row by row from the last, `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, D_i its

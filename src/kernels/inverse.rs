@@ -82,6 +82,7 @@ impl<S: Scalar> Factor<S> {
     }
 
     /// The same as a panel, unless it is computed block by block.
+    #[inline(never)]
     pub(crate) fn form_inverse<const N: usize, const W: usize>(&mut self, inverse: &mut Panel<S>) {
         debug_assert!(self.tiles.is_none());
         if !self.inverted {

@@ -29,7 +29,7 @@ pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
 pub(crate) use world::{ArticulatedBodies, WorldKernel};
 
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, JointPosition, Motion, Symmetric3, Vec3};
@@ -125,11 +125,11 @@ impl<S: Scalar> KernelOne<S> {
         let blocks = Blocks::new(tree, <S::Pack as Pack<S>>::LANES);
         Self {
             bodies: tree.joints().iter().map(|joint| Body::at_rest(joint.position(S::zero()))).collect(),
-            carried: vec![Force::zero(); blocks.len()],
-            rates: vec![Force::zero(); blocks.len()],
+            carried: filled(Force::zero(), blocks.len()),
+            rates: filled(Force::zero(), blocks.len()),
             blocks,
-            q: vec![S::zero(); n],
-            v: vec![S::zero(); n],
+            q: filled(S::zero(), n),
+            v: filled(S::zero(), n),
             mass_matrix: Coupled::square(tree),
             momentum: Coupled::row(tree),
             l_q: Coupled::row(tree),

@@ -7,7 +7,7 @@ use super::pass::{Inward, Outward};
 use super::position::{across_joint, unit_momentum};
 use super::velocity::AxisRate;
 use crate::error::{EvalError, check_length};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar, inlined};
 use crate::spatial::{Force, Inertia, Motion, Symmetric3, Vec3};
@@ -124,9 +124,9 @@ impl<S: Scalar> KernelTwo<S> {
             composite: Inertia { mass: 0.0, first_moment: zero, matrix: Symmetric3::zero() },
         };
         Self {
-            bodies: vec![still; n],
-            forces: vec![Force::zero(); blocks],
-            rates: vec![Force::zero(); blocks],
+            bodies: filled(still, n),
+            forces: filled(Force::zero(), blocks),
+            rates: filled(Force::zero(), blocks),
             mass_matrix: Coupled::square(tree),
             l_vq: Coupled::square(tree),
             l_qq: Coupled::square(tree),

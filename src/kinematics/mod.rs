@@ -46,7 +46,7 @@ pub use second_order::KinematicsSecondOrder;
 
 use crate::error::EvalError;
 use crate::kernels::{Coupled, check, rates};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree, TreeFrame};
 use crate::scalar::Scalar;
 use crate::spatial::{Inertia, Vec3};
@@ -128,16 +128,16 @@ impl<S: Scalar> Kinematics<S> {
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.joints().len();
         let mut kinematics = Self {
-            bodies: vec![Body::still(); n],
-            columns: vec![Column::zero(); n],
-            terms: vec![Term::zero(); n],
+            bodies: filled(Body::still(), n),
+            columns: filled(Column::zero(), n),
+            terms: filled(Term::zero(), n),
             pairs: OrderedPairs::new(n),
-            moments: vec![Moment::zero(); n],
-            momentum_terms: vec![MomentumTerm::zero(); n],
+            moments: filled(Moment::zero(), n),
+            momentum_terms: filled(MomentumTerm::zero(), n),
             composites: tree.joints().iter().map(|joint| joint.inertia.lift()).collect(),
-            zero: vec![S::zero(); tree.dof()],
-            all: [(); 3].map(|()| vec![S::zero(); n]),
-            direction: vec![S::zero(); n],
+            zero: filled(S::zero(), tree.dof()),
+            all: [(); 3].map(|()| filled(S::zero(), n)),
+            direction: filled(S::zero(), n),
             product: Coupled::row(&tree),
             jacobian: Coupled::columns(&tree, 6),
             jacobian_rate: Coupled::columns(&tree, 6),

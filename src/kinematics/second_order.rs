@@ -3,7 +3,7 @@
 use super::{Kinematics, ReferenceFrame};
 use crate::error::EvalError;
 use crate::kernels::check;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
 use crate::spatial::{Force, Vec3};
@@ -39,8 +39,8 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
         let (n, zero) = (tree.dof(), Tangent::zero());
         Self {
             kinematics: Kinematics::from_tree(tree),
-            q: vec![zero; n],
-            v: vec![zero; n],
+            q: filled(zero, n),
+            v: filled(zero, n),
             hessian: Matrix::zeros(3 * n, 3 * n),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{Lagrangian, StateLinearisation};
 use crate::error::{EvalError, LengthError, check_length};
-use crate::matrix::{Block, Matrix};
+use crate::matrix::{Block, Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -61,8 +61,8 @@ impl<S: Scalar> LegendreTransform<S> {
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
         Self {
             lagrangian: Lagrangian::from_tree(tree),
-            v: vec![S::zero(); n],
-            f: vec![S::zero(); 2 * n],
+            v: filled(S::zero(), n),
+            f: filled(S::zero(), 2 * n),
             f_u,
             given: Matrix::zeros(2 * n, 2 * n),
             half: Matrix::zeros(2 * n, 2 * n),

@@ -39,7 +39,7 @@ use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel};
 use crate::kinematics::ExternalForces;
-use crate::matrix::{Matrix, Panel};
+use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use blocked::Blocked;
@@ -131,16 +131,16 @@ impl<S: Scalar> Lagrangian<S> {
             world: routes.world().then(|| WorldKernel::new(&tree)),
             bodies: routes.bodies.then(|| ArticulatedBodies::new(&tree)),
             newton_euler: NewtonEuler::new(&tree),
-            zero: vec![S::zero(); n],
-            tau: vec![S::zero(); n],
+            zero: filled(S::zero(), n),
+            tau: filled(S::zero(), n),
             tau_q: square.clone(),
             tau_v: square.clone(),
             coriolis: square,
-            rate: vec![S::zero(); 2 * n],
+            rate: filled(S::zero(), 2 * n),
             inverse: Panel::zeros(inverse, inverse),
             solved: panels(solved),
             torque: panels(n),
-            blocked: in_blocks.then(|| Box::new(Blocked::new(&factor))),
+            blocked: Panel::<S>::for_blocks(n, || Blocked::new(&factor)),
             factor,
             a_z: Matrix::zeros(n, 3 * n),
             f_x,

@@ -1,6 +1,7 @@
 //! Inverse dynamics by one outward and one inward sweep, without a matrix.
 
 use crate::kernels::{Coupled, Spread, along_joint};
+use crate::matrix::filled;
 use crate::robot::{JointFrame, JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Force, JointPosition, Motion, Vec3};
@@ -34,9 +35,9 @@ impl<S: Scalar> NewtonEuler<S> {
         let n = tree.joints().len();
         Self {
             positions: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
-            velocities: vec![Motion::zero(); n],
-            accelerations: vec![Motion::zero(); n],
-            forces: vec![Force::zero(); n],
+            velocities: filled(Motion::zero(), n),
+            accelerations: filled(Motion::zero(), n),
+            forces: filled(Force::zero(), n),
             all: [(); 3].map(|()| Spread::new(tree)),
             tau: Coupled::row(tree),
         }

@@ -6,7 +6,7 @@ use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::{KernelOne, KernelTwo, friction_of};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
 
@@ -61,11 +61,11 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
             first: Lagrangian::from_tree(tree),
-            q: vec![zero; n],
-            v: vec![zero; n],
-            direction_q: vec![zero; n],
-            direction_v: vec![zero; n],
-            w: vec![S::zero(); n],
+            q: filled(zero, n),
+            v: filled(zero, n),
+            direction_q: filled(zero, n),
+            direction_v: filled(zero, n),
+            w: filled(S::zero(), n),
             tau_a: Matrix::zeros(n, n),
             w_tau_zz: Matrix::zeros(3 * n, 3 * n),
             xx: Matrix::zeros(2 * n, 2 * n),

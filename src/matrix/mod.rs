@@ -22,6 +22,19 @@ use crate::scalar::{Pack, Scalar};
 use nalgebra::{DMatrix, DMatrixView, Dim, Dyn};
 use std::ops::{Index, IndexMut};
 
+/// As many copies of a value: `vec![value; count]` without its loop over clones, which is compiled for each
+/// type, part by part.
+///
+/// For vectors of the length of the tree: `vec![0.0; n]` takes zeros from the system, which long ones need.
+#[inline(never)]
+pub(crate) fn filled<T: Copy>(value: T, count: usize) -> Vec<T> {
+    let mut copies = Vec::with_capacity(count);
+    for _ in 0..count {
+        copies.push(value);
+    }
+    copies
+}
+
 /// A dense matrix, stored row by row.
 #[derive(Clone, Debug)]
 pub struct Matrix<S> {

@@ -55,6 +55,12 @@ impl<S: Scalar> Panel<S> {
         !Self::ONE_LANE && n > 12
     }
 
+    /// What that needs; the function is not compiled where packs are single numbers.
+    #[inline(always)]
+    pub fn for_blocks<T>(n: usize, make: impl FnOnce() -> T) -> Option<Box<T>> {
+        if Self::ONE_LANE { None } else { Self::in_blocks(n).then(|| Box::new(make())) }
+    }
+
     /// A matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         // Tiles take whole registers.

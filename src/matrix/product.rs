@@ -53,14 +53,15 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// The product with A or its transpose, set or subtracted.
-    #[inline(always)]
+    /// The product with A or its transpose, set or subtracted: one function for all products of a size.
+    #[inline(never)]
     fn product<const N: usize, const W: usize, const ACROSS: bool, const MINUS: bool>(
         &mut self,
         a: &Self,
         b: &Self,
         part: Part,
     ) {
+        [&*self, a, b].into_iter().for_each(Self::has_size::<N, W>);
         let (rows, terms) = if N > 0 { (N, N) } else { (self.rows(), b.rows()) };
         if Self::ONE_LANE {
             for i in 0..rows {

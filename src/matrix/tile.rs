@@ -1,6 +1,6 @@
 //! One tile of a product of panels, whose sums stay in registers, and products stored in panels.
 
-use super::tiles::{Corner, Tiles};
+use super::tiles::{Corner, MOST_REGISTERS, Tiles};
 use super::{Left, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
@@ -23,19 +23,16 @@ pub(crate) enum Update {
 macro_rules! with_sums {
     ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr),
      |$sums:ident| $then:expr) => {
-        match $registers {
-            1 => {
-                let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $terms);
-                $then
-            }
-            2 => {
-                let $sums = sums::<$S, 2, $ACROSS>($a, $b, $corner, $terms);
-                $then
-            }
-            _ => {
-                let $sums = sums::<$S, 3, $ACROSS>($a, $b, $corner, $terms);
-                $then
-            }
+        // Sizes beyond the largest are not compiled.
+        if MOST_REGISTERS > 2 && $registers == 3 {
+            let $sums = sums::<$S, 3, $ACROSS>($a, $b, $corner, $terms);
+            $then
+        } else if MOST_REGISTERS > 1 && $registers == 2 {
+            let $sums = sums::<$S, 2, $ACROSS>($a, $b, $corner, $terms);
+            $then
+        } else {
+            let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $terms);
+            $then
         }
     };
 }

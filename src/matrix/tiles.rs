@@ -11,6 +11,9 @@ pub(super) type Corner = (usize, usize);
 /// Numbers of registers in a row of a tile, such that its sums fit into registers; most first.
 const SIZES: &[usize] = if cfg!(target_feature = "avx") { &[3, 2, 1] } else { &[1] };
 
+/// The first of them.
+pub(super) const MOST_REGISTERS: usize = SIZES[0];
+
 /// A tile may compute zeros up to this part of what it computes for nothing but its registers one by one.
 const SPARE: f64 = 0.35;
 
@@ -50,7 +53,11 @@ pub(crate) enum Terms {
 impl Tiles {
     /// For factors with these patterns.
     pub fn new<S: Scalar>(a: &Pattern, b: &Pattern, part: Part, terms: Terms) -> Self {
-        let (lanes, width) = (Panel::<S>::LANES, <S::Pack as Pack<S>>::WIDTH);
+        Self::of_registers(Panel::<S>::LANES, <S::Pack as Pack<S>>::WIDTH, [a, b], part, terms)
+    }
+
+    /// The same for registers of `width` packs of so many lanes.
+    fn of_registers(lanes: usize, width: usize, [a, b]: [&Pattern; 2], part: Part, terms: Terms) -> Self {
         let (n, across) = (a.size(), b.transposed());
         let some = |from: usize, count: usize| from * count..((from + 1) * count).min(n);
         let (blocks, registers) = (n.div_ceil(lanes), n.div_ceil(lanes * width));

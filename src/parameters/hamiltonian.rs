@@ -6,7 +6,7 @@ use super::set::ParameterSet;
 use crate::error::EvalError;
 use crate::hamiltonian::check;
 use crate::kernels::friction_of;
-use crate::matrix::{Matrix, add_scaled};
+use crate::matrix::{Matrix, add_scaled, filled};
 use crate::scalar::Scalar;
 
 /// Workspace for the derivatives of `F(q, p)` by the parameters of a set; no call allocates.
@@ -81,7 +81,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
     pub fn new(set: &ParameterSet) -> Self {
         let mixed = Mixed::new(set);
         let (n, len) = (mixed.layout.dof(), mixed.layout.len);
-        let (zeros, state_rows) = (vec![S::zero(); n], Matrix::zeros(2 * n, len));
+        let (zeros, state_rows) = (filled(S::zero(), n), Matrix::zeros(2 * n, len));
         Self {
             response: Response::new(&mixed),
             v_theta: Matrix::zeros(n, len),
@@ -90,7 +90,7 @@ impl<S: Scalar> HamiltonianParameters<S> {
             direction_q: zeros.clone(),
             direction_v: zeros,
             f_theta: state_rows.clone(),
-            y_f_theta: vec![S::zero(); len],
+            y_f_theta: filled(S::zero(), len),
             pull: Matrix::zeros(n, len),
             y_f_x_theta: state_rows,
             mixed,

@@ -5,7 +5,7 @@ use super::response::Response;
 use super::set::ParameterSet;
 use crate::error::EvalError;
 use crate::lagrangian::Lagrangian;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 
 /// Workspace for the derivatives of forward dynamics a(q, v, u) by the parameters of a set; no call
@@ -57,10 +57,10 @@ impl<S: Scalar> LagrangianParameters<S> {
             lagrangian: Lagrangian::new(set.robot()),
             response: Response::new(regressor.mixed()),
             regressor,
-            zero: vec![S::zero(); n],
-            a: vec![S::zero(); n],
-            w: vec![S::zero(); n],
-            y_a_theta: vec![S::zero(); len],
+            zero: filled(S::zero(), n),
+            a: filled(S::zero(), n),
+            w: filled(S::zero(), n),
+            y_a_theta: filled(S::zero(), len),
             a_theta: Matrix::zeros(n, len),
         }
     }

@@ -6,7 +6,7 @@ use super::set::ParameterSet;
 use super::wrenches::Wrenches;
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo};
-use crate::matrix::{Matrix, dot};
+use crate::matrix::{Matrix, dot, filled};
 use crate::robot::scaled;
 use crate::scalar::Scalar;
 
@@ -39,7 +39,7 @@ impl<S: Scalar> Mixed<S> {
     pub fn new(set: &ParameterSet) -> Self {
         let layout = Layout::new(set);
         let columns = Matrix::zeros(layout.dof(), layout.len);
-        let zeros = vec![S::zero(); layout.extended.dof()];
+        let zeros = filled(S::zero(), layout.extended.dof());
         Self {
             bodies: UnitBodies::new(&layout.tree),
             one: KernelOne::new(&layout.extended),

@@ -7,7 +7,7 @@
 use super::layout::{Layout, Source};
 use crate::error::EvalError;
 use crate::kinematics::ExternalForces;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 
 /// The wrenches of a robot, on the extended tree.
@@ -31,7 +31,7 @@ impl<S: Scalar> Wrenches<S> {
         };
         let columns: Vec<_> = layout.sources.iter().filter_map(locked).collect();
         let forces = ExternalForces::where_any(&layout.extended)?;
-        let y = vec![S::zero(); layout.extended.dof()];
+        let y = filled(S::zero(), layout.extended.dof());
         Some(Self { forces, columns, kept: layout.kept.clone(), y })
     }
 

@@ -1,6 +1,6 @@
 //! The linear solver of Newton's method.
 
-use crate::matrix::{Matrix, dot};
+use crate::matrix::{Matrix, dot, filled};
 use crate::scalar::Scalar;
 
 /// `A = L U` of a square matrix, L with unit diagonal, without pivoting.
@@ -18,7 +18,7 @@ pub(super) struct Lu<S> {
 
 impl<S: Scalar> Lu<S> {
     pub fn new(size: usize) -> Self {
-        Self { a: Matrix::zeros(size, size), inverse_pivots: vec![S::zero(); size] }
+        Self { a: Matrix::zeros(size, size), inverse_pivots: filled(S::zero(), size) }
     }
 
     pub fn size(&self) -> usize {

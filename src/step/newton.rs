@@ -3,6 +3,7 @@
 use super::StepError;
 use super::stage::{Implicit, Stage};
 use crate::dynamics::Dynamics;
+use crate::matrix::filled;
 use crate::scalar::Scalar;
 use std::ops::{Range, RangeInclusive};
 
@@ -35,7 +36,7 @@ pub(super) struct Newton<S> {
 
 impl<S: Scalar> Newton<S> {
     pub fn new(states: usize) -> Self {
-        let zero = vec![S::zero(); states];
+        let zero = filled(S::zero(), states);
         Self { slope: zero.clone(), known: zero.clone(), change: zero, iterations: 0 }
     }
 

@@ -1,7 +1,7 @@
 //! Storage of a step and its Jacobians.
 
 use super::StepLinearisation;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, filled};
 use crate::scalar::Scalar;
 
 /// Phi and `Phi_(x,u,h)`.
@@ -16,9 +16,9 @@ pub(super) struct Outcome<S> {
 impl<S: Scalar> Outcome<S> {
     pub fn new(states: usize, controls: usize) -> Self {
         Self {
-            next: vec![S::zero(); states],
+            next: filled(S::zero(), states),
             phi_z: Matrix::zeros(states, states + controls + 1),
-            phi_h: vec![S::zero(); states],
+            phi_h: filled(S::zero(), states),
         }
     }
 

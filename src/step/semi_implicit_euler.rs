@@ -5,7 +5,7 @@ use super::outcome::Outcome;
 use super::{Step, StepContraction, StepError, StepLinearisation};
 use crate::dynamics::{Contraction, Dynamics, Linearisation};
 use crate::lagrangian::LagrangianSecondOrder;
-use crate::matrix::add_scaled;
+use crate::matrix::{add_scaled, filled};
 use crate::scalar::Scalar;
 
 /// A model in x = (q, v): the first half of f is the second half of x: `f(x, u) = (v, a(q, v, u))`.
@@ -55,7 +55,7 @@ impl<S: Scalar, D: VelocityForm<S>> SemiImplicitEuler<S, D> {
     pub fn new(model: D) -> Self {
         let (states, controls) = (model.states(), model.controls());
         assert!(states.is_multiple_of(2), "{states} states are not positions and as many velocities");
-        Self { outcome: Outcome::new(states, controls), mu: vec![S::zero(); states], model }
+        Self { outcome: Outcome::new(states, controls), mu: filled(S::zero(), states), model }
     }
 
     /// The model.

@@ -3,7 +3,7 @@
 use super::lu::Lu;
 use super::tableau::Pair;
 use crate::dynamics::Linearisation;
-use crate::matrix::{Matrix, add_rows, add_scaled};
+use crate::matrix::{Matrix, add_rows, add_scaled, filled};
 use crate::scalar::Scalar;
 use std::ops::Range;
 
@@ -63,14 +63,14 @@ impl<S: Scalar> Stage<S> {
             _ => 0..states,
         };
         Self {
-            x: vec![S::zero(); states],
-            f: vec![S::zero(); states],
+            x: filled(S::zero(), states),
+            f: filled(S::zero(), states),
             f_x: Matrix::zeros(states, states),
             f_u: Matrix::zeros(states, controls),
             x_z: Matrix::zeros(states, inputs),
             f_z: Matrix::zeros(states, inputs),
-            mu: vec![S::zero(); states],
-            xi: vec![S::zero(); states],
+            mu: filled(S::zero(), states),
+            xi: filled(S::zero(), states),
             is_start: row.iter().all(|pair| *pair == [0.0; 2]),
             implicit: (!range.is_empty()).then(|| Implicit {
                 a: if diagonal[0] == 0.0 { diagonal[1] } else { diagonal[0] },

@@ -38,7 +38,7 @@ impl Borders {
     }
 
     /// Sets `scale` from the values at the nodes and, if given, a correction `with`.
-    pub fn set_scales<E: Extremal>(
+    pub fn set_scales<E: Extremal + ?Sized>(
         &self,
         timed: &Timed<'_, E>,
         nodes: &[f64],
@@ -49,7 +49,7 @@ impl Borders {
     }
 
     /// Evaluates the coupling of the components at the first node. If that fails, there is none.
-    pub fn set_coupling<E: Extremal>(&mut self, timed: &mut Timed<'_, E>, nodes: &[f64]) {
+    pub fn set_coupling<E: Extremal + ?Sized>(&mut self, timed: &mut Timed<'_, E>, nodes: &[f64]) {
         let mut slope = vec![0.0; self.m];
         self.coupling = vec![0.0; self.m * self.m];
         if timed.linearise(&nodes[..self.m], 0, &mut slope, &mut self.coupling).is_err() {
@@ -63,7 +63,7 @@ impl Borders {
     }
 
     /// Residuals of the conditions at `nodes`; with `matrix`, also their rows of the matrix.
-    pub fn set<E: Extremal>(
+    pub fn set<E: Extremal + ?Sized>(
         &mut self,
         timed: &mut Timed<'_, E>,
         mesh: &Mesh,
@@ -97,7 +97,7 @@ impl Borders {
         Ok(())
     }
 
-    fn set_switch<E: Extremal>(
+    fn set_switch<E: Extremal + ?Sized>(
         &mut self,
         timed: &mut Timed<'_, E>,
         border: Border<'_>,

@@ -43,7 +43,7 @@ pub(crate) trait Discretised {
 }
 
 /// Equations `r(values) = 0` of an extremal and their linearisation A.
-pub(crate) trait Solvable<E: Extremal>: Discretised {
+pub(crate) trait Solvable<E: Extremal + ?Sized>: Discretised {
     /// Cost and penalties at the last evaluation.
     fn costs(&self, timed: &Timed<'_, E>) -> (f64, f64);
 

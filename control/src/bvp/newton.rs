@@ -53,7 +53,7 @@ pub(crate) struct Limits {
 }
 
 /// Watches the steps and may stop them.
-pub(crate) trait Observer<Q, E> {
+pub(crate) trait Observer<Q, E: ?Sized> {
     /// Asked before each step: whether to stop.
     fn interrupts(&mut self) -> bool;
 
@@ -77,7 +77,7 @@ struct Accepted {
 
 /// Newton's method on discretised equations from their current values; converged when the correction of a new
 /// linearisation is no longer than the tolerance.
-pub(crate) fn newton<Q: Solvable<E>, E: Extremal>(
+pub(crate) fn newton<Q: Solvable<E>, E: Extremal + ?Sized>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,
     limits: Limits,
@@ -134,7 +134,7 @@ pub(crate) fn newton<Q: Solvable<E>, E: Extremal>(
 }
 
 /// Sets the scales, with the coupling where costates may be rounding errors around zero.
-pub(crate) fn set_scales<Q: Solvable<E>, E: Extremal>(
+pub(crate) fn set_scales<Q: Solvable<E>, E: Extremal + ?Sized>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,
     with: Option<&Values>,
@@ -148,7 +148,7 @@ pub(crate) fn set_scales<Q: Solvable<E>, E: Extremal>(
 }
 
 /// Finds a damping for which the step passes the test, from `first` on; leaves the new values in `trial`.
-fn damped<Q: Solvable<E>, E: Extremal>(
+fn damped<Q: Solvable<E>, E: Extremal + ?Sized>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,
     work: &mut Workspace,
@@ -183,7 +183,7 @@ fn damped<Q: Solvable<E>, E: Extremal>(
 }
 
 /// Whether the correction of a new linearisation is short enough; if so, takes it and evaluates there.
-fn finished<Q: Solvable<E>, E: Extremal>(
+fn finished<Q: Solvable<E>, E: Extremal + ?Sized>(
     equations: &mut Q,
     timed: &mut Timed<'_, E>,
     work: &mut Workspace,

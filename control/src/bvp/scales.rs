@@ -29,7 +29,7 @@ pub(crate) enum Scales {
 
 /// Sets `scale` from the values at the nodes and, if given, a correction `with`. `coupling`: the Jacobian of
 /// `dw/ds` at a node; empty if it is not known.
-pub(crate) fn set_scales<E: Extremal>(
+pub(crate) fn set_scales<E: Extremal + ?Sized>(
     timed: &Timed<'_, E>,
     nodes: &[f64],
     scale: &mut [f64],

@@ -34,7 +34,7 @@ pub(crate) struct Shooting {
 impl Shooting {
     /// Buffers, and values from the nodes of a guess of w at each (arc, scaled time on it); `tolerance` of a
     /// step of the integration, in parts of the size of each component.
-    pub fn new<E: Extremal>(
+    pub fn new<E: Extremal + ?Sized>(
         timed: &Timed<'_, E>,
         mesh: Mesh,
         tolerance: f64,
@@ -79,7 +79,7 @@ impl Shooting {
     }
 
     /// Integrates w along a part of an arc; returns its end.
-    pub fn carry<E: Extremal>(
+    pub fn carry<E: Extremal + ?Sized>(
         &mut self,
         timed: &mut Timed<'_, E>,
         arc: usize,
@@ -100,7 +100,7 @@ impl Shooting {
     }
 
     /// The same with W, which is 1 at first; the result is in `self.state`.
-    fn carry_with_variations<E: Extremal>(
+    fn carry_with_variations<E: Extremal + ?Sized>(
         &mut self,
         timed: &mut Timed<'_, E>,
         arc: usize,
@@ -164,7 +164,7 @@ impl Discretised for Shooting {
     }
 }
 
-impl<E: Extremal> Solvable<E> for Shooting {
+impl<E: Extremal + ?Sized> Solvable<E> for Shooting {
     fn costs(&self, _: &Timed<'_, E>) -> (f64, f64) {
         self.costs.iter().fold((0.0, 0.0), |sum, cost| (sum.0 + cost.0, sum.1 + cost.1))
     }

@@ -48,7 +48,7 @@ impl Arcs {
 }
 
 /// `dw/ds = theta g(z)`: a problem with m unknowns w at each point of a scaled time s.
-pub(crate) struct Timed<'a, E> {
+pub(crate) struct Timed<'a, E: ?Sized = dyn Extremal + 'a> {
     pub extremal: &'a mut E,
     pub clock: Clock,
     pub arcs: Arcs,
@@ -57,7 +57,7 @@ pub(crate) struct Timed<'a, E> {
     gradient: Vec<f64>,
 }
 
-impl<'a, E: Extremal> Timed<'a, E> {
+impl<'a, E: Extremal + ?Sized> Timed<'a, E> {
     pub fn new(extremal: &'a mut E, clock: Clock, arcs: Arcs) -> Self {
         let z = 2 * extremal.states();
         Self { extremal, clock, arcs, small: vec![0.0; z * z], gradient: vec![0.0; z] }

@@ -157,7 +157,9 @@ impl<F> Discretised for Bordered<F> {
     }
 }
 
-impl<E: Extremal, F: FnMut(&mut Timed<'_, E>, f64) -> Result<(), Failure>> Solvable<E> for Bordered<F> {
+impl<E: Extremal + ?Sized, F: FnMut(&mut Timed<'_, E>, f64) -> Result<(), Failure>> Solvable<E>
+    for Bordered<F>
+{
     fn costs(&self, timed: &Timed<'_, E>) -> (f64, f64) {
         self.inner.costs(timed)
     }

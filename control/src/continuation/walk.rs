@@ -142,7 +142,7 @@ impl Walker<'_, '_> {
 
 impl<F> Bordered<F> {
     /// The estimated error across the branch: at fixed s it would have no bound near a turning point.
-    fn estimate<E: Extremal>(&mut self, timed: &mut Timed<'_, E>) -> Result<Estimate, Failure> {
+    fn estimate<E: Extremal + ?Sized>(&mut self, timed: &mut Timed<'_, E>) -> Result<Estimate, Failure> {
         let Self { inner, border, .. } = self;
         Ok(estimate(inner, timed, |equations, defects, target| {
             equations.response(defects, target);

@@ -52,7 +52,7 @@ impl Solved {
     ///
     /// Only for ends that fix all states and controls that stay within their bounds; else
     /// [`Certificate::NotChecked`].
-    pub(crate) fn second_variation<E: Extremal>(&self, extremal: &mut E) -> (Option<Conjugate>, Certificate) {
+    pub(crate) fn second_variation(&self, extremal: &mut dyn Extremal) -> (Option<Conjugate>, Certificate) {
         let bounded = self.found.arcs.sides.iter().any(Option::is_some) || self.found.excess(extremal) >= 1.0;
         if bounded || !extremal.ends_are_fixed() {
             return (None, Certificate::NotChecked);
@@ -64,7 +64,7 @@ impl Solved {
         }
     }
 
-    fn first_conjugate<E: Extremal>(&self, extremal: &mut E) -> Result<Option<Conjugate>, Undecided> {
+    fn first_conjugate(&self, extremal: &mut dyn Extremal) -> Result<Option<Conjugate>, Undecided> {
         let durations = self.found.durations(2 * extremal.states());
         let mut transitions = Transitions { solved: self, durations, tolerance: LOOSE };
         if transitions.show_none(extremal) {
@@ -113,7 +113,7 @@ struct Transitions<'a> {
 
 impl Transitions<'_> {
     /// Whether no piece of the motion has a conjugate time, by a margin.
-    fn show_none<E: Extremal>(&self, extremal: &mut E) -> bool {
+    fn show_none(&self, extremal: &mut dyn Extremal) -> bool {
         let Ok(fields) = self.fields(extremal) else { return false };
         [&fields.borders, &fields.coarse()].into_iter().all(|borders| {
             let counts = fields.counts(borders, self.tolerance);
@@ -122,9 +122,9 @@ impl Transitions<'_> {
     }
 
     /// Whether the bound shows that these cuts hold no pair of conjugate times.
-    fn is_disconjugate<E: Extremal>(
+    fn is_disconjugate(
         &self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         fields: &Fields,
         cuts: Range<usize>,
     ) -> Result<bool, Undecided> {
@@ -137,9 +137,9 @@ impl Transitions<'_> {
     }
 
     /// The conjugate time after cut `k`; `before` is the transition from the cut of `fields` to it.
-    fn locate<E: Extremal>(
+    fn locate(
         &self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         k: usize,
         all: &Fields,
         fields: &DMatrix<f64>,
@@ -161,7 +161,7 @@ impl Transitions<'_> {
         Ok(Conjugate { time: all.times[k] + 0.5 * (from + to) - part.from, multiplicity })
     }
 
-    fn fields<E: Extremal>(&self, extremal: &mut E) -> Result<Fields, Undecided> {
+    fn fields(&self, extremal: &mut dyn Extremal) -> Result<Fields, Undecided> {
         let n = extremal.states();
         let piece = self.durations.iter().sum::<f64>() / PIECES as f64;
         let mut start = DMatrix::zeros(2 * n, n);
@@ -217,7 +217,7 @@ impl Transitions<'_> {
     }
 
     /// The transition over a part of a mesh interval, with the Jacobians that it was integrated from.
-    fn sampled<E: Extremal>(&self, extremal: &mut E, part: Part) -> Result<Sampled, Undecided> {
+    fn sampled(&self, extremal: &mut dyn Extremal, part: Part) -> Result<Sampled, Undecided> {
         let (states, mut samples) = (extremal.states(), Vec::new());
         let sample = |t: f64, jacobian: &[f64]| samples.push(Sample::new(t, states, jacobian));
         let over = self.transition(extremal, part, sample)?;
@@ -225,9 +225,9 @@ impl Transitions<'_> {
     }
 
     /// The transition matrix over a part of a mesh interval. `sample` is given each Jacobian.
-    fn transition<E: Extremal>(
+    fn transition(
         &self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         Part { span, from, to }: Part,
         mut sample: impl FnMut(f64, &[f64]),
     ) -> Result<DMatrix<f64>, Undecided> {

@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-12;
 impl Solved {
     /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives
     /// the largest mismatch at the next border, in parts of the size of the component.
-    pub(crate) fn shooting_defect<E: Extremal>(&self, extremal: &mut E) -> Result<f64, Stopped> {
+    pub(crate) fn shooting_defect(&self, extremal: &mut dyn Extremal) -> Result<f64, Stopped> {
         let equations = &self.found.equations;
         let mut timed = self.found.timed(extremal);
         let (m, (segments, parts)) = (equations.m, equations.mesh.coarsened(SEGMENTS));

@@ -146,9 +146,9 @@ impl ExtremalSolution {
 
 impl Solved {
     /// The solution, verified by integration and checked for conjugate times where it converged.
-    pub(crate) fn into_solution<E: Extremal>(
+    pub(crate) fn into_solution(
         mut self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         iterations: Vec<Iteration>,
         tolerance: f64,
     ) -> ExtremalSolution {
@@ -211,7 +211,7 @@ impl Solved {
     }
 
     /// Values at the nodes with the collocation polynomial, and the times of the switches between arcs.
-    fn nodes<E: Extremal>(&self, extremal: &mut E) -> (Nodes, Vec<f64>) {
+    fn nodes(&self, extremal: &mut dyn Extremal) -> (Nodes, Vec<f64>) {
         let (z_len, m) = (2 * extremal.states(), self.found.equations.m);
         let durations = self.found.durations(z_len);
         let points = self.found.equations.method.len();

@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 1e-12;
 impl Solved {
     /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the
     /// costates.
-    pub(crate) fn integrated_again<E: Extremal>(&self, extremal: &mut E) -> Result<Vec<f64>, Stopped> {
+    pub(crate) fn integrated_again(&self, extremal: &mut dyn Extremal) -> Result<Vec<f64>, Stopped> {
         let (states, m) = (extremal.states(), self.found.equations.m);
         let durations = self.found.durations(2 * states);
         let mut x = self.found.equations.current.nodes[..states].to_vec();
@@ -42,7 +42,7 @@ impl Solved {
 
     /// Largest difference between x(T) of the mesh and `end`, relative to the size of each component;
     /// infinite without an end.
-    pub(crate) fn end_defect<E: Extremal>(&self, extremal: &E, end: Option<&[f64]>) -> f64 {
+    pub(crate) fn end_defect(&self, extremal: &dyn Extremal, end: Option<&[f64]>) -> f64 {
         let (states, m, scale) = (extremal.states(), self.found.equations.m, &self.found.equations.scale);
         let last = (self.found.equations.mesh.nodes() - 1) * m;
         let found = &self.found.equations.current.nodes[last..last + states];

@@ -19,7 +19,7 @@ use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock};
 use crate::constants::attempts::{FEW_STEPS, NOTICEABLE, PATHS, PathAttempt};
 use crate::constants::path::INTERVALS;
-use crate::extremal::{Extremal, Relaxation};
+use crate::extremal::Relaxation;
 use crate::options::{SolverOptions, Strategy};
 use crate::problem::FinalTime;
 use crate::progress::Phase;
@@ -31,7 +31,7 @@ use crate::solve::homotopy::follow;
 use crate::solve::{Attempt, Discretisation, Layout, Solved};
 use crate::status::Status;
 
-impl<E: Extremal> Search<'_, '_, E> {
+impl Search<'_, '_> {
     /// Makes the attempts that the options ask for.
     pub fn run(mut self, options: &SolverOptions) -> Solved {
         let attempt = Attempt::new(options, Phase::FixedTime);

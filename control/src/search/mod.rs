@@ -16,14 +16,14 @@ use crate::solve::free_time::free_time;
 use crate::solve::{Attempt, Discretisation, Layout, Recorder, Solved};
 
 /// What all attempts to solve one extremal share.
-pub(crate) struct Search<'s, 'r, E> {
-    pub extremal: &'s mut E,
+pub(crate) struct Search<'s, 'r> {
+    pub extremal: &'s mut (dyn Extremal + 's),
     pub time: FinalTime,
     pub guess: &'s mut dyn Guess,
     pub recorder: &'s mut Recorder<'r>,
 }
 
-impl<E: Extremal> Search<'_, '_, E> {
+impl Search<'_, '_> {
     /// The equations of one arc at a fixed time, with the guess of a motion that covers the part `goal` of
     /// the distance to the end.
     pub fn at_fixed_time(&mut self, time: FinalTime, goal: f64, attempt: &Attempt) -> Discretisation {

@@ -13,7 +13,7 @@ use crate::solve::homotopy::follow;
 use crate::solve::{Attempt, Solved};
 use crate::status::Status;
 
-impl<E: Extremal> Search<'_, '_, E> {
+impl Search<'_, '_> {
     /// Without limits, and to a nearer end if that fails; then by continuation to the end, the final time,
     /// the penalties, the bounds and the smoothing of the problem itself.
     pub fn try_relaxed_problems(&mut self, attempt: &Attempt) -> Solved {
@@ -65,7 +65,7 @@ impl<E: Extremal> Search<'_, '_, E> {
         }
     }
 
-    fn follow(&mut self, at: Solved, attempt: &Attempt, set: impl FnMut(&mut E, f64)) -> Solved {
+    fn follow(&mut self, at: Solved, attempt: &Attempt, set: impl FnMut(&mut dyn Extremal, f64)) -> Solved {
         follow(at, self.extremal, attempt, self.recorder, set)
     }
 

@@ -21,9 +21,9 @@ use crate::solve::{Attempt, Discretisation, Layout, Recorder, Solved};
 
 /// Solves with the arcs that a rough solution shows, to the tolerance of the attempt. `None` where no control
 /// changes sides, or where the solution contradicts its arcs.
-pub(crate) fn solve_arcs<E: Extremal>(
+pub(crate) fn solve_arcs(
     rough: &Discretisation,
-    extremal: &mut E,
+    extremal: &mut dyn Extremal,
     attempt: &Attempt,
     recorder: &mut Recorder<'_>,
 ) -> Option<Solved> {
@@ -84,7 +84,7 @@ fn without_backward(crossings: &[Crossing], durations: &[f64]) -> Vec<Crossing> 
 
 impl Discretisation {
     /// Equations on the arcs between crossings, with the values of this motion.
-    fn on_arcs<E: Extremal>(&self, extremal: &mut E, crossings: &[Crossing], attempt: &Attempt) -> Self {
+    fn on_arcs(&self, extremal: &mut dyn Extremal, crossings: &[Crossing], attempt: &Attempt) -> Self {
         let z_len = 2 * extremal.states();
         let final_time = self.final_time(extremal);
         let arcs = self.arcs_between(extremal, crossings);
@@ -116,7 +116,7 @@ impl Discretisation {
 
     /// The sides of the controls between crossings. The first crossing of a control says where it was before;
     /// one without any stays where it is.
-    fn arcs_between<E: Extremal>(&self, extremal: &mut E, crossings: &[Crossing]) -> Arcs {
+    fn arcs_between(&self, extremal: &mut dyn Extremal, crossings: &[Crossing]) -> Arcs {
         let mut u = vec![0.0; extremal.controls()];
         extremal.unbounded_controls(&self.equations.current.nodes[..2 * extremal.states()], &mut u);
         let first = |(control, &u): (usize, &f64)| {
@@ -135,7 +135,7 @@ impl Discretisation {
 
     /// Whether the cost differs so much from that of a rough solution that the arcs are those of another
     /// motion.
-    fn is_far_from<E: Extremal>(&self, rough: &Self, extremal: &mut E) -> bool {
+    fn is_far_from(&self, rough: &Self, extremal: &mut dyn Extremal) -> bool {
         let (cost, near) = (self.costs(extremal).0, rough.costs(extremal).0);
         (cost - near).abs() > FAR * near.abs()
     }

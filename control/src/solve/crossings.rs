@@ -16,7 +16,7 @@ pub(crate) struct Crossing {
 
 impl Discretisation {
     /// Where the controls of one arc reach or leave their bounds, in the order of time.
-    pub fn crossings<E: Extremal>(&self, extremal: &mut E) -> Vec<Crossing> {
+    pub fn crossings(&self, extremal: &mut dyn Extremal) -> Vec<Crossing> {
         let (z_len, m, count) = (2 * extremal.states(), self.equations.m, extremal.controls());
         let durations = self.durations(z_len);
         let mut found: Vec<Crossing> = Vec::new();
@@ -80,7 +80,7 @@ impl Discretisation {
 
     /// Whether at all inner points the maximum of the Hamiltonian is on the side of the bounds that the arc
     /// assumes.
-    pub fn agrees_with_arcs<E: Extremal>(&self, extremal: &mut E) -> bool {
+    pub fn agrees_with_arcs(&self, extremal: &mut dyn Extremal) -> bool {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let inner = self.equations.method.len() - 2;
         let (mut u, mut gradient) = (vec![0.0; extremal.controls()], vec![0.0; z_len]);
@@ -115,7 +115,7 @@ impl Discretisation {
 
     /// The largest unclipped control relative to its bounds: distance from their middle in half distances
     /// between them, 1 at a bound. Controls without effort, which are infinite, do not count.
-    pub fn excess<E: Extremal>(&self, extremal: &mut E) -> f64 {
+    pub fn excess(&self, extremal: &mut dyn Extremal) -> f64 {
         let (z_len, m) = (2 * extremal.states(), self.equations.m);
         let mut u = vec![0.0; extremal.controls()];
         let mut largest = 0.0_f64;

@@ -24,8 +24,8 @@ pub(crate) struct Layout {
 
 impl Discretisation {
     /// With a guess of w at each (arc, scaled time on it).
-    pub fn new<E: Extremal>(
-        extremal: &mut E,
+    pub fn new(
+        extremal: &mut dyn Extremal,
         layout: Layout,
         guess: impl FnMut(usize, f64, &mut [f64]),
     ) -> Self {
@@ -37,12 +37,12 @@ impl Discretisation {
     }
 
     /// The differential equation that it discretises.
-    pub fn timed<'e, E: Extremal>(&self, extremal: &'e mut E) -> Timed<'e, E> {
+    pub fn timed<'e>(&self, extremal: &'e mut (dyn Extremal + 'e)) -> Timed<'e> {
         Timed::new(extremal, self.clock, self.arcs.clone())
     }
 
     /// Evaluates the equations at the values; costs and polynomials need that.
-    pub fn evaluated<E: Extremal>(mut self, extremal: &mut E) -> Result<Self, Failure> {
+    pub fn evaluated(mut self, extremal: &mut dyn Extremal) -> Result<Self, Failure> {
         let values = self.equations.current.clone();
         let mut timed = self.timed(extremal);
         self.equations.evaluate(&mut timed, &values)?;
@@ -50,7 +50,7 @@ impl Discretisation {
     }
 
     /// The same polynomials on another mesh.
-    pub fn refine<E: Extremal>(&mut self, timed: &Timed<'_, E>, mesh: Mesh) {
+    pub fn refine<E: Extremal + ?Sized>(&mut self, timed: &Timed<'_, E>, mesh: Mesh) {
         let equations = &self.equations;
         let points = equations.method.len();
         self.equations = Collocation::new(timed, mesh, points, |arc, s, w| equations.sample(arc, s, w));
@@ -67,7 +67,7 @@ impl Discretisation {
     }
 
     /// The same mesh and unknowns, extrapolated by `factor` times the change since `before`.
-    pub fn predicted<E: Extremal>(&self, extremal: &mut E, change: Option<Change<'_>>) -> Self {
+    pub fn predicted(&self, extremal: &mut dyn Extremal, change: Option<Change<'_>>) -> Self {
         let mut old = vec![0.0; self.equations.m];
         Self::new(extremal, self.layout(), |arc, s, w| {
             self.equations.sample(arc, s, w);
@@ -79,17 +79,17 @@ impl Discretisation {
     }
 
     /// T (s).
-    pub fn final_time<E: Extremal>(&self, extremal: &mut E) -> f64 {
+    pub fn final_time(&self, extremal: &mut dyn Extremal) -> f64 {
         self.equations.final_time(&self.timed(extremal))
     }
 
     /// Cost and penalties.
-    pub fn costs<E: Extremal>(&self, extremal: &mut E) -> (f64, f64) {
+    pub fn costs(&self, extremal: &mut dyn Extremal) -> (f64, f64) {
         self.equations.costs(&self.timed(extremal))
     }
 
     /// Cost and penalties together.
-    pub fn total<E: Extremal>(&self, extremal: &mut E) -> f64 {
+    pub fn total(&self, extremal: &mut dyn Extremal) -> f64 {
         let (cost, penalty) = self.costs(extremal);
         cost + penalty
     }

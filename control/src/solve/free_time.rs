@@ -15,9 +15,9 @@ use crate::solve::{Attempt, Discretisation, Layout, Recorder, Solved};
 use crate::status::Status;
 
 /// From a solution for a fixed time to one with H* = 0.
-pub(crate) fn free_time<E: Extremal>(
+pub(crate) fn free_time(
     mut at: Solved,
-    extremal: &mut E,
+    extremal: &mut dyn Extremal,
     attempt: &Attempt,
     recorder: &mut Recorder<'_>,
 ) -> Solved {
@@ -47,7 +47,7 @@ pub(crate) fn free_time<E: Extremal>(
 
 impl Discretisation {
     /// The same values under another clock. A change of a fixed time stretches the motion.
-    pub fn with_clock<E: Extremal>(&self, extremal: &mut E, clock: Clock) -> Self {
+    pub fn with_clock(&self, extremal: &mut dyn Extremal, clock: Clock) -> Self {
         let z_len = 2 * extremal.states();
         let durations = self.durations(z_len);
         let mut w = vec![0.0; self.equations.m];

@@ -19,12 +19,12 @@ use crate::status::Status;
 /// Where Newton's method fails, the step is halved; after a success it is doubled. If the step gets too
 /// small, at a turning point most often, the status is [`Status::ContinuationFailed`]; the problem is then
 /// the one that the solution returned belongs to.
-pub(crate) fn follow<E: Extremal>(
+pub(crate) fn follow(
     mut at: Solved,
-    extremal: &mut E,
+    extremal: &mut dyn Extremal,
     attempt: &Attempt,
     recorder: &mut Recorder<'_>,
-    mut set: impl FnMut(&mut E, f64),
+    mut set: impl FnMut(&mut dyn Extremal, f64),
 ) -> Solved {
     if !at.is_converged() {
         return at;

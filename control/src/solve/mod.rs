@@ -52,9 +52,9 @@ impl Solved {
 
 impl Discretisation {
     /// Solves to the tolerance of the attempt, with as many nodes as that takes.
-    pub fn solve<E: Extremal>(
+    pub fn solve(
         self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         attempt: &Attempt,
         recorder: &mut Recorder<'_>,
     ) -> Solved {
@@ -64,9 +64,9 @@ impl Discretisation {
         }
     }
 
-    fn collocate<E: Extremal>(
+    fn collocate(
         mut self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         attempt: &Attempt,
         recorder: &mut Recorder<'_>,
     ) -> Solved {

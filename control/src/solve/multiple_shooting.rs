@@ -19,9 +19,9 @@ impl Discretisation {
     /// The error is estimated by the Newton correction with a sharper integration. Then the motion is
     /// integrated once more from segment to segment, onto a mesh on which polynomials represent it to the
     /// tolerance.
-    pub(crate) fn shoot<E: Extremal>(
+    pub(crate) fn shoot(
         mut self,
-        extremal: &mut E,
+        extremal: &mut dyn Extremal,
         attempt: &Attempt,
         recorder: &mut Recorder<'_>,
     ) -> Solved {
@@ -64,9 +64,9 @@ struct Representation {
 
 impl Shooting {
     /// Newton's method with sharper and sharper integration until that changes nothing.
-    fn solve<E: Extremal>(
+    fn solve(
         &mut self,
-        timed: &mut Timed<'_, E>,
+        timed: &mut Timed<'_>,
         attempt: &Attempt,
         recorder: &mut Recorder<'_>,
     ) -> (Status, Option<Estimate>) {
@@ -125,7 +125,7 @@ impl Collocation {
 
 impl Shooting {
     /// The values at the nodes, with linear interpolation between them.
-    fn joined<E: Extremal>(&self, timed: &Timed<'_, E>, points: usize) -> Collocation {
+    fn joined(&self, timed: &Timed<'_>, points: usize) -> Collocation {
         let mut found = Collocation::new(timed, self.mesh.clone(), points, |_, _, w| w.fill(0.0));
         let (m, inner) = (self.scale.len(), points - 2);
         found.current.nodes.copy_from_slice(&self.current.nodes);
@@ -142,9 +142,9 @@ impl Shooting {
     /// The motion, integrated from segment to segment, on a mesh that cuts each segment into pieces until the
     /// polynomials of all of them satisfy the equations to the tolerance; false if that takes too many
     /// intervals.
-    fn traced<E: Extremal>(
+    fn traced(
         &mut self,
-        timed: &mut Timed<'_, E>,
+        timed: &mut Timed<'_>,
         mut pieces: Vec<Vec<f64>>,
         limits: Representation,
     ) -> Result<(Collocation, bool), Failure> {
@@ -179,9 +179,9 @@ impl Shooting {
     }
 
     /// The motion, integrated from segment to segment, at nodes and inner points.
-    fn values_on<E: Extremal>(
+    fn values_on(
         &mut self,
-        timed: &mut Timed<'_, E>,
+        timed: &mut Timed<'_>,
         target: &Collocation,
         pieces: &[Vec<f64>],
     ) -> Result<Values, Failure> {

@@ -94,7 +94,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Newton's method on one mesh, its steps in the log.
-    pub fn newton<Q: Solvable<E>, E: Extremal>(
+    pub fn newton<Q: Solvable<E>, E: Extremal + ?Sized>(
         &mut self,
         equations: &mut Q,
         timed: &mut Timed<'_, E>,
@@ -117,7 +117,7 @@ struct Log<'r, 'a> {
     phase: Phase,
 }
 
-impl<Q: Solvable<E>, E: Extremal> Observer<Q, E> for Log<'_, '_> {
+impl<Q: Solvable<E>, E: Extremal + ?Sized> Observer<Q, E> for Log<'_, '_> {
     fn interrupts(&mut self) -> bool {
         self.recorder.interruption().is_some()
     }

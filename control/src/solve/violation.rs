@@ -11,7 +11,7 @@ impl Solved {
     /// with relaxed bounds may exceed them, one with the bounds of the problem never does.
     ///
     /// The relaxation of `extremal` is changed in between and then restored.
-    pub fn bound_violation<E: Extremal>(&self, extremal: &mut E) -> Option<BoundViolation> {
+    pub fn bound_violation(&self, extremal: &mut dyn Extremal) -> Option<BoundViolation> {
         let (z_len, m, before) = (2 * extremal.states(), self.found.equations.m, extremal.relaxation());
         let mut bounds = vec![ControlRange::UNBOUNDED; extremal.controls()];
         extremal.set_relaxation(Relaxation::NONE);

@@ -4,6 +4,7 @@ use super::WorldKernel;
 use super::articulated_inertia::Articulated;
 use super::group::{Body, along_axis, force_lane, matrix_lane};
 use super::motion::{inward, moved};
+use crate::matrix::filled;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Motion};
@@ -61,13 +62,13 @@ impl<S: Scalar> ArticulatedBodies<S> {
         let slack = Force::zero();
         Self {
             armature,
-            inertias: vec![Articulated::zero(); n],
-            forces: vec![slack; n],
-            gains: vec![Gain { force: slack, rate: S::zero() }; n],
-            motions: vec![Motion::zero(); n],
-            pivots: vec![S::zero(); n],
-            sizes: vec![S::zero(); n],
-            scales: vec![S::zero(); n],
+            inertias: filled(Articulated::zero(), n),
+            forces: filled(slack, n),
+            gains: filled(Gain { force: slack, rate: S::zero() }, n),
+            motions: filled(Motion::zero(), n),
+            pivots: filled(S::zero(), n),
+            sizes: filled(S::zero(), n),
+            scales: filled(S::zero(), n),
         }
     }
 

@@ -13,7 +13,7 @@ mod motion;
 mod places;
 mod torque;
 
-use crate::matrix::{Matrix, Panel};
+use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{JointPosition, Motion, Vec3};
@@ -72,9 +72,9 @@ impl<S: Scalar> WorldKernel<S> {
         Self {
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             links: links.collect(),
-            groups: vec![Group::zero(); groups],
-            carried: vec![Carried::zero(); groups],
-            joints: vec![at_rest; n],
+            groups: filled(Group::zero(), groups),
+            carried: filled(Carried::zero(), groups),
+            joints: filled(at_rest, n),
             upper: [panel.clone(), panel.clone()],
             lower: [panel.clone(), panel],
             mass_matrix: Matrix::zeros(n, n),

@@ -23,8 +23,8 @@ properties! {
         prop_assert!(largest(&(&skew + skew.transpose())) <= 1e-14 * largest(&c).max(largest(&rate)));
     }
 
-    /// `C_ij = 1/2 sum_k (M_ij,k + M_ik,j - M_jk,i) v_k`, M,k by dual numbers. Rounding is in proportion to the
-    /// entries of M where its derivatives almost cancel.
+    /// `C_ij = 1/2 sum_k (M_ij,k + M_ik,j - M_jk,i) v_k`, M,k by dual numbers. Rounding is in proportion to
+    /// the entries of M where its derivatives almost cancel.
     #[test]
     fn coriolis_matrix_is_made_of_christoffel_symbols(case in all_cases(6)) {
         let (robot, n) = (case.robot(), case.n());

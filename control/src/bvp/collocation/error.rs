@@ -35,7 +35,7 @@ impl Estimate {
 /// is used.
 ///
 /// `respond` writes `-A^-1 defect`: [`Collocation::response`], or the response with further equations.
-pub(crate) fn estimate<E: Extremal>(
+pub(crate) fn estimate<E: Extremal + ?Sized>(
     equations: &mut Collocation,
     timed: &mut Timed<'_, E>,
     respond: impl FnOnce(&mut Collocation, &[f64], &mut Values),

@@ -55,7 +55,7 @@ pub(crate) struct Rates {
 
 impl Collocation {
     /// Buffers, and values from a guess of w at each (arc, scaled time on it).
-    pub fn new<E: Extremal>(
+    pub fn new<E: Extremal + ?Sized>(
         timed: &Timed<'_, E>,
         mesh: Mesh,
         points: usize,
@@ -154,7 +154,7 @@ impl Discretised for Collocation {
     }
 }
 
-impl<E: Extremal> Solvable<E> for Collocation {
+impl<E: Extremal + ?Sized> Solvable<E> for Collocation {
     /// By the quadrature of the method.
     fn costs(&self, timed: &Timed<'_, E>) -> (f64, f64) {
         let (m, inner) = (self.m, self.method.len() - 2);

@@ -11,7 +11,7 @@ use costate::EvalError;
 impl Collocation {
     /// Residuals from the slopes; with `matrix`, also the conditions at the ends and switches into the
     /// matrix.
-    pub(crate) fn set_residuals<E: Extremal>(
+    pub(crate) fn set_residuals<E: Extremal + ?Sized>(
         &mut self,
         timed: &mut Timed<'_, E>,
         values: &Values,

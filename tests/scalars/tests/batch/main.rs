@@ -8,5 +8,4 @@ mod failures;
 mod functions;
 mod models;
 mod steps;
-#[cfg(feature = "rayon")]
 mod threads;
