@@ -1,6 +1,6 @@
 """The classes of tasks. Each function draws one task, or gives None where the draw does not suit: then another is drawn.
 
-Every task is feasible by construction: a smooth straight motion (or one through a via point, for obstacles) meets all its limits,
+Every task is feasible by construction: a smooth straight motion (with a detour, for obstacles) meets all its limits,
 and limits are set between that motion and the optimum without them, so that they are active."""
 
 import casadi as ca
@@ -27,10 +27,10 @@ def effort(draw):
 def bounded_torques(draw):
     """Bounds between the peaks of the feasible motion with the gentlest ramps and those of the free optimum."""
     task = draw.free_task()
-    optimum = draw.optimum(task)
-    if optimum is None:
+    found = draw.unlimited(task)
+    if found is None:
         return None
-    peaks = abs(optimum.raw.u).max(0)
+    peaks = found.torques
     bounds = torque_bounds(draw, task, peaks)
     if not (peaks > (1 + ACTIVE) * bounds).any():
         return None
@@ -70,10 +70,10 @@ def time_and_effort(draw):
 def rates(draw):
     """Limits between the rates of the feasible motion and those of the free optimum."""
     task = draw.free_task()
-    optimum = draw.optimum(task)
-    if optimum is None:
+    found = draw.unlimited(task)
+    if found is None:
         return None
-    peaks = abs(optimum.raw.v).max(0)
+    peaks = found.rates
     feasible = MARGIN * draw.straight(task, shapes.ramps(RAMPS[0]))[0]
     limits = numpy.where(peaks > feasible, between(feasible, peaks, draw.rng.uniform(*SHARE, task.n)), 1.1 * feasible)
     limits = round_to(numpy.maximum(limits, 1e-2))
@@ -83,11 +83,11 @@ def rates(draw):
 def positions(draw):
     """Limits between the ends, which a straight motion never leaves, and how far the free optimum goes beyond them."""
     task = draw.free_task()
-    optimum = draw.optimum(task)
-    if optimum is None:
+    found = draw.unlimited(task)
+    if found is None:
         return None
     low, high = numpy.minimum(task.q_start, task.q_end), numpy.maximum(task.q_start, task.q_end)
-    beyond_low, beyond_high = low - optimum.raw.q.min(0), optimum.raw.q.max(0) - high
+    beyond_low, beyond_high = low - found.low, found.high - high
     share = draw.rng.uniform(*SHARE, task.n)
     least = 0.02
     q_min = numpy.where(beyond_low > least, low - share * beyond_low, low - least - 0.1)
@@ -135,10 +135,10 @@ def tool_pose(draw):
 
 
 def around_obstacles(draw):
-    """A sphere on the way of the free optimum's tool; a motion through a random via point passes it."""
+    """A sphere on the way of the free optimum's tool; a straight motion with a random detour passes it."""
     task = draw.free_task()
-    optimum = draw.optimum(task)
-    if optimum is None:
+    found = draw.unlimited(task)
+    if found is None:
         return None
     model = Model(draw.robot)
     q = ca.SX.sym("q", task.n)
@@ -146,7 +146,7 @@ def around_obstacles(draw):
     reach = obstacles.reach(model)
     own = float(round_to(obstacles.SHARE * reach, 2))
     at = lambda motion: numpy.array([numpy.array(centres(row)).T for row in motion])
-    free = at([optimum.raw.state(t * task.duration)[: task.n] for t in GRID[::4]])
+    free = at(found.way)
     tool = free[draw.rng.integers(len(free) * 2 // 5, len(free) * 3 // 5), -1]
     direction = draw.rng.normal(size=3)
     if task.n == 2:
@@ -158,10 +158,9 @@ def around_obstacles(draw):
     if distance(free) > -0.02 * reach or distance(free[[0, -1]]) < 0.02 * reach:
         return None
     for _ in range(20):
-        via = between(task.q_start, task.q_end, 0.5) + draw.rng.uniform(-1.0, 1.0, task.n)
-        bend = (16 * GRID**2 * (1 - GRID)**2)[:, None]
+        detour = shapes.bump(draw.rng.uniform(-1.0, 1.0, task.n), 1.0, GRID)[0]
         straight = shapes.motion(shapes.cubic, task.q_start, task.q_end, 1.0, GRID)[0]
-        if distance(at(straight + bend * (via - between(task.q_start, task.q_end, 0.5)))) > 0.01 * reach:
+        if distance(at(straight + detour)) > 0.01 * reach:
             return task.but(obstacles=[(tuple(map(float, centre)), radius)], own_radius=own)
     return None
 

@@ -17,6 +17,9 @@ DISTANCE, FARTHEST = 0.6, 1.5
 # Size of a torque (N m) where neither the file nor the motion gives one.
 LEAST_TORQUE = 1e-3
 GRID = numpy.linspace(0, 1, 201)
+# The peer's motion without limits: elements of its mesh, and iterations; a draw that needs more is not taken.
+ELEMENTS, ITERATIONS = 15, 150
+MANY = 8
 # Torques of straight motions are judged with ramps of half a cosine over these shares of the time.
 RAMPS = (0.2, 0.3, 0.4, 0.5)
 
@@ -65,10 +68,29 @@ class Draw:
         q, v, a = shapes.motion(shape, task.q_start, end, duration or task.duration, GRID)
         return abs(v).max(0), abs(self.peer.torques(task, q, v, a)).max(0)
 
-    def optimum(self, task, elements=15):
-        """The peer's motion of a task, None if it finds none."""
-        answer = self.peer.solve(task, elements)
-        return answer if answer.solved else None
+    def unlimited(self, task):
+        """The peer's motion of a task without limits; None if it finds none. For more than MANY joints, where it may search for
+        minutes and light links whirl, a stand-in: the straight motion with rates and torques of twice their size."""
+        if self.robot.n <= MANY:
+            answer = self.peer.solve(task, ELEMENTS, **{"ipopt.max_iter": ITERATIONS})
+            if not answer.solved:
+                return None
+            motion = answer.motion
+            way = numpy.array([motion.at(s * task.duration)[0][: self.robot.n] for s in GRID[::4]])
+            return Unlimited(abs(motion.v).max(0), abs(motion.u).max(0), motion.q.min(0), motion.q.max(0), way)
+        rates, torques = self.straight(task, shapes.cubic)
+        way = shapes.motion(shapes.cubic, task.q_start, task.q_end, task.duration, GRID[::4])[0]
+        return Unlimited(2 * rates, 2 * torques, way.min(0) - 0.1, way.max(0) + 0.1, way)
+
+
+@dataclass
+class Unlimited:
+    """Peaks of rates and torques of a motion without limits, the range of its positions, and positions along it."""
+    rates: numpy.ndarray
+    torques: numpy.ndarray
+    low: numpy.ndarray
+    high: numpy.ndarray
+    way: numpy.ndarray
 
 
 def round_to(values, digits=3):

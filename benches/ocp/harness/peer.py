@@ -8,8 +8,8 @@ import casadi as ca
 import numpy
 
 import points
-import radau
 import shapes
+from motion import Collocated
 from transcription import Transcription
 
 OPTIONS = {
@@ -30,7 +30,7 @@ SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 @dataclass
 class Answer:
-    """What either side found: the state and the torques of its own interpolation at any time."""
+    """What either side found."""
     solver: str
     status: str
     solved: bool
@@ -40,12 +40,7 @@ class Answer:
     # Seconds on one core: of the solver alone, and of its process with start and set-up.
     seconds: float
     process_seconds: float
-    # Times where pieces of the interpolation meet, states there, and functions of the time.
-    knots: numpy.ndarray = None
-    states: numpy.ndarray = None
-    torque: object = None
-    state: object = None
-    raw: object = None
+    motion: object = None
 
 
 class Peer:
@@ -53,7 +48,7 @@ class Peer:
 
     def __init__(self, cache, interpreted=False, limit=60.0):
         self.cache, self.interpreted, self.limit = cache, interpreted, limit
-        self._points = {}
+        self._points, self._forward = {}, {}
 
     def points(self, task):
         key = task.robot.name, len(task.obstacles)
@@ -67,7 +62,31 @@ class Peer:
         value = self.points(task).value
         return numpy.array(value.map(z.shape[1])(z, numpy.tile(numpy.array(task.obstacles_flat)[:, None], z.shape[1])))[: task.n].T
 
-    def solve(self, task, elements, start=None, mesh=None, **options):
+    def accelerations(self, task, q, v, u):
+        """Forward dynamics M a = u - h with M and h of the model, a row for each time."""
+        if task.robot.name not in self._forward:
+            self._forward[task.robot.name] = points.forward(self.cache, task.robot, self.interpreted)
+        n = task.n
+        if len(q) == 1:
+            bias, m = self._forward[task.robot.name](q[0], v[0])
+            return numpy.linalg.solve(numpy.array(m), u[0] - numpy.array(bias).ravel())[None]
+        bias, m = self._forward[task.robot.name].map(len(q))(q.T, v.T)
+        m = numpy.array(m).T.reshape(-1, n, n)
+        return numpy.linalg.solve(m, (u - numpy.array(bias).T)[:, :, None])[:, :, 0]
+
+    def cheapest(self, task, elements, starts, seed=0):
+        """The cheapest of several solutions: from the straight line, and from lines bent at random by about a radian."""
+        rng = numpy.random.default_rng(seed)
+        found = [self.solve(task, elements, bend=rng.uniform(-1, 1, task.n) * (i > 0)) for i in range(starts)]
+        return min(found, key=lambda answer: (not answer.solved, answer.cost))
+
+    def resampled(self, task, motion, times):
+        """(T, q, v, a, u) at times in parts of T, for a start on another mesh."""
+        state, u = (numpy.array(part) for part in zip(*(motion.at(s * motion.duration) for s in times)))
+        q, v = state[:, : task.n], state[:, task.n:]
+        return motion.duration, q, v, self.accelerations(task, q, v, u), u
+
+    def solve(self, task, elements, start=None, mesh=None, bend=0.0, **options):
         before = process_seconds()
         mesh = numpy.linspace(0, 1, elements + 1) if mesh is None else mesh
         program = Transcription(task, self.points(task), mesh)
@@ -77,9 +96,10 @@ class Peer:
         if start is None:
             end = task.q_end if task.q_end is not None else task.q_guess
             q, v, a = shapes.motion(shapes.cubic, task.q_start, end, task.duration, program.times)
+            q, v, a = (part + more for part, more in zip((q, v, a), shapes.bump(bend, task.duration, program.times)))
             start = task.duration, q, v, a, self.torques(task, q, v, a)
         else:
-            start = start.raw.at(program.times)
+            start = self.resampled(task, start, program.times)
         lower, upper = program.bounds()
         row_lower, row_upper = program.row_bounds()
         arguments = dict(x0=program.guess(start), lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, p=numpy.zeros((0, 1)))
@@ -91,54 +111,16 @@ class Peer:
                           time.process_time() - begin, process_seconds() - before)
         seconds = time.process_time() - begin
         status = solver.stats()
-        solution = Solution(program, numpy.array(found["x"]).ravel())
-        return Answer("peer", status["return_status"], status["return_status"] in SOLVED, float(found["f"]), solution.duration,
-                      status["iter_count"], seconds, process_seconds() - before, solution.knots, solution.states,
-                      solution.torque, solution.state, solution)
+        motion = motion_of(program, numpy.array(found["x"]).ravel())
+        return Answer("peer", status["return_status"], status["return_status"] in SOLVED, float(found["f"]), motion.duration,
+                      status["iter_count"], seconds, process_seconds() - before, motion)
 
 
-class Solution:
-    """The polynomials of a solved program."""
-
-    def __init__(self, program, x):
-        task = program.task
-        self.program, self.duration = program, x[-1] if task.free else task.duration
-        self.q, self.v, self.a, self.u = (x[program.columns(what)] for what in "qvau")
-        self.u = self.u * task.torque_size
-        self.knots = program.mesh * self.duration
-        first = numpy.concatenate([task.q_start, task.v_start])
-        points = numpy.hstack([self.q, self.v])
-        self.states = numpy.vstack([first, points[program.d - 1:: program.d]])
-
-    def _place(self, t):
-        mesh = self.program.mesh
-        s = min(max(t / self.duration, 0.0), 1.0)
-        element = min(max(numpy.searchsorted(mesh, s, side="right") - 1, 0), len(mesh) - 2)
-        return element, (s - mesh[element]) / (mesh[element + 1] - mesh[element])
-
-    def torque(self, t, element=None):
-        place, x = self._place(t) if element is None else (element, self._share(t, element))
-        d = self.program.d
-        return sum(polynomial(x) * self.u[place * d + j] for j, polynomial in enumerate(radau.CONTROL))
-
-    def _share(self, t, element):
-        mesh = self.program.mesh
-        return (t / self.duration - mesh[element]) / (mesh[element + 1] - mesh[element])
-
-    def state(self, t):
-        element, x = self._place(t)
-        d = self.program.d
-        nodes = numpy.vstack([self.states[element][None], numpy.hstack([self.q, self.v])[element * d: (element + 1) * d]])
-        return sum(polynomial(x) * node for polynomial, node in zip(radau.STATE, nodes))
-
-    def at(self, times):
-        """(T, q, v, a, u) at times in parts of T, for a start on another mesh."""
-        n = self.program.n
-        state = numpy.array([self.state(s * self.duration) for s in times])
-        torque = numpy.array([self.torque(s * self.duration) for s in times])
-        after = self.program.times
-        a = numpy.array([[numpy.interp(s, after, self.a[:, i]) for i in range(n)] for s in times])
-        return self.duration, state[:, :n], state[:, n:], a, torque
+def motion_of(program, x):
+    task = program.task
+    q, v, u = (x[program.columns(what)] for what in "qvu")
+    start = numpy.concatenate([task.q_start, task.v_start])
+    return Collocated(program.mesh, x[-1] if task.free else task.duration, start, q, v, u * task.torque_size)
 
 
 def process_seconds():

@@ -69,3 +69,13 @@ def build(cache, robot, spheres, interpreted):
         name = f"{robot.name}{spheres or ''}"
         found = {key: compiled(cache, name, function) for key, function in found.items()}
     return Points(*found.values(), in_jacobian.get_triplet(), in_hessian.get_triplet(), rows)
+
+
+def forward(cache, robot, interpreted):
+    """h(q, v) and M(q), for the judge."""
+    model, n = Model(robot), robot.n
+    q, v, a = (ca.SX.sym(name, n) for name in "qva")
+    tau = model.torques(q, v, a)
+    still = ca.densify(ca.substitute(tau, a, ca.SX.zeros(n)))
+    function = ca.Function("forward", [q, v], [still, ca.densify(ca.jacobian(tau, a))], {"cse": True})
+    return function if interpreted else compiled(cache, robot.name, function)

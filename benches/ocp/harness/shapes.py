@@ -32,3 +32,11 @@ def motion(shape, start, end, duration, times):
     value, rate, bend = (numpy.asarray(part)[:, None] for part in shape(numpy.asarray(times)))
     distance = numpy.asarray(end) - numpy.asarray(start)
     return start + value * distance, rate * distance / duration, bend * distance / duration**2
+
+
+def bump(height, duration, times):
+    """q, v, a of a detour 16 s^2 (1 - s)^2 of this height, which begins and ends at rest."""
+    s = numpy.asarray(times)[:, None]
+    height = numpy.atleast_1d(height)
+    return (height * 16 * s**2 * (1 - s)**2, height * 32 * s * (1 - s) * (1 - 2 * s) / duration,
+            height * 32 * (1 - 6 * s + 6 * s**2) / duration**2)
