@@ -10,6 +10,7 @@ import numpy
 import points
 import shapes
 from motion import Collocated
+from program import Program
 from transcription import Transcription
 
 OPTIONS = {
@@ -89,20 +90,20 @@ class Peer:
     def solve(self, task, elements, start=None, mesh=None, bend=0.0, **options):
         before = process_seconds()
         mesh = numpy.linspace(0, 1, elements + 1) if mesh is None else mesh
-        program = Transcription(task, self.points(task), mesh)
-        nlp, derivatives = program.functions()
-        settings = {**OPTIONS, "ipopt.max_cpu_time": self.limit, **derivatives, **options}
-        solver = ca.nlpsol("solver", "ipopt", nlp, settings)
+        unknowns = Transcription(task, self.points(task), mesh)
+        program = Program(unknowns)
+        settings = {**OPTIONS, "ipopt.max_cpu_time": self.limit, **program.derivatives(), **options}
+        solver = ca.nlpsol("solver", "ipopt", program.nlp(), settings)
         if start is None:
             end = task.q_end if task.q_end is not None else task.q_guess
-            q, v, a = shapes.motion(shapes.cubic, task.q_start, end, task.duration, program.times)
-            q, v, a = (part + more for part, more in zip((q, v, a), shapes.bump(bend, task.duration, program.times)))
+            q, v, a = shapes.motion(shapes.cubic, task.q_start, end, task.duration, unknowns.times)
+            q, v, a = (part + more for part, more in zip((q, v, a), shapes.bump(bend, task.duration, unknowns.times)))
             start = task.duration, q, v, a, self.torques(task, q, v, a)
         else:
-            start = self.resampled(task, start, program.times)
-        lower, upper = program.bounds()
-        row_lower, row_upper = program.row_bounds()
-        arguments = dict(x0=program.guess(start), lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, p=numpy.zeros((0, 1)))
+            start = self.resampled(task, start, unknowns.times)
+        lower, upper = unknowns.bounds()
+        row_lower, row_upper = unknowns.row_bounds()
+        arguments = dict(x0=unknowns.guess(start), lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, p=numpy.zeros((0, 1)))
         begin = time.process_time()
         try:
             found = solver(**arguments)
@@ -111,16 +112,16 @@ class Peer:
                           time.process_time() - begin, process_seconds() - before)
         seconds = time.process_time() - begin
         status = solver.stats()
-        motion = motion_of(program, numpy.array(found["x"]).ravel())
+        motion = motion_of(unknowns, numpy.array(found["x"]).ravel())
         return Answer("peer", status["return_status"], status["return_status"] in SOLVED, float(found["f"]), motion.duration,
                       status["iter_count"], seconds, process_seconds() - before, motion)
 
 
-def motion_of(program, x):
-    task = program.task
-    q, v, u = (x[program.columns(what)] for what in "qvu")
+def motion_of(unknowns, x):
+    task = unknowns.task
+    q, v, u = (x[unknowns.columns(what)] for what in "qvu")
     start = numpy.concatenate([task.q_start, task.v_start])
-    return Collocated(program.mesh, x[-1] if task.free else task.duration, start, q, v, u * task.torque_size)
+    return Collocated(unknowns.mesh, x[-1] if task.free else task.duration, start, q, v, u * task.torque_size)
 
 
 def process_seconds():
