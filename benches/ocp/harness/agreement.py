@@ -13,7 +13,7 @@ TOLERANCE = 1e-10
 
 
 def check(costate, peer, robot, seed=1):
-    """Largest relative difference of u - tau(q, v, a) with a of `costate eval`; ends the comparison where it is too large."""
+    """Largest relative difference of u and tau(q, v, a) with a of `costate eval`; ends the comparison if it is too large."""
     rng = numpy.random.default_rng([seed, robot.n])
     q, v, u = (rng.uniform(-size, size, (STATES, robot.n)) for size in (1.0, 1.0, 10.0))
     lines = "\n".join(json.dumps({"q": list(q[i]), "v": list(v[i]), "u": list(u[i])}) for i in range(STATES))

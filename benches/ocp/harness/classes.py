@@ -18,6 +18,9 @@ SHARE = (0.25, 0.75)
 ACTIVE = 0.02
 # What the feasible motion keeps from a limit.
 MARGIN = 1.02
+# A free optimum may whirl a light wrist round at hundreds of rad/s: its peaks count up to this many times those of the
+# feasible motion.
+LARGEST = 3.0
 
 
 def effort(draw):
@@ -38,13 +41,20 @@ def bounded_torques(draw):
 
 
 def torque_bounds(draw, task, peaks):
-    feasible = min((draw.straight(task, shapes.ramps(share))[1] for share in RAMPS), key=lambda found: (found / peaks).max())
-    bounds = numpy.where(peaks > feasible, between(feasible, peaks, draw.rng.uniform(*SHARE, task.n)), feasible)
-    return round_to(numpy.maximum(bounds, MARGIN * feasible) + 1e-3 * task.torque_size)
+    every = (draw.straight(task, shapes.ramps(share))[1] for share in RAMPS)
+    feasible = min(every, key=lambda found: (found / peaks).max())
+    return limits_between(draw, MARGIN * feasible + 1e-3 * task.torque_size, peaks)
+
+
+def limits_between(draw, feasible, peaks):
+    """Between the peaks of both motions, or just above the feasible one's where they are the larger ones."""
+    share = draw.rng.uniform(*SHARE, len(peaks))
+    limits = between(feasible, numpy.minimum(peaks, LARGEST * feasible), share)
+    return round_to(numpy.where(peaks > feasible, limits, 1.1 * feasible))
 
 
 def least_time(draw):
-    """Bounds: limits of the file, or 1.5 times the torques of the straight motion; a straight motion in the guessed time keeps them."""
+    """Bounds: limits of the file, or 1.5 times the torques of the straight motion; it keeps them in the guessed time."""
     task = draw.free_task()
     limits = draw.effort_limits()
     peak = draw.straight(task, shapes.cubic)[1]
@@ -59,7 +69,7 @@ def least_time(draw):
 
 
 def time_and_effort(draw):
-    """Weight of time: three times effort over duration, as for a mass without gravity, whose best duration is then the guess."""
+    """Weight of time: three times effort over duration; for a mass without gravity the guess would be the best duration."""
     task = draw.free_task()
     q, v, a = shapes.motion(shapes.cubic, task.q_start, task.q_end, task.duration, GRID)
     u = draw.peer.torques(task, q, v, a)
@@ -74,9 +84,8 @@ def rates(draw):
     if found is None:
         return None
     peaks = found.rates
-    feasible = MARGIN * draw.straight(task, shapes.ramps(RAMPS[0]))[0]
-    limits = numpy.where(peaks > feasible, between(feasible, peaks, draw.rng.uniform(*SHARE, task.n)), 1.1 * feasible)
-    limits = round_to(numpy.maximum(limits, 1e-2))
+    feasible = numpy.maximum(MARGIN * draw.straight(task, shapes.ramps(RAMPS[0]))[0], 1e-2)
+    limits = limits_between(draw, feasible, peaks)
     return task.but(v_max=limits) if (peaks > (1 + ACTIVE) * limits).any() else None
 
 

@@ -8,6 +8,8 @@ from classes import CLASSES
 FINER = 4
 # Starts among which the best cost is looked for: the answers found, and this many bent lines.
 BENT = 3
+# Largest gap at which the cost of an answer counts as it is.
+CLOSE = 1e-6
 # A solver that took longer than this (s) is not repeated.
 LONG = 2.0
 
@@ -39,26 +41,31 @@ class Comparison:
         return row
 
     def side(self, answer, judgement):
-        found = {"status": answer.status, "says": answer.solved, "solved": answer.solved and bool(judgement and judgement.accepted()),
+        accepted = bool(judgement and judgement.accepted())
+        found = {"status": answer.status, "says": answer.solved, "solved": answer.solved and accepted,
                  "told": number(answer.cost), "duration": number(answer.duration), "iterations": answer.iterations,
                  "ms": round(1e3 * answer.seconds, 3), "process_ms": round(1e3 * answer.process_seconds, 3)}
         if judgement:
-            found |= {key: number(getattr(judgement, key)) for key in ("cost", "gap", "end", "at_points", "between")}
+            for key in ("cost", "gap", "end", "at_points", "between"):
+                found[key] = number(getattr(judgement, key))
         return found
 
     def best(self, task, answers, sides):
-        """Least cost of a motion on a mesh where the error of the cost is small: the peer's on a finer one from several starts,
-        and costate's."""
+        """Least cost among those with a small error: the peer's on a finer mesh from several starts, and answers that obey
+        the dynamics closely. Where the peer is slow, finer meshes are left out."""
         peer = next(iter(self.peers.values()))
         coarse = [answer for label, answer in answers.items() if sides[label]["solved"]]
-        if all(answer.seconds < LONG for answer in coarse):
+        costs = [side["cost"] for side in sides.values() if side["solved"] and side["gap"] <= CLOSE]
+        if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
+            coarse = []
+        else:
             coarse.append(peer.cheapest(task, self.options.elements, 1 + BENT))
-        if task.obstacles:
+        if coarse and task.obstacles:
             coarse.append(peer.solve(task.but(obstacles=[]), self.options.elements))
-        fine = [peer.solve(task, FINER * self.options.elements, start.motion) for start in coarse if start.motion is not None]
-        costs = [answer.cost for answer in fine if answer.solved]
-        if sides["costate"]["solved"]:
-            costs.append(sides["costate"]["cost"])
+        for start in coarse:
+            if start.motion is not None:
+                fine = peer.solve(task, FINER * self.options.elements, start.motion)
+                costs += [fine.cost] if fine.solved else []
         return min((cost for cost in costs if math.isfinite(cost)), default=None)
 
 

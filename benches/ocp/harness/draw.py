@@ -56,7 +56,8 @@ class Draw:
         """Effort with weights 1/size^2 of each torque: the limit of the file, or the peak of a straight motion."""
         start, end = self.ends()
         duration = round(self.rng.uniform(shortest, longest), 2)
-        task = Task(self.name, self.kind, self.robot, start, end, duration, numpy.ones(self.robot.n), numpy.ones(self.robot.n))
+        one = numpy.ones(self.robot.n)
+        task = Task(self.name, self.kind, self.robot, start, end, duration, one, one)
         peak = self.straight(task, shapes.cubic)[1]
         size = numpy.where(numpy.isfinite(self.effort_limits()), self.effort_limits(), peak)
         size = round_to(numpy.maximum(size, max(LEAST_TORQUE, 1e-3 * size.max())))
@@ -69,8 +70,8 @@ class Draw:
         return abs(v).max(0), abs(self.peer.torques(task, q, v, a)).max(0)
 
     def unlimited(self, task):
-        """The peer's motion of a task without limits; None if it finds none. For more than MANY joints, where it may search for
-        minutes and light links whirl, a stand-in: the straight motion with rates and torques of twice their size."""
+        """The peer's motion of a task without limits; None if it finds none. For more than MANY joints, where it may search
+        for minutes and light links whirl, a stand-in: the straight motion with rates and torques of twice their size."""
         if self.robot.n <= MANY:
             answer = self.peer.solve(task, ELEMENTS, **{"ipopt.max_iter": ITERATIONS})
             if not answer.solved:

@@ -13,7 +13,7 @@ from model import Model
 
 # Relative and absolute tolerance of the integrator.
 RELATIVE, ABSOLUTE = 1e-9, 1e-11
-# The motion is integrated from the answer's own state at the start of each of these many parts of the time, and once through.
+# The motion is integrated from the answer's own state at the start of each of this many parts, and once through.
 PARTS = 20
 # Places of a piece at which limits are looked at, ends included.
 LOOKS = 9

@@ -50,7 +50,8 @@ def arguments():
 def build():
     """The release build of the command line."""
     say("cargo build: costate-cli")
-    if subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "costate-cli"], cwd=ROOT, check=False).returncode:
+    command = ["cargo", "build", "--release", "--locked", "-q", "-p", "costate-cli"]
+    if subprocess.run(command, cwd=ROOT, check=False).returncode:
         stop("cargo cannot build costate-cli")
     return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release/costate"
 
@@ -58,9 +59,15 @@ def build():
 def describe(options, costate):
     info = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
     model = re.search(r"model name\s*:\s*(.*)", info)
-    return {"machine": f"{model.group(1) if model else 'unknown'}, one core", "compilers": [first_line(compilers()[0][1], "--version")],
-            "packages": {name: version(name) for name in ("casadi", "numpy", "scipy")}, "costate": first_line(costate, "--version"),
-            "seed": options.seed, "elements": options.elements, "repeats": options.repeats}
+    return {
+        "machine": f"{model.group(1) if model else 'unknown'}, one core",
+        "compilers": [first_line(compilers()[0][1], "--version")],
+        "packages": {name: version(name) for name in ("casadi", "numpy", "scipy")},
+        "costate": first_line(costate, "--version"),
+        "seed": options.seed,
+        "elements": options.elements,
+        "repeats": options.repeats,
+    }
 
 
 def run(options, costate, file):

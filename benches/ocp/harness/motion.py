@@ -60,11 +60,14 @@ class Collocated(Motion):
 
 
 class Sampled(Motion):
-    """q: quintics through position, rate and acceleration of both nodes of a piece; torques: inverse dynamics along them.
+    """q: quintics through position, rate and acceleration of both nodes of a piece; torques: inverse dynamics along them,
+    and straight lines on pieces so short that rounding would show in accelerations.
 
     A time that occurs twice is a jump of the torques: pieces of no length are left out."""
 
-    def __init__(self, t, q, v, a, inverse_dynamics):
+    SHORT = 1e-4
+
+    def __init__(self, t, q, v, a, u, inverse_dynamics):
         keep = numpy.flatnonzero(numpy.diff(t) > 1e-12 * t[-1])
         knots = numpy.append(t[keep], t[-1])
         pieces = numpy.arange(len(keep))
@@ -74,6 +77,7 @@ class Sampled(Motion):
         ends = [[q[i], h * v[i], h**2 * a[i]] for i in (keep, keep + 1)]
         self._q = numpy.einsum("kr,rei->eki", HERMITE, numpy.array(ends[0] + ends[1]))
         self._h = h[:, 0]
+        self._u = numpy.stack([u[keep], u[keep + 1]], axis=1)
 
     def _derivative(self, x, piece, order):
         exponents = numpy.arange(6)
@@ -88,4 +92,6 @@ class Sampled(Motion):
 
     def torque(self, t, piece):
         x = self.share(t, piece)
+        if self._h[piece] < self.SHORT * self.duration:
+            return (1 - x) * self._u[piece, 0] + x * self._u[piece, 1]
         return self._inverse_dynamics(*(self._derivative(x, piece, order) for order in range(3)))

@@ -38,8 +38,8 @@ def centres(model, q):
 
 
 def clearances(model, q, par, count):
-    """(d^2 - r^2)/(2 r) of every obstacle and every sphere of the robot, d the distance of centres, r the sum of radii (m): the
-    distance of the surfaces where they touch, and smooth everywhere. `par` holds centre and r of each obstacle."""
+    """(d^2 - r^2)/(2 r) of every obstacle and every sphere of the robot, d the distance of centres, r the sum of radii (m):
+    the distance of the surfaces where they touch, and smooth everywhere. `par` holds centre and r of each obstacle."""
     found = []
     for k in range(count):
         centre, r = par[4 * k: 4 * k + 3], par[4 * k + 3]

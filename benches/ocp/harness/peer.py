@@ -60,8 +60,8 @@ class Peer:
     def torques(self, task, q, v, a):
         """Inverse dynamics, a row for each time."""
         z = numpy.vstack([q.T, v.T, a.T])
-        value = self.points(task).value
-        return numpy.array(value.map(z.shape[1])(z, numpy.tile(numpy.array(task.obstacles_flat)[:, None], z.shape[1])))[: task.n].T
+        par = numpy.tile(numpy.array(task.obstacles_flat)[:, None], z.shape[1])
+        return numpy.array(self.points(task).value.map(z.shape[1])(z, par))[: task.n].T
 
     def accelerations(self, task, q, v, u):
         """Forward dynamics M a = u - h with M and h of the model, a row for each time."""

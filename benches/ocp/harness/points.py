@@ -1,6 +1,6 @@
 """What the peer evaluates at one collocation point: values, Jacobian and contracted Hessian of the constraints there.
 
-z = (q, v, a), c(z) = (tau, clearances); Jacobian and lower triangle of the Hessian of lam.c by CasADi. The same functions are
+z = (q, v, a), c(z) = (tau, clearances); Jacobian and lower triangle of the Hessian of lam.c by CasADi. The functions are
 compiled once a robot and called at every point."""
 
 import hashlib
@@ -58,7 +58,8 @@ def compiled(cache, name, function):
     if not source.exists():
         source.write_text(text)
     _, c, _ = compilers()[0]
-    library = build_once(cache, f"{stem}.so", [c, "-std=gnu11", *FLAGS.split(), "-w", "-fPIC", "-shared", source, "-lm"], [source])
+    command = [c, "-std=gnu11", *FLAGS.split(), "-w", "-fPIC", "-shared", source, "-lm"]
+    library = build_once(cache, f"{stem}.so", command, [source])
     return ca.external(function.name(), str(library))
 
 

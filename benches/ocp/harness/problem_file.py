@@ -57,10 +57,15 @@ def end(task):
 
 
 def limits_of(task):
-    """Lines of `[limits]` and of `[bounds]`; torques of the robot's own stay in `[limits]`."""
-    limits = [f"{key} = {numbers(values)}" for key, values in (("q_min", task.q_min), ("q_max", task.q_max), ("v_max", task.v_max),
-                                                               ("a_max", task.a_max)) if numpy.isfinite(values).any()]
+    """Lines of `[limits]` and of `[bounds]`. With the limits of the robot's file only what it lacks is written."""
+    lists = {key: getattr(task, key) for key in ("q_min", "q_max", "v_max", "a_max")}
     if task.from_robot:
-        return limits + [f"torque_max = {numbers(task.u_max)}"], []
+        lists["torque_max"] = task.u_max
+        for key, own in (("q_min", "lower"), ("q_max", "upper"), ("v_max", "velocity"), ("torque_max", "effort")):
+            known = numpy.isfinite(task.robot.limits(own))
+            lists[key] = numpy.where(known, -numpy.inf if key == "q_min" else numpy.inf, lists[key])
+    limits = [f"{key} = {numbers(values)}" for key, values in lists.items() if numpy.isfinite(values).any()]
+    if task.from_robot:
+        return limits, []
     finite = numpy.isfinite(task.u_max).any()
     return limits, [f"u_min = {numbers(task.u_min)}", f"u_max = {numbers(task.u_max)}"] if finite else []

@@ -1,7 +1,7 @@
 """The functions of a transcription with exact derivatives, put together from those of the points.
 
-T stands beside v, a and the cost only, so the Hessian is a block for each point and a border. CasADi sees each function as a few
-operations on whole arrays; the mapped functions of the points do the work."""
+T stands beside v, a and the cost only, so the Hessian is a block for each point and a border. CasADi sees each function as a
+few operations on whole arrays; the mapped functions of the points do the work."""
 
 import casadi as ca
 import numpy
@@ -35,7 +35,7 @@ class Program:
         self.duration = self.x[-1] if task.free else ca.MX(task.duration)
         blocks = ca.reshape(self.x[: 4 * n * k], 4 * n, k)
         self.z, self.u, self.q_end = blocks[: 3 * n, :], blocks[3 * n:, :], blocks[:n, -1]
-        # v and a times the share of the time, the constants of the obstacles, effort times weight of the quadrature: by points.
+        # By points: v and a times the share of the time, constants of the obstacles, effort times weight of the quadrature.
         self.rates = blocks[n: 3 * n, :] * by_points(t.h, 2 * n)
         self.par = ca.repmat(ca.DM(task.obstacles_flat), 1, k)
         self.scale = ca.repmat(ca.DM(t.scale), 1, k)
@@ -108,13 +108,15 @@ class Program:
         found.put(t.columns("u"), t.columns("u"), weight * self.duration * ca.vec(self.effort))
         if t.task.free:
             found.put(t.columns("u"), t.size - 1, weight * ca.vec(self.effort * self.u))
-            found.put(t.first_unknown + t.n + numpy.arange(2 * t.n), t.size - 1, -ca.vec(lam[: 2 * t.n, :] * by_points(t.h, 2 * t.n)))
+            shares = lam[: 2 * t.n, :] * by_points(t.h, 2 * t.n)
+            found.put(t.first_unknown + t.n + numpy.arange(2 * t.n), t.size - 1, -ca.vec(shares))
         if not t.end_rows:
             return found.matrix()
         rows, columns = numpy.triu_indices(t.n)
         values = self.end.hessian(self.q_end, weights[t.rows:])
         last = Entries(t.size, t.size)
-        last.put(t.first_unknown[-1] + rows, t.first_unknown[-1] + columns, ca.vec(values).nz[(rows + t.n * columns).tolist()])
+        values = ca.vec(values).nz[(rows + t.n * columns).tolist()]
+        last.put(t.first_unknown[-1] + rows, t.first_unknown[-1] + columns, values)
         return found.matrix() + last.matrix()
 
 

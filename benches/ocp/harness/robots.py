@@ -74,7 +74,8 @@ def read(root, costate, name):
         stop(f"costate cannot read {source.file}: {done.stderr.strip()}")
     found = json.loads(done.stdout)
     robot.gravity, robot.joints, robot.couplings = found["gravity"], found["joints"], found["armature_couplings"]
-    unknown = [row["name"] for row in robot.joints if row["mimic"] or row["type"] not in ("revolute", "continuous", "prismatic")]
+    known = ("revolute", "continuous", "prismatic")
+    unknown = [row["name"] for row in robot.joints if row["mimic"] or row["type"] not in known]
     if unknown:
         stop(f"{name}: the model of the peer has no joints such as {unknown[0]}")
     return robot

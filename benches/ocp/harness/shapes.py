@@ -1,4 +1,4 @@
-"""Smooth motions from rest to rest along a straight line of joint space: first guesses, and motions that prove tasks feasible."""
+"""Smooth motions from rest to rest along a straight line of joint space: first guesses and proofs of feasibility."""
 
 import numpy
 
@@ -16,13 +16,12 @@ def ramps(share):
         s = numpy.asarray(s, dtype=float)
         top, omega = 1 / (1 - share), numpy.pi / share
         early, late = numpy.minimum(s, share), numpy.minimum(1 - s, share)
-        up = top / 2 * (early - numpy.sin(omega * early) / omega)
-        down = top / 2 * (late - numpy.sin(omega * late) / omega)
-        rise, fall = s < share, s > 1 - share
-        value = numpy.where(rise, up, numpy.where(fall, 1 - down, top * (s - share / 2)))
-        rate = numpy.where(rise, top / 2 * (1 - numpy.cos(omega * early)), numpy.where(fall, top / 2 * (1 - numpy.cos(omega * late)), top))
-        bend = numpy.where(rise, numpy.sin(omega * early), numpy.where(fall, -numpy.sin(omega * late), 0.0))
-        return value, rate, top / 2 * omega * bend
+        way = lambda x: top / 2 * (x - numpy.sin(omega * x) / omega)
+        speed = lambda x: top / 2 * (1 - numpy.cos(omega * x))
+        bend = lambda x: top / 2 * omega * numpy.sin(omega * x)
+        phases = lambda rising, steady, falling: numpy.where(s < share, rising, numpy.where(s > 1 - share, falling, steady))
+        return (phases(way(early), top * (s - share / 2), 1 - way(late)), phases(speed(early), top, speed(late)),
+                phases(bend(early), 0.0, -bend(late)))
 
     return shape
 

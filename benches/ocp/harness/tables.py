@@ -16,7 +16,8 @@ def tables(figures):
 
 
 def markdown(head, rows):
-    return "\n".join([f"| {' | '.join(head)} |", "|---" * len(head) + "|", *(f"| {' | '.join(map(str, row))} |" for row in rows)]) + "\n"
+    line = lambda row: f"| {' | '.join(map(str, row))} |"
+    return "\n".join([line(head), "|---" * len(head) + "|", *map(line, rows)]) + "\n"
 
 
 def verdict_table(figures):

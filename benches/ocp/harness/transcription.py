@@ -4,8 +4,8 @@ Unknowns, point by point: q, v, a, u/s, s the size of a torque; and T at the end
 
     sum_r C_rj q_r = T h v_j,   sum_r C_rj v_r = T h a_j,   tau(q_j, v_j, a_j)/s = u_j/s,   clearances(q_j) >= 0
 
-C differentiates the polynomials of an element at its points, h is its share of the time. Limits of q, v, a and u are bounds of the
-unknowns. program.py makes the functions and their derivatives."""
+C differentiates the polynomials of an element at its points, h is its share of the time. Limits of q, v, a and u are bounds
+of the unknowns. program.py makes the functions and their derivatives."""
 
 import numpy
 
@@ -51,8 +51,9 @@ class Transcription:
     def bounds(self):
         task = self.task
         lower, upper = numpy.full(self.size, -numpy.inf), numpy.full(self.size, numpy.inf)
-        for what, low, high in (("q", task.q_min, task.q_max), ("v", -task.v_max, task.v_max), ("a", -task.a_max, task.a_max),
-                                ("u", task.u_min / task.torque_size, task.u_max / task.torque_size)):
+        size = task.torque_size
+        for what, low, high in (("q", task.q_min, task.q_max), ("v", -task.v_max, task.v_max),
+                                ("a", -task.a_max, task.a_max), ("u", task.u_min / size, task.u_max / size)):
             lower[self.columns(what)], upper[self.columns(what)] = low, high
         for what, value in (("q", task.q_end), ("v", task.v_end)):
             if value is not None:
