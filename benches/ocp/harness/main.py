@@ -10,6 +10,7 @@ from pathlib import Path
 
 import agreement
 import robots
+import sensitivities
 import tables
 import tasks
 import values
@@ -101,7 +102,8 @@ def main():
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            raise SystemExit(0 if values.check(ROOT, costate, Peer(options.cache)) else 1)
+            kept = [part.check(ROOT, costate, Peer(options.cache)) for part in (values, sensitivities)]
+            raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
         figures = run(options, costate, file)
         if options.only_write_tasks:

@@ -3,7 +3,6 @@
 `python benches/ocp/harness/main.py --values` (by `benches/ocp/run --values`) solves them again by the peer and compares.
 `source`: "barrier" is an interior point on the extremals, "collocation" direct collocation on a mesh graded by hand."""
 
-import copy
 import math
 from dataclasses import dataclass
 
@@ -77,46 +76,8 @@ VALUES = (
 COARSE = 20
 
 
-# dJ/dtheta of the quarter turn: mass at the tip, length of rod 1 (uniform, of the same mass), inertia added at the tip.
-SENSITIVITIES = {"mass": 121.36971718, "length": 357.75366826, "inertia": 271.71942099}
-STEP = 1e-3
-
-
-def two_link(robot, mass=1.0, length=1.0, inertia=0.0):
-    """The arm with another mass at its tip, another first rod, more inertia at the tip."""
-    changed = copy.deepcopy(robot)
-    changed.name = f"two_link_{mass}_{length}_{inertia}"
-    upper, lower = changed.joints
-    total = 1 + mass
-    centre = (0.5 + mass) / total
-    lower["mass"], lower["com"][0] = total, centre
-    lower["inertia"][2][2] = 1 / 3 + mass + inertia - total * centre**2
-    lower["placement"]["xyz"][0] = length
-    upper["com"][0], upper["inertia"][2][2] = length / 2, length**2 / 12
-    return changed
-
-
 def check(root, costate, peer):
     """Solves every problem by the peer; whether all values are reproduced."""
-    return check_values(root, costate, peer) and check_sensitivities(root, costate, peer)
-
-
-def check_sensitivities(root, costate, peer):
-    """By central differences of the peer's costs."""
-    robot, fine = robots.read(root, costate, "two_link"), 80
-    cost = lambda **change: peer.solve(Task("", "value", two_link(robot, **change), **QUARTER), fine).cost
-    kept = True
-    for name, value in SENSITIVITIES.items():
-        middle = {"mass": 1.0, "length": 1.0, "inertia": 0.0}[name]
-        found = (cost(**{name: middle + STEP}) - cost(**{name: middle - STEP})) / (2 * STEP)
-        difference = abs(found - value) / value
-        kept &= difference <= 1e-5
-        print(f"two_link: quarter turn, dJ/d {name}: {value:.10g} (envelope theorem); peer: {found:.10g}, {difference:.1e}: "
-              f"{'reproduced' if difference <= 1e-5 else 'NOT REPRODUCED'}", flush=True)
-    return kept
-
-
-def check_values(root, costate, peer):
     rows = []
     for value in VALUES:
         robot = robots.read(root, costate, value.robot)
