@@ -84,16 +84,22 @@ def worst(sides, key):
 
 def losses(figures):
     """Tasks that the peer solves and costate does not, and those that cost more; then what the peer does not solve."""
-    rows = []
+    rows, refused = [], {}
     for row in goals.of(figures):
         ours, theirs = row["sides"]["costate"], row["sides"][goals.PEER]
         above = excess(row, "costate")
-        if not ours["solved"]:
-            rows.append((0 if theirs["solved"] else 2, [row["task"], "not solved", reason(ours), reason(theirs)]))
+        if ours["status"].startswith("refused"):
+            refused.setdefault(row["class"], []).append(row)
+        elif not ours["solved"]:
+            rows.append((1 if theirs["solved"] else 3, [row["task"], "not solved", reason(ours), reason(theirs)]))
         elif above is not None and above > goals.NEAR:
-            rows.append((1, [row["task"], f"cost {above:.1e} above the best known", reason(ours), reason(theirs)]))
+            rows.append((2, [row["task"], f"cost {above:.1e} above the best known", reason(ours), reason(theirs)]))
         elif not theirs["solved"]:
-            rows.append((3, [row["task"], "solved by costate only", reason(ours), reason(theirs)]))
+            rows.append((4, [row["task"], "solved by costate only", reason(ours), reason(theirs)]))
+    for kind, found in refused.items():
+        solved = len(goals.solved(found, goals.PEER))
+        rows.append((0, [f"class {kind}: {len(found)} tasks", "cannot be posed", reason(found[0]["sides"]["costate"]),
+                         f"solved {solved}"]))
     rows.sort(key=lambda pair: pair[0])
     return markdown(["task", "what", "costate", "peer"], [row for _, row in rows]) if rows else "None.\n"
 
