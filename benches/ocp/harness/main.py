@@ -9,6 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import agreement
+import derivatives
 import robots
 import sensitivities
 import tables
@@ -43,7 +44,7 @@ def arguments():
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
                         help="further arguments of `costate optimize`, without their dashes: strict, method=direct")
     parser.add_argument("--only-write-tasks", action="store_true", help="write the problem files and stop")
-    parser.add_argument("--values", action="store_true", help="solve the problems of harness/values.py by the peer and stop")
+    parser.add_argument("--values", action="store_true", help="check the peer by derivatives and known values, and stop")
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
     return parser.parse_args()
 
@@ -102,7 +103,7 @@ def main():
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            kept = [part.check(ROOT, costate, Peer(options.cache)) for part in (values, sensitivities)]
+            kept = [part.check(ROOT, costate, Peer(options.cache)) for part in (derivatives, values, sensitivities)]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
         figures = run(options, costate, file)
