@@ -11,7 +11,8 @@ from pathlib import Path
 
 
 def stop(message):
-    sys.exit(f"peers: {message}")
+    """Ends the comparison, `peers` or another one, by the name of its folder."""
+    sys.exit(f"{Path(sys.argv[0]).resolve().parents[1].name}: {message}")
 
 
 def say(message):

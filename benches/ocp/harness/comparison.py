@@ -1,0 +1,84 @@
+"""One task solved by every side, judged, and set beside the best cost known."""
+
+import math
+
+from classes import CLASSES
+
+# The peer's mesh for the best cost is this many times finer.
+FINER = 4
+# Starts among which the best cost is looked for: the answers found, and this many bent lines.
+BENT = 3
+# Largest gap at which the cost of an answer counts as it is.
+CLOSE = 1e-6
+# A solver that took longer than this (s) is not repeated.
+LONG = 2.0
+
+
+class Comparison:
+    def __init__(self, peers, ours, judge, options):
+        """`peers` by label, the first one also finds the best costs."""
+        self.peers, self.ours, self.judge, self.options = peers, ours, judge, options
+
+    def run(self, task):
+        """The row of figures of one task."""
+        sides = {label: (lambda peer=peer: peer.solve(task, self.options.elements)) for label, peer in self.peers.items()}
+        sides["costate"] = lambda: self.ours.solve(task)
+        answers = {}
+        # In turn, so that whatever slows the machine down slows all.
+        for _ in range(self.options.repeats):
+            for label, solve in sides.items():
+                earlier = answers.get(label)
+                if earlier and (earlier.seconds > LONG or not earlier.solved):
+                    continue
+                answer = solve()
+                if earlier is None or answer.seconds < earlier.seconds:
+                    answers[label] = answer
+        row = {"task": task.name, "class": task.kind, "title": CLASSES[task.kind][0], "robot": task.robot.name, "n": task.n,
+               "elements": self.options.elements}
+        judgements = {label: self.judge.judge(task, answer.motion) for label, answer in answers.items()}
+        row["sides"] = {label: self.side(answer, judgements[label]) for label, answer in answers.items()}
+        row["best"] = self.best(task, answers, row["sides"]) if self.options.best else None
+        return row
+
+    def side(self, answer, judgement):
+        accepted = bool(judgement and judgement.accepted())
+        found = {"status": answer.status, "says": answer.solved, "solved": answer.solved and accepted,
+                 "told": number(answer.cost), "duration": number(answer.duration), "iterations": answer.iterations,
+                 "ms": round(1e3 * answer.seconds, 3), "process_ms": round(1e3 * answer.process_seconds, 3)}
+        if judgement:
+            for key in ("cost", "gap", "end", "at_points", "between"):
+                found[key] = number(getattr(judgement, key))
+        return found
+
+    def best(self, task, answers, sides):
+        """Least cost among those with a small error: the peer's on a finer mesh from several starts, and answers that obey
+        the dynamics closely. Where the peer is slow, finer meshes are left out."""
+        peer = next(iter(self.peers.values()))
+        coarse = [answer for label, answer in answers.items() if sides[label]["solved"]]
+        costs = [side["cost"] for side in sides.values() if side["solved"] and side["gap"] <= CLOSE]
+        if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
+            coarse = []
+        else:
+            coarse.append(peer.cheapest(task, self.options.elements, 1 + BENT))
+        if coarse and task.obstacles:
+            coarse.append(peer.solve(task.but(obstacles=[]), self.options.elements))
+        for start in coarse:
+            if start.motion is not None:
+                fine = peer.solve(task, FINER * self.options.elements, start.motion)
+                costs += [fine.cost] if fine.solved else []
+        return min((cost for cost in costs if math.isfinite(cost)), default=None)
+
+
+def number(value):
+    """None for what JSON cannot hold."""
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def excess(row, label):
+    """Cost above the best one known, relative; None where one of the two is missing."""
+    side, best = row["sides"].get(label), row["best"]
+    if not side or not side["solved"] or not best:
+        return None
+    return (side["cost"] - best) / abs(best)
+
+

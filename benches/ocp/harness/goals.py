@@ -1,0 +1,96 @@
+"""What costate is to reach, and whether the figures show it."""
+
+from statistics import median
+
+from classes import CLASSES
+from comparison import excess
+
+PEER = "peer"
+# Share of tasks that must be solved in these classes.
+SURE, SURE_CLASSES = 0.99, "abg"
+# Peer's time over costate's: median of all tasks, median of the worst class.
+MEDIAN_RATIO, WORST_RATIO = 20.0, 10.0
+# Six or seven joints with all limits: median time (ms), at a cost above the best one known by at most this.
+ARM_MS, NEAR = 10.0, 1e-4
+# Limits: at the points, and between them in parts of their range.
+AT_POINTS, BETWEEN = 1e-8, 1e-4
+# Share of tasks that may cost more than NEAR above the best one known.
+DEARER = 0.05
+
+
+def of(figures, kind=None):
+    return [row for row in figures if "task" in row and kind in (None, row["class"])]
+
+
+def solved(rows, label):
+    return [row for row in rows if row["sides"].get(label, {}).get("solved")]
+
+
+def ratios(rows, peer=PEER):
+    """The peer's time over costate's where both solved the task."""
+    return [row["sides"][peer]["ms"] / row["sides"]["costate"]["ms"] for row in solved(solved(rows, peer), "costate")]
+
+
+def kinds(figures):
+    return [kind for kind in CLASSES if of(figures, kind)]
+
+
+def verdicts(figures):
+    """(goal, measured, verdict), missed goals first."""
+    rows = [solves_what_the_peer_solves(figures), *sure(figures), *fast(figures), arms(figures), *limits(figures)]
+    rows.append(best_cost(figures))
+    order = {"**missed**": 0, "not measured": 1, "kept": 2}
+    return sorted(rows, key=lambda row: order[row[2]])
+
+
+def verdict(kept):
+    return "not measured" if kept is None else "kept" if kept else "**missed**"
+
+
+def solves_what_the_peer_solves(figures):
+    counts = {kind: tuple(len(solved(of(figures, kind), label)) for label in ("costate", PEER)) for kind in kinds(figures)}
+    text = ", ".join(f"{kind} {ours}/{theirs}" for kind, (ours, theirs) in counts.items())
+    return ("solves at least as many tasks as the peer in every class (costate/peer)", text or "-",
+            verdict(all(ours >= theirs for ours, theirs in counts.values()) if counts else None))
+
+
+def sure(figures):
+    for kind in SURE_CLASSES:
+        rows = of(figures, kind)
+        count = len(solved(rows, "costate"))
+        kept = count >= SURE * len(rows) if rows else None
+        yield f"solves {SURE:.0%} of class {kind}", f"{count} of {len(rows)}", verdict(kept)
+
+
+def fast(figures):
+    every = ratios(of(figures))
+    yield (f"median at least {MEDIAN_RATIO:g} times faster than the peer", f"{median(every):.2f}" if every else "-",
+           verdict(median(every) >= MEDIAN_RATIO if every else None))
+    medians = {kind: median(found) for kind in kinds(figures) if (found := ratios(of(figures, kind)))}
+    text = ", ".join(f"{kind} {value:.2f}" for kind, value in medians.items())
+    yield (f"median of every class at least {WORST_RATIO:g} times faster", text or "-",
+           verdict(min(medians.values()) >= WORST_RATIO if medians else None))
+
+
+def arms(figures):
+    rows = [row for row in of(figures, "g") if row["n"] in (6, 7)]
+    near = [row["sides"]["costate"]["ms"] for row in solved(rows, "costate") if (excess(row, "costate") or 0) <= NEAR]
+    enough = None if not rows else len(near) > len(rows) / 2 and median(near) <= ARM_MS
+    return (f"six or seven joints with all limits: median below {ARM_MS:g} ms at a cost within {NEAR:g}",
+            f"{f'{median(near):.1f} ms' if near else '-'}, {len(near)} of {len(rows)} tasks", verdict(enough))
+
+
+def limits(figures):
+    for key, bound, where in (("at_points", AT_POINTS, "at points"), ("between", BETWEEN, "of their range between points")):
+        worst = {kind: max(row["sides"]["costate"][key] for row in rows)
+                 for kind in kinds(figures) if (rows := solved(of(figures, kind), "costate"))}
+        text = ", ".join(f"{kind} {value:.0e}" for kind, value in worst.items())
+        yield (f"limits kept to {bound:g} {where}", text or "-", verdict(max(worst.values()) <= bound if worst else None))
+
+
+def best_cost(figures):
+    above = [excess(row, "costate") for row in of(figures)]
+    above = [value for value in above if value is not None]
+    dear = sum(value > NEAR for value in above)
+    return (f"at most {DEARER:.0%} of tasks cost more than {NEAR:g} above the best cost known", f"{dear} of {len(above)}",
+            verdict(dear <= DEARER * len(above) if above else None))

@@ -1,0 +1,131 @@
+"""What an answer is worth: its torques are integrated again, its limits looked at, its cost computed anew.
+
+Both sides are judged by the same integrator (DOP853 of scipy) with the same dynamics, M(q) a = u - h(q, v)."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy
+from scipy.integrate import solve_ivp
+
+import obstacles
+from model import Model
+
+# Relative and absolute tolerance of the integrator.
+RELATIVE, ABSOLUTE = 1e-9, 1e-11
+# The motion is integrated from the answer's own state at the start of each of this many parts, and once through.
+PARTS = 20
+# Places of a piece at which limits are looked at, ends included.
+LOOKS = 9
+# Gauss points of the cost on each piece.
+NODES, WEIGHTS = numpy.polynomial.legendre.leggauss(5)
+
+# An answer counts as a solution if its solver says so and
+#   the largest gap of the parts, in parts of the largest size of the component, is below this: generous, because torques of
+#   1e-4 N m turn the wrist of a UR5 without rotors by radians; the tables tell the gap,
+GAP = 1.0
+#   and no limit is violated by more than this share of its range at the solver's points. Between them violations are told:
+#   torques of a polynomial collocation at a jump exceed their bounds by construction.
+AT_POINTS = 1e-5
+
+
+@dataclass
+class Judgement:
+    cost: float
+    gap: float
+    end: float
+    at_points: float
+    between: float
+
+    def accepted(self):
+        return self.gap <= GAP and self.at_points <= AT_POINTS
+
+
+class Judge:
+    def __init__(self, peer):
+        self.peer = peer
+        self._clearances = {}
+
+    def judge(self, task, motion):
+        if motion is None or not numpy.isfinite(motion.duration):
+            return None
+        gap, end = self.integrate(task, motion)
+        at_points, between = self.violations(task, motion)
+        return Judgement(cost(task, motion), gap, end, at_points, between)
+
+    def integrate(self, task, motion):
+        """Largest gap of the parts, and the miss at the end of a motion integrated once through, both relative to sizes."""
+        n = task.n
+        states = numpy.array([motion.at(t)[0] for t in numpy.linspace(0, motion.duration, PARTS + 1)])
+        size = numpy.maximum(abs(states[:, :n]).max(0), 0.1), numpy.maximum(abs(states[:, n:]).max(0), 1e-3)
+        size = numpy.concatenate(size)
+        times = numpy.linspace(0, motion.duration, PARTS + 1)
+        # The last point is what was asked for.
+        wanted = states[1:].copy()
+        if task.q_end is not None:
+            wanted[-1] = numpy.concatenate([task.q_end, task.v_end])
+        states[0] = numpy.concatenate([task.q_start, task.v_start])
+        gap, through = 0.0, states[0]
+        for i in range(PARTS):
+            reached = self.step(task, motion, states[i], times[i], times[i + 1])
+            gap = max(gap, (abs(reached - wanted[i]) / size).max()) if reached is not None else numpy.inf
+            if through is not None:
+                through = reached if i == 0 else self.step(task, motion, through, times[i], times[i + 1])
+        return gap, numpy.inf if through is None else (abs(through - wanted[-1]) / size).max()
+
+    def step(self, task, motion, state, begin, end):
+        """From `begin` to `end`, stopping where pieces meet; None where the integration does not arrive."""
+        n = task.n
+        inner = motion.knots[(motion.knots > begin + 1e-12) & (motion.knots < end - 1e-12)]
+        stops = numpy.concatenate([[begin], inner, [end]])
+        for first, last in zip(stops[:-1], stops[1:]):
+            piece = motion.piece((first + last) / 2)
+
+            def rate(t, x, piece=piece):
+                u = motion.torque(t, piece)
+                return numpy.concatenate([x[n:], self.peer.accelerations(task, x[None, :n], x[None, n:], u[None])[0]])
+
+            found = solve_ivp(rate, (first, last), state, "DOP853", rtol=RELATIVE, atol=ABSOLUTE, first_step=last - first)
+            if not found.success or not numpy.isfinite(found.y[:, -1]).all():
+                return None
+            state = found.y[:, -1]
+        return state
+
+    def violations(self, task, motion):
+        """Largest violation of a limit at the solver's points and between them, in parts of the range of the limit."""
+        pieces = numpy.repeat(numpy.arange(len(motion.knots) - 1), LOOKS)
+        grid = numpy.concatenate([numpy.linspace(a, b, LOOKS) for a, b in zip(motion.knots[:-1], motion.knots[1:])])
+        return self.violation(task, motion, motion.points, motion.pieces), self.violation(task, motion, grid, pieces)
+
+    def violation(self, task, motion, times, pieces):
+        n = task.n
+        state, torque = (numpy.array(part) for part in zip(*(motion.at(t, piece) for t, piece in zip(times, pieces))))
+        worst = 0.0
+        for values, low, high in ((state[:, :n], task.q_min, task.q_max), (state[:, n:], -task.v_max, task.v_max),
+                                  (torque, task.u_min, task.u_max)):
+            spread = high - low
+            spread = numpy.where(numpy.isfinite(spread), spread, 1.0)
+            worst = max(worst, ((low - values) / spread).max(), ((values - high) / spread).max())
+        if task.obstacles:
+            clearance = numpy.array(self.clearances(task).map(len(times))(state[:, :n].T, numpy.tile(
+                numpy.array(task.obstacles_flat)[:, None], len(times))))
+            worst = max(worst, -clearance.min() / (task.obstacles[0][1] + task.own_radius))
+        return worst
+
+    def clearances(self, task):
+        key = task.robot.name, len(task.obstacles)
+        if key not in self._clearances:
+            q, par = ca.SX.sym("q", task.n), ca.SX.sym("par", 4 * len(task.obstacles))
+            value = obstacles.clearances(Model(task.robot), q, par, len(task.obstacles))
+            self._clearances[key] = ca.Function("clearances", [q, par], [ca.densify(value)])
+        return self._clearances[key]
+
+
+def cost(task, motion):
+    total = task.time_weight * motion.duration
+    for piece, (first, last) in enumerate(zip(motion.knots[:-1], motion.knots[1:])):
+        half = (last - first) / 2
+        for x, weight in zip(NODES, WEIGHTS):
+            u = motion.torque(first + half * (1 + x), piece)
+            total += weight * half * float(task.effort @ u**2) / 2
+    return total

@@ -1,0 +1,121 @@
+"""The whole comparison; started by benches/ocp/run."""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+from importlib.metadata import version
+from pathlib import Path
+
+import agreement
+import derivatives
+import robots
+import sensitivities
+import tables
+import tasks
+import values
+from classes import CLASSES
+from comparison import Comparison
+from judge import Judge
+from ours import Ours
+from peer import Peer
+from shell import compilers, first_line, say, stop
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="benches/ocp/run", description="costate optimize beside CasADi and IPOPT")
+    parser.add_argument("--cache", type=Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--write", action="store_true", help="write the tables of BENCHMARKS.md")
+    parser.add_argument("--classes", nargs="*", default=list(CLASSES), choices=CLASSES, metavar="CLASS",
+                        help="of " + ", ".join(f"{kind} ({title})" for kind, (title, _) in CLASSES.items()))
+    parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.ALL, metavar="ROBOT",
+                        help="of " + ", ".join(robots.ALL))
+    parser.add_argument("--tasks", type=int, default=16, help="tasks a class, taken in turn from the robots (16)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--elements", type=int, default=20, help="elements of the peer's mesh, 3 Radau points each (20)")
+    parser.add_argument("--repeats", type=int, default=3, help="times each solver runs; the least time counts (3)")
+    parser.add_argument("--time-limit", type=float, default=60.0, help="of each solver (s, 60)")
+    parser.add_argument("--interpreted", action="store_true", help="also the peer without compiled functions")
+    parser.add_argument("--no-best", dest="best", action="store_false", help="do not look for the best cost on finer meshes")
+    parser.add_argument("--costate", type=Path, help="its command line; built from this folder if not given")
+    parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
+                        help="further arguments of `costate optimize`, without their dashes: strict, method=direct")
+    parser.add_argument("--only-write-tasks", action="store_true", help="write the problem files and stop")
+    parser.add_argument("--values", action="store_true", help="check the peer by derivatives and known values, and stop")
+    parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
+    return parser.parse_args()
+
+
+def build():
+    """The release build of the command line."""
+    say("cargo build: costate-cli")
+    command = ["cargo", "build", "--release", "--locked", "-q", "-p", "costate-cli"]
+    if subprocess.run(command, cwd=ROOT, check=False).returncode:
+        stop("cargo cannot build costate-cli")
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release/costate"
+
+
+def describe(options, costate):
+    info = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+    model = re.search(r"model name\s*:\s*(.*)", info)
+    return {
+        "machine": f"{model.group(1) if model else 'unknown'}, one core",
+        "compilers": [first_line(compilers()[0][1], "--version")],
+        "packages": {name: version(name) for name in ("casadi", "numpy", "scipy")},
+        "costate": first_line(costate, "--version"),
+        "seed": options.seed,
+        "elements": options.elements,
+        "repeats": options.repeats,
+    }
+
+
+def run(options, costate, file):
+    peers = {"peer": Peer(options.cache, limit=options.time_limit)}
+    first = peers["peer"]
+    if options.interpreted:
+        peers["interpreted"] = Peer(options.cache, interpreted=True, limit=options.time_limit)
+    ours = Ours(options.cache, costate, first, options.time_limit, [f"--{text}" for text in options.costate_arguments])
+    for name in options.robots:
+        difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
+        say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
+    comparison = Comparison(peers, ours, Judge(first), options)
+    figures = [describe(options, costate)]
+    with file.open("w") as stream:
+        stream.write(json.dumps(figures[0]) + "\n")
+        for task in tasks.make(ROOT, costate, first, options.classes, options.robots, options.tasks, options.seed):
+            if options.only_write_tasks:
+                print(ours.write(task))
+                continue
+            row = comparison.run(task)
+            figures.append(row)
+            stream.write(json.dumps(row) + "\n")
+            stream.flush()
+            sides = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in row["sides"].items())
+            say(f"{task.name}: {'; '.join(sides)}")
+    return figures
+
+
+def main():
+    options = arguments()
+    if options.source is None:
+        costate = (options.costate or build()).resolve()
+        if options.values:
+            kept = [part.check(ROOT, costate, Peer(options.cache)) for part in (derivatives, values, sensitivities)]
+            raise SystemExit(0 if all(kept) else 1)
+        file = options.cache / "figures.jsonl"
+        figures = run(options, costate, file)
+        if options.only_write_tasks:
+            return
+        print(f"figures: {file}")
+    else:
+        figures = [json.loads(line) for line in options.source.read_text().splitlines()]
+    tables.print_all(figures)
+    if options.write:
+        tables.write(ROOT / "BENCHMARKS.md", figures)
+
+
+if __name__ == "__main__":
+    main()

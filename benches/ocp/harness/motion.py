@@ -1,0 +1,97 @@
+"""Motions as either side's own polynomials on pieces of the time, for the judge and for starts on other meshes."""
+
+import numpy
+
+import radau
+
+# Coefficients, lowest first, of the Lagrange polynomials: a row for each node.
+STATE = numpy.array([numpy.append(polynomial.coeffs[::-1], numpy.zeros(radau.DEGREE + 1))[: radau.DEGREE + 1]
+                     for polynomial in radau.STATE])
+CONTROL = numpy.array([numpy.append(polynomial.coeffs[::-1], numpy.zeros(radau.DEGREE))[: radau.DEGREE]
+                       for polynomial in radau.CONTROL])
+# Quintic on [0, 1] with these values of p, p', p'' at 0 and at 1: coefficients, lowest first.
+HERMITE = numpy.linalg.inv(numpy.array([
+    [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 2, 0, 0, 0],
+    [1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20]]))
+
+
+def powers(x, count):
+    return x ** numpy.arange(count)
+
+
+class Motion:
+    """`knots` are the times (s) where pieces meet; `points` all times at which the solver itself keeps limits, each with its
+    piece: torques may jump from piece to piece."""
+
+    def __init__(self, knots, points, pieces):
+        self.knots, self.points, self.pieces = numpy.asarray(knots), numpy.asarray(points), numpy.asarray(pieces)
+        self.duration = self.knots[-1]
+
+    def piece(self, t):
+        return int(min(max(numpy.searchsorted(self.knots, t, side="right") - 1, 0), len(self.knots) - 2))
+
+    def share(self, t, piece):
+        return (t - self.knots[piece]) / (self.knots[piece + 1] - self.knots[piece])
+
+    def at(self, t, piece=None):
+        """q and v, and torques, at a time (s)."""
+        piece = self.piece(t) if piece is None else piece
+        return self.state(t, piece), self.torque(t, piece)
+
+
+class Collocated(Motion):
+    """State: polynomials through the start of an element and its Radau points; torques: through the points."""
+
+    def __init__(self, mesh, duration, start, q, v, u):
+        d = radau.DEGREE
+        points = (mesh[:-1, None] + numpy.diff(mesh)[:, None] * radau.POINTS).ravel()
+        super().__init__(mesh * duration, points * duration, numpy.repeat(numpy.arange(len(mesh) - 1), d))
+        self.q, self.v, self.u = q, v, u
+        values = numpy.hstack([q, v]).reshape(len(mesh) - 1, d, -1)
+        first = numpy.vstack([start, values[:-1, -1]])
+        self._state = numpy.einsum("rk,eri->eki", STATE, numpy.concatenate([first[:, None], values], axis=1))
+        self._torque = numpy.einsum("rk,eri->eki", CONTROL, u.reshape(len(mesh) - 1, d, -1))
+
+    def state(self, t, piece):
+        return powers(self.share(t, piece), radau.DEGREE + 1) @ self._state[piece]
+
+    def torque(self, t, piece):
+        return powers(self.share(t, piece), radau.DEGREE) @ self._torque[piece]
+
+
+class Sampled(Motion):
+    """q: quintics through position, rate and acceleration of both nodes of a piece; torques: inverse dynamics along them,
+    and straight lines on pieces so short that rounding would show in accelerations.
+
+    A time that occurs twice is a jump of the torques: pieces of no length are left out."""
+
+    SHORT = 1e-4
+
+    def __init__(self, t, q, v, a, u, inverse_dynamics):
+        keep = numpy.flatnonzero(numpy.diff(t) > 1e-12 * t[-1])
+        knots = numpy.append(t[keep], t[-1])
+        pieces = numpy.arange(len(keep))
+        super().__init__(knots, numpy.concatenate([knots[:-1], knots[1:]]), numpy.concatenate([pieces, pieces]))
+        self._inverse_dynamics, self._n = inverse_dynamics, q.shape[1]
+        h = numpy.diff(t)[keep, None]
+        ends = [[q[i], h * v[i], h**2 * a[i]] for i in (keep, keep + 1)]
+        self._q = numpy.einsum("kr,rei->eki", HERMITE, numpy.array(ends[0] + ends[1]))
+        self._h = h[:, 0]
+        self._u = numpy.stack([u[keep], u[keep + 1]], axis=1)
+
+    def _derivative(self, x, piece, order):
+        exponents = numpy.arange(6)
+        factor = numpy.ones(6)
+        for k in range(order):
+            factor = factor * numpy.maximum(exponents - k, 0)
+        return (factor * x ** numpy.maximum(exponents - order, 0)) @ self._q[piece] / self._h[piece]**order
+
+    def state(self, t, piece):
+        x = self.share(t, piece)
+        return numpy.concatenate([self._derivative(x, piece, 0), self._derivative(x, piece, 1)])
+
+    def torque(self, t, piece):
+        x = self.share(t, piece)
+        if self._h[piece] < self.SHORT * self.duration:
+            return (1 - x) * self._u[piece, 0] + x * self._u[piece, 1]
+        return self._inverse_dynamics(*(self._derivative(x, piece, order) for order in range(3)))

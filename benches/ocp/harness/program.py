@@ -1,0 +1,137 @@
+"""The functions of a transcription with exact derivatives, put together from those of the points.
+
+T stands beside v, a and the cost only, so the Hessian is a block for each point and a border. CasADi sees each function as a
+few operations on whole arrays; the mapped functions of the points do the work."""
+
+import casadi as ca
+import numpy
+
+
+class Entries:
+    """A sparse matrix as places and values; all places differ."""
+
+    def __init__(self, height, width):
+        self.shape, self.rows, self.columns, self.values = (height, width), [], [], []
+
+    def put(self, rows, columns, values):
+        rows, columns = numpy.broadcast_arrays(rows, columns)
+        self.rows.append(rows.ravel())
+        self.columns.append(columns.ravel())
+        self.values.append(ca.densify(ca.MX(values)))
+
+    def matrix(self):
+        rows, columns = (numpy.concatenate(parts).astype(int).tolist() for parts in (self.rows, self.columns))
+        pattern, order = ca.Sparsity.triplet(*self.shape, rows, columns, False)[:2]
+        return ca.MX(pattern, ca.vertcat(*self.values).nz[list(order)])
+
+
+class Program:
+    """Symbols and the parts that several functions share."""
+
+    def __init__(self, transcription):
+        self.of = t = transcription
+        task, n, k = t.task, t.n, t.count
+        self.x, self.p = ca.MX.sym("x", t.size), ca.MX.sym("p", 0)
+        self.duration = self.x[-1] if task.free else ca.MX(task.duration)
+        blocks = ca.reshape(self.x[: 4 * n * k], 4 * n, k)
+        self.z, self.u, self.q_end = blocks[: 3 * n, :], blocks[3 * n:, :], blocks[:n, -1]
+        # By points: v and a times the share of the time, constants of the obstacles, effort times weight of the quadrature.
+        self.rates = blocks[n: 3 * n, :] * by_points(t.h, 2 * n)
+        self.par = ca.repmat(ca.DM(task.obstacles_flat), 1, k)
+        self.scale = ca.repmat(ca.DM(t.scale), 1, k)
+        self.effort = ca.DM(numpy.outer(task.effort * task.torque_size**2, t.h * t.w))
+        self.end = EndConditions(task)
+
+    def nlp(self):
+        return {"x": self.x, "f": self.cost(), "g": self.equations()}
+
+    def derivatives(self):
+        """What nlpsol takes in place of its own derivatives."""
+        weights, weight = ca.MX.sym("lam_g", self.of.rows + self.of.end_rows), ca.MX.sym("lam_f")
+        arguments = [self.x, self.p]
+        return {
+            "grad_f": ca.Function("nlp_grad_f", arguments, [self.cost(), self.gradient()]),
+            "jac_g": ca.Function("nlp_jac_g", arguments, [self.equations(), self.jacobian()]),
+            "hess_lag": ca.Function("nlp_hess_l", [*arguments, weight, weights], [self.hessian(weight, weights)]),
+        }
+
+    def running(self):
+        """Integral of 1/2 sum effort u^2 over the time in parts of T."""
+        return ca.dot(self.effort, self.u * self.u) / 2
+
+    def cost(self):
+        return self.of.task.time_weight * self.duration + self.duration * self.running()
+
+    def gradient(self):
+        found = ca.vec(ca.vertcat(ca.MX(3 * self.of.n, self.of.count), self.effort * self.u * self.duration))
+        if self.of.task.free:
+            found = ca.vertcat(ca.densify(found), self.of.task.time_weight + self.running())
+        return ca.densify(found)
+
+    def equations(self):
+        t = self.of
+        rows, columns, entries = t.differences()
+        # Rows of the points without torques and clearances.
+        rows = rows // t.rows_point * 2 * t.n + rows % t.rows_point
+        differences = ca.DM.triplet(rows.tolist(), columns.tolist(), ca.DM(entries), 2 * t.n * t.count, 4 * t.n * t.count)
+        change = ca.reshape(differences @ self.x[: 4 * t.n * t.count], 2 * t.n, t.count)
+        values = t.points.value.map(t.count)(self.z, self.par) * self.scale
+        collocation = change + ca.DM(t.start_terms().T) - self.duration * self.rates
+        points = ca.vertcat(collocation, values[: t.n, :] - self.u, values[t.n:, :])
+        return ca.vertcat(ca.vec(points), self.end.value(self.q_end))
+
+    def jacobian(self):
+        t = self.of
+        found = Entries(t.rows + t.end_rows, t.size)
+        found.put(*t.differences())
+        both = numpy.arange(2 * t.n)
+        found.put(t.first_row + both, t.first_unknown + t.n + both, -self.duration * ca.DM(numpy.repeat(t.h, 2 * t.n)))
+        if t.task.free:
+            found.put(t.first_row + both, t.size - 1, -ca.vec(self.rates))
+        found.put(t.first_row + 2 * t.n + numpy.arange(t.n), t.columns("u"), -ca.DM.ones(t.n * t.count))
+        rows, columns = (numpy.array(part) for part in t.points.jacobian_at)
+        values = t.points.jacobian.map(t.count)(self.z, self.par) * ca.repmat(ca.DM(t.scale[rows]), 1, t.count)
+        found.put(t.first_row + 2 * t.n + rows, t.first_unknown + columns, ca.vec(values))
+        rows, columns = numpy.indices((t.end_rows, t.n)).reshape(2, -1, order="F")
+        found.put(t.rows + rows, t.first_unknown[-1] + columns, ca.vec(self.end.jacobian(self.q_end)))
+        return found.matrix()
+
+    def hessian(self, weight, weights):
+        """Upper triangle of the second derivatives of weight cost + weights.equations."""
+        t = self.of
+        lam = ca.reshape(weights[: t.rows], t.rows_point, t.count)
+        found = Entries(t.size, t.size)
+        rows, columns = (numpy.array(part) for part in t.points.hessian_at)
+        values = t.points.hessian.map(t.count)(self.z, self.par, lam[2 * t.n:, :] * self.scale)
+        # The points give the lower triangle.
+        found.put(t.first_unknown + columns, t.first_unknown + rows, ca.vec(values))
+        found.put(t.columns("u"), t.columns("u"), weight * self.duration * ca.vec(self.effort))
+        if t.task.free:
+            found.put(t.columns("u"), t.size - 1, weight * ca.vec(self.effort * self.u))
+            shares = lam[: 2 * t.n, :] * by_points(t.h, 2 * t.n)
+            found.put(t.first_unknown + t.n + numpy.arange(2 * t.n), t.size - 1, -ca.vec(shares))
+        if not t.end_rows:
+            return found.matrix()
+        rows, columns = numpy.triu_indices(t.n)
+        values = self.end.hessian(self.q_end, weights[t.rows:])
+        last = Entries(t.size, t.size)
+        values = ca.vec(values).nz[(rows + t.n * columns).tolist()]
+        last.put(t.first_unknown[-1] + rows, t.first_unknown[-1] + columns, values)
+        return found.matrix() + last.matrix()
+
+
+class EndConditions:
+    """Conditions on q at the end, dense Jacobian and contracted Hessian."""
+
+    def __init__(self, task):
+        q, lam = ca.SX.sym("q", task.n), ca.SX.sym("lam", task.end_rows)
+        value = task.end_conditions(q)
+        options = {"cse": True}
+        self.value = ca.Function("end", [q], [ca.densify(value)], options)
+        self.jacobian = ca.Function("end_jacobian", [q], [ca.densify(ca.jacobian(value, q))], options)
+        self.hessian = ca.Function("end_hessian", [q, lam], [ca.densify(ca.hessian(ca.dot(value, lam), q)[0])], options)
+
+
+def by_points(values, height):
+    """A row of numbers, one a point, repeated."""
+    return ca.repmat(ca.DM(values).T, height, 1)

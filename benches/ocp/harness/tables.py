@@ -1,0 +1,136 @@
+"""Tables of the figures, on the terminal and in BENCHMARKS.md, losses first."""
+
+from statistics import median, quantiles
+
+import goals
+from comparison import excess
+from shell import stop
+
+NAMES = {"costate": "costate", "peer": "peer", "interpreted": "peer, interpreted"}
+
+
+def tables(figures):
+    """Name of the mark -> text."""
+    return {"ocp verdicts": verdict_table(figures), "ocp machine": machine_text(figures),
+            "ocp classes": class_table(figures) + "\n" + robot_table(figures), "ocp losses": losses(figures)}
+
+
+def markdown(head, rows):
+    line = lambda row: f"| {' | '.join(map(str, row))} |"
+    return "\n".join([line(head), "|---" * len(head) + "|", *map(line, rows)]) + "\n"
+
+
+def verdict_table(figures):
+    return markdown(["goal", "measured", "verdict"], goals.verdicts(figures))
+
+
+def class_table(figures):
+    rows = []
+    for kind in goals.kinds(figures):
+        found = goals.of(figures, kind)
+        for label in labels(figures):
+            rows.append([f"{kind} {found[0]['title']}" if label == "costate" else "", *line(found, label)])
+    return markdown(HEAD, rows)
+
+
+HEAD = ["class", "solver", "solved", "CPU ms, median (quartiles)", "with start, ms", "peer's time / costate's", "iterations",
+        "cost above the best known, median, worst", "gap", "miss at the end", "limits at points", "between"]
+
+
+def robot_table(figures):
+    rows = []
+    for robot in dict.fromkeys(row["robot"] for row in goals.of(figures)):
+        found = [row for row in goals.of(figures) if row["robot"] == robot]
+        for label in labels(figures):
+            rows.append([robot if label == "costate" else "", *line(found, label)])
+    return markdown(["robot", *HEAD[1:]], rows)
+
+
+def labels(figures):
+    """costate first, then what else there is."""
+    found = dict.fromkeys(label for row in goals.of(figures) for label in row["sides"])
+    return ["costate", *(label for label in found if label != "costate")]
+
+
+def line(rows, label):
+    done = goals.solved(rows, label)
+    sides = [row["sides"][label] for row in done]
+    above = [value for row in done if (value := excess(row, label)) is not None]
+    ratio = "" if label == "costate" else spread(goals.ratios(rows, label), "{:.2f}")
+    return [NAMES[label], f"{len(done)} of {len(rows)}", spread([side["ms"] for side in sides], "{:.1f}"),
+            middle(sides, "process_ms", "{:.1f}"), ratio, middle(sides, "iterations", "{:.0f}"),
+            f"{median(above):.0e}, {max(above):.0e}" if above else "-", worst(sides, "gap"), worst(sides, "end"),
+            worst(sides, "at_points"), worst(sides, "between")]
+
+
+def spread(values, form):
+    if not values:
+        return "-"
+    if len(values) < 2:
+        return form.format(values[0])
+    low, mid, high = quantiles(values, n=4, method="inclusive")
+    return f"{form.format(mid)} ({form.format(low)}-{form.format(high)})"
+
+
+def middle(sides, key, form):
+    return form.format(median(side[key] for side in sides)) if sides else "-"
+
+
+def worst(sides, key):
+    """The median and the largest."""
+    values = [side[key] if side[key] is not None else float("inf") for side in sides]
+    return f"{median(values):.0e}, {max(values):.0e}" if values else "-"
+
+
+def losses(figures):
+    """Tasks that the peer solves and costate does not, and those that cost more; then what the peer does not solve."""
+    rows, refused = [], {}
+    for row in goals.of(figures):
+        ours, theirs = row["sides"]["costate"], row["sides"][goals.PEER]
+        above = excess(row, "costate")
+        if ours["status"].startswith("refused"):
+            refused.setdefault(row["class"], []).append(row)
+        elif not ours["solved"]:
+            rows.append((1 if theirs["solved"] else 3, [row["task"], "not solved", reason(ours), reason(theirs)]))
+        elif above is not None and above > goals.NEAR:
+            rows.append((2, [row["task"], f"cost {above:.1e} above the best known", reason(ours), reason(theirs)]))
+        elif not theirs["solved"]:
+            rows.append((4, [row["task"], "solved by costate only", reason(ours), reason(theirs)]))
+    for kind, found in refused.items():
+        solved = len(goals.solved(found, goals.PEER))
+        rows.append((0, [f"class {kind}: {len(found)} tasks", "cannot be posed", reason(found[0]["sides"]["costate"]),
+                         f"solved {solved}"]))
+    rows.sort(key=lambda pair: pair[0])
+    return markdown(["task", "what", "costate", "peer"], [row for _, row in rows]) if rows else "None.\n"
+
+
+def reason(side):
+    if side["solved"]:
+        return f"solved, cost {side['cost']:.6g}"
+    if not side["says"]:
+        return side["status"].replace("|", "/")
+    gap = "no motion" if side.get("gap") is None else f"gap {side['gap']:.0e}, limits {side['at_points']:.0e}"
+    return f"{side['status']}, but not accepted: {gap}"
+
+
+def machine_text(figures):
+    head = figures[0]
+    packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
+    return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
+            f"{head['elements']} elements of 3 Radau points; the least of {head['repeats']} times.\n")
+
+
+def print_all(figures):
+    for name, text in tables(figures).items():
+        print(f"\n{name.removeprefix('ocp ')}\n\n{text}")
+
+
+def write(page, figures):
+    text = page.read_text()
+    for name, part in tables(figures).items():
+        begin, end = f"<!-- {name}: begin (written by benches/ocp/run --write) -->\n", f"<!-- {name}: end -->"
+        if begin not in text or end not in text:
+            stop(f"{page.name} has no marks for {name}")
+        before, rest = text.split(begin)
+        text = before + begin + part + end + rest.split(end, 1)[1]
+    page.write_text(text)

@@ -1,0 +1,34 @@
+"""Random tasks: the same for the same seed, class, robot and number."""
+
+import numpy
+
+import classes
+import robots
+from draw import Draw
+from shell import say
+
+# Draws for one task, at most: many do not suit a class.
+DRAWS = 60
+
+
+def make(root, costate, peer, kinds, names, count, seed):
+    """`count` tasks a class, taken in turn from the robots."""
+    for kind in kinds:
+        for number in range(count):
+            robot = robots.read(root, costate, names[number % len(names)])
+            task = one(peer, kind, robot, number // len(names), seed)
+            if task is None:
+                say(f"{kind}: {robot.name}: no draw of {DRAWS} suits")
+            else:
+                yield task
+
+
+def one(peer, kind, robot, number, seed):
+    place = robots.ALL.index(robot.name) if robot.name in robots.ALL else len(robots.ALL)
+    rng = numpy.random.default_rng([seed, ord(kind), place, number])
+    name = f"{kind}_{robot.name}_{number + 1}"
+    for _ in range(DRAWS):
+        task = classes.CLASSES[kind][1](Draw(rng, robot, peer, name, kind))
+        if task is not None:
+            return task
+    return None
