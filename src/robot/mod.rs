@@ -15,6 +15,7 @@ mod error;
 pub mod file;
 mod format;
 mod frame;
+mod frame_list;
 mod frames;
 mod joint;
 mod joint_frame;
