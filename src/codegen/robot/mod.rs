@@ -14,6 +14,7 @@ mod quantity;
 mod shape;
 mod size;
 mod symmetry;
+mod wrenches;
 
 pub use evaluator::RobotQuantity;
 pub use guarded::{REGULAR, guarded_program};
