@@ -92,8 +92,8 @@ fn mimic_hand_of_pinocchio() {
     }
 }
 
-/// Mimics of mimics with negative ratios and offsets, one of them on another branch, by Pinocchio's model of all
-/// joints.
+/// Mimics of mimics with negative ratios and offsets, one of them on another branch, by Pinocchio's model of
+/// all joints.
 #[test]
 fn mimic_of_mimic_of_pinocchio() {
     let robot = Robot::from_file(fixtures().join("mimic_of_mimic.urdf")).unwrap();

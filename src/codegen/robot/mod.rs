@@ -7,6 +7,7 @@
 
 mod evaluator;
 mod guarded;
+mod labels;
 mod options;
 mod parameters;
 mod program;

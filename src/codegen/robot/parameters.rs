@@ -6,6 +6,7 @@
 //! number that is neither a small literal nor made from the directions of joints is an error, so no constant
 //! is missed.
 
+use super::labels::{Labels, turned};
 use super::wrenches;
 use crate::codegen::error::CodegenError;
 use crate::codegen::record::{Expr, replace_labels};
@@ -59,37 +60,6 @@ fn all_groups(robot: &Robot) -> impl Iterator<Item = Group> {
     groups(robot).into_iter().chain(wrenches::groups(robot))
 }
 
-/// Labels and the expressions that they represent.
-pub(super) struct Labels {
-    state: u64,
-    table: Vec<(f64, Expr)>,
-}
-
-impl Labels {
-    /// A label for an expression: a number in (1, 2) that no formula contains.
-    fn label(&mut self, expr: Expr) -> f64 {
-        self.state =
-            self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let label = f64::from_bits(1.0_f64.to_bits() | (self.state >> 12));
-        self.table.push((label, expr));
-        label
-    }
-
-    pub(super) fn all<const N: usize>(&mut self, expressions: [Expr; N]) -> [f64; N] {
-        expressions.map(|expr| self.label(expr))
-    }
-
-    /// The label of a product that the kernels form from labels.
-    fn product(&mut self, value: f64, expr: Expr) {
-        self.table.push((value, expr));
-    }
-}
-
-/// `A x`.
-pub(super) fn turned(turn: &Matrix3<f64>, x: [Expr; 3]) -> [Expr; 3] {
-    [0, 1, 2].map(|i| (0..3).fold(Expr::zero(), |sum, k| sum + x[k].times(turn[(i, k)])))
-}
-
 /// `A J A'` for a symmetric matrix: xx, yy, zz, xy, xz, yz.
 fn turned_matrix(turn: &Matrix3<f64>, [xx, yy, zz, xy, xz, yz]: [Expr; 6]) -> [Expr; 6] {
     let columns = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|column| turned(turn, column));
@@ -102,7 +72,7 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
     let Directions { mut joints, turns, arms, world, mut armature } = Directions::from(robot);
     let mut rest = parameters.iter().copied();
     let mut next = || rest.next().unwrap_or(Expr::zero());
-    let mut labels = Labels { state: 0x5eed, table: Vec::new() };
+    let mut labels = Labels::new();
     let mut numbers = Vec::new();
     let mut masses = Vec::new();
     for (i, joint) in joints.iter_mut().enumerate() {

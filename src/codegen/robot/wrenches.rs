@@ -1,6 +1,6 @@
 //! Wrenches from outside as parameters of a program.
 
-use super::parameters::{Labels, turned};
+use super::labels::{Labels, turned};
 use crate::codegen::record::Expr;
 use crate::robot::parameters::Group;
 use crate::robot::{AppliedWrench, Placement, Robot, TreeFrame, Wrench};
