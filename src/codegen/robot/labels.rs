@@ -1,6 +1,7 @@
 //! Numbers that represent expressions of parameters.
 
 use crate::codegen::record::Expr;
+use crate::scalar::Scalar;
 use nalgebra::Matrix3;
 
 /// Labels and the expressions that they represent.
