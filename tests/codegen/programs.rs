@@ -5,7 +5,7 @@ use costate::codegen::{
     parameter_values, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{FrameSpec, JointSpec, LinkInertia, LoadOptions, Placement, Robot, Wrench, WrenchAxes};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
