@@ -33,7 +33,7 @@ const MOST_COUNTED: usize = 300;
 const OF_FRAME: f64 = 100.0;
 
 /// Memory of a number of an answer about a frame (bytes).
-const ANSWERED: f64 = 50.0;
+const ANSWERED: f64 = 35.0;
 
 /// Real operations of one hyper-dual multiplication: nine products, five sums.
 const HYPER_DUAL_PRODUCT: f64 = 14.0;
