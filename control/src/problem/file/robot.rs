@@ -37,7 +37,8 @@ pub(super) struct RobotTable {
 /// A change with the key that asks for it.
 struct Change {
     key: &'static str,
-    line: Option<usize>,
+    /// First byte of what asks for it.
+    start: Option<usize>,
     edit: RobotEdit,
 }
 
@@ -50,8 +51,8 @@ pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
     let mut changes = Vec::new();
-    let mut add = |key, line: Option<usize>, edit| {
-        changes.push(Change { key, line: line.or_else(|| table.line_of(key)), edit });
+    let mut add = |key, start: Option<usize>, edit| {
+        changes.push(Change { key, start: start.or_else(|| table.start_of(key)), edit });
     };
     if let Some(gravity) = triple(&table, "gravity")? {
         add("gravity", None, RobotEdit::Gravity(gravity));
@@ -66,15 +67,15 @@ pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
         add("limits", None, RobotEdit::Limits(joint, limits(&range)?));
     }
     for row in table.tables("frame", FRAME)? {
-        add("frame", row.line, RobotEdit::Frame(frame(&row)?));
+        add("frame", row.start, RobotEdit::Frame(frame(&row)?));
     }
     for load in table.tables("payload", PAYLOAD)? {
         let frame = load.need("frame", load.string("frame")?)?;
-        add("payload", load.line, RobotEdit::Payload(frame, payload(&load)?));
+        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?));
     }
     for row in table.tables("wrench", WRENCH)? {
         let frame = row.need("frame", row.string("frame")?)?;
-        add("wrench", row.line, RobotEdit::Wrench(frame, wrench(&row)?));
+        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?));
     }
     let locked = table.numbers_by_name("lock")?;
     if !locked.is_empty() {
@@ -162,9 +163,9 @@ impl RobotTable {
             Err(error) => {
                 // The first change that cannot be made.
                 let fails = |end: usize| robot.edited(&edits[..end], lenient).is_err();
-                let Change { key, line, .. } = &self.changes[first(edits.len() - 1, |k| fails(k + 1))];
+                let Change { key, start, .. } = &self.changes[first(edits.len() - 1, |k| fails(k + 1))];
                 Err(Fault {
-                    line: *line,
+                    line: start.map(|start| root.line_at(start)),
                     key: Some(format!("robot.{key}")),
                     cause: Box::new(ProblemFileCause::Robot(error)),
                 })
