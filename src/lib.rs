@@ -23,9 +23,10 @@
 //! matrix).
 //!
 //! A module uses only modules before it in this order: [`scalar`], [`matrix`], [`spatial`], [`robot`],
-//! [`kernels`], [`tensors`], [`kinematics`], [`hamiltonian`], [`lagrangian`], [`derivative`], [`dynamics`],
-//! [`step`], and then [`batch`] and [`codegen`]. Equation numbers refer to G. Bessonnet, P. Sardain, "Optimal
-//! dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids 24 (2005) 452-471.
+//! [`kernels`], [`tensors`], [`kinematics`], [`hamiltonian`], [`lagrangian`], [`parameters`], [`derivative`],
+//! [`dynamics`], [`step`], and then [`batch`] and [`codegen`]. Equation numbers refer to G. Bessonnet, P.
+//! Sardain, "Optimal dynamics of actuated kinematic chains. Part 1", European Journal of Mechanics A/Solids
+//! 24 (2005) 452-471.
 
 #![deny(unsafe_code)]
 #![warn(missing_debug_implementations)]

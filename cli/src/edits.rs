@@ -1,7 +1,7 @@
 //! Flags that change the robot after it is read.
 
 use clap::Args;
-use costate::robot::{LinkInertia, RobotEdit};
+use costate::robot::{FrameSpec, LinkInertia, Placement, RobotEdit, Wrench, WrenchAxes};
 
 /// Changes of the robot, in this order.
 #[derive(Args)]
@@ -12,10 +12,19 @@ pub struct EditArguments {
     /// Set the armature of a joint (kg m^2, kg); may be given several times
     #[arg(long, value_name = "JOINT=VALUE", value_parser = named)]
     armature: Vec<(String, f64)>,
+    /// Add a frame, fixed to a link, a joint or a frame added before, at a position (m) and roll, pitch, yaw
+    /// (rad) in it: 3 or 6 numbers; may be given several times
+    #[arg(long, value_name = "NAME=FRAME:X,Y,Z[,R,P,Y]", value_parser = frame)]
+    frame: Vec<FrameSpec>,
     /// Attach a rigid body to a frame: mass (kg), centre of mass (m) and inertia about it (kg m^2) in the
     /// frame: 1, 4, 7 or 10 numbers; may be given several times
     #[arg(long, value_name = "FRAME=MASS[,X,Y,Z[,XX,YY,ZZ[,XY,XZ,YZ]]]", value_parser = payload)]
     payload: Vec<(String, LinkInertia)>,
+    /// Apply a force (N) at the origin of a frame, and a moment (N m), from outside: 3 or 6 numbers; they
+    /// turn with the frame (local, the default) or keep their direction in the world (aligned); may be given
+    /// several times
+    #[arg(long, value_name = "FRAME=FX,FY,FZ[,MX,MY,MZ][,AXES]", value_parser = wrench)]
+    wrench: Vec<(String, Wrench)>,
     /// Hold a joint at a position (rad, m), with all that mimics it; may be given several times
     #[arg(long, value_name = "JOINT=POSITION", value_parser = named)]
     lock: Vec<(String, f64)>,
@@ -29,7 +38,9 @@ impl EditArguments {
     pub fn edits(&self) -> Vec<RobotEdit> {
         let mut edits: Vec<RobotEdit> = self.gravity.map(RobotEdit::Gravity).into_iter().collect();
         edits.extend(self.armature.iter().map(|(joint, value)| RobotEdit::Armature(joint.clone(), *value)));
+        edits.extend(self.frame.iter().cloned().map(RobotEdit::Frame));
         edits.extend(self.payload.iter().map(|(frame, load)| RobotEdit::Payload(frame.clone(), *load)));
+        edits.extend(self.wrench.iter().map(|(frame, wrench)| RobotEdit::Wrench(frame.clone(), *wrench)));
         edits.extend((!self.lock.is_empty()).then(|| RobotEdit::Lock(self.lock.clone())));
         edits.extend((!self.reduced_to.is_empty()).then(|| RobotEdit::ReducedTo(self.reduced_to.clone())));
         edits
@@ -58,6 +69,43 @@ fn named(text: &str) -> Result<(String, f64), String> {
 fn gravity(text: &str) -> Result<[f64; 3], String> {
     let found = numbers(text)?;
     <[f64; 3]>::try_from(found).map_err(|found| format!("must be 3 numbers, not {}", found.len()))
+}
+
+fn frame(text: &str) -> Result<FrameSpec, String> {
+    let parts = text.split_once('=').filter(|(name, _)| !name.is_empty());
+    let parts = parts.and_then(|(name, place)| Some((name, place.rsplit_once(':')?)));
+    let (name, (base, values)) = parts.ok_or("must be a name, =, a frame, :, and 3 or 6 numbers")?;
+    let mut values = numbers(values)?;
+    let count = values.len();
+    values.resize(6, 0.0);
+    match (count, &values[..]) {
+        (3 | 6, &[x, y, z, roll, pitch, yaw]) => {
+            let placement = Placement::from_xyz_rpy([x, y, z], [roll, pitch, yaw]);
+            Ok(FrameSpec::new(name).on(base).placed(placement))
+        }
+        _ => Err(format!("must have 3 or 6 numbers, not {count}")),
+    }
+}
+
+/// The axes of wrenches by their names.
+const AXES: [(&str, WrenchAxes); 2] = [("local", WrenchAxes::Local), ("aligned", WrenchAxes::Aligned)];
+
+fn wrench(text: &str) -> Result<(String, Wrench), String> {
+    let (frame, values) = split(text)?;
+    let word = values.rsplit_once(',').and_then(|(values, word)| {
+        let (_, axes) = AXES.into_iter().find(|(name, _)| *name == word.trim())?;
+        Some((values, axes))
+    });
+    let (values, axes) = word.unwrap_or((values, WrenchAxes::default()));
+    let mut values = numbers(values).map_err(|reason| format!("{reason}; the axes are local or aligned"))?;
+    let count = values.len();
+    values.resize(6, 0.0);
+    match (count, &values[..]) {
+        (3 | 6, &[fx, fy, fz, mx, my, mz]) => {
+            Ok((frame.into(), Wrench { force: [fx, fy, fz], moment: [mx, my, mz], axes }))
+        }
+        _ => Err(format!("must have 3 or 6 numbers, not {count}")),
+    }
 }
 
 fn payload(text: &str) -> Result<(String, LinkInertia), String> {
@@ -94,5 +142,34 @@ mod tests {
         assert_eq!((frame.as_str(), load), ("tool0", expected));
         assert_eq!(payload("tool0=2").unwrap().1, LinkInertia::point(2.0, [0.0; 3]));
         assert!(payload("tool0=1,2").is_err_and(|reason| reason.contains("not 2")));
+    }
+
+    #[test]
+    fn frames_have_a_base_and_a_placement() {
+        let place = Placement::from_xyz_rpy([0.1, 0.0, -0.2], [0.3, 0.0, 1.0]);
+        let expected = FrameSpec::new("tip").on("joint:a=b:c").placed(place);
+        assert_eq!(frame("tip=joint:a=b:c:0.1,0,-0.2,0.3,0,1"), Ok(expected));
+        let place = Placement::from_xyz_rpy([0.0, 0.0, 1.0], [0.0; 3]);
+        assert_eq!(frame("tip=tool0:0,0,1"), Ok(FrameSpec::new("tip").on("tool0").placed(place)));
+        for text in
+            ["tip", "tip=tool0", "=tool0:0,0,1", "tip=tool0:0,0", "tip=tool0:0,0,1,2", "tip=tool0:a,0,0"]
+        {
+            assert!(frame(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn wrenches_have_a_force_a_moment_and_axes() {
+        let force = [1.0, -2.0, 0.5];
+        let expected = Wrench { force, ..Wrench::default() };
+        assert_eq!(wrench("tool0=1,-2,0.5"), Ok(("tool0".into(), expected)));
+        assert_eq!(wrench("tool0=1,-2,0.5,local"), Ok(("tool0".into(), expected)));
+        let expected = Wrench { force, moment: [3.0, 4.0, 5.0], axes: WrenchAxes::Aligned };
+        assert_eq!(wrench("tool0=1,-2,0.5,3,4,5,aligned"), Ok(("tool0".into(), expected)));
+        for (text, reason) in
+            [("tool0=1,2", "not 2"), ("tool0=1,2,3,world", "'world' is not a number"), ("tool0", "=")]
+        {
+            assert!(wrench(text).is_err_and(|found| found.contains(reason)), "{text}");
+        }
     }
 }

@@ -4,7 +4,8 @@
 //! The factors were measured on chains of 50 to 1000 revolute joints; the memory fits within a factor of two.
 
 use costate::Coordinates;
-use costate::derivative::{CHUNK, ForwardDynamics, Function, PhaseVelocity};
+use costate::derivative::{CHUNK, ForwardDynamics, FrameMotion, Function, PhaseVelocity};
+use costate::kinematics::ReferenceFrame;
 use costate::robot::Robot;
 use costate::scalar::{Count, Scalar, count};
 
@@ -24,9 +25,15 @@ const MOST_OPERATIONS: f64 = 5e10;
 const MOST_BYTES: f64 = 256e6;
 
 /// Most joints for which the operations of one evaluation are counted. Beyond, that would take seconds and
-/// hundreds of megabytes; the factorisation of M, n^3/6 products and sums, then dominates and is the
-/// estimate.
+/// hundreds of megabytes; for dynamics the factorisation of M, n^3/6 products and sums, then dominates and is
+/// the estimate.
 const MOST_COUNTED: usize = 300;
+
+/// Products, and sums, of the motion of a frame for each joint, where they are not counted.
+const OF_FRAME: f64 = 100.0;
+
+/// Memory of a number of an answer about a frame (bytes).
+const ANSWERED: f64 = 35.0;
 
 /// Real operations of one hyper-dual multiplication: nine products, five sums.
 const HYPER_DUAL_PRODUCT: f64 = 14.0;
@@ -93,15 +100,36 @@ impl Work {
             (Coordinates::Hamiltonian, Method::Nested) => [6200.0, 6400.0],
             (Coordinates::Lagrangian, Method::Nested) => [9500.0, 10_000.0],
         };
+        let factorised = n.powi(3) / 6.0;
         let (work, slowness) = match coordinates {
             Coordinates::Hamiltonian => {
-                (Self::automatic(&PhaseVelocity::new(robot), robot, method, order), 1.0)
+                (Self::automatic(&PhaseVelocity::new(robot), robot, method, order, factorised), 1.0)
             }
             Coordinates::Lagrangian => {
-                (Self::automatic(&ForwardDynamics::new(robot), robot, method, order), LAGRANGIAN)
+                (Self::automatic(&ForwardDynamics::new(robot), robot, method, order, factorised), LAGRANGIAN)
             }
         };
         Self { operations: slowness * work.operations, bytes: work.bytes + factor[second] * n * n }
+    }
+
+    /// That of the answer about one frame, its text included; second derivatives are those of its position.
+    pub fn of_frame(robot: &Robot, method: Method, order: Order) -> Self {
+        let n = robot.dof() as f64;
+        let motion = FrameMotion::new(robot, robot.frames().len() - 1, ReferenceFrame::Local);
+        let work = Self::automatic(&motion, robot, method, order, OF_FRAME * n);
+        let second = if order == Order::Second { n * n } else { 0.0 };
+        Self { bytes: work.bytes + ANSWERED * (12.0 + 6.0 * n + second), ..work }
+    }
+
+    /// The same several times.
+    pub fn times(self, count: usize) -> Self {
+        let count = count as f64;
+        Self { operations: count * self.operations, bytes: count * self.bytes }
+    }
+
+    /// The work of both.
+    pub fn and(self, other: Self) -> Self {
+        Self { operations: self.operations + other.operations, bytes: self.bytes + other.bytes }
     }
 
     /// That of counting the operations of all methods in Hamiltonian coordinates.
@@ -134,12 +162,18 @@ impl Work {
         Self { operations: COUNTING * sum.operations, bytes: COMPARING_SIZE * sum.bytes }
     }
 
-    /// Scales the operations of one evaluation of the function; the memory is that of what grows faster than
-    /// n^2.
-    fn automatic(function: &impl Function, robot: &Robot, method: Method, order: Order) -> Self {
+    /// Scales the operations of one evaluation of the function, of which robots with too many joints to count
+    /// them have `uncounted` products and sums; the memory is that of what grows faster than n^2.
+    fn automatic(
+        function: &impl Function,
+        robot: &Robot,
+        method: Method,
+        order: Order,
+        uncounted: f64,
+    ) -> Self {
         let (inputs, outputs) = (function.inputs() as f64, function.outputs() as f64);
         let pairs = inputs * (inputs + 1.0) / 2.0;
-        let of_evaluation = || operations(function, robot.dof());
+        let of_evaluation = || if robot.dof() > MOST_COUNTED { [uncounted; 2] } else { operations(function) };
         match method {
             Method::Analytic => Self { operations: 0.0, bytes: 0.0 },
             Method::Tensors => Self { operations: 0.0, bytes: tensor_bytes(robot) },
@@ -203,10 +237,7 @@ fn tensor_bytes(robot: &Robot) -> f64 {
 }
 
 /// Multiplications and additions of one evaluation.
-fn operations(function: &impl Function, joints: usize) -> [f64; 2] {
-    if joints > MOST_COUNTED {
-        return [(joints as f64).powi(3) / 6.0; 2];
-    }
+fn operations(function: &impl Function) -> [f64; 2] {
     let inputs = function.inputs();
     let mut workspace = function.workspace::<Count>();
     let x: Vec<Count> = (0..inputs).map(|k| Count::variable(0.1 + 0.01 * k as f64)).collect();
@@ -233,61 +264,5 @@ impl std::fmt::Display for Work {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Method, Order, Work, refuse_excessive, refuse_excessive_count};
-    use costate::Coordinates;
-    use costate::robot::{JointSpec, LinkInertia, Robot};
-
-    fn chain(n: usize) -> Robot {
-        let joint = |k: usize| {
-            let spec = JointSpec::revolute(format!("j{k}")).axis([0.0, 1.0, 0.3]);
-            let spec = spec.carrying(LinkInertia::point(1.0, [0.1, 0.0, -0.3])).armature(0.1);
-            if k == 0 { spec } else { spec.on(format!("j{}", k - 1)) }
-        };
-        (0..n)
-            .map(joint)
-            .fold(Robot::builder("chain"), |builder, joint| builder.joint(joint))
-            .build()
-            .unwrap()
-    }
-
-    #[test]
-    fn long_chains_are_excessive_and_robots_are_not() {
-        for (n, excessive) in [(6, false), (12, false), (20, false), (200, true)] {
-            for (method, coordinates) in [Method::HyperDual, Method::Nested, Method::Tensors]
-                .into_iter()
-                .flat_map(|method| Coordinates::ALL.map(|coordinates| (method, coordinates)))
-            {
-                let work = Work::of_state(&chain(n), coordinates, method, Order::Second);
-                assert_eq!(work.is_excessive(), excessive, "{n} {method:?} {work}");
-            }
-            assert_eq!(refuse_excessive(&chain(n), false).is_err(), excessive, "{n}");
-            assert_eq!(refuse_excessive_count(&chain(n), false).is_err(), excessive, "{n}");
-            assert!(refuse_excessive(&chain(n), true).is_ok(), "{n}");
-        }
-        // Measured: more than 90 s.
-        assert!(refuse_excessive_count(&chain(50), false).is_err());
-    }
-
-    /// Measured on chains of revolute joints (MB).
-    #[test]
-    fn memory_is_estimated_within_a_factor_of_two() {
-        use Coordinates::{Hamiltonian, Lagrangian};
-        use Order::{First, Second};
-        for (n, coordinates, method, order, megabytes) in [
-            (1000, Hamiltonian, Method::Analytic, First, 605.0),
-            (1000, Hamiltonian, Method::Analytic, Second, 815.0),
-            (1000, Lagrangian, Method::Analytic, First, 890.0),
-            (1000, Lagrangian, Method::Analytic, Second, 1500.0),
-            (100, Hamiltonian, Method::Tensors, First, 620.0),
-            (200, Hamiltonian, Method::Tensors, First, 9700.0),
-            (100, Hamiltonian, Method::HyperDual, Second, 43.0),
-            (1000, Hamiltonian, Method::Nested, First, 6100.0),
-            (200, Lagrangian, Method::Nested, First, 378.0),
-        ] {
-            let work = Work::of_state(&chain(n), coordinates, method, order);
-            let ratio = work.bytes / (1e6 * megabytes);
-            assert!((0.5..2.0).contains(&ratio), "{n} {coordinates:?} {method:?} {order:?}: {work}");
-        }
-    }
-}
+#[path = "work/tests.rs"]
+mod tests;

@@ -152,6 +152,21 @@ pub const ALL: &[Large] = &[
     }),
     large(Kind::Toml, "a key of 4 MB", || format!("{} = 1", "x".repeat(4_000_000))),
     large(Kind::Toml, "five MiB", || " ".repeat(5 << 20)),
+    large(Kind::Toml, "50 000 frames and wrenches", || {
+        let frames = (0..25_000).map(|k| format!("[[frame]]\nname = 'f{k}'\n")).collect::<String>();
+        let wrenches = (0..25_000).map(|k| format!("[[wrench]]\nframe = 'f{k}'\n")).collect::<String>();
+        toml(3, "") + &frames + &wrenches
+    }),
+    large(Kind::Problem, "a MiB of frames, the last in none", || {
+        let frames = (0..30_000).map(|k| format!("[[robot.frame]]\nname='{k}'\n")).collect::<String>();
+        let table = "[robot]\nfile = \"../../robots/pendulum.toml\"\n";
+        problem("robot = \"../../robots/pendulum.toml\"\n", &format!("{table}{frames}parent='none'\n"))
+    }),
+    large(Kind::Problem, "a MiB of wrenches", || {
+        let wrenches = "[[robot.wrench]]\nframe='world'\n".repeat(30_000);
+        let table = "[robot]\nfile = \"../../robots/pendulum.toml\"\n";
+        problem("robot = \"../../robots/pendulum.toml\"\n", &format!("{table}{wrenches}"))
+    }),
     large(Kind::Problem, "a million positions", || {
         problem("q = [0.0]", &format!("q = [{}]", "1,".repeat(1_000_000)))
     }),

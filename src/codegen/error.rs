@@ -18,15 +18,6 @@ pub enum CodegenError {
          use Scalar::select"
     )]
     Branch,
-    /// Wrenches from outside, which are no parameters of a program.
-    #[error(
-        "a program with parameters holds no wrenches from outside, and the robot has {count}; record it without \
-         parameters, or take the wrenches away and pass their generalised forces as actuation"
-    )]
-    Wrenches {
-        /// How many there are.
-        count: usize,
-    },
     /// A program that is longer than the limit.
     #[error(
         "{name} has {steps} steps, the limit is {limit}: compiling it would be slow. Raise the limit (--limit {steps}), \

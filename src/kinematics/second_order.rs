@@ -45,6 +45,16 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
         }
     }
 
+    /// Number of degrees of freedom, n.
+    pub fn dof(&self) -> usize {
+        self.q.len()
+    }
+
+    /// The model.
+    pub fn tree(&self) -> &Tree {
+        self.kinematics.tree()
+    }
+
     /// Places the robot at q, v, a (rad/s^2, m/s^2; length n).
     ///
     /// # Errors

@@ -1,9 +1,8 @@
 //! Derivatives of L(q, v) by the inertial parameters of bodies that are fixed to links.
 
-use super::seat::Seat;
 use super::unit::{across_joint, plus_joint};
 use crate::kernels::Spread;
-use crate::robot::{JointKind, Tree};
+use crate::robot::{JointKind, Row, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Inertia, JointPosition, Motion, Symmetric3, Transform, Vec3};
 
@@ -69,12 +68,12 @@ pub(super) struct Seen<S> {
 impl<S: Scalar> UnitBodies<S> {
     pub fn new(tree: &Tree) -> Self {
         let (mut starts, mut ancestors) = (vec![0], Vec::new());
-        let seats = Seat::all(tree);
+        let rows = tree.rows();
         for (k, joint) in tree.joints().iter().enumerate() {
             if let Some(parent) = joint.parent {
                 ancestors.extend_from_within(starts[parent]..starts[parent + 1]);
             }
-            let Seat { coordinate, ratio, .. } = seats[k];
+            let Row { coordinate, ratio, .. } = rows[k];
             let outer = &ancestors[starts[k]..];
             let is_first = outer.iter().all(|other: &Ancestor| other.coordinate != coordinate);
             ancestors.push(Ancestor { coordinate, ratio, is_first });

@@ -2,11 +2,10 @@
 
 use super::friction::{ByParameter, FrictionEntry, friction_by};
 use super::parameter::{Axis, DisplacedIn, Inertial, Parameter};
-use super::seat::Seat;
 use super::set::ParameterSet;
 use crate::error::EvalError;
 use crate::hamiltonian::check;
-use crate::robot::{JointKind, Locked, Placement, Site, Tree, WithLocked, scaled};
+use crate::robot::{JointKind, Placement, Row, Site, StillJoint, Tree, WithStillJoints, scaled};
 use crate::scalar::Scalar;
 use nalgebra::Vector3;
 
@@ -23,9 +22,9 @@ pub(super) struct Body {
 /// The source of a column of L_z,theta that is not of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Source {
-    /// A displacement: this locked joint of the extended tree.
-    Locked(usize),
-    /// A component of gravity: the locked joint between world and base in its direction, of which the weight
+    /// A displacement: this still joint of the extended tree.
+    Still(usize),
+    /// A component of gravity: the still joint between world and base in its direction, of which the weight
     /// of everything is the power.
     Gravity(usize),
     Stiffness(usize),
@@ -37,12 +36,12 @@ pub(super) enum Source {
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     pub tree: Tree,
-    /// The same tree with a locked joint for each geometric parameter and component of gravity.
+    /// The same tree with a still joint for each geometric parameter and component of gravity.
     pub extended: Tree,
     /// The number of each coordinate in the extended tree.
     pub kept: Vec<usize>,
     /// The coordinates of the joints.
-    pub seats: Vec<Seat>,
+    pub rows: Vec<Row>,
     /// Number of parameters.
     pub len: usize,
     pub bodies: Vec<Body>,
@@ -58,12 +57,12 @@ pub(super) struct Layout {
 impl Layout {
     pub fn new(set: &ParameterSet) -> Self {
         let robot = set.robot();
-        let (columns, added): (Vec<usize>, Vec<Locked>) =
-            set.parameters().iter().enumerate().filter_map(|(k, one)| Some((k, locked(one)?))).unzip();
-        let WithLocked { robot: extended, kept, locked } = robot.with_locked(&added);
+        let (columns, added): (Vec<usize>, Vec<StillJoint>) =
+            set.parameters().iter().enumerate().filter_map(|(k, one)| Some((k, still_joint(one)?))).unzip();
+        let WithStillJoints { robot: extended, kept, still } = robot.with_still_joints(&added);
         let tree = Tree::from(robot);
         let mut layout = Self {
-            seats: Seat::all(&tree),
+            rows: tree.rows(),
             tree,
             extended: Tree::from(&extended),
             kept,
@@ -73,12 +72,12 @@ impl Layout {
             friction: Vec::new(),
             fields: Vec::new(),
         };
-        for (column, (&at, one)) in columns.into_iter().zip(locked.iter().zip(&added)) {
+        for (column, (&at, one)) in columns.into_iter().zip(still.iter().zip(&added)) {
             let is_gravity = one.site == Site::World;
             if is_gravity {
                 layout.fields.push((column, Tree::from(&extended.in_field(one.axis))));
             }
-            let source = if is_gravity { Source::Gravity(at) } else { Source::Locked(at) };
+            let source = if is_gravity { Source::Gravity(at) } else { Source::Still(at) };
             layout.sources.push((column, source));
         }
         for (column, parameter) in set.parameters().iter().enumerate() {
@@ -105,9 +104,9 @@ impl Layout {
         v: &[S],
     ) -> impl Iterator<Item = (usize, usize, ByParameter<S>)> {
         self.friction.iter().map(|&(column, joint, entry)| {
-            let Seat { coordinate, ratio, .. } = self.seats[joint];
+            let Row { coordinate, ratio, .. } = self.rows[joint];
             let law = &self.tree.joints()[joint].friction;
-            let ByParameter { value, slope } = friction_by(entry, law, self.seats[joint].rate(v));
+            let ByParameter { value, slope } = friction_by(entry, law, self.rows[joint].rate(v));
             let by = ByParameter { value: scaled(ratio, value), slope: scaled(ratio * ratio, slope) };
             (column, coordinate, by)
         })
@@ -118,7 +117,7 @@ impl Layout {
         self.extended.dof() > self.tree.dof()
     }
 
-    /// Adds a parameter that needs no locked joint.
+    /// Adds a parameter that needs no still joint.
     fn add(&mut self, column: usize, parameter: &Parameter) {
         match *parameter {
             Parameter::Link { joint, entry } => {
@@ -163,25 +162,25 @@ impl Layout {
     }
 }
 
-/// The locked joint of a geometric parameter or of a component of gravity.
-fn locked(parameter: &Parameter) -> Option<Locked> {
+/// The still joint of a geometric parameter or of a component of gravity.
+fn still_joint(parameter: &Parameter) -> Option<StillJoint> {
     let unit = |axis: Axis| Vector3::from(axis.unit());
     Some(match *parameter {
         Parameter::Translation { joint, axis } => {
-            Locked { site: Site::Parent(joint), kind: JointKind::Prismatic, axis: unit(axis) }
+            StillJoint { site: Site::Parent(joint), kind: JointKind::Prismatic, axis: unit(axis) }
         }
         Parameter::Rotation { joint, axis } => {
-            Locked { site: Site::Joint(joint), kind: JointKind::Revolute, axis: unit(axis) }
+            StillJoint { site: Site::Joint(joint), kind: JointKind::Revolute, axis: unit(axis) }
         }
         Parameter::Displacement { joint, displacement } => {
             let site = match displacement.frame {
                 DisplacedIn::Parent => Site::Parent(joint),
                 DisplacedIn::Joint => Site::Joint(joint),
             };
-            Locked { site, kind: displacement.kind, axis: Vector3::from(displacement.axis).normalize() }
+            StillJoint { site, kind: displacement.kind, axis: Vector3::from(displacement.axis).normalize() }
         }
         Parameter::Gravity { axis } => {
-            Locked { site: Site::World, kind: JointKind::Prismatic, axis: unit(axis) }
+            StillJoint { site: Site::World, kind: JointKind::Prismatic, axis: unit(axis) }
         }
         _ => return None,
     })

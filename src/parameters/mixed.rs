@@ -12,9 +12,9 @@ use crate::scalar::Scalar;
 
 /// `p_theta`, `L_q,theta` and their derivatives along (dq, dv); n x n_theta each.
 ///
-/// Those by inertial parameters come from [`UnitBodies`]. A displacement is the coordinate of a locked joint
+/// Those by inertial parameters come from [`UnitBodies`]. A displacement is the coordinate of a still joint
 /// of an extended tree: its columns are columns of P and L_qq of kernel one, and of kernel two, on that tree.
-/// `L_q` is linear in gravity, with the column of M of a locked joint that moves everything along the field.
+/// `L_q` is linear in gravity, with the column of M of a still joint that moves everything along the field.
 #[derive(Clone, Debug)]
 pub(super) struct Mixed<S: Scalar> {
     pub layout: Layout,
@@ -23,7 +23,7 @@ pub(super) struct Mixed<S: Scalar> {
     pub one: KernelOne<S>,
     pub two: KernelTwo<S>,
     wrenches: Option<Wrenches<S>>,
-    /// Positions, velocities and directions of the extended tree; zero for locked joints.
+    /// Positions, velocities and directions of the extended tree; zero for still joints.
     q: Vec<S>,
     v: Vec<S>,
     dq: Vec<S>,
@@ -104,7 +104,7 @@ impl<S: Scalar> Mixed<S> {
         for &(column, source) in &layout.sources {
             let kept = layout.kept.iter().enumerate();
             match source {
-                Source::Locked(at) => kept.for_each(|(i, &k)| {
+                Source::Still(at) => kept.for_each(|(i, &k)| {
                     p[(i, column)] = one.l_vq()[(k, at)];
                     l_q[(i, column)] = one.l_qq()[(k, at)];
                 }),
@@ -112,11 +112,11 @@ impl<S: Scalar> Mixed<S> {
                     kept.for_each(|(i, &k)| l_q[(i, column)] = one.mass_matrix()[(k, at)]);
                 }
                 Source::Stiffness(i) => {
-                    l_q[(layout.seats[i].coordinate, column)] = -layout.along(i, layout.stretch(i, q));
+                    l_q[(layout.rows[i].coordinate, column)] = -layout.along(i, layout.stretch(i, q));
                 }
                 Source::Rest(i) => {
-                    let stiffness = layout.tree.joints()[i].spring.stiffness * layout.seats[i].ratio;
-                    l_q[(layout.seats[i].coordinate, column)] = S::from_f64(stiffness);
+                    let stiffness = layout.tree.joints()[i].spring.stiffness * layout.rows[i].ratio;
+                    l_q[(layout.rows[i].coordinate, column)] = S::from_f64(stiffness);
                 }
                 Source::Armature(i, j) => layout.add_armature([i, j], v, column, p),
             }
@@ -142,7 +142,7 @@ impl<S: Scalar> Mixed<S> {
         for &(column, source) in &layout.sources {
             let kept = layout.kept.iter().enumerate();
             match source {
-                Source::Locked(at) => kept.for_each(|(i, &k)| {
+                Source::Still(at) => kept.for_each(|(i, &k)| {
                     d_p[(i, column)] = two.l_vq()[(k, at)];
                     d_l_q[(i, column)] = two.l_qq()[(k, at)];
                 }),
@@ -150,8 +150,8 @@ impl<S: Scalar> Mixed<S> {
                     kept.for_each(|(i, &k)| d_l_q[(i, column)] = two.mass_matrix()[(k, at)]);
                 }
                 Source::Stiffness(i) => {
-                    let seat = &layout.seats[i];
-                    d_l_q[(seat.coordinate, column)] = -layout.along(i, seat.rate(dq));
+                    let row = &layout.rows[i];
+                    d_l_q[(row.coordinate, column)] = -layout.along(i, row.rate(dq));
                 }
                 Source::Rest(_) => {}
                 Source::Armature(i, j) => layout.add_armature([i, j], dv, column, d_p),
@@ -170,9 +170,9 @@ impl<S: Scalar> Mixed<S> {
             bodies.values_along(&layout.bodies, d_l);
         }
         for &(column, source) in &layout.sources {
-            let rate = |i: usize, x: &[S]| layout.seats[i].rate(x);
+            let rate = |i: usize, x: &[S]| layout.rows[i].rate(x);
             d_l[column] = match source {
-                Source::Locked(at) => {
+                Source::Still(at) => {
                     let by_velocity = layout
                         .kept
                         .iter()
@@ -228,9 +228,9 @@ impl<S: Scalar> Mixed<S> {
         }
         for &(column, source) in &layout.sources {
             let stretch = |i: usize| layout.stretch(i, q);
-            let rate = |i: usize| layout.seats[i].rate(v);
+            let rate = |i: usize| layout.rows[i].rate(v);
             l[column] = match source {
-                Source::Locked(at) => one.l_q()[at],
+                Source::Still(at) => one.l_q()[at],
                 // From the fields below.
                 Source::Gravity(_) => S::zero(),
                 Source::Stiffness(i) => (stretch(i) * stretch(i)).times(-0.5),
@@ -248,20 +248,20 @@ impl<S: Scalar> Mixed<S> {
 impl Layout {
     /// How far the spring of a joint is from its rest.
     fn stretch<S: Scalar>(&self, joint: usize, q: &[S]) -> S {
-        self.seats[joint].position(q).plus(-self.tree.joints()[joint].spring.rest)
+        self.rows[joint].position(q).plus(-self.tree.joints()[joint].spring.rest)
     }
 
     /// A force of a joint as a force of its coordinate.
     fn along<S: Scalar>(&self, joint: usize, force: S) -> S {
-        scaled(self.seats[joint].ratio, force)
+        scaled(self.rows[joint].ratio, force)
     }
 
     /// The momentum of an entry of the armature matrix and of its mirror image, each 1.
     fn add_armature<S: Scalar>(&self, [i, j]: [usize; 2], v: &[S], column: usize, p: &mut Matrix<S>) {
-        let [first, second] = [self.seats[i], self.seats[j]].map(|seat| (seat.coordinate, column));
-        p[first] = self.along(i, self.seats[j].rate(v));
+        let [first, second] = [self.rows[i], self.rows[j]].map(|row| (row.coordinate, column));
+        p[first] = self.along(i, self.rows[j].rate(v));
         if i != j {
-            let mirrored = self.along(j, self.seats[i].rate(v));
+            let mirrored = self.along(j, self.rows[i].rate(v));
             p[second] = if first == second { p[second] + mirrored } else { mirrored };
         }
     }

@@ -62,7 +62,6 @@ mod names;
 mod parameter;
 mod regressor;
 mod response;
-mod seat;
 mod set;
 mod unit;
 mod value;

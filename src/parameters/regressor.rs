@@ -58,7 +58,7 @@ impl<S: Scalar> Regressor<S> {
             tau: columns.clone(),
             force: columns,
             row: vec![S::zero(); mixed.layout.len],
-            motions: vec![Motion::zero(); mixed.layout.seats.len()],
+            motions: vec![Motion::zero(); mixed.layout.rows.len()],
             mixed,
         }
     }

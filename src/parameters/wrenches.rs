@@ -1,7 +1,7 @@
 //! What wrenches from outside add to derivatives by lengths: their arms depend on them.
 //!
 //! A wrench does no work that L contains: its generalised force Q(q) adds to dp/dt and is taken from tau. By
-//! a displacement it has the derivative by the coordinate of the locked joint, in a tree that has the frames
+//! a displacement it has the derivative by the coordinate of the still joint, in a tree that has the frames
 //! of the wrenches.
 
 use super::layout::{Layout, Source};
@@ -14,22 +14,22 @@ use crate::scalar::Scalar;
 #[derive(Clone, Debug)]
 pub(super) struct Wrenches<S: Scalar> {
     forces: Box<ExternalForces<S>>,
-    /// Column and locked joint of each displacement.
+    /// Column and still joint of each displacement.
     columns: Vec<(usize, usize)>,
     /// The number of each coordinate in the extended tree.
     kept: Vec<usize>,
-    /// Weights of the forces of the extended tree; zero for locked joints.
+    /// Weights of the forces of the extended tree; zero for still joints.
     y: Vec<S>,
 }
 
 impl<S: Scalar> Wrenches<S> {
     /// `None` if no wrench acts.
     pub fn new(layout: &Layout) -> Option<Self> {
-        let locked = |&(column, source): &(usize, Source)| match source {
-            Source::Locked(at) => Some((column, at)),
+        let still = |&(column, source): &(usize, Source)| match source {
+            Source::Still(at) => Some((column, at)),
             _ => None,
         };
-        let columns: Vec<_> = layout.sources.iter().filter_map(locked).collect();
+        let columns: Vec<_> = layout.sources.iter().filter_map(still).collect();
         let forces = ExternalForces::where_any(&layout.extended)?;
         let y = filled(S::zero(), layout.extended.dof());
         Some(Self { forces, columns, kept: layout.kept.clone(), y })

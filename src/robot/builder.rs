@@ -3,7 +3,8 @@
 use super::armature::Armature;
 use super::checks;
 use super::error::RobotError;
-use super::frame::{Frame, FrameKind, FrameList, FrameSpec};
+use super::frame::{Frame, FrameKind, FrameSpec};
+use super::frame_list::FrameList;
 use super::joint::{Joint, JointSpec};
 use super::link::Placement;
 use super::mimic;

@@ -1,9 +1,6 @@
 //! Frames that are fixed to links.
 
-use super::error::RobotError;
 use super::link::Placement;
-use super::nearest::resembling;
-use std::collections::HashMap;
 
 /// What a frame belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -80,94 +77,6 @@ impl FrameSpec {
         self.placement = placement;
         self
     }
-}
-
-/// Frames while they are collected, with their positions by name.
-pub(super) struct FrameList {
-    frames: Vec<Frame>,
-    index: HashMap<String, Vec<usize>>,
-}
-
-impl FrameList {
-    /// The frames of the world and of the joints.
-    pub(super) fn of_joints<'a>(names: impl Iterator<Item = &'a str>) -> Self {
-        let placement = Placement::identity();
-        let world = Frame { name: "world".into(), kind: FrameKind::World, joint: None, placement };
-        let joints = names.enumerate().map(|(i, name)| Frame {
-            name: name.to_owned(),
-            kind: FrameKind::Joint,
-            joint: Some(i),
-            placement,
-        });
-        Self::from(std::iter::once(world).chain(joints).collect::<Vec<_>>())
-    }
-
-    /// Adds a frame, whose base must be there already.
-    pub(super) fn add(&mut self, spec: FrameSpec) -> Result<(), RobotError> {
-        let FrameSpec { name, kind, base, placement } = spec;
-        if !placement.is_rigid() {
-            return Err(RobotError::BadFramePlacement { frame: name });
-        }
-        // One name of a description may be that of a link and of a joint; added frames have names of their
-        // own.
-        let is_taken = |other: &Frame| other.kind == kind || kind == FrameKind::Added;
-        if self.named(&name).any(is_taken) {
-            let kind = if kind == FrameKind::Link { "link" } else { "frame" };
-            return Err(RobotError::DuplicateName { kind, name });
-        }
-        let base = match &base {
-            Base::World => &self.frames[0],
-            Base::Frame(base) => preferred(self.named(base)).ok_or_else(|| unknown(&self.frames, base))?,
-            Base::Joint(base) => self
-                .named(base)
-                .find(|frame| frame.kind == FrameKind::Joint)
-                .ok_or_else(|| unknown(&self.frames, base))?,
-        };
-        let (joint, placement) = (base.joint, base.placement.then(&placement.orthonormalised()));
-        self.index.entry(name.clone()).or_default().push(self.frames.len());
-        self.frames.push(Frame { name, kind, joint, placement });
-        Ok(())
-    }
-
-    /// The frame of this name.
-    pub(super) fn find<'a>(frames: &'a [Frame], name: &str) -> Result<&'a Frame, RobotError> {
-        let named = frames.iter().filter(|frame| frame.name == name);
-        preferred(named).ok_or_else(|| unknown(frames, name))
-    }
-
-    fn named(&self, name: &str) -> impl Iterator<Item = &Frame> {
-        self.index.get(name).into_iter().flatten().map(|&k| &self.frames[k])
-    }
-
-    pub(super) fn into_frames(self) -> Vec<Frame> {
-        self.frames
-    }
-}
-
-impl From<Vec<Frame>> for FrameList {
-    /// Of frames that begin with that of the world.
-    fn from(frames: Vec<Frame>) -> Self {
-        let mut index: HashMap<String, Vec<usize>> = HashMap::with_capacity(frames.len());
-        for (k, frame) in frames.iter().enumerate() {
-            index.entry(frame.name.clone()).or_default().push(k);
-        }
-        Self { frames, index }
-    }
-}
-
-/// Of several frames with one name: see `Robot::frame`.
-fn preferred<'a>(named: impl Iterator<Item = &'a Frame>) -> Option<&'a Frame> {
-    named.min_by_key(|frame| match frame.kind {
-        FrameKind::Added => 0,
-        FrameKind::Link => 1,
-        FrameKind::Joint => 2,
-        FrameKind::World => 3,
-    })
-}
-
-fn unknown(frames: &[Frame], name: &str) -> RobotError {
-    let nearest = resembling(name, frames.iter().map(|frame| frame.name.as_str()));
-    RobotError::UnknownFrame { frame: name.to_owned(), nearest }
 }
 
 #[cfg(test)]

@@ -27,6 +27,26 @@ pub(crate) struct Row {
     pub offset: f64,
 }
 
+impl Row {
+    /// That of a joint that mimics no other.
+    pub fn independent(coordinate: usize) -> Self {
+        Self { coordinate, ratio: 1.0, offset: 0.0 }
+    }
+
+    /// Position of the joint.
+    #[inline(always)]
+    pub fn position<S: Scalar>(&self, q: &[S]) -> S {
+        let turned = scaled(self.ratio, q[self.coordinate]);
+        if self.offset == 0.0 { turned } else { turned.plus(self.offset) }
+    }
+
+    /// Velocity of the joint, or its change.
+    #[inline(always)]
+    pub fn rate<S: Scalar>(&self, v: &[S]) -> S {
+        scaled(self.ratio, v[self.coordinate])
+    }
+}
+
 /// Entries (r, s) and (s, r), r >= s, of `G' A G`: those of `A` that they are sums of.
 #[derive(Clone, Debug, PartialEq)]
 struct Entry {
@@ -107,15 +127,14 @@ impl JointMap {
     /// `G q + b`.
     pub fn positions<S: Scalar>(&self, q: &[S], all: &mut [S]) {
         for (all, row) in all.iter_mut().zip(&self.rows) {
-            let turned = scaled(row.ratio, q[row.coordinate]);
-            *all = if row.offset == 0.0 { turned } else { turned.plus(row.offset) };
+            *all = row.position(q);
         }
     }
 
     /// `G v`: velocities, accelerations and directions.
     pub fn rates<S: Scalar>(&self, v: &[S], all: &mut [S]) {
         for (all, row) in all.iter_mut().zip(&self.rows) {
-            *all = scaled(row.ratio, v[row.coordinate]);
+            *all = row.rate(v);
         }
     }
 
@@ -145,7 +164,7 @@ pub(super) fn rows(joints: &[Joint]) -> Option<Vec<Row>> {
     let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none());
     independent.enumerate().for_each(|(k, i)| coordinate[i] = k);
     let row = |(i, joint): (usize, &Joint)| match joint.mimic {
-        None => Row { coordinate: coordinate[i], ratio: 1.0, offset: 0.0 },
+        None => Row::independent(coordinate[i]),
         Some(Mimic { joint, ratio, offset }) => Row { coordinate: coordinate[joint], ratio, offset },
     };
     Some(joints.iter().enumerate().map(row).collect())

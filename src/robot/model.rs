@@ -2,7 +2,8 @@
 
 use super::armature::Armature;
 use super::error::RobotError;
-use super::frame::{Frame, FrameList, FrameSpec};
+use super::frame::{Frame, FrameSpec};
+use super::frame_list::FrameList;
 use super::joint::{Friction, Joint};
 use super::joint_map;
 use super::warning::Warning;
@@ -119,8 +120,8 @@ impl Robot {
 
     /// The frame of this name: of an added frame, else of a link, else of a joint, else the world.
     ///
-    /// In a URDF a link and a joint can have the same name; the frame of the joint is then found by
-    /// [`frames`](Self::frames) alone.
+    /// A link and a joint can have the same name; `joint:NAME` and `link:NAME` tell them apart. A frame whose
+    /// whole name is that text comes first.
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`], with the names that resemble it.
@@ -144,19 +145,19 @@ impl Robot {
     /// [`RobotError::UnknownFrame`] for the frame that it is placed in, [`RobotError::DuplicateName`],
     /// [`RobotError::BadFramePlacement`].
     pub fn with_frame(&self, frame: FrameSpec) -> Result<Self, RobotError> {
-        let mut frames = FrameList::from(self.frames.clone());
-        frames.add(frame)?;
-        Ok(Self { frames: frames.into_frames(), ..self.clone() })
+        self.clone().with_frames(std::iter::once(frame)).map_err(|(_, error)| error)
     }
 
     /// The same robot with these frames, each of which may be placed in one before it.
     ///
     /// # Errors
     /// As [`with_frame`](Self::with_frame), with the position of the frame.
-    #[cfg(feature = "toml")]
-    pub(super) fn with_frames(self, specs: Vec<FrameSpec>) -> Result<Self, (usize, RobotError)> {
+    pub(super) fn with_frames(
+        self,
+        specs: impl Iterator<Item = FrameSpec>,
+    ) -> Result<Self, (usize, RobotError)> {
         let mut frames = FrameList::from(self.frames);
-        for (k, spec) in specs.into_iter().enumerate() {
+        for (k, spec) in specs.enumerate() {
             frames.add(spec).map_err(|error| (k, error))?;
         }
         Ok(Self { frames: frames.into_frames(), ..self })

@@ -1,6 +1,7 @@
 //! Robots under forces and moments from outside.
 
 use super::error::RobotError;
+use super::frame_list::FrameList;
 use super::model::Robot;
 use super::wrench::{AppliedWrench, Wrench};
 
@@ -41,12 +42,25 @@ impl Robot {
     /// [`RobotError::UnknownFrame`], with the names that resemble it; [`RobotError::BadWrench`] for numbers
     /// that are not finite.
     pub fn with_wrench(&self, frame: &str, wrench: Wrench) -> Result<Self, RobotError> {
-        let frame_index = self.frame_index(frame)?;
-        if wrench.moment.iter().chain(&wrench.force).any(|entry| !entry.is_finite()) {
-            return Err(RobotError::BadWrench { frame: frame.to_owned() });
+        self.clone().with_wrenches(std::iter::once((frame, wrench))).map_err(|(_, error)| error)
+    }
+
+    /// The same robot with these wrenches, too.
+    ///
+    /// # Errors
+    /// As [`with_wrench`](Self::with_wrench), with the position of the wrench.
+    pub(super) fn with_wrenches<'a>(
+        mut self,
+        wrenches: impl Iterator<Item = (&'a str, Wrench)>,
+    ) -> Result<Self, (usize, RobotError)> {
+        let frames = FrameList::from(self.frames);
+        for (k, (name, wrench)) in wrenches.enumerate() {
+            let frame = frames.position(name).map_err(|error| (k, error))?;
+            if wrench.moment.iter().chain(&wrench.force).any(|entry| !entry.is_finite()) {
+                return Err((k, RobotError::BadWrench { frame: name.to_owned() }));
+            }
+            self.wrenches.push(AppliedWrench { frame, wrench });
         }
-        let mut robot = self.clone();
-        robot.wrenches.push(AppliedWrench { frame: frame_index, wrench });
-        Ok(robot)
+        Ok(Self { frames: frames.into_frames(), ..self })
     }
 }

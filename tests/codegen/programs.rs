@@ -9,6 +9,7 @@ use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
+use costate_test_support::wrenches::pulled;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -88,15 +89,64 @@ properties! {
     }
 }
 
+/// Every program of one robot with parameters, given those of another one.
+fn check_other(recorded: &Robot, other: &Robot, state: &State) -> Result<(), String> {
+    assert_eq!(parameter_names(recorded), parameter_names(other));
+    let p = Hamiltonian::<f64>::new(other).momentum(&state.q, &state.second).unwrap().to_vec();
+    for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
+        for quantity in Quantity::ALL {
+            let options = ProgramOptions::default().with_parameters(true);
+            let program = match robot_program(recorded, quantity, coordinates, &options) {
+                Err(CodegenError::Quantity { .. }) => continue,
+                program => program.map_err(|error| error.to_string())?,
+            };
+            let mut state = state.clone();
+            if coordinates == Coordinates::Hamiltonian {
+                state.second.clone_from(&p);
+            }
+            let expected = expected(other, quantity, coordinates, &state);
+            let mut inputs = state.inputs(&program);
+            inputs.extend(parameter_values(other));
+            let mut outputs = vec![0.0; program.outputs()];
+            program.evaluate(&inputs, &mut outputs, &mut Vec::new()).unwrap();
+            judge(&program, &outputs, &expected, tolerance(other, &state.q))?;
+        }
+    }
+    Ok(())
+}
+
 #[test]
-fn programs_with_parameters_refuse_wrenches() {
+fn wrenches_and_the_places_of_their_frames_are_parameters() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/pulled_arm.toml");
-    let (robot, options) = (Robot::from_file(file).unwrap(), ProgramOptions::default().with_parameters(true));
-    let error = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &options).unwrap_err();
-    assert!(error.to_string().contains("no wrenches"), "{error}");
-    assert!(
-        robot_program(&robot.without_wrenches(), Quantity::F, Coordinates::Hamiltonian, &options).is_ok()
-    );
+    let text = std::fs::read_to_string(file).unwrap();
+    let read = |text: &str| Robot::from_toml_str(text, LoadOptions::default()).unwrap();
+    let recorded = read(&text);
+    let names = parameter_names(&recorded);
+    let of_wrenches: Vec<&str> =
+        names.iter().skip_while(|name| *name != "gravity_z").map(String::as_str).collect();
+    assert_eq!(of_wrenches[1..5], ["frame tip.x", "frame tip.y", "frame tip.z", "wrench 0 at tip.moment_x"]);
+    assert_eq!((of_wrenches.len(), of_wrenches[15]), (1 + 3 + 2 * 6, "wrench 1 at branch.force_z"));
+    let mut changed = text.clone();
+    for (from, to) in [
+        ("force = [4.0, -7.0, 2.0]", "force = [-1.0, 2.5, 6.0]"),
+        ("moment = [0.5, -0.2, 0.0]", "moment = [-0.1, 0.0, 0.7]"),
+        ("xyz = [0.0, 0.0, 0.12]", "xyz = [0.05, -0.03, 0.3]"),
+        ("xyz = [0.4, 0.1, 0.0]", "xyz = [0.3, -0.2, 0.15]"),
+        ("mass = 1.5", "mass = 2.5"),
+    ] {
+        assert!(changed.contains(from), "{from}");
+        changed = changed.replace(from, to);
+    }
+    let state = State {
+        q: vec![0.3, -0.4, 1.1, -0.8],
+        second: vec![-0.5, 0.2, 0.9, 1.3],
+        u: vec![0.1, 0.4, -0.7, 1.0],
+        y: vec![0.8, 0.5, -0.2, 0.1, -0.4, -0.7, 1.0, 1.3],
+        d: vec![-0.6, -0.2, 0.2, 0.6, 1.0, 1.4, -1.8, 2.2],
+    };
+    for other in [&recorded, &read(&changed)] {
+        check_other(&recorded, other, &state).unwrap();
+    }
 }
 
 /// The same joints with other masses, lengths, springs, friction, armature and gravity.
@@ -124,28 +174,14 @@ properties! {
     /// A program recorded from one robot, with the parameters of another one.
     #[test]
     fn programs_with_parameters_are_right_for_other_robots(case in cases(5), factor in 0.3..2.0_f64) {
-        let (recorded, other) = (case.robot(), varied(&case, factor).robot());
-        prop_assert_eq!(parameter_names(&recorded), parameter_names(&other));
-        prop_assume!(costate_test_support::random_robot::condition(&other, &case.q) < 1e9);
-        let p = Hamiltonian::<f64>::new(&other).momentum(&case.q, &case.v).unwrap().to_vec();
-        for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
-            for quantity in Quantity::ALL {
-                let options = ProgramOptions::default().with_parameters(true);
-                let program = match robot_program(&recorded, quantity, coordinates, &options) {
-                    Err(CodegenError::Quantity { .. }) => continue,
-                    program => program.map_err(|error| TestCaseError::fail(error.to_string()))?,
-                };
-                let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { case.v.clone() };
-                let (q, u, y) = (case.q.clone(), case.u.clone(), case.y.clone());
-                let state = State { q, second, u, d: y.iter().map(|y| 0.3 - y).collect(), y };
-                let expected = expected(&other, quantity, coordinates, &state);
-                let mut inputs = state.inputs(&program);
-                inputs.extend(parameter_values(&other));
-                let mut outputs = vec![0.0; program.outputs()];
-                program.evaluate(&inputs, &mut outputs, &mut Vec::new()).unwrap();
-                judge(&program, &outputs, &expected, tolerance(&other, &case.q)).map_err(TestCaseError::fail)?;
-            }
+        let (mut recorded, mut other) = (case.robot(), varied(&case, factor).robot());
+        if factor > 1.0 {
+            (recorded, other) = (pulled(&recorded, 1.0), pulled(&other, factor));
         }
+        prop_assume!(costate_test_support::random_robot::condition(&other, &case.q) < 1e9);
+        let Case { q, v, u, y, .. } = case;
+        let d = y.iter().map(|y| 0.3 - y).collect();
+        check_other(&recorded, &other, &State { q, second: v, u, y, d }).map_err(TestCaseError::fail)?;
     }
 }
 

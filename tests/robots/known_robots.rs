@@ -92,6 +92,26 @@ fn mimic_hand_of_pinocchio() {
     }
 }
 
+/// Mimics of mimics with negative ratios and offsets, one of them on another branch, by Pinocchio's model of
+/// all joints.
+#[test]
+fn mimic_of_mimic_of_pinocchio() {
+    let robot = Robot::from_file(fixtures().join("mimic_of_mimic.urdf")).unwrap();
+    assert_eq!((robot.joints().len(), robot.dof()), (6, 2));
+    let mut lagrangian = Lagrangian::<f64>::new(&robot);
+    let references = Reference::read(&fixtures().join("mimic_of_mimic_pinocchio.jsonl"));
+    assert_eq!(references.len(), 4);
+    for reference in &references {
+        let [q, v, a] = ["q", "v", "a"].map(|key| reference.numbers(key));
+        reference.agrees("M", lagrangian.mass_matrix(&q).unwrap().as_slice(), "Pinocchio");
+        reference.agrees("tau", lagrangian.inverse_dynamics(&q, &v, &a).unwrap(), "Pinocchio");
+        reference.agrees("gravity", lagrangian.gravity(&q).unwrap(), "Pinocchio");
+        let jacobian = lagrangian.linearise_inverse_dynamics(&q, &v, &a).unwrap();
+        reference.agrees("tau_q", jacobian.tau_q.as_slice(), "Pinocchio");
+        reference.agrees("tau_v", jacobian.tau_v.as_slice(), "Pinocchio");
+    }
+}
+
 /// Twelve revolute joints, general axes.
 #[test]
 fn long_chain() {

@@ -1,5 +1,6 @@
 //! The keys of an input line: unknown and duplicate keys are errors.
 
+use super::entries::Entries;
 use costate::robot::printable;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
@@ -27,12 +28,16 @@ const SYNONYMS: [(&str, &[&str]); 6] = [
 ];
 
 /// The fields of a JSON object in their order; keys are unique and known.
-pub struct Fields(Vec<(String, Value)>);
+pub struct Fields {
+    values: Vec<(String, Value)>,
+    /// The value of the key `frames`.
+    pub frames: Entries,
+}
 
 impl Fields {
-    /// The value under a key.
+    /// The value under any other key.
     pub fn get(&self, key: &str) -> Option<&Value> {
-        self.0.iter().find(|(name, _)| name == key).map(|(_, value)| value)
+        self.values.iter().find(|(name, _)| name == key).map(|(_, value)| value)
     }
 }
 
@@ -42,13 +47,13 @@ impl Fields {
 /// A message with the column of a syntax error, or the first unknown or duplicate key.
 pub fn parse(line: &[u8]) -> Result<Fields, String> {
     let fields = serde_json::from_slice::<Fields>(line).map_err(|error| malformed(line, &error))?;
-    for (k, (key, _)) in fields.0.iter().enumerate() {
+    for (k, (key, _)) in fields.values.iter().enumerate() {
         if !KEYS.contains(&key.as_str()) && !RESULTS.contains(&key.as_str()) {
             let (name, known) = (printable(key), KEYS.map(|key| format!("`{key}`")).join(", "));
             let meant = nearest(key).map_or_else(String::new, |key| format!(", did you mean `{key}`?"));
             return Err(format!("unknown key `{name}`{meant} (the keys are {known})"));
         }
-        if fields.0[..k].iter().any(|(earlier, _)| earlier == key) {
+        if fields.values[..k].iter().any(|(earlier, _)| earlier == key) {
             return Err(format!("`{key}` is given twice; remove one of them"));
         }
     }
@@ -105,21 +110,23 @@ impl<'de> Deserialize<'de> for Fields {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fields, A::Error> {
-                let mut fields = Vec::new();
+                let mut fields = Fields { values: Vec::new(), frames: Entries::Null };
                 while let Some(key) = map.next_key::<String>()? {
-                    if fields.len() == MOST_FIELDS {
+                    if fields.values.len() == MOST_FIELDS {
                         return Err(A::Error::custom(TOO_MANY));
                     }
                     // The others are not kept, large as they may be.
-                    let value = if KEYS.contains(&key.as_str()) {
-                        map.next_value()?
+                    let mut value = Value::Null;
+                    if key == "frames" {
+                        fields.frames = map.next_value()?;
+                    } else if KEYS.contains(&key.as_str()) {
+                        value = map.next_value()?;
                     } else {
                         map.next_value::<IgnoredAny>()?;
-                        Value::Null
-                    };
-                    fields.push((key, value));
+                    }
+                    fields.values.push((key, value));
                 }
-                Ok(Fields(fields))
+                Ok(fields)
             }
         }
         deserializer.deserialize_map(Object)

@@ -42,8 +42,7 @@ impl State {
             Coordinates::Lagrangian => velocity().transpose().or_else(|| momentum().transpose()),
         };
         let motion = motion.transpose()?;
-        let frames = state.get("frames").filter(|value| !value.is_null());
-        let frames = frames.map(|value| Request::parse_all(value, robot)).transpose()?;
+        let frames = Request::parse_all(&state.frames, robot)?;
         if motion.is_none() && (frames.is_none() || y.is_some()) {
             return Err("`p` and `v` are missing; give the momenta or the velocities".into());
         }

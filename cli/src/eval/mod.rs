@@ -1,5 +1,7 @@
 //! `costate eval`: states in, derivatives out, as JSON lines.
 
+mod cost;
+mod entries;
 mod frames;
 mod hamiltonian;
 mod input;
@@ -15,9 +17,10 @@ mod units;
 use crate::arguments::{RobotArguments, coordinates};
 use crate::interrupt::{EXIT_CODE, Interrupt};
 use crate::output::is_standard;
-use crate::work::{Method, Order, Work};
+use crate::work::Order;
 use crate::{Outcome, terminal};
 use clap::ValueHint;
+use cost::Cost;
 use costate::Coordinates;
 use costate::robot::Robot;
 use frames::Frames;
@@ -66,9 +69,10 @@ pub fn run(arguments: &Arguments) -> Outcome {
         return Err("the robot is read from standard input; give the states by --states FILE".into());
     }
     let robot = arguments.robot.load_and_warn()?;
-    refuse_excessive(&robot, arguments, Order::First)?;
+    let cost = Cost::new(&robot, arguments.route, arguments.coordinates, arguments.force);
+    cost.refuse_derivatives(Order::First)?;
     // Refused at the first state that asks for them.
-    let second_order = refuse_excessive(&robot, arguments, Order::Second);
+    let second_order = cost.refuse_derivatives(Order::Second);
     let mut evaluator = evaluator(&robot, arguments)?;
     let lines = match states {
         Some(path) => Lines::of_file(path)?,
@@ -99,6 +103,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         }
         let answer = state.and_then(|state| {
             units.check(number, &state.q);
+            cost.refuse_frames(&state)?;
             let mut answer = match &state.motion {
                 Some(motion) => evaluator.answer(&state, motion).map_err(|error| error.to_string())?,
                 None => Answer::of_position(&state.q),
@@ -123,33 +128,4 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     out.flush()?;
     Ok(if bad == 0 { ExitCode::SUCCESS } else { ExitCode::from(2) })
-}
-
-/// Refuses a robot for which the derivatives of this order take too much time or memory.
-///
-/// # Errors
-/// A message with the estimate, unless the user forces it.
-fn refuse_excessive(robot: &Robot, arguments: &Arguments, order: Order) -> Result<(), String> {
-    let (method, name) = match arguments.route {
-        Route::Analytic => (Method::Analytic, "analytic"),
-        Route::Dual => (Method::Nested, "dual"),
-        Route::Hyperdual => (Method::HyperDual, "hyperdual"),
-        Route::Tensors => (Method::Tensors, "tensors"),
-        #[cfg(feature = "jit")]
-        Route::Jit => (Method::Analytic, "jit"),
-    };
-    if arguments.force {
-        return Ok(());
-    }
-    let work = Work::of_state(robot, arguments.coordinates, method, order);
-    if !work.is_excessive() {
-        return Ok(());
-    }
-    let derivatives = if order == Order::First { "derivatives" } else { "second derivatives" };
-    let other = if method == Method::Analytic { "a smaller robot" } else { "--route analytic" };
-    Err(format!(
-        "{derivatives} of {} joints by --route {name} take {work} for each state; use {other}, or --force to compute \
-         them all the same",
-        robot.dof()
-    ))
 }

@@ -1,6 +1,6 @@
 //! `costate info`: masses, inertias and limits.
 
-use crate::child::{costate, flat, stderr, stdout};
+use crate::child::{costate, flat, root, stderr, stdout};
 use serde_json::{Value, json};
 
 const ROBOT: &str = "name = 'arm'\ngravity = [0.0, 0.0, -0.0]\n[[joint]]\nname = 'slide'\ntype = 'prismatic'\n\
@@ -85,6 +85,38 @@ fn flags_lock_joints_and_attach_payloads() {
         let output = info(flags);
         assert_eq!(output.status.code(), Some(2), "{flags:?}");
         let message = stderr(&output);
+        assert!(words.iter().all(|word| message.contains(word)), "{flags:?}: {message}");
+    }
+}
+
+/// Frames and wrenches of flags are those of a robot file.
+#[test]
+fn flags_add_frames_and_wrenches() {
+    let file = std::fs::read_to_string(root().join("robots/two_link.toml")).unwrap();
+    let rows = "[[frame]]\nname = 'tip'\nparent = 'elbow'\nplacement = { xyz = [0.4, 0.0, 0.1], rpy = [0.0, 0.3, 0.0] }\n\
+                [[frame]]\nname = 'far'\nparent = 'tip'\nplacement = { xyz = [0.0, 0.0, 1.0] }\n\
+                [[wrench]]\nframe = 'far'\nforce = [1.0, 2.0, -3.0]\nmoment = [0.0, 0.5, 0.0]\naxes = 'aligned'\n";
+    let expected = costate(&["info", "-", "--frames", "--json"], format!("{file}\n{rows}").as_bytes());
+    let info = |flags: &[&str]| {
+        costate(&[&["info", "robots/two_link.toml", "--frames", "--json"], flags].concat(), b"")
+    };
+    let tip = ["--frame", "tip=joint:elbow:0.4,0,0.1,0,0.3,0"];
+    let far = ["--frame", "far=tip:0,0,1", "--wrench", "far=1,2,-3,0,0.5,0,aligned"];
+    assert_eq!(stdout(&info(&[tip, [far[0], far[1]], [far[2], far[3]]].concat())), stdout(&expected));
+    assert!(stdout(&expected).contains("aligned"));
+    for (flags, words) in [
+        (&["--frame", "tip=elbwo:0,0,1"][..], &["'elbwo'", "did you mean 'elbow'"][..]),
+        (&["--frame", "elbow=elbow:0,0,1"], &["two frames are called 'elbow'"]),
+        (&["--frame", "tip=elbow:0,0"], &["--frame", "3 or 6 numbers, not 2"]),
+        (&["--frame", "tip=elbow"], &["--frame", "a name, =, a frame, :, and 3 or 6 numbers"]),
+        (&["--frame", "tip=elbow:0,0,inf"], &["frame 'tip'", "finite"]),
+        (&["--wrench", "elbo=1,2,3"], &["'elbo'", "did you mean 'elbow'"]),
+        (&["--wrench", "elbow=1,2,nan"], &["frame 'elbow'", "finite"]),
+        (&["--wrench", "elbow=1,2,3,world"], &["--wrench", "'world'", "local or aligned"]),
+    ] {
+        let output = info(flags);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{flags:?}");
         assert!(words.iter().all(|word| message.contains(word)), "{flags:?}: {message}");
     }
 }

@@ -1,6 +1,6 @@
 //! Problem files: every key, defaults, and errors.
 
-use costate::robot::LoadOptions;
+use costate::robot::{LoadOptions, Robot};
 use costate_control::{
     BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, Method, Objective, Penalty,
     ProblemFile, ProblemFileCause, SolverOptions,
@@ -87,6 +87,52 @@ fn a_table_of_the_robot_changes_it() {
         ("mass = 2", "mass = -2", "problem:8: robot.payload: the mass of link 'payload of elbow'"),
         ("file = ", "path = ", "problem:2: robot.path: unknown key; the keys here are `file`, `gravity`"),
         ("two_link.toml", "none.toml", "problem:1: robot: "),
+    ] {
+        let error = read(&format!("{}{rest}", table.replacen(from, to, 1))).unwrap_err();
+        assert!(error.starts_with(message), "{error}\n{message}");
+    }
+}
+
+/// Frames and wrenches of the table are those of a robot file in the same words.
+#[test]
+fn frames_and_wrenches_of_the_table_are_those_of_a_robot_file() {
+    let rows = "[[frame]]\nname = \"tip\"\nparent = \"joint:elbow\"\nplacement = { xyz = [0.4, 0, 0.1], rpy = [0, 0.3, 0] }\n\
+                [[frame]]\nname = \"post\"\nparent = \"world\"\n\
+                [[wrench]]\nframe = \"tip\"\nforce = [1, 2, -3]\naxes = \"aligned\"\n\
+                [[wrench]]\nframe = \"elbow\"\nmoment = [0.5, 0, 2]\n";
+    let file = std::fs::read_to_string("../robots/two_link.toml").unwrap();
+    let expected = Robot::from_toml_str(&format!("{file}\n{rows}"), LoadOptions::default()).unwrap();
+    let rest = LEAST.replace("robot = \"two_link.toml\"\n", "");
+    let table = format!("[robot]\nfile = \"two_link.toml\"\n{}", rows.replace("[[", "[[robot."));
+    let problem = read(&format!("{table}{rest}")).unwrap().problem;
+    assert_eq!(problem.robot, expected);
+    assert_eq!((problem.robot.frames().len(), problem.robot.wrenches().len()), (5, 2));
+    let payload = "[[robot.payload]]\nframe = \"tip\"\nmass = 2\n";
+    let loaded = read(&format!("{table}{payload}{rest}")).unwrap().problem.robot;
+    assert!((loaded.joints()[1].inertia.mass - expected.joints()[1].inertia.mass - 2.0).abs() < 1e-15);
+    for (from, to, message) in [
+        (
+            "\"joint:elbow\"",
+            "\"joint:elbwo\"",
+            "problem:3: robot.frame: there is no frame 'joint:elbwo'; did you mean 'joint:elbow'?",
+        ),
+        ("name = \"post\"", "name = \"tip\"", "problem:7: robot.frame: two frames are called 'tip'"),
+        ("name = \"post\"", "", "problem:7: robot.frame.name: missing; add it"),
+        ("rpy", "rp", "problem:6: robot.frame.placement.rp: unknown key; the keys here are `xyz`, `rpy`"),
+        ("0.3", "nan", "problem:3: robot.frame: the placement of frame 'tip' is not"),
+        (
+            "frame = \"elbow\"",
+            "frame = \"tipp\"",
+            "problem:14: robot.wrench: there is no frame 'tipp'; did you mean 'tip'?",
+        ),
+        ("frame = \"elbow\"", "", "problem:14: robot.wrench.frame: missing; add it"),
+        ("[1, 2, -3]", "[1, 2]", "problem:12: robot.wrench.force: give a list of 3 numbers, not a list of 2"),
+        ("[1, 2, -3]", "[1, 2, inf]", "problem:10: robot.wrench: the wrench at frame 'tip' has a number"),
+        (
+            "\"aligned\"",
+            "\"world\"",
+            "problem:13: robot.wrench.axes: `world` is unknown; give `local`, `aligned`",
+        ),
     ] {
         let error = read(&format!("{}{rest}", table.replacen(from, to, 1))).unwrap_err();
         assert!(error.starts_with(message), "{error}\n{message}");

@@ -7,6 +7,7 @@
 
 mod evaluator;
 mod guarded;
+mod labels;
 mod options;
 mod parameters;
 mod program;
@@ -14,6 +15,7 @@ mod quantity;
 mod shape;
 mod size;
 mod symmetry;
+mod wrenches;
 
 pub use evaluator::RobotQuantity;
 pub use guarded::{REGULAR, guarded_program};

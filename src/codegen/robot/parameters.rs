@@ -6,6 +6,8 @@
 //! number that is neither a small literal nor made from the directions of joints is an error, so no constant
 //! is missed.
 
+use super::labels::{Labels, turned};
+use super::wrenches;
 use crate::codegen::error::CodegenError;
 use crate::codegen::record::{Expr, replace_labels};
 use crate::robot::parameters::{Directions, Group, groups};
@@ -20,14 +22,16 @@ use nalgebra::Matrix3;
 /// its link about the origin of the joint frame, in the axes of that frame, translation of its placement (m).
 /// After them, where the joint has it: stiffness and rest position of its spring; viscous friction; limit and
 /// transition velocity of Coulomb friction; armature. Then the armature of pairs of joints, where it is not
-/// zero, and gravity (m/s^2).
+/// zero, and gravity (m/s^2). At last, for each frame with wrenches from outside, those of joints apart, its
+/// translation in the frame of its joint (m), and for each wrench moment (N m) and force (N).
 ///
 /// A program recorded from one robot is right for the parameters of any other one with the same joints,
-/// directions, ratios and offsets of mimic joints, and kinds of parameters: the same [`parameter_names`].
+/// directions, ratios and offsets of mimic joints, orientations of frames with wrenches, axes of these, and
+/// kinds of parameters: the same [`parameter_names`].
 ///
 /// [`ProgramOptions::parameters`]: super::ProgramOptions::parameters
 pub fn parameter_values(robot: &Robot) -> Vec<f64> {
-    groups(robot).into_iter().flat_map(|group| group.entries).map(|(_, value)| value).collect()
+    all_groups(robot).flat_map(|group| group.entries).map(|(_, value)| value).collect()
 }
 
 /// The names of the [`parameter_values`], such as `shoulder.mass`.
@@ -36,7 +40,7 @@ pub fn parameter_names(robot: &Robot) -> Vec<String> {
     let of_group = |Group { of, entries, .. }: Group| {
         entries.into_iter().map(move |(entry, _)| name(&of, entry)).collect::<Vec<_>>()
     };
-    groups(robot).into_iter().flat_map(of_group).collect()
+    all_groups(robot).flat_map(of_group).collect()
 }
 
 /// A line for each group of parameters.
@@ -48,38 +52,12 @@ pub(super) fn layout(robot: &Robot) -> Vec<String> {
         start += names.len();
         line.replace(": :", ":")
     };
-    groups(robot).into_iter().map(line).collect()
+    all_groups(robot).map(line).collect()
 }
 
-/// Labels and the expressions that they represent.
-struct Labels {
-    state: u64,
-    table: Vec<(f64, Expr)>,
-}
-
-impl Labels {
-    /// A label for an expression: a number in (1, 2) that no formula contains.
-    fn label(&mut self, expr: Expr) -> f64 {
-        self.state =
-            self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let label = f64::from_bits(1.0_f64.to_bits() | (self.state >> 12));
-        self.table.push((label, expr));
-        label
-    }
-
-    fn all<const N: usize>(&mut self, expressions: [Expr; N]) -> [f64; N] {
-        expressions.map(|expr| self.label(expr))
-    }
-
-    /// The label of a product that the kernels form from labels.
-    fn product(&mut self, value: f64, expr: Expr) {
-        self.table.push((value, expr));
-    }
-}
-
-/// `A x`.
-fn turned(turn: &Matrix3<f64>, x: [Expr; 3]) -> [Expr; 3] {
-    [0, 1, 2].map(|i| (0..3).fold(Expr::zero(), |sum, k| sum + x[k].times(turn[(i, k)])))
+/// The constants of the robot, then those of its wrenches.
+fn all_groups(robot: &Robot) -> impl Iterator<Item = Group> {
+    groups(robot).into_iter().chain(wrenches::groups(robot))
 }
 
 /// `A J A'` for a symmetric matrix: xx, yy, zz, xy, xz, yz.
@@ -91,13 +69,10 @@ fn turned_matrix(turn: &Matrix3<f64>, [xx, yy, zz, xy, xz, yz]: [Expr; 6]) -> [E
 
 /// The model whose constants are labels of these parameters, for the recording that runs.
 pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, CodegenError> {
-    if !robot.wrenches().is_empty() {
-        return Err(CodegenError::Wrenches { count: robot.wrenches().len() });
-    }
     let Directions { mut joints, turns, arms, world, mut armature } = Directions::from(robot);
     let mut rest = parameters.iter().copied();
     let mut next = || rest.next().unwrap_or(Expr::zero());
-    let mut labels = Labels { state: 0x5eed, table: Vec::new() };
+    let mut labels = Labels::new();
     let mut numbers = Vec::new();
     let mut masses = Vec::new();
     for (i, joint) in joints.iter_mut().enumerate() {
@@ -157,6 +132,9 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
         }
     }
     let tree = Tree::from_parts(robot, joints, gravity, armature);
+    let acting = wrenches::labelled(robot, &turns, &mut next, &mut labels);
+    numbers.extend(acting.numbers(&world));
+    let tree = tree.under(acting.frames, acting.wrenches, world);
     // Ratios and offsets of mimic joints are no parameters.
     numbers.extend(tree.joint_map().into_iter().flat_map(JointMap::constants));
     replace_labels(labels.table, numbers)?;

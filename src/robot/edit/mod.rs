@@ -1,4 +1,4 @@
-//! A loaded robot is changed: joints locked, payloads attached, figures of joints replaced.
+//! A loaded robot is changed: joints locked, frames, payloads and wrenches added, figures of joints replaced.
 //!
 //! Each method returns another robot, checked as a new one is. The original is not changed.
 
@@ -9,12 +9,14 @@ mod payload;
 
 use super::checks;
 use super::error::RobotError;
+use super::frame::FrameSpec;
 use super::joint::{Friction, Limits};
 use super::link::LinkInertia;
 use super::model::Robot;
 use super::nearest::resembling;
 use super::options::LoadOptions;
 use super::warning::Warning;
+use super::wrench::Wrench;
 
 /// A change of a robot, as problem files and the command line describe it.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +30,12 @@ pub enum RobotEdit {
     Friction(String, Friction),
     /// [`Robot::with_limits`].
     Limits(String, Limits),
+    /// [`Robot::with_frame`].
+    Frame(FrameSpec),
     /// [`Robot::with_payload`].
     Payload(String, LinkInertia),
+    /// [`Robot::with_wrench`].
+    Wrench(String, Wrench),
     /// [`Robot::lock`].
     Lock(Vec<(String, f64)>),
     /// [`Robot::reduced_to`] with the other joints at 0.
@@ -44,26 +50,50 @@ impl Robot {
     /// that results, if the options refuse warnings.
     pub fn edited(&self, edits: &[RobotEdit], options: LoadOptions) -> Result<Self, RobotError> {
         let mut robot = self.clone();
-        for edit in edits {
-            robot = match edit {
-                RobotEdit::Gravity(gravity) => robot.with_gravity(*gravity)?,
-                RobotEdit::Armature(joint, armature) => robot.with_joint_armature(joint, *armature)?,
-                RobotEdit::Friction(joint, friction) => robot.with_friction(joint, *friction)?,
-                RobotEdit::Limits(joint, limits) => robot.with_limits(joint, *limits)?,
-                RobotEdit::Payload(frame, payload) => robot.with_payload(frame, payload)?,
-                RobotEdit::Lock(joints) => {
-                    let joints: Vec<(&str, f64)> =
-                        joints.iter().map(|(joint, q)| (joint.as_str(), *q)).collect();
-                    robot.lock(&joints)?
-                }
-                RobotEdit::ReducedTo(joints) => {
-                    let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
-                    robot.reduced_to(&joints, &vec![0.0; robot.dof()])?
+        // Many frames or wrenches in a row are found by their names once.
+        let go_together = |a: &_, b: &_| {
+            use RobotEdit::{Frame, Wrench};
+            matches!((a, b), (Frame(_), Frame(_)) | (Wrench(..), Wrench(..)))
+        };
+        for run in edits.chunk_by(go_together) {
+            robot = match run {
+                [edit] => robot.changed(edit)?,
+                run => {
+                    let frames = run.iter().filter_map(|edit| match edit {
+                        RobotEdit::Frame(frame) => Some(frame.clone()),
+                        _ => None,
+                    });
+                    let wrenches = run.iter().filter_map(|edit| match edit {
+                        RobotEdit::Wrench(frame, wrench) => Some((frame.as_str(), *wrench)),
+                        _ => None,
+                    });
+                    let framed = robot.with_frames(frames);
+                    framed.and_then(|robot| robot.with_wrenches(wrenches)).map_err(|(_, error)| error)?
                 }
             };
         }
         options.refuse(&robot.warnings)?;
         Ok(robot)
+    }
+
+    fn changed(&self, edit: &RobotEdit) -> Result<Self, RobotError> {
+        match edit {
+            RobotEdit::Gravity(gravity) => self.with_gravity(*gravity),
+            RobotEdit::Armature(joint, armature) => self.with_joint_armature(joint, *armature),
+            RobotEdit::Friction(joint, friction) => self.with_friction(joint, *friction),
+            RobotEdit::Limits(joint, limits) => self.with_limits(joint, *limits),
+            RobotEdit::Frame(frame) => self.with_frame(frame.clone()),
+            RobotEdit::Payload(frame, payload) => self.with_payload(frame, payload),
+            RobotEdit::Wrench(frame, wrench) => self.with_wrench(frame, *wrench),
+            RobotEdit::Lock(joints) => {
+                let joints: Vec<(&str, f64)> = joints.iter().map(|(joint, q)| (joint.as_str(), *q)).collect();
+                self.lock(&joints)
+            }
+            RobotEdit::ReducedTo(joints) => {
+                let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
+                self.reduced_to(&joints, &vec![0.0; self.dof()])
+            }
+        }
     }
 
     /// Index of the joint of this name in [`joints`](Self::joints).

@@ -1,5 +1,6 @@
 //! What can be wrong with the description of a robot.
 
+mod culprit;
 mod message;
 
 use super::warning::Warning;
@@ -270,39 +271,6 @@ impl RobotError {
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::InFile { line, .. } => *line,
-            _ => None,
-        }
-    }
-
-    /// The joint, link or frame at fault, where there is one.
-    pub fn culprit(&self) -> Option<&str> {
-        match self {
-            Self::InFile { error, .. } => error.culprit(),
-            Self::UnknownParent { joint, .. }
-            | Self::UnknownChild { joint, .. }
-            | Self::UnknownMimic { joint, .. }
-            | Self::UnknownJoint { joint, .. }
-            | Self::DependentJoint { joint, .. }
-            | Self::UnsupportedMimic { joint, .. }
-            | Self::UnsupportedJoint { joint, .. }
-            | Self::BadAxis { joint }
-            | Self::BadPlacement { joint }
-            | Self::BadValue { joint, .. }
-            | Self::KinematicsOnly { joint } => Some(joint),
-            Self::TwoParents { second, .. } => Some(second),
-            Self::Cycle { joints } | Self::MimicCycle { joints } | Self::AllLocked { joints } => {
-                joints.first().map(String::as_str)
-            }
-            Self::SeveralRoots { second, .. } => Some(second),
-            Self::NonFiniteInertia { link, .. }
-            | Self::NegativeMass { link, .. }
-            | Self::OutOfRange { link, .. }
-            | Self::IndefiniteInertia { link, .. } => Some(link),
-            Self::DuplicateName { name, .. } => Some(name),
-            Self::UnknownFrame { frame, .. }
-            | Self::FixedFrame { frame }
-            | Self::BadFramePlacement { frame }
-            | Self::BadWrench { frame } => Some(frame),
             _ => None,
         }
     }

@@ -14,13 +14,10 @@ use crate::robot::wrench::{Wrench, WrenchAxes};
 /// Those of [`Robot::with_frame`] and [`Robot::with_wrench`], with the line of the row.
 pub(super) fn attach(robot: Robot, file: &RobotFile, text: &str) -> Result<Robot, RobotError> {
     let at = |error: RobotError, start: usize| error.at(Some(explain::line(text, start)));
-    let specs: Vec<FrameSpec> = file.frames.iter().map(FrameRow::spec).collect();
+    let specs = file.frames.iter().map(FrameRow::spec);
     let robot = robot.with_frames(specs).map_err(|(k, error)| at(error, file.frames[k].name.span().start))?;
-    file.wrenches.iter().try_fold(robot, |robot, row| {
-        robot
-            .with_wrench(row.frame.get_ref(), row.wrench())
-            .map_err(|error| at(error, row.frame.span().start))
-    })
+    let wrenches = file.wrenches.iter().map(|row| (row.frame.get_ref().as_str(), row.wrench()));
+    robot.with_wrenches(wrenches).map_err(|(k, error)| at(error, file.wrenches[k].frame.span().start))
 }
 
 impl FrameRow {

@@ -12,6 +12,7 @@ pub mod generic;
 pub mod random_robot;
 pub mod reference;
 pub mod robots;
+pub mod wrenches;
 
 // Named, though not used, so that rustc takes the instances of generic code that it has compiled.
 use costate_comparison as _;

@@ -80,14 +80,14 @@ impl<'t> Document<'t> {
     }
 
     pub fn root(&self) -> Table<'_> {
-        Table { text: self.text, path: None, line: None, values: self.root.get_ref() }
+        Table { text: self.text, path: None, start: None, values: self.root.get_ref() }
     }
 
     /// Line of a key, or of its table where the key is missing.
     pub fn line_of(&self, key: Key) -> Option<usize> {
         let root = self.root();
         let Ok(Some(table)) = root.table(key.table()) else { return root.line_of(key.table()) };
-        table.line_of(key.name()).or(table.line)
+        table.line_of(key.name()).or(table.start.map(|start| table.line_at(start)))
     }
 
     pub fn fault_of(&self, error: ProblemError) -> Fault {
@@ -104,7 +104,8 @@ impl<'t> Document<'t> {
 pub(crate) struct Table<'d> {
     pub(super) text: &'d str,
     pub(super) path: Option<String>,
-    pub(super) line: Option<usize>,
+    /// Its first byte; lines are counted for errors alone.
+    pub(super) start: Option<usize>,
     pub(super) values: &'d DeTable<'d>,
 }
 
@@ -119,8 +120,13 @@ impl<'d> Table<'d> {
 
     /// Line of a key.
     pub fn line_of(&self, name: &str) -> Option<usize> {
+        self.start_of(name).map(|start| self.line_at(start))
+    }
+
+    /// First byte of a key.
+    pub(super) fn start_of(&self, name: &str) -> Option<usize> {
         let (key, _) = self.values.iter().find(|(key, _)| key.get_ref() == name)?;
-        Some(self.line_at(Spanned::span(key).start))
+        Some(Spanned::span(key).start)
     }
 
     /// Line of a byte.
@@ -135,7 +141,8 @@ impl<'d> Table<'d> {
 
     /// An error of one key.
     pub fn fault(&self, name: &str, cause: ProblemFileCause) -> Fault {
-        Fault { line: self.line_of(name).or(self.line), key: Some(self.key(name)), cause: Box::new(cause) }
+        let line = self.start_of(name).or(self.start).map(|start| self.line_at(start));
+        Fault { line, key: Some(self.key(name)), cause: Box::new(cause) }
     }
 
     /// The value of a key that must be given.
@@ -144,9 +151,11 @@ impl<'d> Table<'d> {
     }
 
     pub fn table(&self, name: &str) -> Result<Option<Table<'d>>, Fault> {
-        let (line, path) = (self.line_of(name), self.key(name));
+        let (start, path) = (self.start_of(name), self.key(name));
         self.value(name, "a table", |value| match value {
-            DeValue::Table(values) => Some(Table { text: self.text, path: Some(path.clone()), line, values }),
+            DeValue::Table(values) => {
+                Some(Table { text: self.text, path: Some(path.clone()), start, values })
+            }
             _ => None,
         })
     }

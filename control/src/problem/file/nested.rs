@@ -41,8 +41,8 @@ impl<'d> Table<'d> {
                     ProblemFileCause::WrongType { expected: "a table", found: describe(value.get_ref()) };
                 return Err(table.fault(key.get_ref(), cause));
             };
-            let line = table.line_of(key.get_ref());
-            let inner = Table { text: self.text, path: table.path.clone(), line, values };
+            let start = table.start_of(key.get_ref());
+            let inner = Table { text: self.text, path: table.path.clone(), start, values };
             inner.only(known)?;
             found.push((key.get_ref().to_string(), inner));
         }
@@ -67,8 +67,8 @@ impl<'d> Table<'d> {
                     ProblemFileCause::WrongType { expected: "tables", found: describe(entry.get_ref()) };
                 return Err(self.fault(name, cause));
             };
-            let line = Some(self.line_at(entry.span().start));
-            let table = Table { text: self.text, path: Some(path.clone()), line, values };
+            let start = Some(entry.span().start);
+            let table = Table { text: self.text, path: Some(path.clone()), start, values };
             table.only(known)?;
             found.push(table);
         }

@@ -2,56 +2,90 @@
 
 use super::document::{Fault, Table};
 use super::error::ProblemFileCause;
-use costate::robot::{Friction, Limits, LinkInertia, LoadOptions, Robot, RobotEdit};
+use costate::robot::{
+    FrameSpec, Friction, Limits, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench, WrenchAxes,
+};
 use std::path::Path;
 
-const ROBOT: &[&str] =
-    &["file", "gravity", "armature", "friction", "limits", "payload", "lock", "reduced_to"];
+const ROBOT: &[&str] = &[
+    "file",
+    "gravity",
+    "armature",
+    "friction",
+    "limits",
+    "frame",
+    "payload",
+    "wrench",
+    "lock",
+    "reduced_to",
+];
 const FRICTION: &[&str] = &["viscous", "coulomb", "coulomb_velocity"];
 const LIMITS: &[&str] = &["lower", "upper", "velocity", "effort"];
+const FRAME: &[&str] = &["name", "parent", "placement"];
+const PLACEMENT: &[&str] = &["xyz", "rpy"];
+const WRENCH: &[&str] = &["frame", "moment", "force", "axes"];
+const AXES: [(&str, WrenchAxes); 2] = [("local", WrenchAxes::Local), ("aligned", WrenchAxes::Aligned)];
 const PAYLOAD: &[&str] = &["frame", "mass", "com", "inertia"];
 const INERTIA: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
 
-/// A robot file, and what is changed of the robot, with the keys that say so.
+/// A robot file, and what is changed of the robot.
 pub(super) struct RobotTable {
     pub file: String,
-    edits: Vec<(&'static str, RobotEdit)>,
+    changes: Vec<Change>,
+}
+
+/// A change with the key that asks for it.
+struct Change {
+    key: &'static str,
+    /// First byte of what asks for it.
+    start: Option<usize>,
+    edit: RobotEdit,
 }
 
 /// Reads the key `robot` of the file.
 pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     if !root.has_table("robot") {
         let file = root.need("robot", root.string("robot")?)?;
-        return Ok(RobotTable { file, edits: Vec::new() });
+        return Ok(RobotTable { file, changes: Vec::new() });
     }
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
-    let mut edits = Vec::new();
+    let mut changes = Vec::new();
+    let mut add = |key, start: Option<usize>, edit| {
+        changes.push(Change { key, start: start.or_else(|| table.start_of(key)), edit });
+    };
     if let Some(gravity) = triple(&table, "gravity")? {
-        edits.push(("gravity", RobotEdit::Gravity(gravity)));
+        add("gravity", None, RobotEdit::Gravity(gravity));
     }
     for (joint, armature) in table.numbers_by_name("armature")? {
-        edits.push(("armature", RobotEdit::Armature(joint, armature)));
+        add("armature", None, RobotEdit::Armature(joint, armature));
     }
     for (joint, law) in table.tables_by_name("friction", FRICTION)? {
-        edits.push(("friction", RobotEdit::Friction(joint, friction(&law)?)));
+        add("friction", None, RobotEdit::Friction(joint, friction(&law)?));
     }
     for (joint, range) in table.tables_by_name("limits", LIMITS)? {
-        edits.push(("limits", RobotEdit::Limits(joint, limits(&range)?)));
+        add("limits", None, RobotEdit::Limits(joint, limits(&range)?));
+    }
+    for row in table.tables("frame", FRAME)? {
+        add("frame", row.start, RobotEdit::Frame(frame(&row)?));
     }
     for load in table.tables("payload", PAYLOAD)? {
         let frame = load.need("frame", load.string("frame")?)?;
-        edits.push(("payload", RobotEdit::Payload(frame, payload(&load)?)));
+        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?));
+    }
+    for row in table.tables("wrench", WRENCH)? {
+        let frame = row.need("frame", row.string("frame")?)?;
+        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?));
     }
     let locked = table.numbers_by_name("lock")?;
     if !locked.is_empty() {
-        edits.push(("lock", RobotEdit::Lock(locked)));
+        add("lock", None, RobotEdit::Lock(locked));
     }
     let kept = table.list("reduced_to", "a list of names of joints", super::document::string)?;
     if let Some(kept) = kept {
-        edits.push(("reduced_to", RobotEdit::ReducedTo(kept)));
+        add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
-    Ok(RobotTable { file: table.need("file", table.string("file")?)?, edits })
+    Ok(RobotTable { file: table.need("file", table.string("file")?)?, changes })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
@@ -68,6 +102,25 @@ fn limits(table: &Table<'_>) -> Result<Limits, Fault> {
         upper: table.number("upper")?.unwrap_or(f64::INFINITY),
         velocity: table.number("velocity")?.unwrap_or(f64::INFINITY),
         effort: table.number("effort")?.unwrap_or(f64::INFINITY),
+    })
+}
+
+fn frame(table: &Table<'_>) -> Result<FrameSpec, Fault> {
+    let mut spec = FrameSpec::new(table.need("name", table.string("name")?)?);
+    if let Some(parent) = table.string("parent")? {
+        spec = spec.on(parent);
+    }
+    let Some(placement) = table.table("placement")? else { return Ok(spec) };
+    placement.only(PLACEMENT)?;
+    let [xyz, rpy] = [triple(&placement, "xyz")?, triple(&placement, "rpy")?].map(Option::unwrap_or_default);
+    Ok(spec.placed(Placement::from_xyz_rpy(xyz, rpy)))
+}
+
+fn wrench(table: &Table<'_>) -> Result<Wrench, Fault> {
+    Ok(Wrench {
+        moment: triple(table, "moment")?.unwrap_or_default(),
+        force: triple(table, "force")?.unwrap_or_default(),
+        axes: table.choice("axes", &AXES)?.unwrap_or_default(),
     })
 }
 
@@ -98,17 +151,35 @@ impl RobotTable {
     /// Loads the robot file and changes the robot.
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
         let refused = |error| root.fault("robot", ProblemFileCause::Robot(error));
-        if self.edits.is_empty() {
+        if self.changes.is_empty() {
             return Robot::from_file_with(path, options).map_err(refused);
         }
         // Changes may mend what strict loading would refuse.
         let lenient = options.strict(false);
-        let mut robot = Robot::from_file_with(path, lenient).map_err(refused)?;
-        for (key, edit) in &self.edits {
-            let table = root.need("robot", root.table("robot")?)?;
-            let edited = robot.edited(std::slice::from_ref(edit), lenient);
-            robot = edited.map_err(|error| table.fault(key, ProblemFileCause::Robot(error)))?;
+        let robot = Robot::from_file_with(path, lenient).map_err(refused)?;
+        let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.edit.clone()).collect();
+        match robot.edited(&edits, lenient) {
+            Ok(robot) => robot.edited(&[], options).map_err(refused),
+            Err(error) => {
+                // The first change that cannot be made.
+                let fails = |end: usize| robot.edited(&edits[..end], lenient).is_err();
+                let Change { key, start, .. } = &self.changes[first(edits.len() - 1, |k| fails(k + 1))];
+                Err(Fault {
+                    line: start.map(|start| root.line_at(start)),
+                    key: Some(format!("robot.{key}")),
+                    cause: Box::new(ProblemFileCause::Robot(error)),
+                })
+            }
         }
-        robot.edited(&[], options).map_err(refused)
     }
+}
+
+/// The least number for which it is true, if that is so from there on; at most `last`.
+fn first(last: usize, holds: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, last);
+    while low < high {
+        let middle = low.midpoint(high);
+        if holds(middle) { high = middle } else { low = middle + 1 }
+    }
+    low
 }

@@ -9,6 +9,7 @@ use costate::scalar::{Lanes, Scalar, Tangent, Vector};
 use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StoermerVerlet};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
+use costate_test_support::wrenches::pulled;
 use num_dual::Dual;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -145,14 +146,13 @@ fn compare<L>(
     }
 }
 
-fn lanes_are_states<V: Vector>(case: &Case) {
-    let robot = case.robot();
-    let states = states(case, &robot, V::LANES);
+fn lanes_are_states<V: Vector>(case: &Case, robot: &Robot) {
+    let states = states(case, robot, V::LANES);
     let packed: [_; 5] = std::array::from_fn(|which| packed::<V>(&states, which));
-    let lanes = quantities(&robot, packed.each_ref().map(Vec::as_slice));
-    let at = |_: usize, state: &State| quantities::<f64>(&robot, state.0.each_ref().map(Vec::as_slice));
+    let lanes = quantities(robot, packed.each_ref().map(Vec::as_slice));
+    let at = |_: usize, state: &State| quantities::<f64>(robot, state.0.each_ref().map(Vec::as_slice));
     let alone: Vec<_> = states.iter().enumerate().map(|(k, state)| at(k, state)).collect();
-    compare(&robot, &states, (&lanes, |entry: &Lanes<V>, k| entry.lane(k)), (&alone, at));
+    compare(robot, &states, (&lanes, |entry: &Lanes<V>, k| entry.lane(k)), (&alone, at));
 }
 
 /// Derivatives along one direction, which differs from lane to lane.
@@ -205,12 +205,17 @@ properties! {
 
     #[test]
     fn four_lanes_are_four_states(case in cases()) {
-        lanes_are_states::<wide::f64x4>(&case);
+        lanes_are_states::<wide::f64x4>(&case, &case.robot());
     }
 
     #[test]
     fn eight_lanes_are_eight_states(case in cases()) {
-        lanes_are_states::<wide::f64x8>(&case);
+        lanes_are_states::<wide::f64x8>(&case, &case.robot());
+    }
+
+    #[test]
+    fn four_lanes_under_wrenches_are_four_states(case in cases()) {
+        lanes_are_states::<wide::f64x4>(&case, &pulled(&case.robot(), 1.5));
     }
 
     #[test]

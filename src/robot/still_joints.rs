@@ -1,11 +1,11 @@
-//! A robot with locked joints: displacements of its frames as coordinates.
+//! A robot with still joints: displacements of its frames as coordinates.
 
 use super::joint::{Friction, Joint, JointKind, Limits, Mimic, Spring};
 use super::link::{LinkInertia, Placement};
 use super::model::Robot;
 use nalgebra::Vector3;
 
-/// Where a locked joint is inserted.
+/// Where a still joint is inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Site {
     /// Between the world and all that is attached to it.
@@ -18,7 +18,7 @@ pub(crate) enum Site {
 
 /// A joint to be inserted; it stays at coordinate 0 and rate 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Locked {
+pub(crate) struct StillJoint {
     /// Where.
     pub site: Site,
     /// Revolute for a rotation, prismatic for a translation.
@@ -27,31 +27,31 @@ pub(crate) struct Locked {
     pub axis: Vector3<f64>,
 }
 
-/// A robot with locked joints, and where the joints are in it.
+/// A robot with still joints, and where the joints are in it.
 #[derive(Clone, Debug)]
-pub(crate) struct WithLocked {
-    /// The robot. Its mass matrix may be singular: the links of locked joints have no mass.
+pub(crate) struct WithStillJoints {
+    /// The robot. Its mass matrix may be singular: the links of still joints have no mass.
     pub robot: Robot,
     /// Number of each coordinate of the original robot.
     pub kept: Vec<usize>,
-    /// Number of the coordinate of each locked joint.
-    pub locked: Vec<usize>,
+    /// Number of the coordinate of each still joint.
+    pub still: Vec<usize>,
 }
 
 impl Robot {
-    /// The same robot with locked joints, those of one site following each other.
+    /// The same robot with still joints, those of one site following each other.
     ///
     /// At coordinate 0 and rate 0 of these joints L(q, v) is that of this robot, and its derivatives by their
     /// coordinates are those by the displacements.
-    pub(crate) fn with_locked(&self, added: &[Locked]) -> WithLocked {
+    pub(crate) fn with_still_joints(&self, added: &[StillJoint]) -> WithStillJoints {
         let n = self.joints.len() + added.len();
         let mut joints: Vec<Joint> = Vec::with_capacity(n);
-        let (mut kept, mut locked) = (Vec::with_capacity(self.joints.len()), vec![0; added.len()]);
+        let (mut kept, mut still) = (Vec::with_capacity(self.joints.len()), vec![0; added.len()]);
         let mut insert = |joints: &mut Vec<Joint>, site, mut parent, mut placement| {
             for (k, one) in added.iter().enumerate().filter(|(_, one)| one.site == site) {
-                locked[k] = joints.len();
+                still[k] = joints.len();
                 joints.push(one.joint(k, parent, std::mem::take(&mut placement)));
-                parent = Some(locked[k]);
+                parent = Some(still[k]);
             }
             (parent, placement)
         };
@@ -75,8 +75,8 @@ impl Robot {
             frame.joint = frame.joint.map(|joint| kept[joint]);
         }
         let kept = self.independent.iter().map(|&i| coordinates[kept[i]]).collect();
-        let locked = locked.into_iter().map(|i| coordinates[i]).collect();
-        WithLocked { robot, kept, locked }
+        let still = still.into_iter().map(|i| coordinates[i]).collect();
+        WithStillJoints { robot, kept, still }
     }
 }
 
@@ -89,7 +89,7 @@ impl Robot {
     }
 }
 
-impl Locked {
+impl StillJoint {
     fn joint(&self, number: usize, parent: Option<usize>, placement: Placement) -> Joint {
         Joint {
             name: format!("displacement {number}"),
@@ -113,7 +113,7 @@ mod tests {
     use crate::robot::JointSpec;
 
     #[test]
-    fn frames_stay_where_they_are_and_move_with_locked_joints() {
+    fn frames_stay_where_they_are_and_move_with_still_joints_joints() {
         let placed = |x: f64| Placement::from_xyz_rpy([x, -0.4, 0.7 - x], [0.4 + x, -1.1, 2.0 * x]);
         let link = LinkInertia::point(1.0, [0.3, 0.2, -0.1]);
         let robot = Robot::builder("branched")
@@ -124,21 +124,21 @@ mod tests {
             .unwrap();
         let axis = Vector3::new(0.6, 0.0, -0.8);
         let added = [
-            Locked { site: Site::Joint(2), kind: JointKind::Revolute, axis },
-            Locked { site: Site::World, kind: JointKind::Prismatic, axis },
-            Locked { site: Site::Parent(2), kind: JointKind::Prismatic, axis },
+            StillJoint { site: Site::Joint(2), kind: JointKind::Revolute, axis },
+            StillJoint { site: Site::World, kind: JointKind::Prismatic, axis },
+            StillJoint { site: Site::Parent(2), kind: JointKind::Prismatic, axis },
         ];
-        let WithLocked { robot: with, kept, locked } = robot.with_locked(&added);
-        assert_eq!((kept, locked), (vec![1, 2, 5], vec![4, 0, 3]));
+        let WithStillJoints { robot: with, kept, still } = robot.with_still_joints(&added);
+        assert_eq!((kept, still), (vec![1, 2, 5], vec![4, 0, 3]));
         assert_eq!(with.armature(), [(2, 2, 0.3), (5, 5, 0.2)]);
         let (before, after) = (robot.poses(&[0.3, -0.2, 1.1]).unwrap(), [0.0, 0.3, -0.2, 0.0, 0.0, 1.1]);
-        let still = with.poses(&after).unwrap();
+        let stays = with.poses(&after).unwrap();
         let moved = with.poses(&[0.5, 0.3, -0.2, 0.25, 0.0, 1.1]).unwrap();
         for (i, k) in [(0, 1), (1, 2), (2, 5)] {
-            assert!((before[i].rotation - still[k].rotation).amax() < 1e-15);
-            assert!((before[i].translation - still[k].translation).amax() < 1e-15);
+            assert!((before[i].rotation - stays[k].rotation).amax() < 1e-15);
+            assert!((before[i].translation - stays[k].translation).amax() < 1e-15);
         }
-        let shift = moved[5].translation - still[5].translation;
-        assert!((shift - axis * 0.5 - still[1].rotation * axis * 0.25).amax() < 1e-15);
+        let shift = moved[5].translation - stays[5].translation;
+        assert!((shift - axis * 0.5 - stays[1].rotation * axis * 0.25).amax() < 1e-15);
     }
 }

@@ -1,0 +1,117 @@
+//! What warnings say.
+
+use super::Warning;
+use crate::robot::printable::{joints, printable, printable_number, sentence};
+use std::fmt;
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MasslessLink { link } => {
+                write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
+            }
+            Self::NegativeMoment { link, moment } => write!(
+                f,
+                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
+                 M is positive where it was tried, and may be singular elsewhere: check the matrix",
+                printable(link),
+                printable_number(*moment)
+            ),
+            Self::TriangleInequality { link, moments: [a, b, c] } => write!(
+                f,
+                "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
+                 the largest exceeds the sum of the others",
+                printable(link)
+            ),
+            Self::MovesNothing { joint } => write!(
+                f,
+                "joint '{}' moves no mass at all, so the mass matrix is singular in every pose: give its links a \
+                 mass, give it armature (rotor inertia), lock it, or make it fixed",
+                printable(joint)
+            ),
+            Self::OnAxis { joint } => write!(
+                f,
+                "all mass that joint '{}' moves lies on its axis, so the mass matrix is singular in every pose: \
+                 give its link an inertia or give it armature",
+                printable(joint)
+            ),
+            Self::UnknownName { name, owner, line, others, nearest } => {
+                write!(f, "{} in {} (line {line}", sentence(name), sentence(owner))?;
+                match others {
+                    0 => write!(f, ")")?,
+                    _ => write!(f, ", and {others} more)")?,
+                }
+                write!(f, " is unknown to URDF and was ignored")?;
+                match nearest {
+                    Some(known) if name.starts_with('<') => write!(f, "; did you mean <{known}>?"),
+                    Some(known) => write!(f, "; did you mean {known}?"),
+                    None => Ok(()),
+                }
+            }
+            Self::MoreUnknownNames { count, line } => {
+                write!(f, "{count} more elements or attributes are unknown to URDF (first in line {line})")
+            }
+            Self::WithoutLimit { joints: names, line } => write!(
+                f,
+                "no <limit> (first in line {line}), taken as unlimited: {}; add it, or make a revolute joint \
+                 continuous",
+                joints(names)
+            ),
+            Self::SwappedLimits { joints: names, line } => write!(
+                f,
+                "<limit> with lower above upper (first in line {line}), taken as no limit of position: {}; \
+                 swap the two",
+                joints(names)
+            ),
+            Self::NegativeLimit { joints: names, line } => write!(
+                f,
+                "<limit> with a negative effort or velocity (first in line {line}), taken as unlimited: {}; \
+                 give a positive number",
+                joints(names)
+            ),
+            Self::FixedBase { link, mass, line } => write!(
+                f,
+                "the root link '{}' (line {line}) has a mass of {} kg, which is not used: the base is held fixed; \
+                 for a free base, attach it to a massless root link by a floating joint",
+                printable(link),
+                printable_number(*mass)
+            ),
+            Self::MimicLimits { joint, master } => write!(
+                f,
+                "no position of joint '{}' is within its limits and those of '{}', which mimics it; the latter \
+                 are not used: correct one of them",
+                printable(master),
+                printable(joint)
+            ),
+            Self::LockedOutside { joint, value, limits: [lower, upper] } => write!(
+                f,
+                "joint '{}' is locked at {}, outside its limits {} and {}",
+                printable(joint),
+                printable_number(*value),
+                printable_number(*lower),
+                printable_number(*upper)
+            ),
+            Self::LargeLimits { joints: names, limit } => write!(
+                f,
+                "position limits beyond two turns (the first is {} rad): {}; are they degrees? Limits are in rad",
+                printable_number(*limit),
+                joints(names)
+            ),
+            Self::FrictionIgnored { joints: names } => write!(
+                f,
+                "<dynamics> was not loaded, request it by --friction (LoadOptions::friction): {}",
+                joints(names)
+            ),
+            Self::Expanded { joint, kind: "floating" } => write!(
+                f,
+                "floating joint '{}' became three prismatic (x, y, z) and three revolute joints (z, y, x), \
+                 singular where the second angle is +-pi/2",
+                printable(joint)
+            ),
+            Self::Expanded { joint, kind } => {
+                write!(f, "{kind} joint '{}' became two prismatic and one revolute joint", printable(joint))
+            }
+            Self::Note { text } => sentence(text).fmt(f),
+        }
+    }
+}
