@@ -105,16 +105,16 @@ impl<S: Scalar> Blocked<S> {
         let (upper, n) = (factor.upper(), z.rows());
         u.take_transpose::<0>(upper);
         t.read::<0>(along.l_vq());
-        b.set_tiles(&products.upper, Left::Rows(upper), t);
+        b.set_tiles(&products.upper, Left::Columns(u), t);
 
         g.read::<0>(along.mass_matrix());
         g.keep_half();
         h.set_tiles(&products.half, Left::Rows(g), u);
-        r.set_tiles(&products.whole, Left::Rows(upper), h);
+        r.set_tiles(&products.whole, Left::Columns(u), h);
         c.add_transpose(r);
 
         t.copy_from::<0, 0>(b);
-        t.subtract_tiles(&products.inner, Left::Rows(c), z);
+        t.subtract_tiles(&products.inner, Left::Columns(c), z);
         g.read::<0>(along.l_qq());
         g.subtract_tiles(&products.square, Left::Columns(b), z);
         let qq = Place::symmetric((0, 0), true);

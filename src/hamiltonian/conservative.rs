@@ -50,6 +50,17 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     #[inline(never)]
     pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.kernel.set_position(tree, q)?;
+        self.factor_mass_matrix(tree)
+    }
+
+    /// The same without what [`first_order`](Self::first_order) needs.
+    #[inline(never)]
+    pub fn factor_alone(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.kernel.set_mass_matrix(tree, q)?;
+        self.factor_mass_matrix(tree)
+    }
+
+    fn factor_mass_matrix(&mut self, tree: &Tree) -> Result<(), EvalError> {
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
         let size_of = |k| self.kernel.size_of_entry(tree, k);
         self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)

@@ -209,7 +209,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// See [`Hamiltonian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
-        self.flow.kernel.set_position(&self.tree, q)?;
+        self.flow.kernel.set_mass_matrix(&self.tree, q)?;
         Ok(self.flow.kernel.mass_matrix())
     }
 
@@ -219,7 +219,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// See [`Hamiltonian`].
     pub fn inverse_mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
-        self.flow.factor(&self.tree, q)?;
+        self.flow.factor_alone(&self.tree, q)?;
         self.flow.factor.inverse(&mut self.inverse);
         Ok(&self.inverse)
     }
@@ -230,7 +230,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// See [`Hamiltonian`].
     pub fn solve_mass_matrix(&mut self, q: &[S], x: &mut [S]) -> Result<(), EvalError> {
         self.check(&[("q", q), ("x", x)])?;
-        self.flow.factor(&self.tree, q)?;
+        self.flow.factor_alone(&self.tree, q)?;
         self.flow.factor.solve(x);
         Ok(())
     }

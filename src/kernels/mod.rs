@@ -10,6 +10,7 @@ mod factor;
 mod factor_tiles;
 mod hessian;
 mod inverse;
+mod mass_matrix;
 mod pass;
 mod position;
 mod route;
@@ -71,6 +72,8 @@ pub struct KernelOne<S: Scalar> {
     l_q: Coupled<Vec<S>>,
     l_vq: Coupled<Matrix<S>>,
     l_qq: Coupled<Matrix<S>>,
+    /// What computes M alone, where that takes less time than the first stage.
+    world: Option<Box<WorldKernel<S>>>,
 }
 
 /// Quantities of one joint, in its frame.
@@ -135,6 +138,7 @@ impl<S: Scalar> KernelOne<S> {
             l_q: Coupled::row(tree),
             l_vq: Coupled::square(tree),
             l_qq: Coupled::square(tree),
+            world: None,
         }
     }
 

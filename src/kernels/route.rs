@@ -22,6 +22,14 @@ pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
     /// [`EvalError::WrongLength`]. Values are not checked here.
     fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError>;
 
+    /// M at q alone (rad, m; length n): the second stage needs [`set_position`](Self::set_position) instead.
+    ///
+    /// # Errors
+    /// As [`set_position`](Self::set_position).
+    fn set_mass_matrix(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.set_position(tree, q)
+    }
+
     /// Second stage: `p = M v` and L_q at the position set last and v (rad/s, m/s; length n).
     ///
     /// # Errors
@@ -70,10 +78,13 @@ impl Route for Contracted {
 
 impl<S: Scalar> LagrangianHessian<S> for KernelOne<S> {
     fn new(tree: &Tree) -> Self {
-        Self::new(tree)
+        Self::new(tree).with_world_axes(tree)
     }
     fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
         self.set_position(tree, q)
+    }
+    fn set_mass_matrix(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.set_mass_matrix(tree, q)
     }
     fn set_velocity(&mut self, tree: &Tree, v: &[S]) -> Result<(), EvalError> {
         self.set_velocity(tree, v)

@@ -1,6 +1,6 @@
 //! One tile of a product of panels, whose sums stay in registers, and products stored in panels.
 
-use super::tiles::{Corner, MOST_REGISTERS, Tiles};
+use super::tiles::{Corner, MOST_REGISTERS, Run, Tiles};
 use super::{Left, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
@@ -21,17 +21,17 @@ pub(crate) enum Update {
 
 /// Computes a tile of so many registers in a row, and does something with its sums.
 macro_rules! with_sums {
-    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $terms:expr),
+    ($S:ty, $ACROSS:expr, ($a:expr, $b:expr, $corner:expr, $registers:expr, $runs:expr),
      |$sums:ident| $then:expr) => {
         // Sizes beyond the largest are not compiled.
         if MOST_REGISTERS > 2 && $registers == 3 {
-            let $sums = sums::<$S, 3, $ACROSS>($a, $b, $corner, $terms);
+            let $sums = sums::<$S, 3, $ACROSS>($a, $b, $corner, $runs);
             $then
         } else if MOST_REGISTERS > 1 && $registers == 2 {
-            let $sums = sums::<$S, 2, $ACROSS>($a, $b, $corner, $terms);
+            let $sums = sums::<$S, 2, $ACROSS>($a, $b, $corner, $runs);
             $then
         } else {
-            let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $terms);
+            let $sums = sums::<$S, 1, $ACROSS>($a, $b, $corner, $runs);
             $then
         }
     };
@@ -43,7 +43,7 @@ fn sums<S: Scalar, const C: usize, const ACROSS: bool>(
     a: &Panel<S>,
     b: &Panel<S>,
     (block, left): Corner,
-    terms: &[u32],
+    runs: &[Run],
 ) -> Sums<S, C> {
     let (lanes, width) = (Panel::<S>::LANES, <S::Pack as Pack<S>>::WIDTH);
     let (stride, from, left) = (a.width::<0>(), b.width::<0>(), left * width);
@@ -55,19 +55,37 @@ fn sums<S: Scalar, const C: usize, const ACROSS: bool>(
         }
     }
     let (a, b) = (a.packs(), b.packs());
-    for &k in terms {
-        let k = k as usize;
-        let row = &b[k * from + left..][..C * width];
-        let across = &a[if ACROSS { k * stride + block } else { 0 }];
-        for (r, (sums, along)) in sums.iter_mut().zip(&along).enumerate().take(lanes) {
-            let entry = if ACROSS { across.lane(r) } else { along[k / lanes].lane(k % lanes) };
-            let entry = S::Pack::splat_wide(entry);
-            for (c, sum) in sums.iter_mut().enumerate() {
-                *sum = entry.mul_add(S::Pack::join(&row[c * width..][..width]), *sum);
+    for run in runs {
+        let terms = run.terms();
+        // Whole rows: the checks of indices in them do not depend on the term, and leave the loop.
+        let rows = b[terms.start * from..terms.end * from].chunks_exact(from);
+        if ACROSS {
+            let across = a[terms.start * stride..terms.end * stride].chunks_exact(stride);
+            for (row, across) in rows.zip(across) {
+                let entries = &across[block];
+                add_term::<S, C>(&mut sums, &row[left..], |r| entries.lane(r));
+            }
+        } else {
+            for (k, row) in terms.zip(rows) {
+                let (pack, lane) = (k / lanes, k % lanes);
+                add_term::<S, C>(&mut sums, &row[left..], |r| along[r][pack].lane(lane));
             }
         }
     }
     sums
+}
+
+/// Adds a column of the left factor, entry by entry, times the first registers of a row of the right one.
+#[inline(always)]
+fn add_term<S: Scalar, const C: usize>(sums: &mut Sums<S, C>, row: &[S::Pack], entry: impl Fn(usize) -> S) {
+    let width = <S::Pack as Pack<S>>::WIDTH;
+    let row = &row[..C * width];
+    for (r, sums) in sums.iter_mut().enumerate().take(Panel::<S>::LANES) {
+        let entry = S::Pack::splat_wide(entry(r));
+        for (c, sum) in sums.iter_mut().enumerate() {
+            *sum = entry.mul_add(S::Pack::join(&row[c * width..][..width]), *sum);
+        }
+    }
 }
 
 impl<S: Scalar> Panel<S> {
@@ -100,8 +118,8 @@ impl<S: Scalar> Panel<S> {
         mut then: impl FnMut(&Self, usize, Range<usize>),
     ) {
         let width = <S::Pack as Pack<S>>::WIDTH;
-        for (corner, registers, terms) in tiles.all() {
-            with_sums!(S, ACROSS, (a, b, corner, registers, terms), |sums| self.store(corner, &sums, update));
+        for (corner, registers, runs) in tiles.all() {
+            with_sums!(S, ACROSS, (a, b, corner, registers, runs), |sums| self.store(corner, &sums, update));
             then(self, corner.0, corner.1 * width..(corner.1 + registers) * width);
         }
     }
@@ -110,8 +128,8 @@ impl<S: Scalar> Panel<S> {
     /// T.
     #[inline(always)]
     pub(crate) fn subtract_own_rows(&mut self, tiles: &Tiles, block: usize, a: &Self) {
-        for (corner, registers, terms) in tiles.of_block(block) {
-            with_sums!(S, true, (a, &*self, corner, registers, terms), |sums| {
+        for (corner, registers, runs) in tiles.of_block(block) {
+            with_sums!(S, true, (a, &*self, corner, registers, runs), |sums| {
                 self.store(corner, &sums, Update::Subtract)
             });
         }

@@ -24,9 +24,24 @@ const SPARE: f64 = 0.35;
 #[derive(Clone, Debug)]
 pub(crate) struct Tiles {
     tiles: Vec<Tile>,
-    terms: Vec<u32>,
+    runs: Vec<Run>,
     /// The first tile of each block of rows.
     starts: Vec<usize>,
+}
+
+/// Terms that follow one another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    first: u32,
+    end: u32,
+}
+
+impl Run {
+    /// The terms.
+    #[inline(always)]
+    pub fn terms(self) -> Range<usize> {
+        self.first as usize..self.end as usize
+    }
 }
 
 /// Some rows of a product, and some registers of them.
@@ -37,7 +52,7 @@ struct Tile {
     /// First register.
     left: u32,
     registers: u32,
-    /// One after the last of its terms.
+    /// One after the last of its runs of terms.
     end: u32,
 }
 
@@ -63,7 +78,7 @@ impl Tiles {
         let (blocks, registers) = (n.div_ceil(lanes), n.div_ceil(lanes * width));
         let columns: Vec<Vec<u64>> =
             (0..registers).map(|register| across.columns_of(some(register, lanes * width))).collect();
-        let mut tiles = Self { tiles: Vec::new(), terms: Vec::new(), starts: vec![0] };
+        let mut tiles = Self { tiles: Vec::new(), runs: Vec::new(), starts: vec![0] };
         for block in 0..blocks {
             let mut rows = a.columns_of(some(block, lanes));
             if terms == Terms::OtherBlocks {
@@ -90,34 +105,40 @@ impl Tiles {
         tiles
     }
 
-    /// Corner, number of registers in a row and terms of each tile.
+    /// Corner, number of registers in a row and runs of terms of each tile.
     #[inline(always)]
-    pub(super) fn all(&self) -> impl Iterator<Item = (Corner, usize, &[u32])> {
+    pub(super) fn all(&self) -> impl Iterator<Item = (Corner, usize, &[Run])> {
         self.of(0..self.tiles.len())
     }
 
     /// The same for the tiles of a block of rows.
     #[inline(always)]
-    pub(super) fn of_block(&self, block: usize) -> impl Iterator<Item = (Corner, usize, &[u32])> {
+    pub(super) fn of_block(&self, block: usize) -> impl Iterator<Item = (Corner, usize, &[Run])> {
         self.of(self.starts[block]..self.starts[block + 1])
     }
 
     #[inline(always)]
-    fn of(&self, range: Range<usize>) -> impl Iterator<Item = (Corner, usize, &[u32])> {
+    fn of(&self, range: Range<usize>) -> impl Iterator<Item = (Corner, usize, &[Run])> {
         let mut start = range.start.checked_sub(1).map_or(0, |before| self.tiles[before].end as usize);
         self.tiles[range].iter().map(move |tile| {
-            let terms = &self.terms[start..tile.end as usize];
+            let runs = &self.runs[start..tile.end as usize];
             start = tile.end as usize;
-            ((tile.block as usize, tile.left as usize), tile.registers as usize, terms)
+            ((tile.block as usize, tile.left as usize), tile.registers as usize, runs)
         })
     }
 
     fn push(&mut self, block: usize, left: usize, registers: usize, terms: &[u64]) {
+        let before = self.runs.len();
         let of_word = |(word, &bits): (usize, &u64)| {
             (0..64).filter(move |bit| bits >> bit & 1 == 1).map(move |bit| (64 * word + bit) as u32)
         };
-        self.terms.extend(terms.iter().enumerate().flat_map(of_word));
-        let numbers = [block, left, registers, self.terms.len()];
+        for term in terms.iter().enumerate().flat_map(of_word) {
+            match self.runs[before..].last_mut() {
+                Some(run) if run.end == term => run.end += 1,
+                _ => self.runs.push(Run { first: term, end: term + 1 }),
+            }
+        }
+        let numbers = [block, left, registers, self.runs.len()];
         let [block, left, registers, end] = numbers.map(|number| number as u32);
         self.tiles.push(Tile { block, left, registers, end });
     }

@@ -62,6 +62,13 @@ impl<S: Scalar> WorldKernel<S> {
         &self.mass_matrix
     }
 
+    /// Exchanges the matrix of M for another of the same size, which [`compose`](Self::compose) fills next.
+    ///
+    /// Entries of joints on different branches are never set: they must be zero there too.
+    pub fn swap_mass_matrix(&mut self, other: &mut Matrix<S>) {
+        std::mem::swap(&mut self.mass_matrix, other);
+    }
+
     /// Momenta, forces and rates of inertia of the composite bodies, at the motion set last.
     #[inline(never)]
     pub(super) fn compose_motion(&mut self) {
