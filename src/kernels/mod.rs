@@ -10,6 +10,7 @@ mod factor;
 mod factor_tiles;
 mod hessian;
 mod inverse;
+mod joint_positions;
 mod mass_matrix;
 mod pass;
 mod position;

@@ -2,12 +2,13 @@
 
 use super::blocks::Blocks;
 use super::coupling::positions;
+use super::joint_positions::joint_positions;
 use super::pass::{Inward, Outward};
 use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
-use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Turn, Vec3};
+use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
 use std::ops::Range;
 
 /// `F = IC S`: momentum of the composite body at unit joint velocity.
@@ -77,26 +78,6 @@ pub(super) fn across_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> Forc
     match kind {
         JointKind::Revolute => Force { moment: across(&force.moment), force: across(&force.force) },
         JointKind::Prismatic => Force { moment: across(&force.force), force: Vec3::zero() },
-    }
-}
-
-/// Sines and cosines of the angles, a pack at a time, and displacements, joint by joint in any order.
-#[inline(always)]
-pub(super) fn joint_positions<S: Scalar>(tree: &Tree, q: &[S], mut set: impl FnMut(usize, JointPosition<S>)) {
-    let lanes = <S::Pack as Pack<S>>::LANES;
-    let mut angles = S::Pack::zero();
-    for some in tree.revolute().chunks(lanes) {
-        for (lane, &i) in some.iter().enumerate() {
-            angles = angles.with_lane(lane, tree.joints()[i].shifted(q[i]));
-        }
-        let (sin, cos) = angles.sin_cos();
-        for (lane, &i) in some.iter().enumerate() {
-            let turn = Turn::from_sin_cos(sin.lane(lane), cos.lane(lane));
-            set(i, JointPosition::Rotated(turn));
-        }
-    }
-    for &i in tree.prismatic() {
-        set(i, JointPosition::Translated(tree.joints()[i].shifted(q[i])));
     }
 }
 

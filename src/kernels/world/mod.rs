@@ -85,7 +85,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// Axes and origins at q (rad, m; length n), and the links there.
     #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
-        super::position::joint_positions(tree, q, |i, position| self.turns[i] = position);
+        super::joint_positions::joint_positions(tree, q, |i, position| self.turns[i] = position);
         for (k, place) in self.places.iter().enumerate() {
             let fixed = &tree.joints()[place.joint].screw;
             let [mut x, mut y, mut z] = match place.parent {

@@ -44,8 +44,8 @@ fn a_signal_saves_and_draws_the_best_motion_and_exits_with_130() {
         (&endless, &[], "TERM"),
         (&bounded, &["--continue", "bounds=1:0.01"], "INT"),
     ] {
-        // The signal must not arrive before the handler is there, nor before the first points: a busy machine gets
-        // more time.
+        // The signal must not arrive before the handler is there, nor before the first points: a busy machine
+        // gets more time.
         let waits = [3, 10, 30, 90].map(Duration::from_secs);
         assert!(waits.into_iter().any(|wait| is_interrupted(&folder, problem, more, signal, wait)));
     }

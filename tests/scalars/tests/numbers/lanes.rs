@@ -120,8 +120,8 @@ fn sensitivities_of(state: &State, numbers: impl Fn(&State) -> Quantities<f64>) 
     (0..exact.len()).map(|k| (exact[k].0, largest(k))).collect()
 }
 
-/// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`; `again`
-/// computes these where the state is moved a little.
+/// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`;
+/// `again` computes these where the state is moved a little.
 fn compare<L>(
     robot: &Robot,
     states: &[State],
