@@ -149,9 +149,12 @@ impl JointMap {
 
     /// Numbers that [`positions`](Self::positions), [`rates`](Self::rates) and sums multiply with or add.
     pub fn constants(&self) -> impl Iterator<Item = f64> {
-        let of_rows = self.rows.iter().flat_map(|row| [row.ratio, row.offset, row.ratio * row.ratio]);
+        let ratios = || self.rows.iter().map(|row| row.ratio);
+        let of_rows = self.rows.iter().flat_map(|row| [row.ratio, row.offset]);
+        let products = ratios().flat_map(move |a| ratios().map(move |b| a * b));
         let cubes = self.rows.iter().map(|row| row.ratio * row.ratio * row.ratio);
-        of_rows.chain(cubes).chain(self.terms.iter().flat_map(|term| [term.factor, 2.0 * term.factor]))
+        let factors = self.terms.iter().flat_map(|term| [term.factor, 2.0 * term.factor]);
+        of_rows.chain(products).chain(cubes).chain(factors)
     }
 }
 
