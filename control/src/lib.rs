@@ -23,6 +23,7 @@
 mod bvp;
 mod constants;
 mod continuation;
+mod direct;
 mod extremal;
 mod numerics;
 mod options;
