@@ -144,6 +144,7 @@ impl<D: PointDynamics> Interior<D> {
                 }
             }
         }
+        self.damping = 0.0;
         self.measure_figures();
         Ok(())
     }
@@ -189,18 +190,16 @@ impl<D: PointDynamics> Interior<D> {
             System::weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
             self.dynamics.contract(&mut self.points)?;
             self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
-            let mut damping = self.damping * constants::DAMPING_DOWN;
-            if damping < constants::LEAST_DAMPING {
-                damping = 0.0;
-            }
+            let mut damping = 0.0;
             let mut accepted = false;
+            let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
             while damping < constants::MOST_DAMPING {
                 if !self.factorise(damping, free_time) {
-                    damping = (damping * constants::DAMPING_UP).max(constants::DAMPING);
+                    damping = (damping * constants::DAMPING_UP).max(again);
                     continue;
                 }
                 self.solve(free_time);
-                self.choose_barrier();
+                self.choose_barrier(tolerance);
                 let decrement = self.decrement();
                 self.figures.decrement = decrement;
                 let scale = tolerance * self.figures.cost.abs();
@@ -216,7 +215,7 @@ impl<D: PointDynamics> Interior<D> {
                     accepted = true;
                     break;
                 }
-                damping = (damping * constants::DAMPING_UP).max(constants::DAMPING);
+                damping = (damping * constants::DAMPING_UP).max(again);
             }
             self.damping = damping;
             if !accepted {
@@ -310,7 +309,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Mehrotra's choice: from the complementarity that the step at mu = 0 would leave.
-    fn choose_barrier(&mut self) {
+    fn choose_barrier(&mut self, tolerance: f64) {
         let gap = self.figures.gap;
         if gap == 0.0 {
             self.mu = 0.0;
@@ -327,7 +326,10 @@ impl<D: PointDynamics> Interior<D> {
             }
         }
         let part = (left / gap).clamp(0.0, 1.0);
-        self.mu = now * (part * part * part).max(1e-3);
+        self.mu = now;
+        let floor = 0.1 * tolerance * self.figures.cost.abs() / active;
+        let centre = 0.01 * self.decrement().abs() / active;
+        self.mu = (now * (part * part * part).max(1e-3)).max(floor).max(centre.min(now * 10.0));
     }
 
     /// -(g dx) for the step.

@@ -25,6 +25,8 @@ pub(crate) struct System {
     pub gradient: [Vec<f64>; 2],
     border: Vec<f64>,
     corner: f64,
+    /// The metric of damping in T: cost over T squared.
+    time_metric: f64,
     /// Gradients in T.
     pub time_gradient: [f64; 2],
     border_solved: Vec<f64>,
@@ -60,6 +62,7 @@ impl System {
             gradient: [Vec::new(), Vec::new()],
             border: Vec::new(),
             corner: 0.0,
+            time_metric: 0.0,
             time_gradient: [0.0; 2],
             border_solved: Vec::new(),
             schur: 1.0,
@@ -115,6 +118,7 @@ impl System {
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier, running);
         }
+        self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
         self.fix(ends, spline);
     }
 
@@ -258,7 +262,7 @@ impl System {
         if free_time {
             self.border_solved.clone_from(&self.border);
             self.factor.solve(&mut self.border_solved);
-            self.schur = self.corner - dot(&self.border, &self.border_solved);
+            self.schur = self.corner + damping * self.time_metric - dot(&self.border, &self.border_solved);
             if !(self.schur > 1e-14 * self.corner.abs()) {
                 return Err(NotPositiveDefinite { block: self.matrix.count() });
             }
