@@ -28,6 +28,8 @@ pub(super) struct Basis {
     pub first: [f64; COEFFICIENTS],
     /// In q''.
     pub second: [f64; COEFFICIENTS],
+    /// In q'''.
+    pub third: [f64; COEFFICIENTS],
 }
 
 /// Polynomials on [0, 1], lowest power first: position, first and second derivative 1 at the left end, then at
@@ -44,10 +46,11 @@ const HERMITE: [[f64; 6]; COEFFICIENTS] = [
 impl Basis {
     /// At the part `x` of an interval of width `h`.
     pub fn at(x: f64, h: f64) -> Self {
-        let mut basis = Self { position: [0.0; 6], first: [0.0; 6], second: [0.0; 6] };
+        let mut basis = Self { position: [0.0; 6], first: [0.0; 6], second: [0.0; 6], third: [0.0; 6] };
         for (i, powers) in HERMITE.iter().enumerate() {
-            let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
+            let (mut value, mut slope, mut curvature, mut third) = (0.0, 0.0, 0.0, 0.0);
             for &power in powers.iter().rev() {
+                third = third * x + 3.0 * curvature;
                 curvature = curvature * x + 2.0 * slope;
                 slope = slope * x + value;
                 value = value * x + power;
@@ -56,6 +59,7 @@ impl Basis {
             basis.position[i] = scale * value;
             basis.first[i] = scale / h * slope;
             basis.second[i] = scale / (h * h) * curvature;
+            basis.third[i] = scale / (h * h * h) * third;
         }
         basis
     }

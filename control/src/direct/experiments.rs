@@ -31,20 +31,25 @@ fn run(name: &str, problem: &Problem, sides: Vec<Side>, intervals: &[usize]) {
     let mut interior =
         Interior::new(spline, sides, Running::new(problem), Ends::new(problem), RobotPoints::new(&problem.robot));
     interior.verbose = std::env::var("VERBOSE").is_ok();
-    for (level, &count) in intervals.iter().enumerate() {
-        if level > 0 {
-            let nodes = (0..=count).map(|k| k as f64 / count as f64).collect();
-            interior.spline = interior.spline.on_nodes(nodes);
-        }
+    let tolerance: f64 = std::env::var("TOL").map_or(1e-7, |t| t.parse().unwrap());
+    interior.start(None).unwrap();
+    let mut resolution = super::refine::Resolution::default();
+    for level in 0..12 {
         let before = interior.figures;
-        interior.start(if level > 0 { Some(1e-5 * interior.figures.cost / 24.0) } else { None }).unwrap();
-        let end: End = interior.iterate(1e-9, 200).unwrap();
+        let end: End = interior.iterate(0.1 * tolerance, 200).unwrap();
+        resolution.measure(&mut interior).unwrap();
         let f = interior.figures;
         println!(
-            "{name} N {count} {end:?} J {:.10} T {:.8} gap {:.1e} viol {:.1e} it {} fac {} ev {} {:?}",
-            f.cost, interior.spline.time, f.gap, f.violation,
-            f.iterations - before.iterations, f.factorisations - before.factorisations, f.evaluations - before.evaluations, started.elapsed()
+            "{name} {level} N {} {end:?} J {:.10} T {:.8} gap {:.1e} viol {:.1e} it {} fac {} ev {} err {:.1e} between {:.1e} {:?}",
+            interior.spline.intervals(), f.cost, interior.spline.time, f.gap, f.violation,
+            f.iterations - before.iterations, f.factorisations - before.factorisations, f.evaluations - before.evaluations,
+            resolution.error() / f.cost, resolution.violation(), started.elapsed()
         );
+        if resolution.error() < tolerance * f.cost && resolution.violation() < 1e-4 {
+            break;
+        }
+        let nodes = resolution.nodes(&interior.spline, tolerance * f.cost, 1e-4);
+        interior.move_to(nodes).unwrap();
     }
 }
 

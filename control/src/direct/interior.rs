@@ -149,6 +149,47 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
+    /// Takes the motion over to other nodes, with multipliers in proportion to the weights of the points.
+    pub fn move_to(&mut self, nodes: Vec<f64>) -> Result<(), EvalError> {
+        let sides = self.barrier.sides.len();
+        let old: Vec<(f64, f64)> = (0..self.spline.points()).map(|p| self.spline.point(p)).collect();
+        let multipliers = std::mem::take(&mut self.barrier.multiplier);
+        let mu = self.figures.gap / (sides.max(1) as f64);
+        let mu = mu.max(std::env::var("MU").map_or(1e-3, |t| t.parse().unwrap()) * self.figures.cost.abs() / (sides.max(1) as f64));
+        self.spline = self.spline.on_nodes(nodes);
+        self.start(Some(mu))?;
+        for p in 0..self.spline.points() {
+            let (s, weight) = self.spline.point(p);
+            let right = old.partition_point(|&(place, _)| place < s).clamp(1, old.len() - 1);
+            let (a, b) = (old[right - 1], old[right]);
+            let part = ((s - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+            for i in 0..sides {
+                let at = sides * p + i;
+                if self.barrier.slack[at].is_infinite() {
+                    continue;
+                }
+                let side = self.barrier.sides[i];
+                let density = |q: usize, weight: f64| multipliers[sides * q + i] / weight;
+                let density = (1.0 - part) * density(right - 1, a.1) + part * density(right, b.1);
+                let slack = self.barrier.distance[at].max(1e-5 * side.range).max(mu / density.max(1e-300)).min(
+                    self.barrier.distance[at].max(constants::FIRST_SLACK * side.range)
+                );
+                let central = mu / slack;
+                self.barrier.slack[at] = slack;
+                self.barrier.multiplier[at] = weight * density.clamp(0.1 * central, 10.0 * central);
+            }
+        }
+        self.measure_figures();
+        Ok(())
+    }
+
+    /// Weight of a squared error of a torque in the cost: the effort, or for least time the cost of a second
+    /// over the square of the range of the torque.
+    pub fn weight_of_torque(&self, joint: usize) -> f64 {
+        let effort = self.running.effort[joint];
+        effort
+    }
+
     fn measure_figures(&mut self) {
         self.figures.cost = self.running.cost(&self.spline, &self.points);
         self.figures.gap = self.barrier.complementarity();

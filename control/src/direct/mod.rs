@@ -6,6 +6,7 @@ mod ends;
 mod interior;
 mod limits;
 mod points;
+mod refine;
 mod running;
 mod spline;
 mod system;
