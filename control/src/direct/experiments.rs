@@ -30,25 +30,24 @@ fn run(name: &str, problem: &Problem, sides: Vec<Side>, intervals: &[usize]) {
     let spline = guess(problem, intervals[0], problem.time.value());
     let mut interior =
         Interior::new(spline, sides, Running::new(problem), Ends::new(problem), RobotPoints::new(&problem.robot));
-    interior.verbose = std::env::var("VERBOSE").is_ok();
     let tolerance: f64 = std::env::var("TOL").map_or(1e-7, |t| t.parse().unwrap());
     interior.start(None).unwrap();
     let mut resolution = super::refine::Resolution::default();
     for level in 0..12 {
         let before = interior.figures;
-        let end: End = interior.iterate(0.1 * tolerance, 200).unwrap();
+        let end: End = interior.iterate(0.1 * tolerance, 200, |_, _| None).unwrap();
         resolution.measure(&mut interior).unwrap();
         let f = interior.figures;
         println!(
-            "{name} {level} N {} {end:?} J {:.10} T {:.8} gap {:.1e} viol {:.1e} it {} fac {} ev {} err {:.1e} between {:.1e} {:?}",
+            "{name} {level} N {} {end:?} J {:.10} T {:.8} gap {:.1e} viol {:.1e} it {} err {:.1e} between {:.1e} {:?}",
             interior.spline.intervals(), f.cost, interior.spline.time, f.gap, f.violation,
-            f.iterations - before.iterations, f.factorisations - before.factorisations, f.evaluations - before.evaluations,
+            f.iterations - before.iterations,
             resolution.error() / f.cost, resolution.violation(), started.elapsed()
         );
         if resolution.error() < tolerance * f.cost && resolution.violation() < 1e-4 {
             break;
         }
-        let nodes = resolution.nodes(&interior.spline, tolerance * f.cost, 1e-4);
+        let nodes = resolution.nodes(&interior.spline, tolerance * f.cost);
         interior.move_to(nodes).unwrap();
     }
 }

@@ -5,10 +5,13 @@ mod basis;
 mod ends;
 mod interior;
 mod limits;
+mod metric;
 mod points;
 mod refine;
 mod running;
+mod search;
 mod spline;
+mod step;
 mod system;
 
 #[cfg(test)]

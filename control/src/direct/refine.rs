@@ -2,9 +2,10 @@
 
 use super::basis::{Basis, PLACES, POINTS};
 use super::interior::Interior;
-use super::limits::{Side, measure};
+use super::limits::{Limited, Side, measure};
 use super::points::{PointDynamics, Points};
 use super::spline::Spline;
+use crate::constants::direct as constants;
 use costate::EvalError;
 
 /// Positions on an interval at which limits are checked between points.
@@ -87,7 +88,9 @@ impl Resolution {
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
             let (k, x) = (at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()]);
             let most = &mut self.violations[k];
-            *most = distance.iter().zip(sides).fold(*most, |most, (d, side)| most.max(-d / side.range));
+            // Torques jump: between the points around a jump they are cut to their limits.
+            let kept = distance.iter().zip(sides).filter(|(_, side)| side.limited != Limited::Torque);
+            *most = kept.fold(*most, |most, (d, side)| most.max(-d / side.range));
             // The points before and after this place, and the part of the way between them.
             let right = PLACES.partition_point(|&place| place < x) + 1;
             let place = |j: usize| if j == 0 { 0.0 } else { PLACES.get(j - 1).map_or(1.0, |&place| place) };
@@ -105,14 +108,14 @@ impl Resolution {
         Ok(())
     }
 
-    /// Nodes of a finer mesh: intervals are halved that exceed a limit by more than `allowed`, and those with the
-    /// largest errors, until what is left is below a tenth of the whole or of `tolerance`.
-    pub fn nodes(&self, spline: &Spline, tolerance: f64, allowed: f64) -> Vec<f64> {
+    /// Nodes of a finer mesh: intervals are halved that exceed a limit between points, and those with the
+    /// largest errors, until what is left is a small part of the whole or of `tolerance`.
+    pub fn nodes(&self, spline: &Spline, tolerance: f64) -> Vec<f64> {
         let mut order: Vec<usize> = (0..self.errors.len()).collect();
         order.sort_by(|&a, &b| self.errors[b].total_cmp(&self.errors[a]));
-        let mut halved: Vec<bool> = self.violations.iter().map(|&violation| violation > allowed).collect();
+        let mut halved: Vec<bool> = self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
         let mut rest = self.error();
-        let enough = (0.1 * rest).max(0.1 * tolerance);
+        let enough = constants::LEFT * rest.max(tolerance);
         for k in order {
             if rest <= enough {
                 break;

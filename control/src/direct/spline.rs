@@ -15,14 +15,6 @@ pub(crate) struct Spline {
     pub time: f64,
 }
 
-/// A state of motion: position, rate and acceleration in one slice each.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample<'a> {
-    pub q: &'a [f64],
-    pub v: &'a [f64],
-    pub a: &'a [f64],
-}
-
 impl Spline {
     /// Number of intervals.
     pub fn intervals(&self) -> usize {
