@@ -280,10 +280,16 @@ pub(crate) mod direct {
     pub const VIOLATION_AT_POINTS: f64 = 1e-9;
     /// Largest violation of a position, rate or acceleration between points, in parts of its range.
     pub const VIOLATION_BETWEEN: f64 = 1e-4;
+    /// A motion that exceeds a limit by more than this part of its range does not keep it.
+    pub const VIOLATION_ACCEPTED: f64 = 1e-7;
+    /// A limit is active where the distance to it is within this part of its range.
+    pub const ACTIVE: f64 = 1e-4;
     /// The problem on a mesh is solved to this part of the tolerance.
     pub const PART_OF_TOLERANCE: f64 = 0.1;
     /// Meshes are refined until this part of the estimated error lies in intervals that were not halved.
     pub const LEFT: f64 = 0.1;
     /// Most meshes.
     pub const MESHES: usize = 16;
+    /// Meshes after which a motion that exceeds limits is given up.
+    pub const MESHES_WITHOUT_MOTION: usize = 2;
 }

@@ -109,7 +109,8 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.barrier.measure(&self.points);
         let cost = self.running.cost(&self.spline, &self.points);
-        self.mu = mu.unwrap_or(constants::FIRST_GAP * cost.abs().max(f64::MIN_POSITIVE) / (sides.max(1) as f64));
+        self.mu =
+            mu.unwrap_or(constants::FIRST_GAP * cost.abs().max(f64::MIN_POSITIVE) / (sides.max(1) as f64));
         for p in 0..count {
             let weight = self.spline.point(p).1;
             for i in 0..sides {
@@ -153,10 +154,14 @@ impl<D: PointDynamics> Interior<D> {
                 let density = (1.0 - part) * density(right - 1, a.1) + part * density(right, b.1);
                 let distance = self.barrier.distance[at];
                 let most = distance.max(constants::FIRST_SLACK * side.range);
-                let slack = distance.max(constants::LEAST_SLACK * side.range).max(mu / density.max(f64::MIN_POSITIVE)).min(most);
+                let slack = distance
+                    .max(constants::LEAST_SLACK * side.range)
+                    .max(mu / density.max(f64::MIN_POSITIVE))
+                    .min(most);
                 let central = mu / slack;
                 self.barrier.slack[at] = slack;
-                self.barrier.multiplier[at] = weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
+                self.barrier.multiplier[at] =
+                    weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
             }
         }
         self.measure_figures();
@@ -203,6 +208,12 @@ impl<D: PointDynamics> Interior<D> {
         -self.mu * on.map(|(at, slack)| spline.point(at / sides).1 * slack.ln()).sum::<f64>()
     }
 
+    /// Weights and derivatives at the points of this iterate.
+    pub fn refresh(&mut self) -> Result<(), EvalError> {
+        System::weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
+        self.dynamics.contract(&mut self.points)
+    }
+
     /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with the
     /// part of the step that led to it, and may stop it.
     pub fn iterate(
@@ -213,8 +224,7 @@ impl<D: PointDynamics> Interior<D> {
     ) -> Result<End, EvalError> {
         for _ in 0..most {
             self.figures.iterations += 1;
-            System::weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
-            self.dynamics.contract(&mut self.points)?;
+            self.refresh()?;
             self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
             let (mut damping, mut taken) = (0.0, None);

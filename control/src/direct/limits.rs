@@ -29,7 +29,10 @@ impl Side {
         let range = if (upper - lower).is_finite() {
             upper - lower
         } else {
-            [lower, upper].into_iter().filter(|bound| bound.is_finite()).fold(1.0, |range: f64, b| range.max(b.abs()))
+            [lower, upper]
+                .into_iter()
+                .filter(|bound| bound.is_finite())
+                .fold(1.0, |range: f64, b| range.max(b.abs()))
         };
         [(1.0, lower), (-1.0, upper)]
             .into_iter()

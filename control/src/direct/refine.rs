@@ -33,6 +33,11 @@ impl Resolution {
         self.violations.iter().fold(0.0, |most, &violation| most.max(violation))
     }
 
+    /// Distances to all limits between the points, all sides of one place after the other.
+    pub fn distances(&self) -> &[f64] {
+        &self.distance
+    }
+
     /// Measures a solved motion.
     pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let intervals = interior.spline.intervals();
@@ -113,7 +118,8 @@ impl Resolution {
     pub fn nodes(&self, spline: &Spline, tolerance: f64) -> Vec<f64> {
         let mut order: Vec<usize> = (0..self.errors.len()).collect();
         order.sort_by(|&a, &b| self.errors[b].total_cmp(&self.errors[a]));
-        let mut halved: Vec<bool> = self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
+        let mut halved: Vec<bool> =
+            self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
         let mut rest = self.error();
         let enough = constants::LEFT * rest.max(tolerance);
         for k in order {

@@ -20,10 +20,12 @@ impl<D: PointDynamics> Interior<D> {
         slope += self.system.time_gradient[0] * dt;
         let sides = self.barrier.sides.len();
         for at in 0..self.barrier.slack.len() {
-            let (s, eta, d) = (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
+            let (s, eta, d) =
+                (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
             if s.is_finite() {
                 let change = self.changes[0][at] + mu * self.changes[1][at];
-                slope += eta * (1.0 - d / s) * change - mu * self.spline.point(at / sides).1 * self.trial.slack_step[at] / s;
+                slope += eta * (1.0 - d / s) * change
+                    - mu * self.spline.point(at / sides).1 * self.trial.slack_step[at] / s;
             }
         }
         let theta = self.infeasibility(&self.spline, &self.barrier.distance, &self.barrier.slack);
@@ -38,12 +40,15 @@ impl<D: PointDynamics> Interior<D> {
             let rounding = constants::ROUNDING * value.abs();
             let feasible = theta <= constants::FEASIBLE;
             let fine = if feasible && slope < 0.0 {
-                new_value <= value + constants::ARMIJO * alpha * slope + rounding && new_theta <= constants::STAYS_FEASIBLE
+                new_value <= value + constants::ARMIJO * alpha * slope + rounding
+                    && new_theta <= constants::STAYS_FEASIBLE
             } else {
                 new_theta <= (1.0 - constants::DECREASE) * theta
                     || new_value <= value - constants::DECREASE * theta + rounding
             };
-            let sane = trial.spline.time > 0.0 && cost.is_finite() && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
+            let sane = trial.spline.time > 0.0
+                && cost.is_finite()
+                && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
             if fine && sane {
                 self.take(dual);
                 return Ok(Some(alpha));

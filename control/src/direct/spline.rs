@@ -62,12 +62,6 @@ impl Spline {
         self.scale(z);
     }
 
-    /// q, v, a at s, 3n numbers.
-    pub fn sample(&self, s: f64, z: &mut [f64]) {
-        let k = self.nodes.partition_point(|&node| node <= s).clamp(1, self.intervals()) - 1;
-        self.in_interval(k, (s - self.nodes[k]) / self.width(k), z);
-    }
-
     /// Derivatives in s become derivatives in time.
     fn scale(&self, z: &mut [f64]) {
         let (rate, n) = (1.0 / self.time, self.dof);
@@ -110,17 +104,21 @@ mod tests {
         let spline = Spline { dof: 2, nodes, unknowns, time: 1.7 };
         let finer = spline.on_nodes(vec![0.0, 0.1, 0.3, 0.35, 0.4, 0.9, 1.0]);
         let (mut found, mut expected) = ([0.0; 6], [0.0; 6]);
+        let sample = |spline: &Spline, s: f64, z: &mut [f64]| {
+            let k = spline.nodes.partition_point(|&node| node <= s).clamp(1, spline.intervals()) - 1;
+            spline.in_interval(k, (s - spline.nodes[k]) / spline.width(k), z);
+        };
         for i in 0..=50 {
             let s = f64::from(i) / 50.0;
-            finer.sample(s, &mut found);
-            spline.sample(s, &mut expected);
+            sample(&finer, s, &mut found);
+            sample(&spline, s, &mut expected);
             assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11), "{s}");
         }
         let mut z = vec![0.0; 6 * spline.points()];
         spline.evaluate(&mut z);
         for p in 0..spline.points() {
             let (s, _) = spline.point(p);
-            spline.sample(s, &mut expected);
+            sample(&spline, s, &mut expected);
             assert!(z[6 * p..6 * p + 6].iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12));
         }
         assert!(((0..spline.points()).map(|p| spline.point(p).1).sum::<f64>() - 1.0).abs() < 1e-15);

@@ -36,7 +36,12 @@ impl<D: PointDynamics> Interior<D> {
                 if j == 0 {
                     dz.copy_from_slice(&step[..block]);
                 } else {
-                    combine(&Basis::at(PLACES[j - 1], self.spline.width(k)), n, &step[..COEFFICIENTS * n], &mut dz);
+                    combine(
+                        &Basis::at(PLACES[j - 1], self.spline.width(k)),
+                        n,
+                        &step[..COEFFICIENTS * n],
+                        &mut dz,
+                    );
                 }
                 let (z, rate) = (self.points.z(p), 1.0 / self.spline.time);
                 for i in 0..n {
@@ -44,7 +49,9 @@ impl<D: PointDynamics> Interior<D> {
                     dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
                 }
                 let tau_z = self.points.tau_z(p);
-                for (change, side) in self.changes[part][sides * p..][..sides].iter_mut().zip(&self.barrier.sides) {
+                for (change, side) in
+                    self.changes[part][sides * p..][..sides].iter_mut().zip(&self.barrier.sides)
+                {
                     let value = if side.limited == Limited::Torque {
                         let row = &tau_z[3 * n * side.joint..][..3 * n];
                         row.iter().zip(&dz).map(|(a, b)| a * b).sum()
@@ -66,7 +73,8 @@ impl<D: PointDynamics> Interior<D> {
         let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
         let keep = 1.0 - constants::BOUNDARY;
         for at in 0..count {
-            let (s, eta, d) = (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
+            let (s, eta, d) =
+                (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
             if s.is_infinite() {
                 continue;
             }
@@ -99,7 +107,8 @@ impl<D: PointDynamics> Interior<D> {
         for at in 0..self.barrier.slack.len() {
             let (s, eta) = (self.barrier.slack[at], self.barrier.multiplier[at]);
             if s.is_finite() {
-                left += (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
+                left +=
+                    (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
             }
         }
         let part = (left / gap).clamp(0.0, 1.0);

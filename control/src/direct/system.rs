@@ -122,7 +122,14 @@ impl System {
         self.fix(ends, spline);
     }
 
-    fn add_point(&mut self, p: usize, spline: &Spline, points: &Points, barrier: &Barrier, running: &mut Running) {
+    fn add_point(
+        &mut self,
+        p: usize,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+    ) {
         let (n, time) = (points.dof, spline.time);
         let (_, weight) = spline.point(p);
         let (z, tau, tau_z) = (points.z(p), points.tau(p), points.tau_z(p));
@@ -148,7 +155,8 @@ impl System {
         at_zero.copy_from_slice(gradient);
         let sides = barrier.sides.len() * p;
         for (i, side) in barrier.sides.iter().enumerate() {
-            let (s, eta, d) = (barrier.slack[sides + i], barrier.multiplier[sides + i], barrier.distance[sides + i]);
+            let (s, eta, d) =
+                (barrier.slack[sides + i], barrier.multiplier[sides + i], barrier.distance[sides + i]);
             if s.is_infinite() {
                 continue;
             }
@@ -178,7 +186,8 @@ impl System {
             let (v, a) = (z[n + i], z[2 * n + i]);
             (work.z_t[i], work.z_t[n + i], work.z_t[2 * n + i]) = (0.0, -inverse * v, -2.0 * inverse * a);
             let square = inverse * inverse;
-            (work.z_tt[i], work.z_tt[n + i], work.z_tt[2 * n + i]) = (0.0, 2.0 * square * v, 6.0 * square * a);
+            (work.z_tt[i], work.z_tt[n + i], work.z_tt[2 * n + i]) =
+                (0.0, 2.0 * square * v, 6.0 * square * a);
         }
         let [gradient, at_zero, of_mu, slope] = &mut work.z;
         self.time_gradient[0] += weight * cost + dot(at_zero, &work.z_t);
@@ -218,7 +227,10 @@ impl System {
             for (i, tangent) in fixed.iter().enumerate() {
                 if tangent.is_some() {
                     remove(&mut self.matrix, k, i, block);
-                    self.gradient.iter_mut().chain([&mut self.border]).for_each(|vector| vector[block * k + i] = 0.0);
+                    self.gradient
+                        .iter_mut()
+                        .chain([&mut self.border])
+                        .for_each(|vector| vector[block * k + i] = 0.0);
                 }
             }
         }
@@ -309,7 +321,9 @@ pub(super) fn scaled(basis: &Basis, scales: [f64; 3]) -> [[f64; COEFFICIENTS]; 3
 /// Adds the Hessian of a node to its diagonal block.
 pub(super) fn add_node(matrix: &mut BlockTridiagonal, k: usize, n: usize, hessian: &[f64], scales: [f64; 3]) {
     let width = 3 * n;
-    for (i, (to, from)) in matrix.block_row(k).chunks_exact_mut(2 * width).zip(hessian.chunks_exact(width)).enumerate() {
+    for (i, (to, from)) in
+        matrix.block_row(k).chunks_exact_mut(2 * width).zip(hessian.chunks_exact(width)).enumerate()
+    {
         for j in i..width {
             to[j] += scales[i / n] * scales[j / n] * from[j];
         }

@@ -54,6 +54,7 @@ impl Problem {
         if let Some(penalty) = &self.penalty {
             self.check_penalty(penalty)?;
         }
+        self.check_limit_lists()?;
         Ok(CheckedProblem { problem: self })
     }
 
@@ -131,7 +132,7 @@ impl Problem {
     }
 
     /// One number per joint, possibly infinite.
-    fn numbers(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+    pub(super) fn numbers(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
         self.length(key, values)?;
         match values.iter().position(|value| value.is_nan()) {
             Some(joint) => Err(ProblemError::NotANumber { key, joint: self.name(joint) }),
@@ -161,7 +162,7 @@ impl Problem {
         ProblemError::UnknownJoint { key, joint, joints }
     }
 
-    fn name(&self, joint: usize) -> String {
+    pub(super) fn name(&self, joint: usize) -> String {
         self.robot.joints()[self.robot.independent_indices()[joint]].name.clone()
     }
 }

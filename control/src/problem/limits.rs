@@ -49,6 +49,12 @@ impl MotionLimits {
         Self { from_robot: false, ..Self::default() }
     }
 
+    /// Whether any limit is given beside those of the robot.
+    pub fn any_given(&self) -> bool {
+        let Self { q_min, q_max, v_max, a_max, torque_max, .. } = self;
+        [q_min, q_max, v_max, a_max, torque_max].into_iter().any(Option::is_some)
+    }
+
     /// With these lower limits of q (rad, m).
     #[must_use]
     pub fn with_q_min(self, q_min: Vec<f64>) -> Self {
@@ -114,8 +120,8 @@ impl Problem {
         limits.collect()
     }
 
-    /// Limits are numbers with something between them, and the given ends lie between them.
-    pub(super) fn check_limits(&self) -> Result<(), ProblemError> {
+    /// Limits are numbers; those of magnitudes are positive.
+    pub(super) fn check_limit_lists(&self) -> Result<(), ProblemError> {
         let MotionLimits { q_min, q_max, v_max, a_max, torque_max, .. } = &self.limits;
         let lists = [
             (Key::LIMIT_Q_MIN, q_min),
@@ -132,16 +138,21 @@ impl Problem {
                 return Err(ProblemError::NoRoom { key, joint: self.name(j), value: list[j] });
             }
         }
+        Ok(())
+    }
+
+    /// Whether there is something between the limits, those of the robot included, and the given ends lie there.
+    ///
+    /// # Errors
+    /// [`ProblemError::EmptyLimits`], [`ProblemError::OutsideLimits`], with the joint.
+    pub fn check_limits(&self) -> Result<(), ProblemError> {
         for (j, limits) in self.joint_limits().iter().enumerate() {
             for (key, [low, high]) in [(Key::LIMIT_Q_MIN, limits.q), (Key::LIMIT_TORQUE_MAX, limits.torque)] {
                 if low >= high {
                     return Err(ProblemError::EmptyLimits { key, joint: self.name(j), low, high });
                 }
             }
-            let ends = [
-                (&self.start, Key::START_Q, Key::START_V),
-                (&self.end, Key::END_Q, Key::END_V),
-            ];
+            let ends = [(&self.start, Key::START_Q, Key::START_V), (&self.end, Key::END_Q, Key::END_V)];
             for (end, key_q, key_v) in ends {
                 let values = [
                     (key_q, end.q[j], limits.q, end.q_free.contains(&j)),
@@ -149,7 +160,13 @@ impl Problem {
                 ];
                 for (key, value, [low, high], free) in values {
                     if !free && !(low..=high).contains(&value) {
-                        return Err(ProblemError::OutsideLimits { key, joint: self.name(j), value, low, high });
+                        return Err(ProblemError::OutsideLimits {
+                            key,
+                            joint: self.name(j),
+                            value,
+                            low,
+                            high,
+                        });
                     }
                 }
             }

@@ -8,8 +8,9 @@ mod tables;
 
 pub use error::{ProblemFileCause, ProblemFileError};
 
-use crate::options::SolverOptions;
+use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
+use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Document, Fault, MOST_BYTES};
 use crate::problem::key::Key;
 use costate::robot::LoadOptions;
@@ -88,6 +89,11 @@ impl ProblemFile {
         let problem = tables.problem(robot).map_err(in_document)?;
         problem.check().map_err(in_document)?;
         tables.options.check().map_err(in_document)?;
+        if tables.options.method == Method::Direct {
+            problem.check_limits().map_err(in_document)?;
+        } else if problem.limits.any_given() {
+            return Err(in_document(ProblemError::LimitsNeedDirect));
+        }
         Ok(Self {
             problem,
             options: tables.options,

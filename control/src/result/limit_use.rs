@@ -1,0 +1,67 @@
+//! How a motion uses its hard limits.
+
+use serde::{Deserialize, Serialize};
+
+/// How a motion uses its hard limits, by what is limited; `None` where nothing is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[non_exhaustive]
+pub struct LimitReport {
+    /// q (rad, m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<LimitUse>,
+    /// v (rad/s, m/s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate: Option<LimitUse>,
+    /// a (rad/s^2, m/s^2).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<LimitUse>,
+    /// tau (N m, N).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque: Option<LimitUse>,
+}
+
+/// How a motion uses the limits of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LimitUse {
+    /// Largest violation at the points of the motion, in the unit of the limit.
+    pub at_points: f64,
+    /// Largest violation between them. For torques it is that of the torques which the polynomial would need
+    /// around a jump; those of the trajectory are cut to their limits.
+    pub between: f64,
+    /// Where the motion is at a limit: within 1e-4 of the distance between lower and upper limit.
+    pub active: Vec<ActiveLimit>,
+}
+
+/// A span of time in which a joint is at a limit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct ActiveLimit {
+    /// Name of the joint.
+    pub joint: String,
+    /// "min" or "max".
+    pub side: String,
+    /// Start (s).
+    pub from: f64,
+    /// End (s).
+    pub to: f64,
+}
+
+impl LimitReport {
+    /// Whether nothing is limited.
+    pub fn is_empty(&self) -> bool {
+        self.kinds().all(|(_, usage)| usage.is_none())
+    }
+
+    /// Name and use of each kind.
+    pub fn kinds(&self) -> impl Iterator<Item = (&'static str, Option<&LimitUse>)> {
+        let kinds = [
+            ("position", &self.position),
+            ("rate", &self.rate),
+            ("acceleration", &self.acceleration),
+            ("torque", &self.torque),
+        ];
+        kinds.into_iter().map(|(name, usage)| (name, usage.as_ref()))
+    }
+}
