@@ -235,11 +235,11 @@ pub(crate) mod direct {
     /// Slacks and multipliers keep at least this part of themselves in a step.
     pub const BOUNDARY: f64 = 0.005;
     /// First damping where the matrix is not positive definite or no step is accepted.
-    pub const DAMPING: f64 = 1e-3;
+    pub const DAMPING: f64 = 1e-6;
     /// Factor from one damping to the next larger one.
-    pub const DAMPING_UP: f64 = 8.0;
+    pub const DAMPING_UP: f64 = 10.0;
     /// Factor from the damping of one step to the first one of the next.
-    pub const DAMPING_DOWN: f64 = 0.25;
+    pub const DAMPING_DOWN: f64 = 0.1;
     /// With more damping than this there is no progress.
     pub const MOST_DAMPING: f64 = 1e10;
     /// Shortest part of a step that is tried before the damping rises.

@@ -1,7 +1,7 @@
 //! A primal-dual interior-point method for motions with hard limits.
 
 use super::ends::Ends;
-use super::limits::{Barrier, Side};
+use super::limits::{Barrier, Limited, Side};
 use super::metric::fill_metric;
 use super::points::{PointDynamics, Points};
 use super::running::Running;
@@ -168,11 +168,16 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
-    /// Weight of a squared error of a torque in the cost: the effort, or for least time the cost of a second
-    /// over the square of the range of the torque.
-    pub fn weight_of_torque(&self, joint: usize) -> f64 {
+    /// Weight of a squared change of a torque in the metric of damping: the effort; without it the cost of a
+    /// second over the square of the range of the torque.
+    fn metric_weight(&self, joint: usize) -> f64 {
         let effort = self.running.effort[joint];
-        effort
+        if effort > 0.0 {
+            return effort;
+        }
+        let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
+        let range = self.barrier.sides.iter().find(own).map_or(1.0, |side| side.range);
+        (self.figures.cost.abs() / self.spline.time).max(f64::MIN_POSITIVE) / (range * range)
     }
 
     pub(super) fn measure_figures(&mut self) {
@@ -261,8 +266,9 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
-        let (spline, points, running, ends) = (&self.spline, &self.points, &self.running, &self.ends);
-        let metric = |matrix: &mut BlockTridiagonal| fill_metric(matrix, spline, points, running, ends);
+        let weights: Vec<f64> = (0..self.spline.dof).map(|joint| self.metric_weight(joint)).collect();
+        let (spline, points, ends) = (&self.spline, &self.points, &self.ends);
+        let metric = |matrix: &mut BlockTridiagonal| fill_metric(matrix, spline, points, &weights, ends);
         self.system.factorise(damping, ends.free_time, metric).is_ok()
     }
 }

@@ -3,31 +3,29 @@
 use super::basis::{Basis, PLACES, POINTS};
 use super::ends::Ends;
 use super::points::Points;
-use super::running::Running;
 use super::spline::Spline;
 use super::system::{add_inner, add_node, remove, scaled};
 use crate::numerics::block_tridiagonal::BlockTridiagonal;
 
-/// Adds `sum w T (M da)' R (M da)`, R = 1 where no torque has a weight, to a matrix of zeros.
+/// Adds `sum w T (M da)' R (M da)` to a matrix of zeros; R is diagonal, `weights`.
 pub(super) fn fill_metric(
     matrix: &mut BlockTridiagonal,
     spline: &Spline,
     points: &Points,
-    running: &Running,
+    weights: &[f64],
     ends: &Ends,
 ) {
     let (n, width) = (spline.dof, 3 * spline.dof);
     let scales = [1.0, 1.0 / spline.time, 1.0 / (spline.time * spline.time)];
     let mut hessian = vec![0.0; width * width];
     let mut product = vec![0.0; 2 * width * width];
-    let any = running.effort.iter().any(|&r| r > 0.0);
     for p in 0..points.count() {
         let weight = spline.point(p).1 * spline.time;
         let tau_z = points.tau_z(p);
         for i in 0..n {
             for j in 0..n {
                 let entries = (0..n).map(|l| {
-                    let r = if any { running.effort[l] } else { 1.0 };
+                    let r = weights[l];
                     r * tau_z[width * l + 2 * n + i] * tau_z[width * l + 2 * n + j]
                 });
                 hessian[width * (2 * n + i) + 2 * n + j] = weight * entries.sum::<f64>();

@@ -69,7 +69,7 @@ impl Resolution {
                     let row = &tau_z[3 * n * i + 2 * n..3 * n * (i + 1)];
                     let jump: f64 = (0..n).map(|j| row[j] * (right[j] - left[j])).sum();
                     let torque = h * jump * rate * rate / 8.0;
-                    cost += 0.5 * interior.weight_of_torque(i) * torque * torque;
+                    cost += 0.5 * interior.running.effort[i] * torque * torque;
                 }
                 self.errors[side] += spline.time * h * cost;
             }
