@@ -248,6 +248,8 @@ pub(crate) mod direct {
     pub const FIRST_SLACK: f64 = 0.05;
     /// The same on a finer mesh.
     pub const LEAST_SLACK: f64 = 1e-5;
+    /// Costs are not resolved below that of a motion by so much (rad, m).
+    pub const SMALL_MOTION: f64 = 1e-3;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 0.1;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong corner.
@@ -278,7 +280,7 @@ pub(crate) mod direct {
     pub const MOST_INCREASE: f64 = 10.0;
     /// Largest violation of a limit at a point, in parts of its range.
     pub const VIOLATION_AT_POINTS: f64 = 1e-9;
-    /// Largest violation of a position, rate or acceleration between points, in parts of its range.
+    /// Largest violation of a position or rate between points, in parts of its range.
     pub const VIOLATION_BETWEEN: f64 = 1e-4;
     /// A motion that exceeds a limit by more than this part of its range does not keep it.
     pub const VIOLATION_ACCEPTED: f64 = 1e-7;

@@ -48,14 +48,8 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`ProblemError`]: the first key of the problem or option that is out of range.
     pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
-        let problem = problem.check()?;
+        let problem = problem.check_for(options.method)?;
         options.check()?;
-        if options.method != Method::Direct && problem.limits.any_given() {
-            return Err(ProblemError::LimitsNeedDirect);
-        }
-        if options.method == Method::Direct {
-            problem.check_limits()?;
-        }
         Ok(Self { problem, options, start: None, listener: None, cancel: None })
     }
 

@@ -26,6 +26,8 @@ pub(crate) enum End {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Figures {
     pub cost: f64,
+    /// Size of the cost, for tolerances: no less than that of a small motion.
+    pub size: f64,
     /// Sum of slack times multiplier.
     pub gap: f64,
     /// Largest violation of a limit, in parts of its range.
@@ -44,6 +46,8 @@ pub(crate) struct Interior<D> {
     pub ends: Ends,
     pub dynamics: D,
     pub figures: Figures,
+    /// Least size of the cost.
+    least_size: f64,
     pub(super) system: System,
     pub(super) damping: f64,
     pub(super) mu: f64,
@@ -76,6 +80,7 @@ impl<D: PointDynamics> Interior<D> {
             ends,
             dynamics,
             figures: Figures::default(),
+            least_size: 0.0,
             system: System::new(n),
             damping: 0.0,
             mu: 0.0,
@@ -102,15 +107,18 @@ impl<D: PointDynamics> Interior<D> {
         let (n, count) = (self.spline.dof, self.spline.points());
         self.points.resize(n, count);
         self.spline.evaluate(&mut self.points.z);
+        if self.least_size == 0.0 {
+            self.dynamics.contract(&mut self.points)?;
+            self.least_size = self.small_cost();
+        }
         self.dynamics.evaluate(&mut self.points)?;
         let sides = self.barrier.sides.len();
         for vector in [&mut self.barrier.slack, &mut self.barrier.multiplier, &mut self.barrier.distance] {
             vector.resize(sides * count, 0.0);
         }
         self.barrier.measure(&self.points);
-        let cost = self.running.cost(&self.spline, &self.points);
-        self.mu =
-            mu.unwrap_or(constants::FIRST_GAP * cost.abs().max(f64::MIN_POSITIVE) / (sides.max(1) as f64));
+        self.measure_cost();
+        self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / (sides.max(1) as f64));
         for p in 0..count {
             let weight = self.spline.point(p).1;
             for i in 0..sides {
@@ -136,7 +144,7 @@ impl<D: PointDynamics> Interior<D> {
         let old: Vec<(f64, f64)> = (0..self.spline.points()).map(|p| self.spline.point(p)).collect();
         let multipliers = std::mem::take(&mut self.barrier.multiplier);
         let sides_or_one = sides.max(1) as f64;
-        let mu = self.figures.gap.max(constants::WARM * self.figures.cost.abs()) / sides_or_one;
+        let mu = self.figures.gap.max(constants::WARM * self.figures.size) / sides_or_one;
         self.spline = self.spline.on_nodes(nodes);
         self.start(Some(mu))?;
         for p in 0..self.spline.points() {
@@ -177,11 +185,29 @@ impl<D: PointDynamics> Interior<D> {
         }
         let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
         let range = self.barrier.sides.iter().find(own).map_or(1.0, |side| side.range);
-        (self.figures.cost.abs() / self.spline.time).max(f64::MIN_POSITIVE) / (range * range)
+        self.figures.size / self.spline.time / (range * range)
+    }
+
+    /// Cost of the efforts that move each joint alone by [`constants::SMALL_MOTION`] in it: M_ii
+    /// times that motion over the squared time.
+    fn small_cost(&self) -> f64 {
+        let (n, time) = (self.spline.dof, self.spline.time);
+        let tau_z = self.points.tau_z(0);
+        let effort = |(i, r): (usize, &f64)| {
+            let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
+            0.5 * r * torque * torque
+        };
+        let efforts: f64 = self.running.effort.iter().enumerate().map(effort).sum();
+        (time * efforts).max(f64::MIN_POSITIVE.sqrt())
+    }
+
+    fn measure_cost(&mut self) {
+        self.figures.cost = self.running.cost(&self.spline, &self.points);
+        self.figures.size = self.figures.cost.abs().max(self.least_size);
     }
 
     pub(super) fn measure_figures(&mut self) {
-        self.figures.cost = self.running.cost(&self.spline, &self.points);
+        self.measure_cost();
         self.figures.gap = self.barrier.complementarity();
         self.figures.violation = self.violation();
     }
@@ -260,8 +286,8 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Whether the next step would change next to nothing, and the limits are kept at all points.
     fn is_solved(&self, tolerance: f64) -> bool {
-        let Figures { cost, gap, violation, decrement, .. } = self.figures;
-        let scale = tolerance * cost.abs();
+        let Figures { size, gap, violation, decrement, .. } = self.figures;
+        let scale = tolerance * size;
         decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
     }
 

@@ -93,8 +93,8 @@ impl Resolution {
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
             let (k, x) = (at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()]);
             let most = &mut self.violations[k];
-            // Torques jump: between the points around a jump they are cut to their limits.
-            let kept = distance.iter().zip(sides).filter(|(_, side)| side.limited != Limited::Torque);
+            // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
+            let kept = distance.iter().zip(sides).filter(|(_, side)| side.limited < Limited::Acceleration);
             *most = kept.fold(*most, |most, (d, side)| most.max(-d / side.range));
             // The points before and after this place, and the part of the way between them.
             let right = PLACES.partition_point(|&place| place < x) + 1;

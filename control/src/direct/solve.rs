@@ -52,7 +52,6 @@ impl Direct<'_> {
             let motion = &solution.motion;
             starts.push(StartResult { total: motion.total(), status: motion.status.clone() });
             steps += solution.newton_iterations;
-            let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
             if best.as_ref().is_none_or(|best| rank(motion) < rank(&best.motion)) {
                 best = Some(solution);
             }
@@ -62,6 +61,7 @@ impl Direct<'_> {
         Solution { newton_iterations: steps, starts, options: self.options.clone(), ..best }
     }
 
+    /// One start.
     fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let disturbance = Disturbance::draw(problem, self.options.seed, number);
@@ -85,6 +85,11 @@ impl Direct<'_> {
     ) -> Result<(Status, f64), EvalError> {
         let tolerance = self.options.tolerance;
         interior.start(None)?;
+        if let Some(interruption) = recorder.interruption() {
+            interior.refresh()?;
+            resolution.measure(interior)?;
+            return Ok((interruption.into(), f64::INFINITY));
+        }
         let (mut status, mut last) = (Status::MeshLimit, f64::INFINITY);
         for mesh in 0..constants::MESHES {
             let first = interior.figures.iterations;
@@ -94,7 +99,7 @@ impl Direct<'_> {
                     phase: Phase::Direct,
                     nodes: iterate.spline.points(),
                     number: figures.iterations - first,
-                    residual: (figures.gap.max(figures.decrement.abs()) / figures.cost.abs())
+                    residual: (figures.gap.max(figures.decrement.abs()) / figures.size)
                         .max(figures.violation),
                     step,
                     final_time: iterate.spline.time,
@@ -109,7 +114,7 @@ impl Direct<'_> {
             )?;
             resolution.measure(interior)?;
             let figures = interior.figures;
-            let error = (resolution.error() + figures.gap) / figures.cost.abs();
+            let error = (resolution.error() + figures.gap) / figures.size;
             let violated = figures.violation > constants::VIOLATION_ACCEPTED;
             let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
             status = match end {
@@ -129,7 +134,7 @@ impl Direct<'_> {
             let enough = if accurate { error.min(tolerance) * constants::LEFT } else { tolerance };
             let nodes = match violated {
                 true => halved(&interior.spline.nodes),
-                false => resolution.nodes(&interior.spline, enough * figures.cost.abs()),
+                false => resolution.nodes(&interior.spline, enough * figures.size),
             };
             last = error;
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
@@ -209,6 +214,11 @@ struct Again {
     defect: f64,
     /// Largest distance from the end of the motion, in parts of the largest values along it.
     relative: f64,
+}
+
+/// Solved motions come first, then those that keep the limits; among them the cheapest one.
+fn rank(motion: &Motion) -> (bool, bool, f64) {
+    (!motion.status.is_solved(), motion.status == Status::LimitsNotKept, motion.total())
 }
 
 /// All intervals in two.

@@ -114,7 +114,7 @@ impl<D: PointDynamics> Interior<D> {
         let part = (left / gap).clamp(0.0, 1.0);
         self.mu = now;
         // No smaller than the tolerance needs, nor than the distance from stationary points allows.
-        let floor = constants::LEAST_GAP * tolerance * self.figures.cost.abs() / active;
+        let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;
         let centre = constants::CENTRING * self.decrement().abs() / active;
         self.mu = (now * (part * part * part).max(constants::MOST_DECREASE))
             .max(floor)

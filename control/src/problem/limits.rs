@@ -145,7 +145,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`ProblemError::EmptyLimits`], [`ProblemError::OutsideLimits`], with the joint.
-    pub fn check_limits(&self) -> Result<(), ProblemError> {
+    pub(super) fn check_limits(&self) -> Result<(), ProblemError> {
         for (j, limits) in self.joint_limits().iter().enumerate() {
             for (key, [low, high]) in [(Key::LIMIT_Q_MIN, limits.q), (Key::LIMIT_TORQUE_MAX, limits.torque)] {
                 if low >= high {

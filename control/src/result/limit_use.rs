@@ -27,8 +27,9 @@ pub struct LimitReport {
 pub struct LimitUse {
     /// Largest violation at the points of the motion, in the unit of the limit.
     pub at_points: f64,
-    /// Largest violation between them. For torques it is that of the torques which the polynomial would need
-    /// around a jump; those of the trajectory are cut to their limits.
+    /// Largest violation between them. Accelerations are continuous: where the limit makes them jump they overshoot
+    /// by some percent inside of one interval, the shorter the finer the mesh. Torques there are cut to their limits
+    /// in the trajectory; this is how much more the polynomial would need.
     pub between: f64,
     /// Where the motion is at a limit: within 1e-4 of the distance between lower and upper limit.
     pub active: Vec<ActiveLimit>,

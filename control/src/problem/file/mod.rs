@@ -8,9 +8,8 @@ mod tables;
 
 pub use error::{ProblemFileCause, ProblemFileError};
 
-use crate::options::{Method, SolverOptions};
+use crate::options::SolverOptions;
 use crate::problem::Problem;
-use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Document, Fault, MOST_BYTES};
 use crate::problem::key::Key;
 use costate::robot::LoadOptions;
@@ -87,13 +86,8 @@ impl ProblemFile {
         let robot = tables.robot.load(&root, &robot_path, load)?;
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
-        problem.check().map_err(in_document)?;
+        problem.check_for(tables.options.method).map_err(in_document)?;
         tables.options.check().map_err(in_document)?;
-        if tables.options.method == Method::Direct {
-            problem.check_limits().map_err(in_document)?;
-        } else if problem.limits.any_given() {
-            return Err(in_document(ProblemError::LimitsNeedDirect));
-        }
         Ok(Self {
             problem,
             options: tables.options,
