@@ -3,6 +3,7 @@
 use super::ends::Ends;
 use super::limits::{Barrier, Limited, Side};
 use super::metric::fill_metric;
+use super::point_terms::weigh;
 use super::points::{PointDynamics, Points};
 use super::running::Running;
 use super::spline::Spline;
@@ -241,7 +242,7 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Weights and derivatives at the points of this iterate.
     pub fn refresh(&mut self) -> Result<(), EvalError> {
-        System::weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
+        weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
         self.dynamics.contract(&mut self.points)
     }
 

@@ -3,8 +3,8 @@
 use super::basis::{Basis, PLACES, POINTS};
 use super::ends::Ends;
 use super::points::Points;
+use super::scatter::{add_inner, add_node, remove, scaled};
 use super::spline::Spline;
-use super::system::{add_inner, add_node, remove, scaled};
 use crate::numerics::block_tridiagonal::BlockTridiagonal;
 
 /// Adds `sum w T (M da)' R (M da)` to a matrix of zeros; R is diagonal, `weights`.

@@ -165,7 +165,7 @@ fn limits_of_accelerations_and_torques() {
         (limits.with_torque_max(vec![4.0]).with_v_max(vec![1.0]), 1.25),
     ] {
         let solution = time(limits.clone()).unwrap();
-        println!("{:?}", solution.limits);
+
         assert_eq!(solution.motion.status, Status::Converged, "{limits:?}");
         assert!(
             (solution.motion.final_time - value).abs() < 3e-6,
