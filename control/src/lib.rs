@@ -64,7 +64,7 @@ pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
 pub use progress::{Cancel, Iteration, Phase};
-pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse};
+pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};

@@ -3,9 +3,9 @@
 use super::interior::Interior;
 use super::limits::{Limited, Side};
 use super::refine::Resolution;
-use crate::constants::direct::ACTIVE;
+use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::problem::Problem;
-use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse};
+use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 use crate::result::solution::RobotNames;
 
 /// The use of all limits, from distances at and between the points.
@@ -34,11 +34,22 @@ fn usage<D>(
             distances.iter().skip(i).step_by(sides.len()).fold(0.0_f64, |most, d| most.max(-d))
         };
         // The given ends are within the limits; the problem was checked.
-        let on = |at: usize| interior.barrier.slack[at].is_finite();
-        let at_points = interior.barrier.distance.iter().enumerate().filter(|&(at, _)| on(at));
-        let at_points: Vec<f64> =
-            at_points.filter(|(at, _)| at % sides.len() == i).map(|(_, d)| *d).collect();
-        usage.at_points = at_points.iter().fold(usage.at_points, |most, d| most.max(-d));
+        for p in 0..interior.spline.points() {
+            let at = sides.len() * p + i;
+            let distance = interior.barrier.distance[at];
+            if interior.barrier.slack[at].is_infinite() || -distance <= usage.at_points {
+                continue;
+            }
+            usage.at_points = -distance;
+            if -distance > VIOLATION_ACCEPTED * side.range {
+                usage.worst = Some(LimitViolation {
+                    joint: names[side.joint].clone(),
+                    time: interior.spline.point(p).0 * interior.spline.time,
+                    value: side.bound + side.sign * distance,
+                    limit: side.bound,
+                });
+            }
+        }
         usage.between = usage.between.max(largest(resolution.distances()));
         usage.active.extend(spans(interior, i, side, &names[side.joint]));
     }

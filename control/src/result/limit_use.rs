@@ -31,8 +31,26 @@ pub struct LimitUse {
     /// by some percent inside of one interval, the shorter the finer the mesh. Torques there are cut to their limits
     /// in the trajectory; this is how much more the polynomial would need.
     pub between: f64,
+    /// The largest violation at the points, if there is any beyond rounding: 1e-7 of the distance between lower and
+    /// upper limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst: Option<LimitViolation>,
     /// Where the motion is at a limit: within 1e-4 of the distance between lower and upper limit.
     pub active: Vec<ActiveLimit>,
+}
+
+/// Where a limit is exceeded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LimitViolation {
+    /// Name of the joint.
+    pub joint: String,
+    /// When (s).
+    pub time: f64,
+    /// The value there, in the unit of the limit.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
 }
 
 /// A span of time in which a joint is at a limit.
@@ -50,6 +68,11 @@ pub struct ActiveLimit {
 }
 
 impl LimitReport {
+    /// The kinds with a limit that is exceeded, and where it is exceeded most.
+    pub fn violations(&self) -> impl Iterator<Item = (&'static str, &LimitViolation)> {
+        self.kinds().filter_map(|(name, usage)| Some((name, usage?.worst.as_ref()?)))
+    }
+
     /// Whether nothing is limited.
     pub fn is_empty(&self) -> bool {
         self.kinds().all(|(_, usage)| usage.is_none())

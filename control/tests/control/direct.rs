@@ -242,6 +242,12 @@ fn a_time_that_is_too_short_is_told() {
     // On average it moves at pi/2.
     assert!(rate.at_points > FRAC_PI_2 - 1.0 - 1e-6, "{rate:?}");
     assert!(rate.active.iter().any(|span| span.joint == "shoulder"), "{rate:?}");
+    let worst = rate.worst.as_ref().unwrap();
+    assert!(worst.joint == "shoulder" && worst.limit == 1.0 && worst.time > 0.0, "{worst:?}");
+    assert!((worst.value - 1.0 - rate.at_points).abs() < 1e-12, "{worst:?}");
+    assert_eq!(solution.limits.violations().count(), 1);
+    let saved: Solution = serde_json::from_value(serde_json::to_value(&solution).unwrap()).unwrap();
+    assert_eq!(saved.limits, solution.limits);
 }
 
 #[test]
