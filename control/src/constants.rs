@@ -252,7 +252,8 @@ pub(crate) mod direct {
     pub const SMALL_MOTION: f64 = 1e-3;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 0.1;
-    /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong corner.
+    /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
+    /// corner.
     pub const WARM: f64 = 1e-2;
     /// Multipliers on a finer mesh are within this factor of the central path.
     pub const OFF_CENTRE: f64 = 10.0;

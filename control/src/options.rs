@@ -30,8 +30,8 @@ pub enum Method {
     /// Multiple shooting: adaptive integration from node to node, with the variational equations.
     Shooting,
     /// The direct method: motions as piecewise polynomials, torques from inverse dynamics, an interior-point
-    /// method. The only one that keeps the [limits](crate::MotionLimits) of a problem. For robots: problems of
-    /// other models are solved by collocation.
+    /// method. The only one that keeps the [limits](crate::MotionLimits) of a problem. For robots: problems
+    /// of other models are solved by collocation.
     Direct,
 }
 
@@ -53,8 +53,8 @@ pub enum Strategy {
 #[serde(default)]
 #[non_exhaustive]
 pub struct SolverOptions {
-    /// Largest estimated error of a component, relative to the largest value that it takes along the motion; of
-    /// the direct method, of the cost.
+    /// Largest estimated error of a component, relative to the largest value that it takes along the motion;
+    /// of the direct method, of the cost.
     pub tolerance: f64,
     /// How the boundary-value problem is discretised.
     pub method: Method,
@@ -119,8 +119,8 @@ impl Default for SolverOptions {
 }
 
 impl SolverOptions {
-    /// The options of the direct method: [`tolerance`](Self#structfield.tolerance) is the largest estimated error
-    /// of the cost, relative to the cost, 1e-6.
+    /// The options of the direct method: [`tolerance`](Self#structfield.tolerance) is the largest estimated
+    /// error of the cost, relative to the cost, 1e-6.
     pub fn direct() -> Self {
         Self { method: Method::Direct, tolerance: 1e-6, max_iterations: 200, ..Self::default() }
     }

@@ -1,8 +1,8 @@
 //! Quintic Hermite polynomials of one interval, and the points at which a motion is evaluated.
 //!
 //! On an interval of width h the position is a polynomial of degree five with the positions, first and second
-//! derivatives of both ends as coefficients. The acceleration is a cubic, continuous over the nodes; its square
-//! has degree six, and Lobatto's five points integrate it exactly.
+//! derivatives of both ends as coefficients. The acceleration is a cubic, continuous over the nodes; its
+//! square has degree six, and Lobatto's five points integrate it exactly.
 
 /// Points inside of an interval.
 pub(super) const INNER: usize = 3;
@@ -32,8 +32,8 @@ pub(super) struct Basis {
     pub third: [f64; COEFFICIENTS],
 }
 
-/// Polynomials on [0, 1], lowest power first: position, first and second derivative 1 at the left end, then at
-/// the right end; everything else 0 at both ends.
+/// Polynomials on [0, 1], lowest power first: position, first and second derivative 1 at the left end, then
+/// at the right end; everything else 0 at both ends.
 const HERMITE: [[f64; 6]; COEFFICIENTS] = [
     [1.0, 0.0, 0.0, -10.0, 15.0, -6.0],
     [0.0, 1.0, 0.0, -6.0, 8.0, -3.0],

@@ -103,7 +103,8 @@ impl<D: PointDynamics> Interior<D> {
         Ends::gives(end, side.limited as usize, side.joint, n)
     }
 
-    /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses it.
+    /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
+    /// it.
     pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
         let (n, count) = (self.spline.dof, self.spline.points());
         self.points.resize(n, count);
@@ -246,8 +247,8 @@ impl<D: PointDynamics> Interior<D> {
         self.dynamics.contract(&mut self.points)
     }
 
-    /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with the
-    /// part of the step that led to it, and may stop it.
+    /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with
+    /// the part of the step that led to it, and may stop it.
     pub fn iterate(
         &mut self,
         tolerance: f64,

@@ -19,7 +19,8 @@ pub(crate) struct Side {
     /// 1 for a lower bound, -1 for an upper one.
     pub sign: f64,
     pub bound: f64,
-    /// Distance to the bound on the other side, or the size of values, if there is none: the unit of violations.
+    /// Distance to the bound on the other side, or the size of values, if there is none: the unit of
+    /// violations.
     pub range: f64,
 }
 
@@ -49,7 +50,8 @@ impl Side {
 /// Slacks, multipliers and distances of all sides at all points: entry `sides p + i` for side i at point p.
 ///
 /// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a solution. A
-/// side that is off at a point (the position of an end that is given) has an infinite slack and no multiplier.
+/// side that is off at a point (the position of an end that is given) has an infinite slack and no
+/// multiplier.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Barrier {
     pub sides: Vec<Side>,

@@ -49,9 +49,9 @@ impl Resolution {
         self.look_between(interior)
     }
 
-    /// Third derivatives of an exact motion are continuous where its control is smooth. A jump J at the end of
-    /// an interval of width h means accelerations that are off by about h J / 8 there, and torques by M times
-    /// that; the cost is off by half the square of it in the metric of the problem.
+    /// Third derivatives of an exact motion are continuous where its control is smooth. A jump J at the end
+    /// of an interval of width h means accelerations that are off by about h J / 8 there, and torques by M
+    /// times that; the cost is off by half the square of it in the metric of the problem.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, points) = (&interior.spline, &interior.points);
         let n = spline.dof;

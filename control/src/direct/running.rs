@@ -68,8 +68,8 @@ impl Running {
         gradient.iter_mut().zip(&self.terms.gradient[n..]).for_each(|(to, from)| *to += from);
     }
 
-    /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian. The
-    /// value is l without the effort.
+    /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian.
+    /// The value is l without the effort.
     pub fn add_terms(
         &mut self,
         z: &[f64],

@@ -9,7 +9,8 @@ use costate::lagrangian::Lagrangian;
 /// Relative tolerance of one integration step.
 const TOLERANCE: f64 = 1e-10;
 
-/// The state (q, v) at the end when the torques of a motion, cut to their limits, move the robot from its start.
+/// The state (q, v) at the end when the torques of a motion, cut to their limits, move the robot from its
+/// start.
 pub(super) fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
     let n = spline.dof;
     let limits = problem.joint_limits();

@@ -18,12 +18,12 @@ impl fmt::Display for NotPositiveDefinite {
 /// A pivot below this part of the diagonal entry that it came from counts as zero.
 const LEAST_PIVOT: f64 = 1e-14;
 
-/// A symmetric matrix of `count` x `count` blocks, each `size` x `size`, with blocks on the diagonal and beside
-/// it; then its factor U, A = U'U.
+/// A symmetric matrix of `count` x `count` blocks, each `size` x `size`, with blocks on the diagonal and
+/// beside it; then its factor U, A = U'U.
 ///
-/// A block row holds the diagonal block and the one to its right, row by row, 2 `size` numbers a row. Only the
-/// upper triangle of diagonal blocks is read. Rows are combined as wholes, so that loops run over contiguous
-/// numbers.
+/// A block row holds the diagonal block and the one to its right, row by row, 2 `size` numbers a row. Only
+/// the upper triangle of diagonal blocks is read. Rows are combined as wholes, so that loops run over
+/// contiguous numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockTridiagonal {
     size: usize,
@@ -194,7 +194,8 @@ mod tests {
     use super::BlockTridiagonal;
     use nalgebra::{DMatrix, DVector};
 
-    /// A random matrix with so many blocks, positive definite unless `shift` is negative, and the same one dense.
+    /// A random matrix with so many blocks, positive definite unless `shift` is negative, and the same one
+    /// dense.
     fn random(count: usize, size: usize, shift: f64) -> (BlockTridiagonal, DMatrix<f64>) {
         let mut random = fastrand::Rng::with_seed(7);
         let mut matrix = BlockTridiagonal::new(count, size);

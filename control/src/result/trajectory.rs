@@ -72,8 +72,8 @@ impl Trajectory {
     ///
     /// By the collocation polynomial, whose error between the nodes is estimated with the solution: q, p and
     /// the costates are its values, v is its derivative, u the polynomial through the controls at its points.
-    /// A trajectory that was read from a file has its nodes only, as has one of the direct method: then q is the
-    /// cubic that meets q and v at both nodes, v its derivative, and all else is linear.
+    /// A trajectory that was read from a file has its nodes only, as has one of the direct method: then q is
+    /// the cubic that meets q and v at both nodes, v its derivative, and all else is linear.
     pub fn at(&self, t: f64) -> Option<TrajectoryPoint> {
         let place = place(&self.t, t)?;
         match &self.interpolant {

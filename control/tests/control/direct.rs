@@ -1,5 +1,5 @@
-//! The direct method: values that other methods found, with hard limits and without, and problems that cannot be
-//! solved.
+//! The direct method: values that other methods found, with hard limits and without, and problems that cannot
+//! be solved.
 
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
@@ -147,7 +147,8 @@ fn limits_of_positions_and_torques() {
 
 #[test]
 fn limits_of_accelerations_and_torques() {
-    // From 0 to 1 in T with |a| <= A: the bang-bang time 2 / sqrt(A); torque and effort of a unit mass are the same.
+    // From 0 to 1 in T with |a| <= A: the bang-bang time 2 / sqrt(A); torque and effort of a unit mass are
+    // the same.
     let time = |limits: MotionLimits| {
         let mut problem = Problem::rest_to_rest(crate::sledge(), &[0.0], &[1.0], 3.0).with_limits(limits);
         problem.time = FinalTime::Free { guess: 3.0 };
