@@ -248,6 +248,8 @@ pub(crate) mod direct {
     pub const FIRST_SLACK: f64 = 0.05;
     /// The same on a finer mesh.
     pub const LEAST_SLACK: f64 = 1e-5;
+    /// Curvature in T that is less than this part of its terms is rounding.
+    pub const LEAST_CURVATURE: f64 = 1e-14;
     /// Costs are not resolved below that of a motion by so much (rad, m).
     pub const SMALL_MOTION: f64 = 1e-3;
     /// Gap at the start, as a part of the cost of the guess.

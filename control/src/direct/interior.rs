@@ -300,3 +300,7 @@ impl<D: PointDynamics> Interior<D> {
         self.system.factorise(damping, ends.free_time, metric).is_ok()
     }
 }
+
+#[cfg(test)]
+#[path = "interior_tests.rs"]
+mod tests;

@@ -8,6 +8,7 @@ use super::points::Points;
 use super::running::Running;
 use super::scatter::{add_gradient, add_inner, add_node, dot, remove, scaled};
 use super::spline::Spline;
+use crate::constants::direct::LEAST_CURVATURE;
 use crate::numerics::block_tridiagonal::{BlockTridiagonal, NotPositiveDefinite};
 
 /// The equations `[K b; b' c] (dx, dT) = -(g, g_T)`, g = g_0 + mu g_1, for the unknowns x of a spline and its
@@ -179,7 +180,8 @@ impl System {
             self.border_solved.clone_from(&self.border);
             self.factor.solve(&mut self.border_solved);
             self.schur = self.corner + damping * self.time_metric - dot(&self.border, &self.border_solved);
-            if !(self.schur > 1e-14 * self.corner.abs()) {
+            let definite = self.schur > LEAST_CURVATURE * self.corner.abs();
+            if !definite {
                 return Err(NotPositiveDefinite { block: self.matrix.count() });
             }
         }

@@ -169,9 +169,10 @@ fn gradients_are_those_of_the_lagrange_function() {
     let gradients = [0, 1].map(|part| case.gradient(part));
     let scales =
         gradients.clone().map(|gradient| gradient.iter().fold(1.0, |most: f64, g| most.max(g.abs())));
-    for at in 0..=case.spline.unknowns.len() {
+    let last = case.spline.unknowns.len();
+    for at in 0..=last {
         let mut differences = [0.0; 2];
-        if at == case.spline.unknowns.len() || case.tangent(at).is_none() {
+        if at == last || case.tangent(at).is_none() {
             let saved = case.spline.clone();
             case.shifted(at, STEP);
             let above = case.values();
@@ -181,9 +182,8 @@ fn gradients_are_those_of_the_lagrange_function() {
             case.spline = saved;
             differences = [0, 1].map(|part| (above[part] - below[part]) / (2.0 * STEP));
         }
-        for part in 0..2 {
-            let found = gradients[part][at];
-            assert!(close(found, differences[part], scales[part]), "{part} {at}: {found} {differences:?}");
+        for ((gradient, difference), scale) in gradients.iter().zip(differences).zip(scales) {
+            assert!(close(gradient[at], difference, scale), "{at}: {} {difference}", gradient[at]);
         }
     }
 }
@@ -236,9 +236,9 @@ fn steps_solve_the_bordered_equations() {
         step.push(time);
         let gradient = case.gradient(part);
         let scale = gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
-        for i in 0..=size {
+        for (i, entry) in gradient.iter().enumerate() {
             let product: f64 = (0..=size).map(|j| case.entry(i, j) * step[j]).sum();
-            assert!(close(product, -gradient[i], scale), "{part} {i}: {product} {}", gradient[i]);
+            assert!(close(product, -entry, scale), "{part} {i}: {product} {entry}");
         }
     }
 }
