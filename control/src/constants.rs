@@ -229,3 +229,72 @@ pub(crate) mod branch {
     /// Bounds this many times as far apart are hardly active.
     pub const WIDE: f64 = 1000.0;
 }
+
+/// The direct method ([`crate::direct`]).
+pub(crate) mod direct {
+    /// Slacks and multipliers keep at least this part of themselves in a step.
+    pub const BOUNDARY: f64 = 0.005;
+    /// First damping where the matrix is not positive definite or no step is accepted.
+    pub const DAMPING: f64 = 1e-6;
+    /// Factor from one damping to the next larger one.
+    pub const DAMPING_UP: f64 = 10.0;
+    /// Factor from the damping of one step to the first one of the next.
+    pub const DAMPING_DOWN: f64 = 0.1;
+    /// With more damping than this there is no progress.
+    pub const MOST_DAMPING: f64 = 1e10;
+    /// Shortest part of a step that is tried before the damping rises.
+    pub const SHORTEST: f64 = 0.05;
+    /// Slacks start at this part of the range of their limit, if the motion is not farther inside.
+    pub const FIRST_SLACK: f64 = 0.05;
+    /// The same on a finer mesh.
+    pub const LEAST_SLACK: f64 = 1e-5;
+    /// Curvature in T that is less than this part of its terms is rounding.
+    pub const LEAST_CURVATURE: f64 = 1e-14;
+    /// Costs are not resolved below that of a motion by so much (rad, m).
+    pub const SMALL_MOTION: f64 = 1e-3;
+    /// Gap at the start, as a part of the cost of the guess.
+    pub const FIRST_GAP: f64 = 0.1;
+    /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
+    /// corner.
+    pub const WARM: f64 = 1e-2;
+    /// Multipliers on a finer mesh are within this factor of the central path.
+    pub const OFF_CENTRE: f64 = 10.0;
+    /// Multipliers are always within this factor of it.
+    pub const FAR: f64 = 1e10;
+    /// Part of the predicted decrease of cost and barrier that a step must reach.
+    pub const ARMIJO: f64 = 1e-4;
+    /// Part of the infeasibility by which a step must reduce it, or cost and barrier.
+    pub const DECREASE: f64 = 1e-5;
+    /// Infeasibility, in parts of ranges, below which cost and barrier must decrease.
+    pub const FEASIBLE: f64 = 1e-7;
+    /// Largest infeasibility after a step from a feasible iterate.
+    pub const STAYS_FEASIBLE: f64 = 1e-5;
+    /// Factor by which infeasibility may grow in a step.
+    pub const MOST_INFEASIBLE: f64 = 10.0;
+    /// Rounding of cost and barrier.
+    pub const ROUNDING: f64 = 1e-13;
+    /// Gap that is aimed at, as a part of the tolerance.
+    pub const LEAST_GAP: f64 = 0.1;
+    /// The gap is not made smaller than this part of the Newton decrement.
+    pub const CENTRING: f64 = 0.01;
+    /// Smallest factor from one barrier to the next.
+    pub const MOST_DECREASE: f64 = 1e-3;
+    /// Largest factor from one barrier to the next.
+    pub const MOST_INCREASE: f64 = 10.0;
+    /// Largest violation of a limit at a point, in parts of its range.
+    pub const VIOLATION_AT_POINTS: f64 = 1e-9;
+    /// Largest violation of a position or rate between points, in parts of its range.
+    pub const VIOLATION_BETWEEN: f64 = 1e-4;
+    /// A motion that exceeds a limit by more than this part of its range does not keep it.
+    pub const VIOLATION_ACCEPTED: f64 = 1e-7;
+    /// A limit is active where the distance to it is within this part of its range.
+    pub const ACTIVE: f64 = 1e-4;
+    /// The problem on a mesh is solved to this part of the tolerance.
+    pub const PART_OF_TOLERANCE: f64 = 0.1;
+    /// Meshes are refined until this part of the estimated error lies in intervals that were not halved.
+    pub const LEFT: f64 = 0.1;
+    /// Most meshes.
+    pub const MESHES: usize = 16;
+    /// Meshes after which a motion that exceeds limits is given up.
+    pub const MESHES_WITHOUT_MOTION: usize = 2;
+}

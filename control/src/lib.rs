@@ -23,6 +23,7 @@
 mod bvp;
 mod constants;
 mod continuation;
+mod direct;
 mod extremal;
 mod numerics;
 mod options;
@@ -61,8 +62,9 @@ pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
-pub use problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
+pub use problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
 pub use progress::{Cancel, Iteration, Phase};
+pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};

@@ -29,6 +29,10 @@ pub enum Method {
     Collocation,
     /// Multiple shooting: adaptive integration from node to node, with the variational equations.
     Shooting,
+    /// The direct method: motions as piecewise polynomials, torques from inverse dynamics, an interior-point
+    /// method. The only one that keeps the [limits](crate::MotionLimits) of a problem. For robots: problems
+    /// of other models are solved by collocation.
+    Direct,
 }
 
 /// Which attempts a search makes.
@@ -49,7 +53,8 @@ pub enum Strategy {
 #[serde(default)]
 #[non_exhaustive]
 pub struct SolverOptions {
-    /// Largest estimated error of a component, relative to the largest value that it takes along the motion.
+    /// Largest estimated error of a component, relative to the largest value that it takes along the motion;
+    /// of the direct method, of the cost.
     pub tolerance: f64,
     /// How the boundary-value problem is discretised.
     pub method: Method,
@@ -110,6 +115,14 @@ impl Default for SolverOptions {
             seed: 0,
             time_limit: None,
         }
+    }
+}
+
+impl SolverOptions {
+    /// The options of the direct method: [`tolerance`](Self#structfield.tolerance) is the largest estimated
+    /// error of the cost, relative to the cost, 1e-6.
+    pub fn direct() -> Self {
+        Self { method: Method::Direct, tolerance: 1e-6, max_iterations: 200, ..Self::default() }
     }
 }
 

@@ -40,6 +40,9 @@ pub enum Phase {
     /// Arcs with unknown switching times.
     #[serde(rename = "switches")]
     Switches,
+    /// The direct method.
+    #[serde(rename = "direct")]
+    Direct,
     /// A branch of solutions ([`Continuation`](crate::Continuation)).
     #[serde(rename = "continuation")]
     Continuation,
@@ -59,6 +62,7 @@ impl Phase {
             Self::Bounds => "bounds",
             Self::Smoothing => "smoothing",
             Self::Switches => "switches",
+            Self::Direct => "direct",
             Self::Continuation => "continuation",
         }
     }

@@ -1,6 +1,7 @@
 //! From a problem to the best motion found.
 
-use crate::options::SolverOptions;
+use crate::direct::Direct;
+use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
@@ -47,7 +48,7 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`ProblemError`]: the first key of the problem or option that is out of range.
     pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
-        let problem = problem.check()?;
+        let problem = problem.check_for(options.method)?;
         options.check()?;
         Ok(Self { problem, options, start: None, listener: None, cancel: None })
     }
@@ -82,6 +83,9 @@ impl<'a> Solver<'a> {
     pub fn solve(self) -> Solution {
         let Self { problem, options, start, listener, cancel } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
+        if options.method == Method::Direct {
+            return Direct { problem, options: &options, saved: start.as_ref() }.solve(&mut recorder);
+        }
         let starts = Starts { problem, options: &options, saved: start.as_ref().map(saved) };
         starts.solve(&mut recorder)
     }

@@ -8,6 +8,7 @@ use crate::path::cubics::Disturbance;
 use crate::problem::check::CheckedProblem;
 use crate::problem::{BoundaryState, Problem};
 use crate::progress::Phase;
+use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, ExtremalSolution, Motion};
 use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
 use crate::result::trajectory::Trajectory;
@@ -168,6 +169,7 @@ pub(crate) fn solution(
     Solution {
         newton_iterations: motion.iterations.iter().filter(|step| step.phase != Phase::Path).count(),
         end_defect,
+        limits: LimitReport::default(),
         trajectory: Trajectory::from_nodes(nodes, v),
         starts: Vec::new(),
         options: options.clone(),

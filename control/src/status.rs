@@ -78,6 +78,9 @@ pub enum Status {
     /// There is no motion then; [`Motion::bound_violation`](crate::Motion::bound_violation) says how much is
     /// missing.
     BoundsNotReached,
+    /// The direct method found no motion that keeps all hard limits. The motion is the one with which it
+    /// stopped; [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.
+    LimitsNotKept,
     /// Cancelled by the caller.
     Cancelled,
     /// The time limit was reached.
@@ -99,6 +102,7 @@ impl Status {
             Self::ContinuationFailed => "continuation_failed",
             Self::SwitchesNotRefined => "switches_not_refined",
             Self::BoundsNotReached => "bounds_not_reached",
+            Self::LimitsNotKept => "limits_not_kept",
             Self::Cancelled => "cancelled",
             Self::TimeLimit => "time_limit",
         }
@@ -154,6 +158,9 @@ impl fmt::Display for Status {
             Self::BoundsNotReached => {
                 "no motion within the bounds was found; widen the bounds or allow more time"
             }
+            Self::LimitsNotKept => {
+                "no motion that keeps all limits was found; widen the limits or allow more time"
+            }
             Self::Cancelled => "cancelled; this is the best iterate so far",
             Self::TimeLimit => "the time limit was reached; allow more time",
         };
@@ -171,7 +178,7 @@ impl From<Status> for String {
 }
 
 /// The statuses without a reason of their own.
-const NAMED: [Status; 12] = [
+const NAMED: [Status; 13] = [
     Status::Converged,
     Status::ConvergedSmoothed,
     Status::NotVerified,
@@ -182,6 +189,7 @@ const NAMED: [Status; 12] = [
     Status::ContinuationFailed,
     Status::SwitchesNotRefined,
     Status::BoundsNotReached,
+    Status::LimitsNotKept,
     Status::Cancelled,
     Status::TimeLimit,
 ];

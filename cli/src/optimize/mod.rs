@@ -13,7 +13,7 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, Solution, Solver};
+use costate_control::{BranchEnd, Method, Solution, Solver};
 use outputs::Outputs;
 use std::io::Write;
 use std::process::ExitCode;
@@ -45,7 +45,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let interrupted = interrupt.is_requested();
 
     let problem = &task.problem;
-    let warnings = problem.limit_warnings(&solution.trajectory);
+    // The direct method keeps the limits of the robot, or says which it does not keep.
+    let warnings = match solution.options.method {
+        Method::Direct => Vec::new(),
+        _ => problem.limit_warnings(&solution.trajectory),
+    };
     warnings.iter().for_each(terminal::warning);
     let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
     outputs.write(&motion)?;
@@ -56,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         let remarks = [summary::explanation(problem, &solution), summary::skipped_starts(&solution)];
         remarks.iter().flatten().for_each(terminal::warning);
         let continuation = branch.as_ref().map(continuation::Points::new);
-        let printed = Printed { solution: &solution, continuation };
+        let printed = Printed { solution: &solution, solve_time: seconds, continuation };
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
     } else if !outputs.use_standard_output() {
         let mut out = std::io::stdout().lock();
@@ -76,11 +80,13 @@ pub fn run(arguments: &Arguments) -> Outcome {
     })
 }
 
-/// What `--json` prints: the solution as it is saved, and the points of a continuation.
+/// What `--json` prints: the solution as it is saved, the time it took, and the points of a continuation.
 #[derive(serde::Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
     solution: &'a Solution,
+    /// Time of solving (s).
+    solve_time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     continuation: Option<continuation::Points<'a>>,
 }

@@ -4,12 +4,15 @@ use super::report::numbers::short;
 use super::report::units;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
-use costate_control::{Certificate, FinalTime, Iteration, Motion, Problem, Solution, StartResult, Status};
+use costate_control::{
+    Certificate, FinalTime, Iteration, Method, Motion, Problem, Solution, StartResult, Status,
+};
 use std::io::Write;
 
-/// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded`. Bounds that the motion
-/// does not satisfy are left out.
-pub fn criterion(problem: &Problem, status: &Status) -> String {
+/// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
+/// limits that the motion does not satisfy are left out.
+pub fn criterion(problem: &Problem, solution: &Solution) -> String {
+    let status = &solution.motion.status;
     let effort = problem.cost.effort.iter().any(|&r| r != 0.0);
     let time = match problem.cost.time {
         0.0 => None,
@@ -23,10 +26,13 @@ pub fn criterion(problem: &Problem, status: &Status) -> String {
         false => format!("minimum of {}", terms.join(" + ")),
     };
     let time = if time_is_free(problem) { "final time free" } else { "final time fixed" };
-    let within_bounds = problem.bounds.is_some() && *status != Status::BoundsNotReached;
+    let exceeded = matches!(status, Status::BoundsNotReached | Status::LimitsNotKept);
+    let within_bounds = problem.bounds.is_some() && !exceeded;
     let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
-    format!("{minimum}, {time}{bounds}{penalty}")
+    let kept = !solution.limits.is_empty() && solution.limits.violations().next().is_none();
+    let limits = if kept { ", limits kept" } else { "" };
+    format!("{minimum}, {time}{bounds}{penalty}{limits}")
 }
 
 /// Whether the final time is free.
@@ -80,10 +86,45 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
             ),
             None => status.to_string(),
         },
+        Status::LimitsNotKept => {
+            let exceeded: Vec<_> = exceeded(problem, solution).collect();
+            match exceeded.is_empty() {
+                true => status.to_string(),
+                false => format!(
+                    "no motion that keeps all limits was found: {}; widen the limits or allow more time",
+                    exceeded.join("; ")
+                ),
+            }
+        }
         status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
         Status::Cancelled => format!("interrupted: {best}"),
         Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
         status => format!("the motion is the best iterate, not a solution: {status}"),
+    })
+}
+
+/// Units of the kinds of limits.
+fn limit_units(kind: &str) -> units::Units {
+    match kind {
+        "position" => units::POSITION,
+        "rate" => units::RATE,
+        "acceleration" => units::ACCELERATION,
+        _ => units::EFFORT,
+    }
+}
+
+/// For each kind of limits that is exceeded: which joint, where, by how much.
+fn exceeded(problem: &Problem, solution: &Solution) -> impl Iterator<Item = String> {
+    solution.limits.violations().map(|(kind, worst)| {
+        let joint = problem.robot.independent_joints().find(|joint| joint.name == worst.joint);
+        let unit = joint.map_or("", |joint| units::of_joint(joint.kind, limit_units(kind)));
+        format!(
+            "the {kind} of joint '{}' would have to be {} {unit} instead of {} {unit} at t = {} s",
+            worst.joint,
+            short(worst.value, 4),
+            short(worst.limit, 4),
+            short(worst.time, 4)
+        )
     })
 }
 
@@ -118,8 +159,13 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         figures.push(("smoothing left", scientific(motion.smoothing)));
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
+    figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
+    if solution.options.method == Method::Direct {
+        figures.extend(direct_figures(problem, solution));
+        figures.extend([iterations, ("mesh nodes", solution.nodes().to_string())]);
+        return figures;
+    }
     figures.extend([
-        ("final time", format!("{} s", short(motion.final_time, 10))),
         ("H*", format!("{} cost/s", short(motion.hamiltonian, 10))),
         ("drift of H*", format!("{} relative", scientific(motion.hamiltonian_drift))),
         ("end defect", defect(solution.end_defect, &motion.status, &format!("{position}, {rate}"))),
@@ -130,6 +176,43 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     ]);
     if !motion.switches.is_empty() {
         figures.push(("switches", motion.switches.len().to_string()));
+    }
+    figures
+}
+
+/// Figures that only the direct method has: its estimate, the end, the limits.
+fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
+    let motion = &solution.motion;
+    let unit = |unit| units::of_robot(&problem.robot, unit);
+    let ends = format!("{}, {}", unit(units::POSITION), unit(units::RATE));
+    let mut figures = vec![("end defect", defect(solution.end_defect, &motion.status, &ends))];
+    // A saved motion does not have it.
+    if let Some(&error) = motion.errors.first() {
+        figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
+    }
+    let mut active = 0;
+    for (kind, usage) in solution.limits.kinds() {
+        let Some(usage) = usage else { continue };
+        let name = match kind {
+            "position" => "beyond position limits",
+            "rate" => "beyond rate limits",
+            "acceleration" => "beyond acceleration limits",
+            _ => "beyond torque limits",
+        };
+        let unit = unit(limit_units(kind));
+        // Torques are cut to their limits.
+        let between = match kind {
+            "torque" => String::new(),
+            _ => format!(", {} between points", scientific(usage.between)),
+        };
+        figures.push((name, format!("{} {unit}{between}", scientific(usage.at_points))));
+        let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.joint, &span.side)).collect();
+        sides.sort();
+        sides.dedup();
+        active += sides.len();
+    }
+    if !solution.limits.is_empty() {
+        figures.push(("active limits", active.to_string()));
     }
     figures
 }
@@ -196,7 +279,7 @@ pub fn print(
     out: &mut impl Write,
 ) -> std::io::Result<()> {
     let ended = &solution.motion.status;
-    writeln!(out, "{}: {}\n", title(&problem.robot), criterion(problem, ended))?;
+    writeln!(out, "{}: {}\n", title(&problem.robot), criterion(problem, solution))?;
     let mut table = Table::new(&["status", &status(ended)], 2);
     for (name, value) in figures(problem, solution) {
         table.row(vec![name.into(), value]);

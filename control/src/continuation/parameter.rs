@@ -59,6 +59,9 @@ impl Parameter {
         if !value.is_finite() {
             return refuse(ContinuationCause::NotFinite);
         }
+        if problem.limits.any_given() {
+            return refuse(ContinuationCause::Limits);
+        }
         let mut changed = problem.clone();
         match (self, &mut changed) {
             (Self::PenaltyWeight, Problem { penalty: Some(penalty), .. }) => penalty.weight = value,

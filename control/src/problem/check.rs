@@ -1,5 +1,6 @@
 //! Problems that can be solved at all.
 
+use crate::options::Method;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::{Bounds, FinalTime, Penalty, Problem};
@@ -32,6 +33,32 @@ impl Problem {
     /// # Errors
     /// The first [`ProblemError`] found.
     pub fn check(&self) -> Result<CheckedProblem<'_>, ProblemError> {
+        let bounds = self.bounds.as_ref();
+        self.check_lists(|j| {
+            bounds.is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
+        })
+    }
+
+    /// Checks what [`check`](Self::check) checks, and the [limits](crate::MotionLimits). The
+    /// [direct method](Method::Direct) keeps them, so they may bound a control that costs nothing.
+    ///
+    /// # Errors
+    /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`] for limits with another method.
+    pub fn check_for(&self, method: Method) -> Result<CheckedProblem<'_>, ProblemError> {
+        if method != Method::Direct {
+            let checked = self.check()?;
+            return if self.limits.any_given() { Err(ProblemError::LimitsNeedDirect) } else { Ok(checked) };
+        }
+        let checked = self.check_lists(|j| {
+            let limits = self.joint_limits();
+            limits[j].torque.iter().all(|torque| torque.is_finite())
+        })?;
+        self.check_limits()?;
+        Ok(checked)
+    }
+
+    /// All fields; `bounded` tells whether the control of a joint has limits on both sides.
+    fn check_lists(&self, bounded: impl Fn(usize) -> bool) -> Result<CheckedProblem<'_>, ProblemError> {
         let Self { start, end, .. } = self;
         self.finite(Key::START_Q, &start.q)?;
         self.finite(Key::START_V, &start.v)?;
@@ -46,7 +73,8 @@ impl Problem {
         if let Some(joint) = self.gain.iter().position(|&gain| gain == 0.0) {
             return Err(ProblemError::NoGain { joint: self.name(joint) });
         }
-        self.check_bounds()?;
+        self.check_limit_lists()?;
+        self.check_bounds(bounded)?;
         let costs = self.cost.effort.iter().any(|&r| r > 0.0) || !self.terms.is_empty();
         if matches!(self.time, FinalTime::Fixed(_)) && !costs {
             return Err(ProblemError::NothingToMinimise);
@@ -82,7 +110,7 @@ impl Problem {
 
     /// Bounds are numbers with something between them, and finite on both sides where the control costs
     /// nothing.
-    fn check_bounds(&self) -> Result<(), ProblemError> {
+    fn check_bounds(&self, bounded: impl Fn(usize) -> bool) -> Result<(), ProblemError> {
         if let Some(Bounds { u_min, u_max }) = &self.bounds {
             self.numbers(Key::U_MIN, u_min)?;
             self.numbers(Key::U_MAX, u_max)?;
@@ -91,11 +119,6 @@ impl Problem {
                 return Err(ProblemError::EmptyBounds { joint: self.name(joint), u_min, u_max });
             }
         }
-        let bounded = |j: usize| {
-            self.bounds
-                .as_ref()
-                .is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
-        };
         match (0..self.robot.dof()).find(|&j| self.cost.effort[j] == 0.0 && !bounded(j)) {
             Some(joint) => Err(ProblemError::UnboundedEffort { joint: self.name(joint) }),
             None => Ok(()),
@@ -131,7 +154,7 @@ impl Problem {
     }
 
     /// One number per joint, possibly infinite.
-    fn numbers(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+    pub(super) fn numbers(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
         self.length(key, values)?;
         match values.iter().position(|value| value.is_nan()) {
             Some(joint) => Err(ProblemError::NotANumber { key, joint: self.name(joint) }),
@@ -161,7 +184,7 @@ impl Problem {
         ProblemError::UnknownJoint { key, joint, joints }
     }
 
-    fn name(&self, joint: usize) -> String {
+    pub(super) fn name(&self, joint: usize) -> String {
         self.robot.joints()[self.robot.independent_indices()[joint]].name.clone()
     }
 }

@@ -22,6 +22,8 @@ pub enum ContinuationCause {
     NoBounds,
     /// A final time, where it is free.
     FreeTime,
+    /// Hard limits, which a continuation does not keep.
+    Limits,
     /// The robot that would have this value is refused.
     Robot(Arc<RobotError>),
 }
@@ -36,6 +38,9 @@ impl fmt::Display for ContinuationCause {
             Self::NothingToSmooth => "every control has a weight of its effort: nothing is to be smoothed",
             Self::NoBounds => "the problem has no bounds; add [bounds]",
             Self::FreeTime => "the final time is free; give time.final",
+            Self::Limits => {
+                "a continuation keeps no hard limits; remove [limits], or use [bounds] and [penalty]"
+            }
             Self::Robot(error) => return error.fmt(f),
         })
     }

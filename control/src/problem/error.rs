@@ -85,6 +85,41 @@ pub enum ProblemError {
         /// Upper limit.
         q_max: f64,
     },
+    /// A limit with no room for a motion.
+    NoRoom {
+        /// The field.
+        key: Key,
+        /// The joint.
+        joint: String,
+        /// The limit.
+        value: f64,
+    },
+    /// Limits with nothing between them, those of the robot included.
+    EmptyLimits {
+        /// The field.
+        key: Key,
+        /// The joint.
+        joint: String,
+        /// Lower limit.
+        low: f64,
+        /// Upper limit.
+        high: f64,
+    },
+    /// A start or an end outside of the limits.
+    OutsideLimits {
+        /// The field.
+        key: Key,
+        /// The joint.
+        joint: String,
+        /// Position or rate.
+        value: f64,
+        /// Lower limit.
+        low: f64,
+        /// Upper limit.
+        high: f64,
+    },
+    /// Hard limits with a method that does not keep them.
+    LimitsNeedDirect,
     /// A control that costs nothing and is not bounded on both sides.
     UnboundedEffort {
         /// The joint.
@@ -121,7 +156,11 @@ impl ProblemError {
             | Self::NotANumber { key, .. }
             | Self::UnknownJoint { key, .. }
             | Self::NotPositive { key, .. }
-            | Self::Negative { key, .. } => key,
+            | Self::Negative { key, .. }
+            | Self::NoRoom { key, .. }
+            | Self::EmptyLimits { key, .. }
+            | Self::OutsideLimits { key, .. } => key,
+            Self::LimitsNeedDirect => Key::solver("method"),
             Self::FreeTimeWithoutCost => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
             Self::EmptyBounds { .. } => Key::U_MIN,
@@ -166,6 +205,17 @@ impl ProblemError {
             Self::EmptyRange { joint, q_min, q_max } => {
                 format!("the lower limit {} of joint '{joint}' must be less than penalty.q_max = {}", number(*q_min), number(*q_max), joint = printable(joint))
             }
+            Self::NoRoom { joint, value, .. } => {
+                format!("the limit {} of joint '{joint}' must be positive", number(*value), joint = printable(joint))
+            }
+            Self::EmptyLimits { joint, low, high, .. } => format!(
+                "joint '{joint}' has no room between {} and {}, the limits of the robot included", number(*low), number(*high),
+                joint = printable(joint)),
+            Self::OutsideLimits { joint, value, low, high, .. } => format!(
+                "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
+                 limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
+                joint = printable(joint)),
+            Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
                  or finite bounds.u_min and bounds.u_max", joint = printable(joint)),

@@ -32,6 +32,11 @@ impl Key {
     pub(crate) const Q_MIN: Self = Self::new("penalty", "q_min", "penalty.q_min");
     pub(crate) const Q_MAX: Self = Self::new("penalty", "q_max", "penalty.q_max");
     pub(crate) const V_MAX: Self = Self::new("penalty", "v_max", "penalty.v_max");
+    pub(crate) const LIMIT_Q_MIN: Self = Self::new("limits", "q_min", "limits.q_min");
+    pub(crate) const LIMIT_Q_MAX: Self = Self::new("limits", "q_max", "limits.q_max");
+    pub(crate) const LIMIT_V_MAX: Self = Self::new("limits", "v_max", "limits.v_max");
+    pub(crate) const LIMIT_A_MAX: Self = Self::new("limits", "a_max", "limits.a_max");
+    pub(crate) const LIMIT_TORQUE_MAX: Self = Self::new("limits", "torque_max", "limits.torque_max");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

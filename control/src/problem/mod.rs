@@ -5,11 +5,14 @@ pub(crate) mod continuation_cause;
 pub(crate) mod error;
 #[cfg(feature = "toml")]
 pub(crate) mod file;
+mod joint_limits;
 pub(crate) mod key;
+pub(crate) mod limits;
 pub(crate) mod parts;
 pub(crate) mod running_cost;
 pub(crate) mod warning;
 
+pub use limits::MotionLimits;
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
 
 use crate::problem::running_cost::UserTerm;
@@ -57,6 +60,8 @@ pub struct Problem {
     pub bounds: Option<Bounds>,
     /// Penalties on positions and rates.
     pub penalty: Option<Penalty>,
+    /// Hard limits, which [`Method::Direct`](crate::Method::Direct) keeps.
+    pub limits: MotionLimits,
 }
 
 impl Problem {
@@ -74,6 +79,7 @@ impl Problem {
             gain: vec![1.0; n],
             bounds: None,
             penalty: None,
+            limits: MotionLimits::default(),
         }
     }
 
@@ -124,6 +130,12 @@ impl Problem {
     #[must_use]
     pub fn with_penalty(self, penalty: Penalty) -> Self {
         Self { penalty: Some(penalty), ..self }
+    }
+
+    /// With these hard limits.
+    #[must_use]
+    pub fn with_limits(self, limits: MotionLimits) -> Self {
+        Self { limits, ..self }
     }
 
     /// Whether a relaxed problem may weaken the user terms. Not where they are the only cost of time.

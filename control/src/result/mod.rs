@@ -4,6 +4,7 @@ pub(crate) mod conjugate;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;
 pub(crate) mod jacobi_fields;
+pub(crate) mod limit_use;
 pub(crate) mod limits;
 pub(crate) mod motion;
 pub(crate) mod nodes;

@@ -1,6 +1,7 @@
 //! The JSON form of a solution: what the command line prints and saves.
 
 use crate::options::SolverOptions;
+use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::rows::Rows;
 use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
@@ -80,6 +81,8 @@ struct Document {
     certificate: Certificate,
     #[serde(default)]
     switches: Vec<f64>,
+    #[serde(default, skip_serializing_if = "LimitReport::is_empty")]
+    limits: LimitReport,
     #[serde(default)]
     starts: Vec<SavedStart>,
     #[serde(default)]
@@ -157,6 +160,7 @@ impl From<&Solution> for Document {
             conjugate_multiplicity: motion.conjugate_multiplicity,
             certificate: motion.certificate,
             switches: motion.switches.clone(),
+            limits: solution.limits.clone(),
             starts: solution.starts.iter().map(start).collect(),
             options: solution.options.clone(),
             trajectory: Rows::from(&solution.trajectory),
@@ -200,6 +204,7 @@ impl TryFrom<Document> for Solution {
             newton_iterations: document.newton_iterations,
             trajectory: document.trajectory.into_trajectory(n),
             starts: document.starts.into_iter().map(start).collect(),
+            limits: document.limits,
             options: document.options,
             robot: RobotNames { robot: document.robot, joints },
         })

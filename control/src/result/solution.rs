@@ -1,6 +1,7 @@
 //! What solving a problem of a robot gives.
 
 use crate::options::SolverOptions;
+use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
 use crate::result::trajectory::Trajectory;
 use crate::status::Status;
@@ -19,6 +20,8 @@ pub struct Solution {
     pub end_defect: f64,
     /// Newton steps on extremals, over all meshes and starts.
     pub newton_iterations: usize,
+    /// How the motion uses its hard limits; empty without the direct method.
+    pub limits: LimitReport,
     /// The motion over time.
     pub trajectory: Trajectory,
     /// Each start in its order; the best of them is this solution.
@@ -92,6 +95,7 @@ impl Solution {
             motion: Motion::missing(status, final_time),
             end_defect: f64::INFINITY,
             newton_iterations: 0,
+            limits: LimitReport::default(),
             trajectory: Trajectory::default(),
             starts: Vec::new(),
             options: SolverOptions::default(),

@@ -63,12 +63,17 @@ impl Trajectory {
         Self { t, q, v, p, u, y_q, y_p, hamiltonian: Vec::new(), interpolant: None }
     }
 
+    /// With H* at the nodes.
+    pub(crate) fn with_hamiltonian(self, hamiltonian: Vec<f64>) -> Self {
+        Self { hamiltonian, ..self }
+    }
+
     /// The motion at time t (s); `None` outside of it.
     ///
     /// By the collocation polynomial, whose error between the nodes is estimated with the solution: q, p and
     /// the costates are its values, v is its derivative, u the polynomial through the controls at its points.
-    /// A trajectory that was read from a file has its nodes only: then q is the cubic that meets q and v at
-    /// both nodes, and all else is linear.
+    /// A trajectory that was read from a file has its nodes only, as has one of the direct method: then q is
+    /// the cubic that meets q and v at both nodes, v its derivative, and all else is linear.
     pub fn at(&self, t: f64) -> Option<TrajectoryPoint> {
         let place = place(&self.t, t)?;
         match &self.interpolant {
@@ -93,11 +98,14 @@ impl Trajectory {
             rows[k].iter().zip(&rows[k + 1]).map(|(left, right)| left + part * (right - left)).collect()
         };
         let state = |k: usize, i: usize| JointState { q: self.q[k][i], v: self.v[k][i] };
-        let position = |i: usize| cubic(state(k, i), state(k + 1, i), length, part).q;
+        let states: Vec<_> =
+            (0..self.q[k].len()).map(|i| cubic(state(k, i), state(k + 1, i), length, part)).collect();
+        // Two nodes at one time.
+        let v = if length > 0.0 { states.iter().map(|state| state.v).collect() } else { linear(&self.v) };
         TrajectoryPoint {
             t,
-            q: (0..self.q[k].len()).map(position).collect(),
-            v: linear(&self.v),
+            q: states.iter().map(|state| state.q).collect(),
+            v,
             p: linear(&self.p),
             u: linear(&self.u),
             y_q: linear(&self.y_q),

@@ -59,7 +59,8 @@ impl Discretisation {
         recorder: &mut Recorder<'_>,
     ) -> Solved {
         match attempt.method {
-            Method::Collocation => self.collocate(extremal, attempt, recorder),
+            // The direct method is for robots; every other model is solved by collocation.
+            Method::Collocation | Method::Direct => self.collocate(extremal, attempt, recorder),
             Method::Shooting => self.shoot(extremal, attempt, recorder),
         }
     }

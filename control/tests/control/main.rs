@@ -6,6 +6,7 @@ use costate::robot::{JointSpec, LinkInertia, Robot};
 
 mod bounded;
 mod branch;
+mod direct;
 mod dynamics;
 mod equations;
 mod extremals;

@@ -82,7 +82,7 @@ fn head(motion: &Motion<'_>) -> String {
         escaped(problem.robot.name()),
         if status.is_solved() { "good" } else { "bad" },
         escaped(&summary::status(status)),
-        escaped(&summary::criterion(problem, status)),
+        escaped(&summary::criterion(problem, solution)),
     )
 }
 

@@ -7,6 +7,7 @@ pub type Units = [&'static str; 2];
 
 pub const POSITION: Units = ["rad", "m"];
 pub const RATE: Units = ["rad/s", "m/s"];
+pub const ACCELERATION: Units = ["rad/s\u{b2}", "m/s\u{b2}"];
 pub const MOMENTUM: Units = ["N m s", "N s"];
 pub const EFFORT: Units = ["N m", "N"];
 pub const POSITION_COSTATE: Units = ["cost/rad", "cost/m"];

@@ -86,7 +86,7 @@ impl ProblemFile {
         let robot = tables.robot.load(&root, &robot_path, load)?;
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
-        problem.check().map_err(in_document)?;
+        problem.check_for(tables.options.method).map_err(in_document)?;
         tables.options.check().map_err(in_document)?;
         Ok(Self {
             problem,

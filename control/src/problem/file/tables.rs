@@ -6,17 +6,29 @@ use crate::problem::file::document::{Fault, Table, string, whole};
 use crate::problem::file::error::ProblemFileCause;
 use crate::problem::file::robot::{self, RobotTable};
 use crate::problem::key::Key;
-use crate::problem::{BoundaryState, Bounds, FinalTime, Objective, Penalty, Problem};
+use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
 use costate::robot::Robot;
 use std::time::Duration;
 
-const ROOT: &[&str] =
-    &["robot", "start", "end", "time", "cost", "actuation", "bounds", "penalty", "start_from", "solver"];
+const ROOT: &[&str] = &[
+    "robot",
+    "start",
+    "end",
+    "time",
+    "cost",
+    "actuation",
+    "bounds",
+    "limits",
+    "penalty",
+    "start_from",
+    "solver",
+];
 const STATE: &[&str] = &["q", "v", "q_free", "v_free"];
 const TIME: &[&str] = &["final", "free", "guess"];
 const COST: &[&str] = &["time", "effort"];
 const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
+const LIMITS: &[&str] = &["q_min", "q_max", "v_max", "a_max", "torque_max", "from_robot"];
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
 const SOLVER: &[&str] =
@@ -27,7 +39,8 @@ const JACOBIANS: [(&str, JacobianRoute); 3] = [
     ("differences", JacobianRoute::Differences),
     ("without_hessian", JacobianRoute::WithoutHessian),
 ];
-const METHODS: [(&str, Method); 2] = [("collocation", Method::Collocation), ("shooting", Method::Shooting)];
+const METHODS: [(&str, Method); 3] =
+    [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
 const COORDINATES: [(&str, Coordinates); 2] =
     [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
 
@@ -42,6 +55,7 @@ pub(super) struct Tables {
     gain: Option<Vec<f64>>,
     bounds: Option<Bounds>,
     penalty: Option<Penalty>,
+    limits: Option<MotionLimits>,
     pub start_from: Option<String>,
     pub options: SolverOptions,
 }
@@ -77,6 +91,8 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     let cost = cost.as_ref();
     let actuation = optional("actuation", ACTUATION)?;
     let start_from = optional("start_from", START_FROM)?;
+    let limits = optional("limits", LIMITS)?.as_ref().map(limits).transpose()?;
+    let direct = limits.as_ref().is_some_and(MotionLimits::any_given);
     Ok(Tables {
         robot,
         start,
@@ -87,8 +103,9 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         gain: actuation.map_or(Ok(None), |actuation| actuation.numbers("gain"))?,
         bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
+        limits,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
-        options: optional("solver", SOLVER)?.as_ref().map(options).transpose()?.unwrap_or_default(),
+        options: options(optional("solver", SOLVER)?.as_ref(), direct)?,
     })
 }
 
@@ -139,19 +156,38 @@ fn penalty(table: &Table<'_>) -> Result<Penalty, Fault> {
     })
 }
 
-fn options(table: &Table<'_>) -> Result<SolverOptions, Fault> {
+fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
+    let none = MotionLimits::default();
+    Ok(MotionLimits {
+        q_min: table.numbers("q_min")?,
+        q_max: table.numbers("q_max")?,
+        v_max: table.numbers("v_max")?,
+        a_max: table.numbers("a_max")?,
+        torque_max: table.numbers("torque_max")?,
+        from_robot: table.flag("from_robot")?.unwrap_or(none.from_robot),
+    })
+}
+
+/// The options; where there are limits the method is direct unless another one is given.
+fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fault> {
+    let method = table.map_or(Ok(None), |table| table.choice("method", &METHODS))?;
+    let defaults = match method {
+        None if direct => SolverOptions::direct(),
+        Some(Method::Direct) => SolverOptions::direct(),
+        _ => SolverOptions::default(),
+    };
+    let Some(table) = table else { return Ok(defaults) };
     let count = |name: &str, default: usize| -> Result<usize, Fault> {
         let found = table.whole(name)?;
         Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
     };
-    let defaults = SolverOptions::default();
     Ok(SolverOptions {
         starts: count("starts", defaults.starts)?,
         seed: table.whole("seed")?.unwrap_or(defaults.seed),
         tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
         nodes: count("nodes", defaults.nodes)?,
         jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
-        method: table.choice("method", &METHODS)?.unwrap_or(defaults.method),
+        method: method.unwrap_or(defaults.method),
         coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
         time_limit: time_limit(table)?,
         ..defaults
@@ -185,6 +221,7 @@ impl Tables {
             gain: fill(&self.gain, 1.0),
             bounds: self.bounds.clone(),
             penalty: self.penalty.clone(),
+            limits: self.limits.clone().unwrap_or_default(),
             robot,
         };
         problem.start.q_free = indices(&problem, Key::START_Q_FREE, &self.start.q_free)?;

@@ -1,0 +1,105 @@
+//! Starts and steps of the interior-point method.
+
+use super::super::ends::Ends;
+use super::super::guess::guess;
+use super::super::limits::{Limited, Side, measure};
+use super::super::points::{PointDynamics, RobotPoints};
+use super::super::running::Running;
+use super::Interior;
+use crate::path::cubics::Disturbance;
+use crate::problem::{FinalTime, Objective, Problem};
+use costate::robot::Robot;
+
+/// A motion of the two-link arm with a free time, which exceeds some of its limits.
+fn started() -> Interior<RobotPoints> {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
+    problem.time = FinalTime::Free { guess: 1.2 };
+    problem.cost = Objective::new(0.5, vec![1.0, 0.3]);
+    problem.start.v = vec![0.3, -0.2];
+    let kinds = [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
+    let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.1, 1.1));
+    let sides = kinds.into_iter().flat_map(pair).collect();
+    let spline = guess(&problem, None, &Disturbance::default(), 3);
+    let dynamics = RobotPoints::new(&problem.robot);
+    let (running, ends) = (Running::new(&problem), Ends::new(&problem));
+    let mut interior = Interior::new(spline, sides, running, ends, dynamics);
+    interior.start(None).unwrap();
+    interior
+}
+
+#[test]
+fn slacks_and_multipliers_begin_on_the_central_path() {
+    let interior = started();
+    let sides = interior.barrier.sides.len();
+    assert!(interior.figures.violation > 0.1, "the guess exceeds a limit");
+    for at in 0..sides * interior.spline.points() {
+        let (p, side) = (at / sides, interior.barrier.sides[at % sides]);
+        let given = p == 0 || p + 1 == interior.spline.points();
+        let off = given && side.limited <= Limited::Rate;
+        let (slack, multiplier) = (interior.barrier.slack[at], interior.barrier.multiplier[at]);
+        assert_eq!(slack.is_infinite(), off, "{at}");
+        if off {
+            assert_eq!(multiplier, 0.0);
+            continue;
+        }
+        assert!(slack > 0.0 && slack >= interior.barrier.distance[at]);
+        let product = interior.mu * interior.spline.point(p).1;
+        assert!((slack * multiplier / product - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn steps_are_those_of_the_linearised_conditions() {
+    let mut interior = started();
+    interior.refresh().unwrap();
+    interior.system.assemble(
+        &interior.spline,
+        &interior.points,
+        &interior.barrier,
+        &mut interior.running,
+        &interior.ends,
+    );
+    assert!(interior.factorise(1.0));
+    interior.solve();
+    // Changes of the distances along each part of the step.
+    let (base, step) = (interior.spline.clone(), 1e-6);
+    for part in 0..2 {
+        let size = interior.steps[part].iter().fold(1e-300, |most: f64, dx| most.max(dx.abs()));
+        let mut along = |sign: f64| {
+            let factor = sign * step / size;
+            let mut spline = base.clone();
+            let pairs = spline.unknowns.iter_mut().zip(&interior.steps[part]);
+            pairs.for_each(|(unknown, dx)| *unknown += factor * dx);
+            spline.time += factor * interior.time_steps[part];
+            spline.evaluate(&mut interior.points.z);
+            interior.dynamics.evaluate(&mut interior.points).unwrap();
+            let mut distance = vec![0.0; interior.barrier.distance.len()];
+            measure(&interior.barrier.sides, &interior.points, &mut distance);
+            distance
+        };
+        let (above, below) = (along(1.0), along(-1.0));
+        let differences = above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * step));
+        let scale = interior.changes[part].iter().fold(0.0, |most: f64, c| most.max(c.abs())) / size;
+        for (change, difference) in interior.changes[part].iter().zip(differences) {
+            let change = change / size;
+            assert!((change - difference).abs() < 1e-6 * scale, "{part}: {change} {difference}");
+        }
+    }
+    // s deta + eta ds = mu w - eta s, ds = dd + d - s, and both stay positive.
+    let mu = 0.3 * interior.mu;
+    let (primal, dual) = interior.steps_of(mu);
+    assert!(primal > 0.0 && primal <= 1.0 && dual > 0.0 && dual <= 1.0);
+    for at in 0..interior.barrier.slack.len() {
+        let (s, eta) = (interior.barrier.slack[at], interior.barrier.multiplier[at]);
+        if s.is_infinite() {
+            continue;
+        }
+        let (ds, deta) = (interior.trial.slack_step[at], interior.trial.multiplier_step[at]);
+        let weight = interior.spline.point(at / interior.barrier.sides.len()).1;
+        let terms = [s * deta, eta * ds, -mu * weight, eta * s];
+        let size: f64 = terms.iter().map(|term| term.abs()).sum();
+        assert!(terms.iter().sum::<f64>().abs() < 1e-12 * size);
+        assert!(s + primal * ds > 0.0 && eta + dual * deta > 0.0);
+    }
+}

@@ -1,0 +1,157 @@
+//! First and second derivatives of the Lagrangian of the barrier problem at one point, in z = (q, v, a).
+
+use super::basis::COEFFICIENTS;
+use super::limits::{Barrier, Limited};
+use super::points::Points;
+use super::running::Running;
+use super::spline::Spline;
+
+/// Weights of the torques in the Lagrangian: those for [`Points::weights`].
+pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, running: &Running) {
+    let n = points.dof;
+    for p in 0..points.count() {
+        let weight = spline.point(p).1 * spline.time;
+        let weights = &mut points.weights[n * p..][..n];
+        for ((w, &tau), &r) in weights.iter_mut().zip(&points.tau[n * p..]).zip(&running.effort) {
+            *w = weight * r * tau;
+        }
+        let first = barrier.sides.len() * p;
+        for (i, side) in barrier.sides.iter().enumerate() {
+            if side.limited == Limited::Torque {
+                weights[side.joint] -= side.sign * barrier.multiplier[first + i];
+            }
+        }
+    }
+}
+
+/// Arrays of one point.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Work {
+    /// Gradients in z: with the multipliers, at mu = 0, factor of mu, and H z_T.
+    pub z: [Vec<f64>; 4],
+    /// The same in tau, without the last one.
+    tau: [Vec<f64>; 3],
+    /// Second derivatives by limits of z, 3n, and of tau with the effort, n.
+    curvature: Vec<f64>,
+    tau_curvature: Vec<f64>,
+    /// 3n x 3n: with the limits and the squares of the torques.
+    pub hessian: Vec<f64>,
+    /// Room for products with a basis.
+    pub product: Vec<f64>,
+    /// dz/dT at constant unknowns, and the second derivative.
+    pub z_t: Vec<f64>,
+    pub z_tt: Vec<f64>,
+}
+
+impl Work {
+    /// Room for n joints.
+    pub fn new(n: usize) -> Self {
+        let zeros = || vec![0.0; 3 * n];
+        Self {
+            z: [zeros(), zeros(), zeros(), zeros()],
+            tau: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+            curvature: zeros(),
+            tau_curvature: vec![0.0; n],
+            hessian: vec![0.0; 9 * n * n],
+            product: vec![0.0; 3 * n * COEFFICIENTS * n],
+            z_t: zeros(),
+            z_tt: zeros(),
+        }
+    }
+
+    /// Gradients and Hessian of a point in z. Its weight in the integral over s, and its running cost.
+    ///
+    /// Slacks and multipliers are eliminated: with d = s, eta s = mu w (w the weight of the point),
+    ///
+    /// $$ \Delta s = \Delta d + d - s, \qquad \Delta \eta = a - \sigma \Delta d, \qquad
+    ///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
+    pub fn collect(
+        &mut self,
+        p: usize,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+    ) -> (f64, f64) {
+        let (n, time) = (points.dof, spline.time);
+        let (_, weight) = spline.point(p);
+        let (z, tau, tau_z) = (points.z(p), points.tau(p), points.tau_z(p));
+        self.z.iter_mut().chain(&mut self.tau).for_each(|vector| vector.fill(0.0));
+        self.curvature.fill(0.0);
+        // The running cost, then its effort.
+        self.hessian.copy_from_slice(points.hessian(p));
+        let [gradient, _, _, slope] = &mut self.z;
+        let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
+        for i in 0..n {
+            let force = running.effort[i] * tau[i];
+            cost += 0.5 * force * tau[i];
+            self.tau[0][i] = time * weight * force;
+            self.tau_curvature[i] = time * weight * running.effort[i];
+            for (slope, &tau_z) in self.z[3].iter_mut().zip(&tau_z[3 * n * i..3 * n * (i + 1)]) {
+                *slope += weight * force * tau_z;
+            }
+        }
+        let [gradient, at_zero, ..] = &mut self.z;
+        at_zero.copy_from_slice(gradient);
+        let [gradient, at_zero, _] = &mut self.tau;
+        at_zero.copy_from_slice(gradient);
+        self.add_sides(p, n, weight, barrier);
+        for (tau, z) in self.tau.iter().zip(&mut self.z) {
+            for (&factor, row) in tau.iter().zip(tau_z.chunks_exact(3 * n)) {
+                z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
+            }
+        }
+        self.add_torque_square(n, tau_z);
+        for i in 0..3 * n {
+            self.hessian[3 * n * i + i] += self.curvature[i];
+        }
+        (weight, cost)
+    }
+
+    /// The limits of a point.
+    fn add_sides(&mut self, p: usize, n: usize, weight: f64, barrier: &Barrier) {
+        let first = barrier.sides.len() * p;
+        for (i, side) in barrier.sides.iter().enumerate() {
+            let at = first + i;
+            let (s, eta, d) = (barrier.slack[at], barrier.multiplier[at], barrier.distance[at]);
+            if s.is_infinite() {
+                continue;
+            }
+            let sigma = eta / s;
+            let parts = [-side.sign * eta, -side.sign * (eta - sigma * d), -side.sign * weight / s];
+            if side.limited == Limited::Torque {
+                self.tau.iter_mut().zip(parts).for_each(|(to, part)| to[side.joint] += part);
+                self.tau_curvature[side.joint] += sigma;
+            } else {
+                let index = side.index(n);
+                self.z.iter_mut().zip(parts).for_each(|(to, part)| to[index] += part);
+                self.curvature[index] += sigma;
+            }
+        }
+    }
+
+    /// Derivatives of z = (q, q'/T, q''/T^2) in T.
+    pub fn differentiate_in_time(&mut self, z: &[f64], inverse: f64) {
+        let (n, square) = (z.len() / 3, inverse * inverse);
+        for i in 0..n {
+            let (v, a) = (z[n + i], z[2 * n + i]);
+            (self.z_t[i], self.z_t[n + i], self.z_t[2 * n + i]) = (0.0, -inverse * v, -2.0 * inverse * a);
+            (self.z_tt[i], self.z_tt[n + i], self.z_tt[2 * n + i]) =
+                (0.0, 2.0 * square * v, 6.0 * square * a);
+        }
+    }
+
+    /// H += tau_z' C tau_z.
+    fn add_torque_square(&mut self, n: usize, tau_z: &[f64]) {
+        let width = 3 * n;
+        for (row, &curvature) in tau_z.chunks_exact(width).zip(&self.tau_curvature) {
+            if curvature == 0.0 {
+                continue;
+            }
+            for (i, to) in self.hessian.chunks_exact_mut(width).enumerate() {
+                let factor = curvature * row[i];
+                to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Torques with their derivatives at the points of a motion.
+
+use costate::EvalError;
+use costate::lagrangian::LagrangianSecondOrder;
+use costate::robot::Robot;
+
+/// What is known at each point: z = (q, v, a), tau, tau_z, and the Hessian of w.tau.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Points {
+    pub dof: usize,
+    pub z: Vec<f64>,
+    pub tau: Vec<f64>,
+    /// n x 3n a point, row by row.
+    pub tau_z: Vec<f64>,
+    /// 3n x 3n a point.
+    pub hessian: Vec<f64>,
+    /// Weights w of the torques in the Hessian, n a point.
+    pub weights: Vec<f64>,
+}
+
+impl Points {
+    /// Room for so many points of n joints.
+    pub fn resize(&mut self, n: usize, count: usize) {
+        self.dof = n;
+        self.z.resize(3 * n * count, 0.0);
+        self.tau.resize(n * count, 0.0);
+        self.tau_z.resize(3 * n * n * count, 0.0);
+        self.hessian.resize(9 * n * n * count, 0.0);
+        self.weights.resize(n * count, 0.0);
+    }
+
+    /// Number of points.
+    pub fn count(&self) -> usize {
+        self.tau.len() / self.dof
+    }
+
+    /// q, v, a at a point.
+    pub fn z(&self, p: usize) -> &[f64] {
+        &self.z[3 * self.dof * p..][..3 * self.dof]
+    }
+
+    /// The torques at a point.
+    pub fn tau(&self, p: usize) -> &[f64] {
+        &self.tau[self.dof * p..][..self.dof]
+    }
+
+    /// Their Jacobian, n x 3n.
+    pub fn tau_z(&self, p: usize) -> &[f64] {
+        let size = 3 * self.dof * self.dof;
+        &self.tau_z[size * p..][..size]
+    }
+
+    /// The Hessian of w.tau, 3n x 3n.
+    pub fn hessian(&self, p: usize) -> &[f64] {
+        let size = 9 * self.dof * self.dof;
+        &self.hessian[size * p..][..size]
+    }
+}
+
+/// Inverse dynamics at many points.
+pub(crate) trait PointDynamics {
+    /// tau at all points.
+    fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError>;
+    /// tau, tau_z and the Hessian of w.tau at all points.
+    fn contract(&mut self, points: &mut Points) -> Result<(), EvalError>;
+}
+
+/// The generic code, one point after the other.
+#[derive(Debug)]
+pub(crate) struct RobotPoints {
+    model: LagrangianSecondOrder<f64>,
+}
+
+impl RobotPoints {
+    pub fn new(robot: &Robot) -> Self {
+        Self { model: LagrangianSecondOrder::new(robot) }
+    }
+}
+
+impl PointDynamics for RobotPoints {
+    fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        let n = points.dof;
+        for (z, tau) in points.z.chunks_exact(3 * n).zip(points.tau.chunks_exact_mut(n)) {
+            tau.copy_from_slice(self.model.first().inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?);
+        }
+        Ok(())
+    }
+
+    fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        let n = points.dof;
+        for p in 0..points.count() {
+            let z = &points.z[3 * n * p..][..3 * n];
+            let (q, v, a) = (&z[..n], &z[n..2 * n], &z[2 * n..]);
+            let first = self.model.first().linearise_inverse_dynamics(q, v, a)?;
+            points.tau[n * p..][..n].copy_from_slice(first.tau);
+            let tau_z = &mut points.tau_z[3 * n * n * p..][..3 * n * n];
+            for (i, row) in tau_z.chunks_exact_mut(3 * n).enumerate() {
+                for j in 0..n {
+                    row[j] = first.tau_q[(i, j)];
+                    row[n + j] = first.tau_v[(i, j)];
+                    row[2 * n + j] = first.tau_a[(i, j)];
+                }
+            }
+            let hessian = self.model.contract_inverse_dynamics(q, v, a, &points.weights[n * p..][..n])?;
+            let size = 9 * n * n;
+            for (i, row) in points.hessian[size * p..][..size].chunks_exact_mut(3 * n).enumerate() {
+                for (j, entry) in row.iter_mut().enumerate() {
+                    *entry = hessian[(i, j)];
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! The running cost of a motion: time, effort, penalties, user terms.
+
+use super::points::Points;
+use super::spline::Spline;
+use crate::extremal::penalty::Penalties;
+use crate::extremal::user_terms::UserTerms;
+use crate::problem::Problem;
+
+/// `c_t + 1/2 sum r_i tau_i^2 + penalties + terms`, per second.
+#[derive(Debug)]
+pub(crate) struct Running {
+    /// c_t.
+    pub time: f64,
+    /// r_i over the square of the gain.
+    pub effort: Vec<f64>,
+    penalties: Penalties,
+    terms: UserTerms<f64>,
+}
+
+impl Running {
+    pub fn new(problem: &Problem) -> Self {
+        let effort =
+            problem.cost.effort.iter().zip(&problem.gain).map(|(r, gain)| r / (gain * gain)).collect();
+        let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
+        let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
+        Self { time: problem.cost.time, effort, penalties, terms }
+    }
+
+    /// The cost of a motion.
+    pub fn cost(&self, spline: &Spline, points: &Points) -> f64 {
+        let rate = |p: usize| spline.point(p).1 * self.rate(points.z(p), points.tau(p));
+        spline.time * (0..points.count()).map(rate).sum::<f64>()
+    }
+
+    /// l at a point.
+    pub fn rate(&self, z: &[f64], tau: &[f64]) -> f64 {
+        let n = tau.len();
+        let effort: f64 = tau.iter().zip(&self.effort).map(|(tau, r)| 0.5 * r * tau * tau).sum();
+        self.time + effort + self.terms.at(&z[..n], &z[n..2 * n]) + self.penalty_rate(z)
+    }
+
+    /// The penalties at a point.
+    fn penalty_rate(&self, z: &[f64]) -> f64 {
+        if !self.penalties.any() {
+            return 0.0;
+        }
+        let n = z.len() / 3;
+        let of = |i: usize| self.penalties.position(i, z[i]).value + self.penalties.rate(i, z[n + i]).value;
+        (0..n).map(of).sum()
+    }
+
+    /// The penalties of a motion.
+    pub fn penalty_cost(&self, spline: &Spline, points: &Points) -> f64 {
+        let rate = |p: usize| spline.point(p).1 * self.penalty_rate(points.z(p));
+        spline.time * (0..points.count()).map(rate).sum::<f64>()
+    }
+
+    /// Adds l_v at a point.
+    pub fn add_rate_gradient(&mut self, z: &[f64], gradient: &mut [f64]) {
+        let n = gradient.len();
+        if self.penalties.any() {
+            (0..n).for_each(|i| gradient[i] += self.penalties.rate(i, z[n + i]).first);
+        }
+        if !self.terms.any() {
+            return;
+        }
+        self.terms.first(&z[..n], &z[n..2 * n]);
+        gradient.iter_mut().zip(&self.terms.gradient[n..]).for_each(|(to, from)| *to += from);
+    }
+
+    /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian.
+    /// The value is l without the effort.
+    pub fn add_terms(
+        &mut self,
+        z: &[f64],
+        [weight, time]: [f64; 2],
+        gradient: &mut [f64],
+        slope: &mut [f64],
+        hessian: &mut [f64],
+    ) -> f64 {
+        let (n, width) = (z.len() / 3, z.len());
+        let mut penalty = 0.0;
+        if self.penalties.any() {
+            for i in 0..n {
+                let terms =
+                    [(i, self.penalties.position(i, z[i])), (n + i, self.penalties.rate(i, z[n + i]))];
+                for (at, term) in terms {
+                    penalty += term.value;
+                    gradient[at] += time * weight * term.first;
+                    slope[at] += weight * term.first;
+                    hessian[width * at + at] += time * weight * term.second;
+                }
+            }
+        }
+        if !self.terms.any() {
+            return penalty;
+        }
+        self.terms.second(&z[..n], &z[n..2 * n]);
+        for i in 0..2 * n {
+            gradient[i] += time * weight * self.terms.gradient[i];
+            slope[i] += weight * self.terms.gradient[i];
+            for j in 0..2 * n {
+                hessian[width * i + j] += time * weight * self.terms.hessian[(i, j)];
+            }
+        }
+        penalty + self.terms.value
+    }
+}

@@ -1,0 +1,103 @@
+//! How far to go along a direction.
+
+use super::interior::Interior;
+use super::limits::measure;
+use super::points::PointDynamics;
+use crate::constants::direct as constants;
+use costate::EvalError;
+
+impl<D: PointDynamics> Interior<D> {
+    /// Tries shorter and shorter steps. The part that was taken.
+    pub(super) fn search(&mut self) -> Result<Option<f64>, EvalError> {
+        let mu = self.mu;
+        let (primal, dual) = self.steps_of(mu);
+        // Slope of cost and barrier.
+        let mut slope = 0.0;
+        for i in 0..self.steps[0].len() {
+            slope += self.system.gradient[0][i] * (self.steps[0][i] + mu * self.steps[1][i]);
+        }
+        let dt = self.time_steps[0] + mu * self.time_steps[1];
+        slope += self.system.time_gradient[0] * dt;
+        let sides = self.barrier.sides.len();
+        for at in 0..self.barrier.slack.len() {
+            let (s, eta, d) =
+                (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
+            if s.is_finite() {
+                let change = self.changes[0][at] + mu * self.changes[1][at];
+                slope += eta * (1.0 - d / s) * change
+                    - mu * self.spline.point(at / sides).1 * self.trial.slack_step[at] / s;
+            }
+        }
+        let theta = self.infeasibility(&self.spline, &self.barrier.distance, &self.barrier.slack);
+        let value = self.figures.cost + self.logarithms(&self.spline, &self.barrier.slack);
+        let mut alpha = primal;
+        loop {
+            self.evaluate_trial(alpha)?;
+            let trial = &self.trial;
+            let cost = self.running.cost(&trial.spline, &trial.points);
+            let new_theta = self.infeasibility(&trial.spline, &trial.distance, &trial.slack);
+            let new_value = cost + self.logarithms(&trial.spline, &trial.slack);
+            let rounding = constants::ROUNDING * value.abs();
+            let feasible = theta <= constants::FEASIBLE;
+            let fine = if feasible && slope < 0.0 {
+                new_value <= value + constants::ARMIJO * alpha * slope + rounding
+                    && new_theta <= constants::STAYS_FEASIBLE
+            } else {
+                new_theta <= (1.0 - constants::DECREASE) * theta
+                    || new_value <= value - constants::DECREASE * theta + rounding
+            };
+            let sane = trial.spline.time > 0.0
+                && cost.is_finite()
+                && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
+            if fine && sane {
+                self.take(dual);
+                return Ok(Some(alpha));
+            }
+            alpha *= 0.5;
+            if alpha < constants::SHORTEST * primal {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// Spline, points, distances and slacks after the part `alpha` of the step.
+    fn evaluate_trial(&mut self, alpha: f64) -> Result<(), EvalError> {
+        let mu = self.mu;
+        let trial = &mut self.trial;
+        trial.spline.clone_from(&self.spline);
+        for (i, unknown) in trial.spline.unknowns.iter_mut().enumerate() {
+            *unknown += alpha * (self.steps[0][i] + mu * self.steps[1][i]);
+        }
+        trial.spline.time += alpha * (self.time_steps[0] + mu * self.time_steps[1]);
+        trial.points.resize(self.spline.dof, self.spline.points());
+        trial.spline.evaluate(&mut trial.points.z);
+        self.dynamics.evaluate(&mut trial.points)?;
+        trial.distance.resize(self.barrier.distance.len(), 0.0);
+        measure(&self.barrier.sides, &trial.points, &mut trial.distance);
+        trial.slack.clone_from(&self.barrier.slack);
+        for ((slack, step), &distance) in trial.slack.iter_mut().zip(&trial.slack_step).zip(&trial.distance) {
+            if slack.is_finite() {
+                *slack = (*slack + alpha * step).max(distance);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the trial the iterate.
+    fn take(&mut self, dual: f64) {
+        std::mem::swap(&mut self.spline, &mut self.trial.spline);
+        std::mem::swap(&mut self.points.z, &mut self.trial.points.z);
+        std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
+        std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
+        std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);
+        let sides = self.barrier.sides.len();
+        for at in 0..self.barrier.multiplier.len() {
+            if self.barrier.slack[at].is_finite() {
+                let eta = self.barrier.multiplier[at] + dual * self.trial.multiplier_step[at];
+                let central = self.mu * self.spline.point(at / sides).1 / self.barrier.slack[at];
+                self.barrier.multiplier[at] = eta.clamp(central / constants::FAR, constants::FAR * central);
+            }
+        }
+        self.measure_figures();
+    }
+}

@@ -1,0 +1,248 @@
+//! From a problem to a motion: starts, meshes, verification.
+
+use super::ends::Ends;
+use super::found::trajectory;
+use super::guess::guess;
+use super::interior::{End, Interior};
+use super::limits::{Limited, Side};
+use super::points::RobotPoints;
+use super::refine::Resolution;
+use super::report::report;
+use super::running::Running;
+use super::verify::integrate;
+use crate::bvp::collocation::error::defined;
+use crate::constants::direct as constants;
+use crate::options::SolverOptions;
+use crate::path::cubics::Disturbance;
+use crate::problem::Problem;
+use crate::problem::check::CheckedProblem;
+use crate::progress::{Iteration, Phase};
+use crate::result::motion::{Motion, verified};
+use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::trajectory::Trajectory;
+use crate::solve::Recorder;
+use crate::status::Status;
+use costate::EvalError;
+
+/// Points of an interval in the count of nodes.
+const POINTS: usize = super::basis::POINTS;
+
+/// A problem that the direct method solves from one or several guesses.
+pub(crate) struct Direct<'a> {
+    pub problem: CheckedProblem<'a>,
+    pub options: &'a SolverOptions,
+    /// Where the first start begins.
+    pub saved: Option<&'a Trajectory>,
+}
+
+impl Direct<'_> {
+    /// The best solution of all starts: the cheapest solved one if there is any.
+    pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
+        let mut best: Option<Solution> = None;
+        let mut starts = Vec::new();
+        let mut steps = 0;
+        for number in 0..self.options.starts {
+            if number > 0 && recorder.interruption().is_some() {
+                break;
+            }
+            let solution = self.start(number, recorder).unwrap_or_else(|error| {
+                let status = Status::EvaluationFailed(error.into());
+                Solution::missing(&self.problem.robot, status, self.problem.time.value())
+            });
+            let motion = &solution.motion;
+            starts.push(StartResult { total: motion.total(), status: motion.status.clone() });
+            steps += solution.newton_iterations;
+            if best.as_ref().is_none_or(|best| rank(motion) < rank(&best.motion)) {
+                best = Some(solution);
+            }
+        }
+        let missing = || Solution::missing(&self.problem.robot, Status::Cancelled, self.problem.time.value());
+        let best = best.unwrap_or_else(missing);
+        Solution { newton_iterations: steps, starts, options: self.options.clone(), ..best }
+    }
+
+    /// One start.
+    fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+        let problem = self.problem.problem();
+        let disturbance = Disturbance::draw(problem, self.options.seed, number);
+        let intervals = ((self.options.nodes - 1) / POINTS).max(1);
+        let saved = self.saved.filter(|_| number == 0);
+        let spline = guess(problem, saved, &disturbance, intervals);
+        let dynamics = RobotPoints::new(&problem.robot);
+        let mut interior =
+            Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);
+        let mut resolution = Resolution::default();
+        let (status, error) = self.refine(&mut interior, &mut resolution, recorder)?;
+        self.finish(&mut interior, &resolution, (status, error), recorder)
+    }
+
+    /// Solves on finer and finer meshes. The status, and the estimated relative error of the cost.
+    fn refine(
+        &self,
+        interior: &mut Interior<RobotPoints>,
+        resolution: &mut Resolution,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<(Status, f64), EvalError> {
+        let tolerance = self.options.tolerance;
+        interior.start(None)?;
+        if let Some(interruption) = recorder.interruption() {
+            interior.refresh()?;
+            resolution.measure(interior)?;
+            return Ok((interruption.into(), f64::INFINITY));
+        }
+        let (mut status, mut last) = (Status::MeshLimit, f64::INFINITY);
+        for mesh in 0..constants::MESHES {
+            let first = interior.figures.iterations;
+            let watch = |iterate: &Interior<RobotPoints>, step: f64| {
+                let figures = &iterate.figures;
+                recorder.record(Iteration {
+                    phase: Phase::Direct,
+                    nodes: iterate.spline.points(),
+                    number: figures.iterations - first,
+                    residual: (figures.gap.max(figures.decrement.abs()) / figures.size)
+                        .max(figures.violation),
+                    step,
+                    final_time: iterate.spline.time,
+                    cost: figures.cost,
+                });
+                recorder.interruption()
+            };
+            let end = interior.iterate(
+                constants::PART_OF_TOLERANCE * tolerance,
+                self.options.max_iterations,
+                watch,
+            )?;
+            resolution.measure(interior)?;
+            let figures = interior.figures;
+            let error = (resolution.error() + figures.gap) / figures.size;
+            let violated = figures.violation > constants::VIOLATION_ACCEPTED;
+            let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
+            status = match end {
+                End::Interrupted(interruption) => return Ok((interruption.into(), error)),
+                End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
+                End::NoProgress => Status::NewtonFailed,
+                End::IterationLimit => Status::IterationLimit,
+                End::Solved if accurate => {
+                    verified(self.integrate_again(interior).relative, false, tolerance)
+                }
+                End::Solved => Status::MeshLimit,
+            };
+            if status == Status::Converged || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
+                return Ok((status, error));
+            }
+            // What the estimate does not see, the integration may.
+            let enough = if accurate { error.min(tolerance) * constants::LEFT } else { tolerance };
+            let nodes = match violated {
+                true => halved(&interior.spline.nodes),
+                false => resolution.nodes(&interior.spline, enough * figures.size),
+            };
+            last = error;
+            if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
+                break;
+            }
+            interior.move_to(nodes)?;
+        }
+        Ok((status, last))
+    }
+
+    /// The solution, verified by integration where it converged.
+    fn finish(
+        &self,
+        interior: &mut Interior<RobotPoints>,
+        resolution: &Resolution,
+        (status, error): (Status, f64),
+        recorder: &mut Recorder<'_>,
+    ) -> Result<Solution, EvalError> {
+        let problem = self.problem.problem();
+        let trajectory = trajectory(problem, interior)?;
+        let again = self.integrate_again(interior);
+        let values = &trajectory.hamiltonian;
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let far = values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max);
+        let size = values.iter().map(|value| value.abs()).fold(interior.running.time, f64::max);
+        let iterations = std::mem::take(&mut recorder.iterations);
+        let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
+        let motion = Motion {
+            cost: interior.figures.cost - penalty_cost,
+            penalty_cost,
+            hamiltonian: mean,
+            hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
+            end_state: again.state,
+            errors: vec![error],
+            iterations,
+            ..Motion::missing(status, interior.spline.time)
+        };
+        Ok(Solution {
+            newton_iterations: interior.figures.iterations,
+            end_defect: again.defect,
+            limits: report(problem, interior, resolution),
+            trajectory,
+            starts: Vec::new(),
+            options: self.options.clone(),
+            robot: RobotNames::of(&problem.robot),
+            motion,
+        })
+    }
+
+    /// The motion integrated again with its torques.
+    fn integrate_again(&self, interior: &Interior<RobotPoints>) -> Again {
+        let (problem, spline) = (self.problem.problem(), &interior.spline);
+        let (n, end) = (spline.dof, &problem.end);
+        let Ok(state) = integrate(problem, spline) else {
+            return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY };
+        };
+        let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
+        let last = interior.points.z(interior.points.count() - 1);
+        for i in 0..2 * n {
+            let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
+            let size = values.fold(f64::MIN_POSITIVE, f64::max);
+            relative = relative.max(defined((state[i] - last[i]).abs() / size));
+            let (free, given) = if i < n { (&end.q_free, end.q[i]) } else { (&end.v_free, end.v[i - n]) };
+            if !free.contains(&(i % n)) {
+                defect = defect.max(defined((state[i] - given).abs()));
+            }
+        }
+        Again { state: Some(state), defect, relative }
+    }
+}
+
+/// A motion integrated again.
+struct Again {
+    /// (q, v) at the end.
+    state: Option<Vec<f64>>,
+    /// Largest miss of a given position or rate at the end.
+    defect: f64,
+    /// Largest distance from the end of the motion, in parts of the largest values along it.
+    relative: f64,
+}
+
+/// Solved motions come first, then those that keep the limits; among them the cheapest one.
+fn rank(motion: &Motion) -> (bool, bool, f64) {
+    (!motion.status.is_solved(), motion.status == Status::LimitsNotKept, motion.total())
+}
+
+/// All intervals in two.
+fn halved(nodes: &[f64]) -> Vec<f64> {
+    let halves = nodes.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]);
+    std::iter::once(nodes[0]).chain(halves).collect()
+}
+
+/// All limits of a problem.
+fn sides(problem: &Problem) -> Vec<Side> {
+    let limits = problem.joint_limits();
+    let of = |limited: Limited| {
+        limits.iter().enumerate().flat_map(move |(i, limits)| {
+            let [lower, upper] = match limited {
+                Limited::Position => limits.q,
+                Limited::Rate => [-limits.v, limits.v],
+                Limited::Acceleration => [-limits.a, limits.a],
+                Limited::Torque => limits.torque,
+            };
+            Side::pair(limited, i, lower, upper)
+        })
+    };
+    [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque]
+        .into_iter()
+        .flat_map(of)
+        .collect()
+}

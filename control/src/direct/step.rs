@@ -1,0 +1,133 @@
+//! Directions: from the factorised equations to steps of unknowns, slacks and multipliers.
+
+use super::basis::{Basis, COEFFICIENTS, PLACES, POINTS};
+use super::interior::Interior;
+use super::limits::Limited;
+use super::points::PointDynamics;
+use super::spline::combine;
+use crate::constants::direct as constants;
+
+impl<D: PointDynamics> Interior<D> {
+    /// Both parts of the step, and of the change of distances.
+    pub(super) fn solve(&mut self) {
+        let free_time = self.ends.free_time;
+        let n = self.spline.dof;
+        let sides = self.barrier.sides.len();
+        for part in 0..2 {
+            let dt = self.system.solve(part, free_time, &mut self.steps[part]);
+            self.time_steps[part] = dt;
+            let block = 3 * n;
+            let last = self.steps[part].len() - block;
+            for (offset, fixed) in [(0, &self.ends.start), (last, &self.ends.end)] {
+                for (i, tangent) in fixed.iter().enumerate() {
+                    if let Some(tangent) = tangent {
+                        self.steps[part][offset + i] = tangent * dt;
+                    }
+                }
+            }
+            self.changes[part].resize(sides * self.points.count(), 0.0);
+            if sides == 0 {
+                continue;
+            }
+            let mut dz = vec![0.0; block];
+            for p in 0..self.points.count() {
+                let (k, j) = (p / POINTS, p % POINTS);
+                let step = &self.steps[part][block * k..];
+                if j == 0 {
+                    dz.copy_from_slice(&step[..block]);
+                } else {
+                    combine(
+                        &Basis::at(PLACES[j - 1], self.spline.width(k)),
+                        n,
+                        &step[..COEFFICIENTS * n],
+                        &mut dz,
+                    );
+                }
+                let (z, rate) = (self.points.z(p), 1.0 / self.spline.time);
+                for i in 0..n {
+                    dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
+                    dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
+                }
+                let tau_z = self.points.tau_z(p);
+                for (change, side) in
+                    self.changes[part][sides * p..][..sides].iter_mut().zip(&self.barrier.sides)
+                {
+                    let value = if side.limited == Limited::Torque {
+                        let row = &tau_z[3 * n * side.joint..][..3 * n];
+                        row.iter().zip(&dz).map(|(a, b)| a * b).sum()
+                    } else {
+                        dz[side.index(n)]
+                    };
+                    *change = side.sign * value;
+                }
+            }
+        }
+    }
+
+    /// Steps of slacks and multipliers for a barrier, and how far they may go.
+    pub(super) fn steps_of(&mut self, mu: f64) -> (f64, f64) {
+        let sides = self.barrier.sides.len();
+        let count = self.barrier.slack.len();
+        self.trial.slack_step.resize(count, 0.0);
+        self.trial.multiplier_step.resize(count, 0.0);
+        let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
+        let keep = 1.0 - constants::BOUNDARY;
+        for at in 0..count {
+            let (s, eta, d) =
+                (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
+            if s.is_infinite() {
+                continue;
+            }
+            let weight = self.spline.point(at / sides).1;
+            let change = self.changes[0][at] + mu * self.changes[1][at];
+            let ds = change + d - s;
+            let deta = (mu * weight - eta * d - eta * change) / s;
+            if ds < 0.0 {
+                primal = primal.min(keep * s / -ds);
+            }
+            if deta < 0.0 {
+                dual = dual.min(keep * eta / -deta);
+            }
+            (self.trial.slack_step[at], self.trial.multiplier_step[at]) = (ds, deta);
+        }
+        (primal, dual)
+    }
+
+    /// Mehrotra's choice: from the complementarity that the step at mu = 0 would leave.
+    pub(super) fn choose_barrier(&mut self, tolerance: f64) {
+        let gap = self.figures.gap;
+        if gap == 0.0 {
+            self.mu = 0.0;
+            return;
+        }
+        let active = self.barrier.sides.len() as f64;
+        let now = gap / active;
+        let (primal, dual) = self.steps_of(0.0);
+        let mut left = 0.0;
+        for at in 0..self.barrier.slack.len() {
+            let (s, eta) = (self.barrier.slack[at], self.barrier.multiplier[at]);
+            if s.is_finite() {
+                left +=
+                    (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
+            }
+        }
+        let part = (left / gap).clamp(0.0, 1.0);
+        self.mu = now;
+        // No smaller than the tolerance needs, nor than the distance from stationary points allows.
+        let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;
+        let centre = constants::CENTRING * self.decrement().abs() / active;
+        self.mu = (now * (part * part * part).max(constants::MOST_DECREASE))
+            .max(floor)
+            .max(centre.min(now * constants::MOST_INCREASE));
+    }
+
+    /// -(g dx) for the step.
+    pub(super) fn decrement(&self) -> f64 {
+        let mu = self.mu;
+        let gradient = |i: usize| self.system.gradient[0][i] + mu * self.system.gradient[1][i];
+        let step = |i: usize| self.steps[0][i] + mu * self.steps[1][i];
+        let sum: f64 = (0..self.steps[0].len()).map(|i| gradient(i) * step(i)).sum();
+        let time = self.system.time_gradient[0] + mu * self.system.time_gradient[1];
+        -(sum + time * (self.time_steps[0] + mu * self.time_steps[1]))
+    }
+}

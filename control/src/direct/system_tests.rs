@@ -1,0 +1,244 @@
+//! The assembled gradient and Hessian against central differences.
+
+use super::super::ends::Ends;
+use super::super::limits::{Barrier, Limited, Side};
+use super::super::point_terms::weigh;
+use super::super::points::{PointDynamics, Points, RobotPoints};
+use super::super::running::Running;
+use super::super::spline::Spline;
+use super::System;
+use crate::problem::running_cost::{RunningCost, UserTerm};
+use crate::problem::{FinalTime, Objective, Penalty, Problem};
+use costate::robot::Robot;
+use costate::scalar::Scalar;
+
+/// A term that couples positions and rates.
+struct Coupled;
+
+impl RunningCost for Coupled {
+    fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+        q[0].sin_cos().0 * v[1] * v[1] + q[1] * v[0]
+    }
+}
+
+/// A random motion with random slacks and multipliers.
+struct Case {
+    spline: Spline,
+    barrier: Barrier,
+    /// Subtracted from the distances.
+    shift: Vec<f64>,
+    running: Running,
+    ends: Ends,
+    dynamics: RobotPoints,
+    points: Points,
+    system: System,
+}
+
+impl Case {
+    fn new() -> Self {
+        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+        let mut problem = Problem::rest_to_rest(robot, &[0.1, 0.2], &[0.5, -0.3], 1.3);
+        problem.time = FinalTime::Free { guess: 1.3 };
+        problem.cost = Objective::new(0.7, vec![1.2, 0.4]);
+        problem.penalty = Some(Penalty { q_max: Some(vec![0.1, 0.2]), ..Penalty::new(3.0) });
+        problem.terms = vec![UserTerm::new(Coupled)];
+        // Rates that are given and not zero move with T; a free position and a free rate.
+        problem.start.v = vec![0.4, -0.8];
+        problem.end.v = vec![0.3, 0.5];
+        problem.start.v_free = vec![1];
+        problem.end.q_free = vec![0];
+        let kinds = [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
+        let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.5, 2.0 + joint as f64));
+        let sides: Vec<Side> = kinds.into_iter().flat_map(pair).collect();
+        let mut random = fastrand::Rng::with_seed(11);
+        let nodes = vec![0.0, 0.3, 0.55, 1.0];
+        let unknowns = (0..4 * 6).map(|_| random.f64() - 0.5).collect();
+        let spline = Spline { dof: 2, nodes, unknowns, time: 1.3 };
+        let count = sides.len() * spline.points();
+        let mut positive = || (0..count).map(|_| 0.2 + random.f64()).collect::<Vec<_>>();
+        let (mut slack, multiplier) = (positive(), positive());
+        // Sides that are off.
+        slack[0] = f64::INFINITY;
+        let barrier = Barrier {
+            multiplier: multiplier
+                .iter()
+                .zip(&slack)
+                .map(|(m, s)| if s.is_finite() { *m } else { 0.0 })
+                .collect(),
+            sides,
+            slack,
+            distance: vec![0.0; count],
+        };
+        let mut points = Points::default();
+        points.resize(2, spline.points());
+        Self {
+            dynamics: RobotPoints::new(&problem.robot),
+            running: Running::new(&problem),
+            ends: Ends::new(&problem),
+            shift: vec![0.0; count],
+            system: System::new(2),
+            spline,
+            barrier,
+            points,
+        }
+    }
+
+    /// The given unknown of a block, if it is one.
+    fn tangent(&self, at: usize) -> Option<f64> {
+        let (block, last) = (self.ends.start.len(), self.spline.intervals());
+        match at / block {
+            0 => self.ends.start[at],
+            k if k == last => self.ends.end[at % block],
+            _ => None,
+        }
+    }
+
+    /// Adds to an unknown; the one after the last is T, with which given rates move.
+    fn shifted(&mut self, at: usize, step: f64) {
+        if at < self.spline.unknowns.len() {
+            self.spline.unknowns[at] += step;
+            return;
+        }
+        self.spline.time += step;
+        for at in 0..self.spline.unknowns.len() {
+            self.spline.unknowns[at] += step * self.tangent(at).unwrap_or(0.0);
+        }
+    }
+
+    /// Evaluates the points and their distances.
+    fn evaluate(&mut self) {
+        self.spline.evaluate(&mut self.points.z);
+        self.dynamics.evaluate(&mut self.points).unwrap();
+        self.barrier.measure(&self.points);
+        self.barrier.distance.iter_mut().zip(&self.shift).for_each(|(d, shift)| *d -= shift);
+    }
+
+    /// The cost, `-sum eta d + 1/2 sum sigma d^2`; and `-sum w d / s`.
+    fn values(&mut self) -> [f64; 2] {
+        self.evaluate();
+        let mut values = [self.running.cost(&self.spline, &self.points), 0.0];
+        for (at, (d, s)) in self.barrier.distance.iter().zip(&self.barrier.slack).enumerate() {
+            if s.is_finite() {
+                let eta = self.barrier.multiplier[at];
+                values[0] += -eta * d + 0.5 * eta / s * d * d;
+                values[1] -= self.spline.point(at / self.barrier.sides.len()).1 / s * d;
+            }
+        }
+        values
+    }
+
+    fn assemble(&mut self) {
+        self.evaluate();
+        weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
+        self.dynamics.contract(&mut self.points).unwrap();
+        self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
+    }
+
+    /// A part of the gradient, with that in T.
+    fn gradient(&self, part: usize) -> Vec<f64> {
+        let mut gradient = self.system.gradient[part].clone();
+        gradient.push(self.system.time_gradient[part]);
+        gradient
+    }
+
+    /// An entry of the bordered matrix.
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        let (size, block) = (self.spline.unknowns.len(), self.ends.start.len());
+        let (i, j) = (i.min(j), i.max(j));
+        if i == size {
+            return self.system.corner;
+        }
+        if j == size {
+            return self.system.border[i];
+        }
+        let column = j - i / block * block;
+        if column < 2 * block { self.system.matrix.row(i / block, i % block)[column] } else { 0.0 }
+    }
+}
+
+const STEP: f64 = 1e-5;
+
+fn close(found: f64, expected: f64, scale: f64) -> bool {
+    (found - expected).abs() < 1e-7 * scale
+}
+
+#[test]
+fn gradients_are_those_of_the_lagrange_function() {
+    let mut case = Case::new();
+    case.assemble();
+    let gradients = [0, 1].map(|part| case.gradient(part));
+    let scales =
+        gradients.clone().map(|gradient| gradient.iter().fold(1.0, |most: f64, g| most.max(g.abs())));
+    let last = case.spline.unknowns.len();
+    for at in 0..=last {
+        let mut differences = [0.0; 2];
+        if at == last || case.tangent(at).is_none() {
+            let saved = case.spline.clone();
+            case.shifted(at, STEP);
+            let above = case.values();
+            case.spline.clone_from(&saved);
+            case.shifted(at, -STEP);
+            let below = case.values();
+            case.spline = saved;
+            differences = [0, 1].map(|part| (above[part] - below[part]) / (2.0 * STEP));
+        }
+        for ((gradient, difference), scale) in gradients.iter().zip(differences).zip(scales) {
+            assert!(close(gradient[at], difference, scale), "{at}: {} {difference}", gradient[at]);
+        }
+    }
+}
+
+#[test]
+fn the_matrix_is_the_derivative_of_the_gradient() {
+    let mut case = Case::new();
+    case.evaluate();
+    // Without the distances of this motion sigma d does not change the multipliers.
+    case.shift.clone_from(&case.barrier.distance);
+    case.assemble();
+    let size = case.spline.unknowns.len();
+    let expected: Vec<Vec<f64>> = (0..=size)
+        .map(|j| {
+            if j < size && case.tangent(j).is_some() {
+                return (0..=size).map(|i| f64::from(i == j)).collect();
+            }
+            let saved = case.spline.clone();
+            let gradient = |case: &mut Case, step: f64| {
+                case.shifted(j, step);
+                case.assemble();
+                case.spline.clone_from(&saved);
+                case.gradient(0)
+            };
+            let (above, below) = (gradient(&mut case, STEP), gradient(&mut case, -STEP));
+            above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * STEP)).collect()
+        })
+        .collect();
+    case.assemble();
+    let scale = expected.iter().flatten().fold(1.0, |most: f64, entry| most.max(entry.abs()));
+    for (j, column) in expected.iter().enumerate() {
+        for (i, &expected) in column.iter().enumerate() {
+            let found = case.entry(i, j);
+            assert!(close(found, expected, scale), "({i}, {j}): {found} instead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn steps_solve_the_bordered_equations() {
+    let mut case = Case::new();
+    // Large curvature of the limits makes the matrix positive definite.
+    case.barrier.slack.iter_mut().for_each(|slack| *slack *= 1e-4);
+    case.assemble();
+    case.system.factorise(0.0, true, |_| ()).unwrap();
+    let size = case.spline.unknowns.len();
+    for part in 0..2 {
+        let mut step = Vec::new();
+        let time = case.system.solve(part, true, &mut step);
+        step.push(time);
+        let gradient = case.gradient(part);
+        let scale = gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+        for (i, entry) in gradient.iter().enumerate() {
+            let product: f64 = (0..=size).map(|j| case.entry(i, j) * step[j]).sum();
+            assert!(close(product, -entry, scale), "{part} {i}: {product} {entry}");
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! Cholesky factorisation of symmetric block-tridiagonal matrices.
+
+use std::fmt;
+
+/// A pivot was not positive: the matrix is not positive definite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotPositiveDefinite {
+    /// The block of rows with the pivot.
+    pub block: usize,
+}
+
+impl fmt::Display for NotPositiveDefinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the matrix is not positive definite at block {}", self.block)
+    }
+}
+
+/// A pivot below this part of the diagonal entry that it came from counts as zero.
+const LEAST_PIVOT: f64 = 1e-14;
+
+/// A symmetric matrix of `count` x `count` blocks, each `size` x `size`, with blocks on the diagonal and
+/// beside it; then its factor U, A = U'U.
+///
+/// A block row holds the diagonal block and the one to its right, row by row, 2 `size` numbers a row. Only
+/// the upper triangle of diagonal blocks is read. Rows are combined as wholes, so that loops run over
+/// contiguous numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockTridiagonal {
+    size: usize,
+    rows: Vec<f64>,
+}
+
+impl BlockTridiagonal {
+    /// The zero matrix.
+    pub fn new(count: usize, size: usize) -> Self {
+        Self { size, rows: vec![0.0; count * size * 2 * size] }
+    }
+
+    /// Sets the number of blocks, and all entries to zero. Allocates only if it is larger than ever before.
+    pub fn reset(&mut self, count: usize) {
+        self.rows.clear();
+        self.rows.resize(count * self.size * 2 * self.size, 0.0);
+    }
+
+    /// Number of blocks on the diagonal.
+    pub fn count(&self) -> usize {
+        self.rows.len() / (2 * self.size * self.size)
+    }
+
+    /// Rows of a block: `size` rows of the diagonal block and the one to its right, 2 `size` numbers each.
+    pub fn block_row(&mut self, k: usize) -> &mut [f64] {
+        let length = 2 * self.size * self.size;
+        &mut self.rows[k * length..(k + 1) * length]
+    }
+
+    /// The rows of two neighbouring blocks.
+    pub fn block_rows(&mut self, k: usize) -> (&mut [f64], &mut [f64]) {
+        let length = 2 * self.size * self.size;
+        let (first, second) = self.rows[k * length..(k + 2) * length].split_at_mut(length);
+        (first, second)
+    }
+
+    /// One row of a block.
+    pub fn row(&self, k: usize, i: usize) -> &[f64] {
+        let width = 2 * self.size;
+        &self.rows[(k * self.size + i) * width..][..width]
+    }
+
+    /// Takes the entries of another matrix.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.rows.clone_from(&other.rows);
+        self.size = other.size;
+    }
+
+    /// A += factor B.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        self.rows.iter_mut().zip(&other.rows).for_each(|(to, from)| *to += factor * from);
+    }
+
+    /// A = U'U in place, `size`^3 7/3 products a block.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]; the matrix is lost then.
+    pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
+        let (size, count) = (self.size, self.count());
+        for k in 0..count {
+            let width = if k + 1 < count { 2 * size } else { size };
+            factorise_rows(self.block_row(k), size, width).map_err(|()| NotPositiveDefinite { block: k })?;
+            if k + 1 < count {
+                let (above, below) = self.block_rows(k);
+                subtract_square(above, below, size);
+            }
+        }
+        Ok(())
+    }
+
+    /// x = A^-1 r in place, after [`factorise`](Self::factorise).
+    pub fn solve(&self, r: &mut [f64]) {
+        let (size, count) = (self.size, self.count());
+        let width = 2 * size;
+        for i in 0..count * size {
+            let local = i % size;
+            let row = &self.rows[i * width..][..width];
+            let y = r[i] / row[local];
+            r[i] = y;
+            let end = (i - local + width).min(r.len());
+            let (right, entries) = (&mut r[i + 1..end], &row[local + 1..]);
+            right.iter_mut().zip(entries).for_each(|(right, &entry)| *right -= entry * y);
+        }
+        for i in (0..count * size).rev() {
+            let local = i % size;
+            let row = &self.rows[i * width..][..width];
+            let end = (i - local + width).min(r.len());
+            r[i] = (r[i] - dot(&row[local + 1..], &r[i + 1..end])) / row[local];
+        }
+    }
+}
+
+/// x.y over the shorter of the two, in four sums.
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let length = x.len().min(y.len());
+    let (x, y) = (x[..length].chunks_exact(4), y[..length].chunks_exact(4));
+    let rest: f64 = x.remainder().iter().zip(y.remainder()).map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; 4];
+    for (x, y) in x.zip(y) {
+        sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// `target -= sum of factors * rows`, entry by entry, for four rows.
+#[inline(always)]
+fn subtract_four(target: &mut [f64], factors: [f64; 4], rows: [&[f64]; 4]) {
+    let length = target.len();
+    let [a, b, c, d] = rows.map(|row| &row[..length]);
+    for j in 0..length {
+        target[j] -= (factors[0] * a[j] + factors[1] * b[j]) + (factors[2] * c[j] + factors[3] * d[j]);
+    }
+}
+
+/// `target -= factor * row`.
+#[inline(always)]
+fn subtract_one(target: &mut [f64], factor: f64, row: &[f64]) {
+    target.iter_mut().zip(row).for_each(|(target, &entry)| *target -= factor * entry);
+}
+
+/// Rows 0 to `size` of U from those of A, `width` columns of 2 `size`.
+fn factorise_rows(rows: &mut [f64], size: usize, width: usize) -> Result<(), ()> {
+    let stride = 2 * size;
+    for i in 0..size {
+        let (above, from) = rows.split_at_mut(i * stride);
+        let target = &mut from[i..width];
+        let diagonal = target[0];
+        let mut l = 0;
+        while l + 4 <= i {
+            let four = [l, l + 1, l + 2, l + 3].map(|l| &above[l * stride + i..l * stride + width]);
+            subtract_four(target, four.map(|row| row[0]), four);
+            l += 4;
+        }
+        for row in above.chunks_exact(stride).skip(l) {
+            subtract_one(target, row[i], &row[i..width]);
+        }
+        let pivot = target[0];
+        if !(pivot > LEAST_PIVOT * diagonal && pivot.is_finite()) {
+            return Err(());
+        }
+        let root = pivot.sqrt();
+        target[0] = root;
+        let inverse = 1.0 / root;
+        target[1..].iter_mut().for_each(|entry| *entry *= inverse);
+    }
+    Ok(())
+}
+
+/// Subtracts X'X from the diagonal block below, where X is the right block of the rows above.
+fn subtract_square(above: &[f64], below: &mut [f64], size: usize) {
+    let stride = 2 * size;
+    for i in 0..size {
+        let target = &mut below[i * stride + i..i * stride + size];
+        let mut l = 0;
+        while l + 4 <= size {
+            let four = [l, l + 1, l + 2, l + 3].map(|l| &above[l * stride + size + i..(l + 1) * stride]);
+            subtract_four(target, four.map(|row| row[0]), four);
+            l += 4;
+        }
+        for row in above.chunks_exact(stride).skip(l) {
+            subtract_one(target, row[size + i], &row[size + i..]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BlockTridiagonal;
+    use nalgebra::{DMatrix, DVector};
+
+    /// A random matrix with so many blocks, positive definite unless `shift` is negative, and the same one
+    /// dense.
+    fn random(count: usize, size: usize, shift: f64) -> (BlockTridiagonal, DMatrix<f64>) {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut matrix = BlockTridiagonal::new(count, size);
+        let mut dense = DMatrix::zeros(count * size, count * size);
+        for k in 0..count {
+            for i in 0..size {
+                for j in 0..if k + 1 < count { 2 * size } else { size } {
+                    if j < i {
+                        continue;
+                    }
+                    let entry = random.f64() - 0.5 + if i == j { shift } else { 0.0 };
+                    matrix.block_row(k)[i * 2 * size + j] = entry;
+                    dense[(k * size + i, k * size + j)] = entry;
+                    dense[(k * size + j, k * size + i)] = entry;
+                }
+            }
+        }
+        // Below the diagonal of a diagonal block nothing is read; blocks to the right are full.
+        for k in 0..count - 1 {
+            for i in 0..size {
+                for j in size..2 * size {
+                    let entry = random.f64() - 0.5;
+                    matrix.block_row(k)[i * 2 * size + j] = entry;
+                    dense[(k * size + i, k * size + j)] = entry;
+                    dense[(k * size + j, k * size + i)] = entry;
+                }
+            }
+        }
+        (matrix, dense)
+    }
+
+    #[test]
+    fn solutions_are_those_of_the_dense_matrix() {
+        for (count, size) in [(1, 1), (1, 5), (2, 3), (5, 6), (4, 9)] {
+            let (mut matrix, dense) = random(count, size, 3.0 * size as f64);
+            let expected = DVector::from_fn(count * size, |i, _| (i as f64 * 0.7).sin());
+            let mut found = &dense * &expected;
+            matrix.factorise().unwrap();
+            matrix.solve(found.as_mut_slice());
+            assert!((found - expected).amax() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_is_refused() {
+        let (mut matrix, dense) = random(3, 4, -1.0);
+        assert!(dense.symmetric_eigenvalues().min() < 0.0);
+        assert!(matrix.factorise().is_err());
+        let (mut matrix, _) = random(3, 4, f64::NAN);
+        assert!(matrix.factorise().is_err());
+    }
+}

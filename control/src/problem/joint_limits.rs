@@ -1,0 +1,94 @@
+//! Hard limits of a problem together with those of its robot.
+
+use super::Problem;
+use super::error::ProblemError;
+use super::key::Key;
+use super::limits::{JointLimits, MotionLimits};
+
+impl Problem {
+    /// All limits of the joints, in their order.
+    pub(crate) fn joint_limits(&self) -> Vec<JointLimits> {
+        let own = &self.limits;
+        let entry = |list: &Option<Vec<f64>>, i: usize| list.as_ref().map_or(f64::INFINITY, |list| list[i]);
+        let joints = self.robot.independent_joints().enumerate();
+        let limits = joints.map(|(i, joint)| {
+            let mut limits = JointLimits {
+                q: [own.q_min.as_ref().map_or(f64::NEG_INFINITY, |list| list[i]), entry(&own.q_max, i)],
+                v: entry(&own.v_max, i),
+                a: entry(&own.a_max, i),
+                torque: [-entry(&own.torque_max, i), entry(&own.torque_max, i)],
+            };
+            if own.from_robot {
+                let robot = &joint.limits;
+                limits.q = intersection(limits.q, [robot.lower, robot.upper]);
+                limits.v = limits.v.min(robot.velocity);
+                limits.torque = intersection(limits.torque, [-robot.effort, robot.effort]);
+            }
+            if let Some(bounds) = &self.bounds {
+                let ends = [bounds.u_min[i], bounds.u_max[i]].map(|u| self.gain[i] * u);
+                limits.torque = intersection(limits.torque, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
+            }
+            limits
+        });
+        limits.collect()
+    }
+
+    /// Limits are numbers; those of magnitudes are positive.
+    pub(super) fn check_limit_lists(&self) -> Result<(), ProblemError> {
+        let MotionLimits { q_min, q_max, v_max, a_max, torque_max, .. } = &self.limits;
+        let lists = [
+            (Key::LIMIT_Q_MIN, q_min),
+            (Key::LIMIT_Q_MAX, q_max),
+            (Key::LIMIT_V_MAX, v_max),
+            (Key::LIMIT_A_MAX, a_max),
+            (Key::LIMIT_TORQUE_MAX, torque_max),
+        ];
+        for (key, list) in lists {
+            let Some(list) = list else { continue };
+            self.numbers(key, list)?;
+            let signed = key == Key::LIMIT_Q_MIN || key == Key::LIMIT_Q_MAX;
+            if let Some(j) = list.iter().position(|&limit| limit <= 0.0).filter(|_| !signed) {
+                return Err(ProblemError::NoRoom { key, joint: self.name(j), value: list[j] });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether there is something between the limits, those of the robot included, and the given ends lie
+    /// there.
+    ///
+    /// # Errors
+    /// [`ProblemError::EmptyLimits`], [`ProblemError::OutsideLimits`], with the joint.
+    pub(super) fn check_limits(&self) -> Result<(), ProblemError> {
+        for (j, limits) in self.joint_limits().iter().enumerate() {
+            for (key, [low, high]) in [(Key::LIMIT_Q_MIN, limits.q), (Key::LIMIT_TORQUE_MAX, limits.torque)] {
+                if low >= high {
+                    return Err(ProblemError::EmptyLimits { key, joint: self.name(j), low, high });
+                }
+            }
+            let ends = [(&self.start, Key::START_Q, Key::START_V), (&self.end, Key::END_Q, Key::END_V)];
+            for (end, key_q, key_v) in ends {
+                let values = [
+                    (key_q, end.q[j], limits.q, end.q_free.contains(&j)),
+                    (key_v, end.v[j], [-limits.v, limits.v], end.v_free.contains(&j)),
+                ];
+                for (key, value, [low, high], free) in values {
+                    if !free && !(low..=high).contains(&value) {
+                        return Err(ProblemError::OutsideLimits {
+                            key,
+                            joint: self.name(j),
+                            value,
+                            low,
+                            high,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn intersection(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].max(b[0]), a[1].min(b[1])]
+}

@@ -1,0 +1,91 @@
+//! How a motion uses its hard limits.
+
+use serde::{Deserialize, Serialize};
+
+/// How a motion uses its hard limits, by what is limited; `None` where nothing is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[non_exhaustive]
+pub struct LimitReport {
+    /// q (rad, m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<LimitUse>,
+    /// v (rad/s, m/s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate: Option<LimitUse>,
+    /// a (rad/s^2, m/s^2).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<LimitUse>,
+    /// tau (N m, N).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque: Option<LimitUse>,
+}
+
+/// How a motion uses the limits of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LimitUse {
+    /// Largest violation at the points of the motion, in the unit of the limit.
+    pub at_points: f64,
+    /// Largest violation between them. Accelerations are continuous: where the limit makes them jump they
+    /// overshoot by some percent inside of one interval, the shorter the finer the mesh. Torques there are
+    /// cut to their limits in the trajectory; this is how much more the polynomial would need.
+    pub between: f64,
+    /// The largest violation at the points, if there is any beyond rounding: 1e-7 of the distance between
+    /// lower and upper limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst: Option<LimitViolation>,
+    /// Where the motion is at a limit: within 1e-4 of the distance between lower and upper limit.
+    pub active: Vec<ActiveLimit>,
+}
+
+/// Where a limit is exceeded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LimitViolation {
+    /// Name of the joint.
+    pub joint: String,
+    /// When (s).
+    pub time: f64,
+    /// The value there, in the unit of the limit.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+}
+
+/// A span of time in which a joint is at a limit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct ActiveLimit {
+    /// Name of the joint.
+    pub joint: String,
+    /// "min" or "max".
+    pub side: String,
+    /// Start (s).
+    pub from: f64,
+    /// End (s).
+    pub to: f64,
+}
+
+impl LimitReport {
+    /// The kinds with a limit that is exceeded, and where it is exceeded most.
+    pub fn violations(&self) -> impl Iterator<Item = (&'static str, &LimitViolation)> {
+        self.kinds().filter_map(|(name, usage)| Some((name, usage?.worst.as_ref()?)))
+    }
+
+    /// Whether nothing is limited.
+    pub fn is_empty(&self) -> bool {
+        self.kinds().all(|(_, usage)| usage.is_none())
+    }
+
+    /// Name and use of each kind.
+    pub fn kinds(&self) -> impl Iterator<Item = (&'static str, Option<&LimitUse>)> {
+        let kinds = [
+            ("position", &self.position),
+            ("rate", &self.rate),
+            ("acceleration", &self.acceleration),
+            ("torque", &self.torque),
+        ];
+        kinds.into_iter().map(|(name, usage)| (name, usage.as_ref()))
+    }
+}

@@ -1,0 +1,336 @@
+//! The direct method: values that other methods found, with hard limits and without, and problems that cannot
+//! be solved.
+
+use costate::robot::{LoadOptions, Robot};
+use costate::scalar::Scalar;
+use costate_control::{
+    Bounds, Cancel, Continuation, FinalTime, MotionLimits, Objective, Parameter, Phase, Problem,
+    ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status, UserTerm,
+};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+const INF: f64 = f64::INFINITY;
+
+/// A problem of examples/problems, without the limits of its robot.
+fn problem(name: &str) -> Problem {
+    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
+    file.unwrap().problem.with_limits(MotionLimits::none())
+}
+
+/// A robot of robots/.
+fn robot(name: &str) -> Robot {
+    Robot::from_file(format!("../robots/{name}.toml")).unwrap()
+}
+
+fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
+    Solver::new(problem, options).unwrap().solve()
+}
+
+fn solve(problem: &Problem) -> Solution {
+    solve_with(problem, SolverOptions::direct())
+}
+
+/// Largest violation at the points among all kinds, each in parts of `ranges`: q, v, a, tau.
+fn violation(solution: &Solution, ranges: [f64; 4]) -> f64 {
+    let kinds = solution.limits.kinds().zip(ranges);
+    kinds.filter_map(|((_, usage), range)| Some(usage?.at_points / range)).fold(0.0, f64::max)
+}
+
+/// Solved, with this cost up to a relative difference of 3e-6; the torques lead to the end.
+fn check(problem: &Problem, solution: &Solution, value: f64, defect: f64) {
+    let name = problem.robot.name();
+    assert_eq!(solution.motion.status, Status::Converged, "{name}: {}", solution.motion.cost);
+    let cost = solution.total();
+    assert!((cost / value - 1.0).abs() < 3e-6, "{name}: {cost} instead of {value}");
+    assert!(solution.end_defect < defect, "{name}: end defect {}", solution.end_defect);
+    assert!(violation(solution, [1.0; 4]) < 1e-6, "{name}: {:?}", solution.limits);
+}
+
+#[test]
+fn smooth_motions_have_the_cost_of_the_extremals() {
+    for (name, value) in [
+        ("two_link", 145.13113754),
+        ("pendulum_swing_up", 74.0616592207),
+        ("puma560_pick_and_place", 0.0560243685),
+        ("ur5_reach", 0.0092904122),
+    ] {
+        let problem = problem(name);
+        let solution = solve(&problem);
+        check(&problem, &solution, value, 1e-7);
+        assert!(solution.limits.is_empty());
+    }
+}
+
+#[test]
+fn bounded_motions_have_the_cost_of_the_extremals() {
+    for (name, value) in [
+        ("two_link_bounded", 18.52567),
+        ("two_link_least_time", 2.98228),
+        ("manutec_r3_least_energy", 20.40425),
+        ("puma560_least_time", 0.511448),
+    ] {
+        let problem = problem(name);
+        let solution = solve(&problem);
+        check(&problem, &solution, value, 1e-3);
+        // The trajectory keeps the bounds, and uses them.
+        let Bounds { u_min, u_max, .. } = problem.bounds.as_ref().unwrap();
+        for u in &solution.trajectory.u {
+            assert!((0..u.len()).all(|i| (u_min[i]..=u_max[i]).contains(&u[i])), "{name}: {u:?}");
+        }
+        assert!(!solution.limits.torque.as_ref().unwrap().active.is_empty(), "{name}");
+    }
+}
+
+/// With limits of rates.
+fn limited(name: &str, v_max: &[f64]) -> Problem {
+    problem(name).with_limits(MotionLimits::none().with_v_max(v_max.to_vec()))
+}
+
+#[test]
+fn limits_of_rates() {
+    let problem = limited("two_link", &[INF, 7.0]);
+    let solution = solve(&problem);
+    check(&problem, &solution, 155.74483972, 1e-6);
+    let rate = solution.limits.rate.as_ref().unwrap();
+    assert!(rate.at_points <= 1e-8 * 14.0 && rate.between <= 1e-4 * 14.0, "{rate:?}");
+    // Not at rest, and of the second joint: it turns at full speed.
+    assert!(!rate.active.is_empty(), "{rate:?}");
+    for span in &rate.active {
+        assert_eq!(span.joint, problem.robot.joints()[1].name);
+        assert!(span.from > 0.01 && span.to > span.from && span.to < 0.99, "{span:?}");
+    }
+    assert!(solution.limits.position.is_none() && solution.limits.torque.is_none());
+    let most = solution.trajectory.v.iter().map(|v| v[1].abs()).fold(0.0, f64::max);
+    assert!((most - 7.0).abs() < 1e-6, "{most}");
+
+    let problem = limited("two_link_least_time", &[0.35, 1.0]);
+    let solution = solve(&problem);
+    check(&problem, &solution, 3.2300988, 1e-4);
+    assert!(violation(&solution, [INF, 0.7, INF, 1.0]) <= 1e-8, "{:?}", solution.limits);
+    let mut problem = limited("manutec_r3_least_time", &[3.0, 1.5, 5.2]);
+    problem.penalty = None;
+    let solution = solve(&problem);
+    check(&problem, &solution, 0.49518904, 1e-3);
+    assert!(violation(&solution, [INF, 3.0, INF, 1.0]) <= 1e-8, "{:?}", solution.limits);
+}
+
+#[test]
+fn limits_of_positions_and_torques() {
+    // A swing to the upright position in three seconds goes backwards first; the limit cuts that.
+    let mut problem = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
+        .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
+    problem.cost = Objective::new(0.0, vec![1.0]);
+    let solution = solve_with(&problem, SolverOptions::direct().with_starts(4));
+    let mut arm = Problem::rest_to_rest(robot("two_link"), &[0.0; 2], &[FRAC_PI_2; 2], 2.0);
+    arm.bounds = Some(Bounds::symmetric(vec![12.0, 5.0]));
+    arm.limits = MotionLimits::none().with_v_max(vec![INF, 3.0]).with_q_min(vec![-0.5, -INF]);
+    let arm_solution = solve(&arm);
+    check(&problem, &solution, 19.4870292, 1e-6);
+    assert!(violation(&solution, [0.7, INF, INF, INF]) <= 1e-8, "{:?}", solution.limits);
+    let active = &solution.limits.position.as_ref().unwrap().active;
+    assert!(active.iter().all(|span| span.side == "min") && !active.is_empty(), "{active:?}");
+    // Two of the starts lead to a motion that is worse; both kinds are told.
+    let totals: Vec<f64> = solution.starts.iter().map(|start| start.total).collect();
+    let best = totals.iter().fold(INF, |least, &total| least.min(total));
+    assert!(totals.len() == 4 && best == solution.total(), "{totals:?}");
+    assert!(totals.iter().any(|&total| total > 1.5 * best), "{totals:?}");
+
+    check(&arm, &arm_solution, 22.5760933, 1e-5);
+    assert!(violation(&arm_solution, [1.0, 6.0, INF, 10.0]) <= 1e-8, "{:?}", arm_solution.limits);
+    for kind in ["position", "rate", "torque"] {
+        let found = arm_solution.limits.kinds().find(|(name, _)| *name == kind).unwrap().1;
+        assert!(found.is_some_and(|usage| !usage.active.is_empty()), "{kind}");
+    }
+}
+
+#[test]
+fn limits_of_accelerations_and_torques() {
+    // From 0 to 1 in T with |a| <= A: the bang-bang time 2 / sqrt(A); torque and effort of a unit mass are
+    // the same.
+    let time = |limits: MotionLimits| {
+        let mut problem = Problem::rest_to_rest(crate::sledge(), &[0.0], &[1.0], 3.0).with_limits(limits);
+        problem.time = FinalTime::Free { guess: 3.0 };
+        problem.cost = Objective::new(1.0, vec![0.0]);
+        problem.bounds = None;
+        Solver::new(&problem, SolverOptions::direct()).map(Solver::solve)
+    };
+    let limits = MotionLimits::none();
+    // Nothing bounds the control.
+    assert!(matches!(time(limits.clone().with_a_max(vec![4.0])), Err(ProblemError::UnboundedEffort { .. })));
+    for (limits, value) in [
+        (limits.clone().with_torque_max(vec![4.0]), 1.0),
+        (limits.clone().with_torque_max(vec![9.0]).with_a_max(vec![4.0]), 1.0),
+        // Up to v = 1 in 1/4 s, and as long down: 1/4 m; the rest takes 3/4 s.
+        (limits.with_torque_max(vec![4.0]).with_v_max(vec![1.0]), 1.25),
+    ] {
+        let solution = time(limits.clone()).unwrap();
+
+        assert_eq!(solution.motion.status, Status::Converged, "{limits:?}");
+        assert!(
+            (solution.motion.final_time - value).abs() < 3e-6,
+            "{} {limits:?}",
+            solution.motion.final_time
+        );
+    }
+}
+
+#[test]
+fn limits_that_no_motion_can_keep_are_errors() {
+    let arm = |limits| problem("two_link").with_limits(limits);
+    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::direct()).unwrap_err().to_string();
+    let names: Vec<_> = robot("two_link").joints().iter().map(|joint| joint.name.clone()).collect();
+    let none = MotionLimits::none;
+    for (limits, key, joint) in [
+        (none().with_q_min(vec![0.1, -INF]), "start.q", 0),
+        (none().with_q_max(vec![INF, 1.5]), "end.q", 1),
+        (none().with_q_min(vec![-1.0, 3.0]).with_q_max(vec![2.0, 2.0]), "limits.q_min", 1),
+        (none().with_v_max(vec![1.0, 0.0]), "limits.v_max", 1),
+        (none().with_a_max(vec![-1.0, 1.0]), "limits.a_max", 0),
+        (none().with_torque_max(vec![1.0, f64::NAN]), "limits.torque_max", 1),
+    ] {
+        let error = refused(&arm(limits));
+        assert!(error.starts_with(key) && error.contains(&names[joint]), "{error}");
+    }
+    let mut fast = arm(none().with_v_max(vec![1.0, 1.0]));
+    fast.start.v = vec![0.0, -1.2];
+    assert!(refused(&fast).starts_with("start.v") && refused(&fast).contains("-1.2"), "{}", refused(&fast));
+    let error = refused(&arm(none().with_q_min(vec![0.0])));
+    assert!(error.starts_with("limits.q_min") && error.contains("1 entry"), "{error}");
+    // Limits of the robot's own.
+    let file = ProblemFile::read("../examples/problems/ur5_reach.toml", LoadOptions::default()).unwrap();
+    let mut beyond = file.problem;
+    beyond.end.q[3] = -6.5;
+    let error = refused(&beyond);
+    assert!(error.starts_with("end.q") && error.contains("wrist_1_joint"), "{error}");
+    assert!(Solver::new(&beyond.with_limits(none()), SolverOptions::direct()).is_ok());
+}
+
+#[test]
+fn limits_need_the_direct_method() {
+    let limited = limited("two_link", &[INF, 7.0]);
+    let error = Solver::new(&limited, SolverOptions::default()).unwrap_err();
+    assert_eq!(error, ProblemError::LimitsNeedDirect);
+    assert!(error.to_string().starts_with("method"), "{error}");
+    let options = SolverOptions::direct();
+    let error = Continuation::new(&limited, Parameter::FinalTime, 1.0, 2.0, options).unwrap_err();
+    assert!(error.to_string().contains("no hard limits"), "{error}");
+    // Files: the method follows from the limits.
+    let file = |limits: &str, solver: &str| {
+        let text = std::fs::read_to_string("../examples/problems/two_link.toml").unwrap();
+        let text = format!("{text}\n[limits]\n{limits}\n[solver]\n{solver}\n");
+        ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
+    };
+    assert_eq!(file("v_max = [inf, 7.0]", "").unwrap().options, SolverOptions::direct());
+    assert_eq!(file("from_robot = false", "").unwrap().options, SolverOptions::default());
+    let error = file("v_max = [inf, 7.0]", "method = \"shooting\"").unwrap_err().to_string();
+    assert!(error.contains("solver.method") && error.contains("direct"), "{error}");
+    let error = file("v_max = [inf, 7.0]\nw_max = [1.0, 1.0]", "").unwrap_err().to_string();
+    assert!(error.contains("w_max"), "{error}");
+    let error = file("q_max = [1.0, 7.0]", "").unwrap_err().to_string();
+    assert!(error.contains("end.q") && error.contains("shoulder"), "{error}");
+}
+
+#[test]
+fn a_time_that_is_too_short_is_told() {
+    // A quarter turn in one second needs more than 1 rad/s.
+    let problem = limited("two_link", &[1.0, INF]);
+    let solution = solve(&problem);
+    assert_eq!(solution.motion.status, Status::LimitsNotKept);
+    assert!(!solution.motion.status.is_solved());
+    let rate = solution.limits.rate.as_ref().unwrap();
+    // On average it moves at pi/2.
+    assert!(rate.at_points > FRAC_PI_2 - 1.0 - 1e-6, "{rate:?}");
+    assert!(rate.active.iter().any(|span| span.joint == "shoulder"), "{rate:?}");
+    let worst = rate.worst.as_ref().unwrap();
+    assert!(worst.joint == "shoulder" && worst.limit == 1.0 && worst.time > 0.0, "{worst:?}");
+    assert!((worst.value - 1.0 - rate.at_points).abs() < 1e-12, "{worst:?}");
+    assert_eq!(solution.limits.violations().count(), 1);
+    let saved: Solution = serde_json::from_value(serde_json::to_value(&solution).unwrap()).unwrap();
+    assert_eq!(saved.limits, solution.limits);
+}
+
+#[test]
+fn a_saved_motion_is_a_start() {
+    let problem = limited("two_link", &[INF, 7.0]);
+    let solution = solve(&problem);
+    let saved: Solution = serde_json::from_str(&serde_json::to_string(&solution).unwrap()).unwrap();
+    assert_eq!(saved.limits, solution.limits);
+    assert_eq!(saved.motion.status, Status::Converged);
+    let solver = Solver::new(&problem, SolverOptions::direct()).unwrap();
+    let again = solver.with_start(&saved.trajectory).unwrap().solve();
+    check(&problem, &again, 155.74483972, 1e-6);
+    // The pendulum keeps the side from which it starts: the worse motion stays what it is.
+    let mut swing = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
+        .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
+    let back = solve_with(&swing, SolverOptions::direct().with_starts(4));
+    swing.limits = MotionLimits::none().with_q_min(vec![-0.6]);
+    let solver = Solver::new(&swing, SolverOptions::direct()).unwrap();
+    let warm = solver.with_start(&back.trajectory).unwrap().solve();
+    assert_eq!(warm.motion.status, Status::Converged);
+    assert!(warm.total() > back.total() && warm.total() < 1.1 * back.total(), "{}", warm.total());
+}
+
+#[test]
+fn a_search_that_is_stopped_keeps_its_motion() {
+    let problem = limited("two_link", &[INF, 7.0]);
+    let solver = || Solver::new(&problem, SolverOptions::direct().with_starts(3)).unwrap();
+    let cancel = Cancel::new();
+    cancel.cancel();
+    let stopped = solver().with_cancel(cancel).solve();
+    assert_eq!(stopped.motion.status, Status::Cancelled);
+    assert!(stopped.motion.iterations.is_empty() && stopped.starts.len() == 1);
+    assert!(stopped.trajectory.t.len() > 1);
+    let mut steps = 0;
+    let stopped = solver().on_iteration(|step| {
+        assert_eq!(step.phase, Phase::Direct);
+        steps += 1;
+        if steps == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let stopped = stopped.solve();
+    assert_eq!(stopped.motion.status, Status::Cancelled);
+    assert!(stopped.motion.iterations.len() == 2 && stopped.newton_iterations == 2);
+    assert!(stopped.trajectory.t.len() > 1 && stopped.total().is_finite());
+    let limited = SolverOptions::direct().with_time_limit(Duration::from_nanos(1));
+    let late = solve_with(&problem, limited);
+    assert_eq!(late.motion.status, Status::TimeLimit);
+    assert!(late.trajectory.t.len() > 1);
+}
+
+#[test]
+fn motions_that_cost_nothing() {
+    // At rest without gravity: nothing to do, with limits and without.
+    let mut rest = problem("two_link");
+    rest.end = rest.start.clone();
+    for limits in [MotionLimits::none(), MotionLimits::none().with_v_max(vec![1.0, 1.0])] {
+        let solution = solve(&rest.clone().with_limits(limits));
+        assert_eq!(solution.motion.status, Status::Converged, "{}", solution.total());
+        assert!(solution.total().abs() < 1e-9, "{}", solution.total());
+    }
+}
+
+#[test]
+fn a_free_end_and_terms_of_the_user() {
+    let problem = problem("puma560_free_flange");
+    let extremal = solve_with(&problem, SolverOptions::default());
+    let solution = solve(&problem);
+    check(&problem, &solution, extremal.total(), 1e-6);
+    // The joint that is free ends where the extremal ends, elsewhere than given.
+    let end = |solution: &Solution| solution.trajectory.q.last().unwrap()[problem.end.q_free[0]];
+    assert!((end(&solution) - end(&extremal)).abs() < 1e-3, "{} {}", end(&solution), end(&extremal));
+    assert!((end(&solution) - problem.end.q[problem.end.q_free[0]]).abs() > 1e-2);
+
+    /// Squares of positions and rates.
+    struct Squares;
+    impl RunningCost for Squares {
+        fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+            q.iter().chain(v).fold(S::zero(), |sum, &z| sum + z * z).times(0.5)
+        }
+    }
+    let problem = self::problem("two_link").with_term(UserTerm::new(Squares));
+    let extremal = solve_with(&problem, SolverOptions::default());
+    let solution = solve(&problem);
+    check(&problem, &solution, extremal.total(), 1e-6);
+    assert!(solution.total() > 146.0, "{}", solution.total());
+}
