@@ -150,3 +150,31 @@ fn every_example_is_solved() {
         }
     }
 }
+
+#[test]
+fn hard_limits_are_kept_or_the_one_that_is_not_is_named() {
+    let text = two_link() + "[limits]\nfrom_robot = false\nv_max = [inf, 0.7]\n";
+    let output = optimize("hard_limits", &text, &["--json"]);
+    let solution = json(&output);
+    assert_eq!(solution["status"], "converged", "{}", stderr(&output));
+    assert!(solution["solve_time"].as_f64().unwrap() > 0.0);
+    assert_eq!(solution["limits"]["rate"]["active"][0]["joint"], "elbow");
+    let shown = optimize("hard_limits", &text, &[]);
+    assert!(stdout(&shown).contains("limits kept") && stdout(&shown).contains("beyond rate limits"));
+    // Half a radian in a second at less than half a radian a second.
+    let slow = text.replace("0.7]", "0.4]");
+    let output = optimize("hard_limits", &slow, &["--json"]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert_eq!(json(&output)["status"], "limits_not_kept");
+    assert!(stderr(&output).contains("the rate of joint 'elbow' would have to be"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("instead of 0.4 rad/s at t = "), "{}", stderr(&output));
+    // A limit of the robot or of the file that the start exceeds.
+    let outside = text.replace("v_max = [inf, 0.7]", "q_min = [0.1, -inf]");
+    let output = optimize("hard_limits", &outside, &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("start.q") && stderr(&output).contains("shoulder"),
+        "{}",
+        stderr(&output)
+    );
+}
