@@ -91,7 +91,8 @@ impl PointDynamics for RobotPoints {
         for p in 0..points.count() {
             let z = &points.z[3 * n * p..][..3 * n];
             let (q, v, a) = (&z[..n], &z[n..2 * n], &z[2 * n..]);
-            let first = self.model.first().linearise_inverse_dynamics(q, v, a)?;
+            let all = self.model.contract_inverse_dynamics(q, v, a, &points.weights[n * p..][..n])?;
+            let (first, hessian) = (all.inverse_dynamics(), all.zz());
             points.tau[n * p..][..n].copy_from_slice(first.tau);
             let tau_z = &mut points.tau_z[3 * n * n * p..][..3 * n * n];
             for (i, row) in tau_z.chunks_exact_mut(3 * n).enumerate() {
@@ -101,7 +102,6 @@ impl PointDynamics for RobotPoints {
                     row[2 * n + j] = first.tau_a[(i, j)];
                 }
             }
-            let hessian = self.model.contract_inverse_dynamics(q, v, a, &points.weights[n * p..][..n])?;
             let size = 9 * n * n;
             for (i, row) in points.hessian[size * p..][..size].chunks_exact_mut(3 * n).enumerate() {
                 for (j, entry) in row.iter_mut().enumerate() {
