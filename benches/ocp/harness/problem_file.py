@@ -38,6 +38,8 @@ def text(task, understands_limits):
         rows += table("bounds", *bounds)
     if limits or understands_limits:
         rows += table("limits", f"from_robot = {str(task.from_robot).lower()}", *limits)
+    if understands_limits:
+        rows += table("solver", 'method = "direct"')
     for centre, radius in task.obstacles:
         rows += ["[[obstacle]]", f"sphere = {{ centre = {numbers(centre)}, radius = {radius!r} }}", ""]
     return "\n".join(rows)

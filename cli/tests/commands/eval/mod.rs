@@ -125,7 +125,16 @@ fn jit_falls_back_with_a_note() {
         ["jit", "analytic"].map(|route| costate(&[&arguments[..], &[route]].concat(), line.as_bytes()));
     std::fs::remove_file(&robot).unwrap();
     assert!(jit.status.success() && analytic.stderr.is_empty());
-    assert_eq!(stdout(&jit), stdout(&analytic));
+    // M by itself and M on the way to F_x differ by rounding.
+    let [found, expected] = [&jit, &analytic].map(json_lines);
+    assert_eq!((found.len(), expected.len()), (2, 2));
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_eq!((&found["F"], &found["F_x"]), (&expected["F"], &expected["F_x"]));
+        let [m, of_analytic] = [found, expected].map(|line| flat(&line["M"]));
+        let size = of_analytic.iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        assert_eq!(m.len(), 1600);
+        assert!(m.iter().zip(&of_analytic).all(|(a, b)| (a - b).abs() <= 1e-13 * size));
+    }
     let notes = stderr(&jit);
     assert!(notes.starts_with("note: f_x by the generic code: ") && notes.lines().count() == 1, "{notes}");
 }
