@@ -3,7 +3,7 @@
 mod frames;
 mod refused;
 
-use crate::child::{costate, flat, json_lines, root, stderr, stdout};
+use crate::child::{costate, flat, json_lines, root, stderr};
 use serde_json::json;
 use std::process::Output;
 
