@@ -93,8 +93,3 @@ pub(super) fn remove(matrix: &mut BlockTridiagonal, k: usize, i: usize, block: u
         (0..block).for_each(|l| above[width * l + block + i] = 0.0);
     }
 }
-
-/// x.y.
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
-}

@@ -72,25 +72,25 @@ impl Direct<'_> {
         let mut interior =
             Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);
         let mut resolution = Resolution::default();
-        let (status, error) = self.refine(&mut interior, &mut resolution, recorder)?;
-        self.finish(&mut interior, &resolution, (status, error), recorder)
+        let refined = self.refine(&mut interior, &mut resolution, recorder)?;
+        self.finish(&mut interior, &resolution, refined, recorder)
     }
 
-    /// Solves on finer and finer meshes. The status, and the estimated relative error of the cost.
+    /// Solves on finer and finer meshes.
     fn refine(
         &self,
         interior: &mut Interior<RobotPoints>,
         resolution: &mut Resolution,
         recorder: &mut Recorder<'_>,
-    ) -> Result<(Status, f64), EvalError> {
+    ) -> Result<Refined, EvalError> {
         let tolerance = self.options.tolerance;
         interior.start(None)?;
         if let Some(interruption) = recorder.interruption() {
             interior.refresh()?;
             resolution.measure(interior)?;
-            return Ok((interruption.into(), f64::INFINITY));
+            return Ok(Refined { status: interruption.into(), error: f64::INFINITY, again: None });
         }
-        let (mut status, mut last) = (Status::MeshLimit, f64::INFINITY);
+        let mut refined = Refined { status: Status::MeshLimit, error: f64::INFINITY, again: None };
         for mesh in 0..constants::MESHES {
             let first = interior.figures.iterations;
             let watch = |iterate: &Interior<RobotPoints>, step: f64| {
@@ -117,18 +117,23 @@ impl Direct<'_> {
             let error = (resolution.error() + figures.gap) / figures.size;
             let violated = figures.violation > constants::VIOLATION_ACCEPTED;
             let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
-            status = match end {
-                End::Interrupted(interruption) => return Ok((interruption.into(), error)),
+            let mut again = None;
+            let status = match end {
+                End::Interrupted(interruption) => {
+                    return Ok(Refined { status: interruption.into(), error, again });
+                }
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
                 End::Solved if accurate => {
-                    verified(self.integrate_again(interior).relative, false, tolerance)
+                    let found = again.insert(self.integrate_again(interior));
+                    verified(found.relative, false, tolerance)
                 }
                 End::Solved => Status::MeshLimit,
             };
-            if status == Status::Converged || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
-                return Ok((status, error));
+            refined = Refined { status, error, again };
+            if refined.status.is_converged() || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
+                break;
             }
             // What the estimate does not see, the integration may.
             let enough = if accurate { error.min(tolerance) * constants::LEFT } else { tolerance };
@@ -136,13 +141,12 @@ impl Direct<'_> {
                 true => halved(&interior.spline.nodes),
                 false => resolution.nodes(&interior.spline, enough * figures.size),
             };
-            last = error;
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }
             interior.move_to(nodes)?;
         }
-        Ok((status, last))
+        Ok(refined)
     }
 
     /// The solution, verified by integration where it converged.
@@ -150,12 +154,12 @@ impl Direct<'_> {
         &self,
         interior: &mut Interior<RobotPoints>,
         resolution: &Resolution,
-        (status, error): (Status, f64),
+        Refined { status, error, again }: Refined,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let trajectory = trajectory(problem, interior)?;
-        let again = self.integrate_again(interior);
+        let again = again.unwrap_or_else(|| self.integrate_again(interior));
         let values = &trajectory.hamiltonian;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let far = values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max);
@@ -204,6 +208,15 @@ impl Direct<'_> {
         }
         Again { state: Some(state), defect, relative }
     }
+}
+
+/// How the refinement ended.
+struct Refined {
+    status: Status,
+    /// Estimated error of the cost, relative to it.
+    error: f64,
+    /// The motion integrated again, if that was done on its last mesh.
+    again: Option<Again>,
 }
 
 /// A motion integrated again.

@@ -6,10 +6,10 @@ use super::limits::Barrier;
 use super::point_terms::Work;
 use super::points::Points;
 use super::running::Running;
-use super::scatter::{add_gradient, add_inner, add_node, dot, remove, scaled};
+use super::scatter::{add_gradient, add_inner, add_node, remove, scaled};
 use super::spline::Spline;
 use crate::constants::direct::LEAST_CURVATURE;
-use crate::numerics::block_tridiagonal::{BlockTridiagonal, NotPositiveDefinite};
+use crate::numerics::block_tridiagonal::{BlockTridiagonal, NotPositiveDefinite, dot};
 
 /// The equations `[K b; b' c] (dx, dT) = -(g, g_T)`, g = g_0 + mu g_1, for the unknowns x of a spline and its
 /// time T.

@@ -117,7 +117,7 @@ impl BlockTridiagonal {
 }
 
 /// x.y over the shorter of the two, in four sums.
-fn dot(x: &[f64], y: &[f64]) -> f64 {
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     let length = x.len().min(y.len());
     let (x, y) = (x[..length].chunks_exact(4), y[..length].chunks_exact(4));
     let rest: f64 = x.remainder().iter().zip(y.remainder()).map(|(x, y)| x * y).sum();
