@@ -77,39 +77,38 @@ fn mimic_hand() {
     check_invented("mimic_hand.urdf");
 }
 
-/// The same as Pinocchio reads and computes it.
-#[test]
-fn mimic_hand_of_pinocchio() {
-    let robot = Robot::from_file(fixtures().join("mimic_hand.urdf")).unwrap();
+/// M, tau and gravity of a robot in fixtures/ as Pinocchio computes them, then what else the references have.
+fn check_pinocchio(name: &str, more: impl Fn(&Reference, &mut Lagrangian<f64>, [&[f64]; 3])) -> Robot {
+    let robot = Robot::from_file(fixtures().join(format!("{name}.urdf"))).unwrap();
     let mut lagrangian = Lagrangian::<f64>::new(&robot);
-    let references = Reference::read(&fixtures().join("mimic_hand_pinocchio.jsonl"));
+    let references = Reference::read(&fixtures().join(format!("{name}_pinocchio.jsonl")));
     assert_eq!(references.len(), 4);
     for reference in &references {
         let [q, v, a] = ["q", "v", "a"].map(|key| reference.numbers(key));
         reference.agrees("M", lagrangian.mass_matrix(&q).unwrap().as_slice(), "Pinocchio");
         reference.agrees("tau", lagrangian.inverse_dynamics(&q, &v, &a).unwrap(), "Pinocchio");
         reference.agrees("gravity", lagrangian.gravity(&q).unwrap(), "Pinocchio");
+        more(reference, &mut lagrangian, [&q, &v, &a]);
     }
+    robot
+}
+
+/// The same as Pinocchio reads and computes it.
+#[test]
+fn mimic_hand_of_pinocchio() {
+    check_pinocchio("mimic_hand", |_, _, _| {});
 }
 
 /// Mimics of mimics with negative ratios and offsets, one of them on another branch, by Pinocchio's model of
 /// all joints.
 #[test]
 fn mimic_of_mimic_of_pinocchio() {
-    let robot = Robot::from_file(fixtures().join("mimic_of_mimic.urdf")).unwrap();
-    assert_eq!((robot.joints().len(), robot.dof()), (6, 2));
-    let mut lagrangian = Lagrangian::<f64>::new(&robot);
-    let references = Reference::read(&fixtures().join("mimic_of_mimic_pinocchio.jsonl"));
-    assert_eq!(references.len(), 4);
-    for reference in &references {
-        let [q, v, a] = ["q", "v", "a"].map(|key| reference.numbers(key));
-        reference.agrees("M", lagrangian.mass_matrix(&q).unwrap().as_slice(), "Pinocchio");
-        reference.agrees("tau", lagrangian.inverse_dynamics(&q, &v, &a).unwrap(), "Pinocchio");
-        reference.agrees("gravity", lagrangian.gravity(&q).unwrap(), "Pinocchio");
-        let jacobian = lagrangian.linearise_inverse_dynamics(&q, &v, &a).unwrap();
+    let robot = check_pinocchio("mimic_of_mimic", |reference, lagrangian, [q, v, a]| {
+        let jacobian = lagrangian.linearise_inverse_dynamics(q, v, a).unwrap();
         reference.agrees("tau_q", jacobian.tau_q.as_slice(), "Pinocchio");
         reference.agrees("tau_v", jacobian.tau_v.as_slice(), "Pinocchio");
-    }
+    });
+    assert_eq!((robot.joints().len(), robot.dof()), (6, 2));
 }
 
 /// Twelve revolute joints, general axes.
