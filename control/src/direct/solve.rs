@@ -97,7 +97,7 @@ impl Direct<'_> {
                 let figures = &iterate.figures;
                 recorder.record(Iteration {
                     phase: Phase::Direct,
-                    nodes: iterate.spline.points(),
+                    nodes: iterate.spline.mesh.points(),
                     number: figures.iterations - first,
                     residual: (figures.gap.max(figures.decrement.abs()) / figures.size)
                         .max(figures.violation),
@@ -138,7 +138,7 @@ impl Direct<'_> {
             // What the estimate does not see, the integration may.
             let enough = if accurate { error.min(tolerance) * constants::LEFT } else { tolerance };
             let nodes = match violated {
-                true => halved(&interior.spline.nodes),
+                true => halved(&interior.spline.mesh.nodes),
                 false => resolution.nodes(&interior.spline, enough * figures.size),
             };
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
@@ -196,7 +196,8 @@ impl Direct<'_> {
             return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY };
         };
         let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
-        let last = interior.points.z(interior.points.count() - 1);
+        let mut last = vec![0.0; 3 * n];
+        spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
         for i in 0..2 * n {
             let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
             let size = values.fold(f64::MIN_POSITIVE, f64::max);

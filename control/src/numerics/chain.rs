@@ -1,0 +1,351 @@
+//! Cholesky factorisation of the symmetric matrix of a chain: nodes, and between two of them inner unknowns.
+
+use std::fmt;
+
+/// A pivot was not positive: the matrix is not positive definite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotPositiveDefinite {
+    /// The node or interval with the pivot.
+    pub block: usize,
+}
+
+impl fmt::Display for NotPositiveDefinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the matrix is not positive definite at node {}", self.block)
+    }
+}
+
+/// A pivot below this part of the diagonal entry that it came from counts as zero.
+const LEAST_PIVOT: f64 = 1e-14;
+
+/// A symmetric matrix of a chain, then its factor U, A = U'U with inner unknowns first.
+///
+/// A node has `node` unknowns and meets the next one and the inner unknowns of both intervals beside it; an
+/// interval has `inner` ones. The order of unknowns in vectors: all nodes, then all intervals. Rows of
+/// an interval are `[inner | left node | right node]`, those of a node `[node | next node]`. Only upper
+/// triangles of diagonal blocks are read. Rows are combined as wholes, so that loops run over contiguous
+/// numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct ChainMatrix {
+    node: usize,
+    inner: usize,
+    intervals: usize,
+    inner_rows: Vec<f64>,
+    node_rows: Vec<f64>,
+}
+
+impl ChainMatrix {
+    /// A matrix without intervals.
+    pub fn new(node: usize, inner: usize) -> Self {
+        Self { node, inner, intervals: 0, inner_rows: Vec::new(), node_rows: Vec::new() }
+    }
+
+    /// Sets the number of intervals, and all entries to zero. Allocates only if it is larger than ever before.
+    pub fn reset(&mut self, intervals: usize) {
+        self.intervals = intervals;
+        self.inner_rows.clear();
+        self.inner_rows.resize(intervals * self.inner * self.inner_width(), 0.0);
+        self.node_rows.clear();
+        self.node_rows.resize((intervals + 1) * self.node * 2 * self.node, 0.0);
+    }
+
+    /// Length of the rows of an interval.
+    pub fn inner_width(&self) -> usize {
+        self.inner + 2 * self.node
+    }
+
+    /// Number of unknowns.
+    pub fn size(&self) -> usize {
+        self.node * (self.intervals + 1) + self.inner * self.intervals
+    }
+
+    /// The rows of an interval and those of the nodes at its ends.
+    pub fn interval(&mut self, k: usize) -> (&mut [f64], &mut [f64], &mut [f64]) {
+        let (inner, node) = (self.inner * self.inner_width(), 2 * self.node * self.node);
+        let (left, right) = self.node_rows[k * node..(k + 2) * node].split_at_mut(node);
+        (&mut self.inner_rows[k * inner..(k + 1) * inner], left, right)
+    }
+
+    /// The rows of a node.
+    pub fn node_rows(&mut self, k: usize) -> &mut [f64] {
+        let length = 2 * self.node * self.node;
+        &mut self.node_rows[k * length..(k + 1) * length]
+    }
+
+    /// Takes the entries of another matrix.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.intervals = other.intervals;
+        self.inner_rows.clone_from(&other.inner_rows);
+        self.node_rows.clone_from(&other.node_rows);
+    }
+
+    /// A += factor B.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        let pairs = [(&mut self.inner_rows, &other.inner_rows), (&mut self.node_rows, &other.node_rows)];
+        for (to, from) in pairs {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+        }
+    }
+
+    /// An entry, of any two unknowns.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.min(j), i.max(j));
+        let nodes = self.node * (self.intervals + 1);
+        if j < nodes {
+            let (k, column) = (i / self.node, j - i / self.node * self.node);
+            return if column < 2 * self.node {
+                self.node_rows[2 * self.node * (self.node * k + i % self.node) + column]
+            } else {
+                0.0
+            };
+        }
+        let (k, row) = ((j - nodes) / self.inner, (j - nodes) % self.inner);
+        if i >= nodes {
+            let (other, first) = ((i - nodes) / self.inner, (i - nodes) % self.inner);
+            let at = self.inner_width() * (self.inner * k + first) + row;
+            return if other == k { self.inner_rows[at] } else { 0.0 };
+        }
+        if !(self.node * k..self.node * (k + 2)).contains(&i) {
+            return 0.0;
+        }
+        self.inner_rows[self.inner_width() * (self.inner * k + row) + self.inner + i - self.node * k]
+    }
+
+    /// The unknowns that the unknown `i` of node `k` meets.
+    fn neighbours(&self, k: usize) -> impl Iterator<Item = usize> {
+        let (first, last) = (k.saturating_sub(1), (k + 1).min(self.intervals));
+        let nodes = self.node * (self.intervals + 1);
+        (self.node * first..self.node * (last + 1)).chain(nodes + self.inner * first..nodes + self.inner * last)
+    }
+
+    /// `to += factor` times the column of the unknown `i` of node `k`.
+    pub fn add_column(&self, k: usize, i: usize, factor: f64, to: &mut [f64]) {
+        let at = self.node * k + i;
+        self.neighbours(k).for_each(|row| to[row] += factor * self.entry(row, at));
+    }
+
+    /// Makes row and column of the unknown `i` of node `k` those of the identity.
+    pub fn remove(&mut self, k: usize, i: usize) {
+        let (node, width, stride) = (self.node, self.inner_width(), 2 * self.node);
+        for interval in k.saturating_sub(1)..(k + 1).min(self.intervals) {
+            let column = self.inner + if interval == k { i } else { node + i };
+            let rows = &mut self.inner_rows[interval * self.inner * width..][..self.inner * width];
+            rows.chunks_exact_mut(width).for_each(|row| row[column] = 0.0);
+        }
+        let rows = self.node_rows(k);
+        rows[stride * i..][..stride].fill(0.0);
+        (0..i).for_each(|l| rows[stride * l + i] = 0.0);
+        rows[stride * i + i] = 1.0;
+        if k > 0 {
+            self.node_rows(k - 1).chunks_exact_mut(stride).for_each(|row| row[node + i] = 0.0);
+        }
+    }
+
+    /// A = U'U in place.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]; the matrix is lost then.
+    pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
+        let (node, inner, width, stride) = (self.node, self.inner, self.inner_width(), 2 * self.node);
+        for k in 0..self.intervals {
+            let failed = |()| NotPositiveDefinite { block: k };
+            let (rows, left, right) = self.interval(k);
+            factorise_rows(rows, inner, width, width).map_err(failed)?;
+            subtract_square(rows, [width, inner], left, [stride, stride], node);
+            subtract_square(rows, [width, inner + node], right, [stride, node], node);
+            factorise_rows(left, node, stride, stride).map_err(failed)?;
+            subtract_square(left, [stride, node], right, [stride, node], node);
+        }
+        let last = self.intervals;
+        factorise_rows(self.node_rows(last), node, node, stride)
+            .map_err(|()| NotPositiveDefinite { block: last })
+    }
+
+    /// x = A^-1 r in place, after [`factorise`](Self::factorise).
+    pub fn solve(&self, r: &mut [f64]) {
+        let (node, inner, width) = (self.node, self.inner, self.inner_width());
+        let (nodes, inners) = r.split_at_mut(node * (self.intervals + 1));
+        for k in 0..=self.intervals {
+            if k < self.intervals {
+                let rows = &self.inner_rows[k * inner * width..][..inner * width];
+                let (own, ends) = (&mut inners[inner * k..][..inner], &mut nodes[node * k..][..2 * node]);
+                for (i, row) in rows.chunks_exact(width).enumerate() {
+                    let y = own[i] / row[i];
+                    own[i] = y;
+                    subtract_one(&mut own[i + 1..], y, &row[i + 1..]);
+                    subtract_one(ends, y, &row[inner..]);
+                }
+            }
+            let rows = &self.node_rows[k * 2 * node * node..][..2 * node * node];
+            let last = (node * (k + 2)).min(nodes.len());
+            let here = &mut nodes[node * k..last];
+            for (i, row) in rows.chunks_exact(2 * node).enumerate() {
+                let y = here[i] / row[i];
+                here[i] = y;
+                subtract_one(&mut here[i + 1..], y, &row[i + 1..]);
+            }
+        }
+        for k in (0..=self.intervals).rev() {
+            let rows = &self.node_rows[k * 2 * node * node..][..2 * node * node];
+            let last = (node * (k + 2)).min(nodes.len());
+            let here = &mut nodes[node * k..last];
+            for (i, row) in rows.chunks_exact(2 * node).enumerate().rev() {
+                here[i] = (here[i] - dot(&row[i + 1..], &here[i + 1..])) / row[i];
+            }
+            if k < self.intervals {
+                let rows = &self.inner_rows[k * inner * width..][..inner * width];
+                let (own, ends) = (&mut inners[inner * k..][..inner], &nodes[node * k..][..2 * node]);
+                for (i, row) in rows.chunks_exact(width).enumerate().rev() {
+                    let sum = dot(&row[i + 1..inner], &own[i + 1..]) + dot(&row[inner..], ends);
+                    own[i] = (own[i] - sum) / row[i];
+                }
+            }
+        }
+    }
+}
+
+/// x.y over the shorter of the two, in four sums.
+#[inline(always)]
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let length = x.len().min(y.len());
+    let (x, y) = (x[..length].chunks_exact(4), y[..length].chunks_exact(4));
+    let rest: f64 = x.remainder().iter().zip(y.remainder()).map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; 4];
+    for (x, y) in x.zip(y) {
+        sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// `target -= sum of factors * rows`, entry by entry, for four rows.
+#[inline(always)]
+fn subtract_four(target: &mut [f64], factors: [f64; 4], rows: [&[f64]; 4]) {
+    let length = target.len();
+    let [a, b, c, d] = rows.map(|row| &row[..length]);
+    for j in 0..length {
+        target[j] -= (factors[0] * a[j] + factors[1] * b[j]) + (factors[2] * c[j] + factors[3] * d[j]);
+    }
+}
+
+/// `target -= factor * row`.
+#[inline(always)]
+fn subtract_one(target: &mut [f64], factor: f64, row: &[f64]) {
+    target.iter_mut().zip(row).for_each(|(target, &entry)| *target -= factor * entry);
+}
+
+/// Rows 0 to `size` of U from those of A, the first `width` columns of rows `stride` apart.
+#[inline(always)]
+fn factorise_rows(rows: &mut [f64], size: usize, width: usize, stride: usize) -> Result<(), ()> {
+    for i in 0..size {
+        let (above, from) = rows.split_at_mut(i * stride);
+        let target = &mut from[i..width];
+        let diagonal = target[0];
+        let mut l = 0;
+        while l + 4 <= i {
+            let four = [l, l + 1, l + 2, l + 3].map(|l| &above[l * stride + i..l * stride + width]);
+            subtract_four(target, four.map(|row| row[0]), four);
+            l += 4;
+        }
+        for row in above.chunks_exact(stride).skip(l) {
+            subtract_one(target, row[i], &row[i..width]);
+        }
+        let pivot = target[0];
+        if !(pivot > LEAST_PIVOT * diagonal && pivot.is_finite()) {
+            return Err(());
+        }
+        let root = pivot.sqrt();
+        target[0] = root;
+        let inverse = 1.0 / root;
+        target[1..].iter_mut().for_each(|entry| *entry *= inverse);
+    }
+    Ok(())
+}
+
+/// Subtracts the first rows of X'X from the upper triangle of others, as many as these have: X are the rows
+/// `above`, `length` apart, from column `first`; the other rows are `stride` apart and reach to column `width`.
+#[inline(always)]
+fn subtract_square(
+    above: &[f64],
+    [length, first]: [usize; 2],
+    below: &mut [f64],
+    [stride, width]: [usize; 2],
+    size: usize,
+) {
+    let rows = above.len() / length;
+    for i in 0..size {
+        let target = &mut below[i * stride + i..i * stride + width];
+        let part = |l: usize| &above[l * length + first + i..l * length + first + width];
+        let mut l = 0;
+        while l + 4 <= rows {
+            let four = [l, l + 1, l + 2, l + 3].map(part);
+            subtract_four(target, four.map(|row| row[0]), four);
+            l += 4;
+        }
+        (l..rows).for_each(|l| subtract_one(target, part(l)[0], part(l)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ChainMatrix;
+    use nalgebra::{DMatrix, DVector};
+
+    /// A random matrix with so many intervals, positive definite unless `shift` is negative, and the same one
+    /// dense.
+    fn random(intervals: usize, node: usize, inner: usize, shift: f64) -> (ChainMatrix, DMatrix<f64>) {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut matrix = ChainMatrix::new(node, inner);
+        matrix.reset(intervals);
+        matrix.inner_rows.iter_mut().chain(&mut matrix.node_rows).for_each(|entry| *entry = random.f64() - 0.5);
+        let (size, nodes) = (matrix.size(), node * (intervals + 1));
+        for at in 0..size {
+            let place = if at < nodes {
+                &mut matrix.node_rows[2 * node * at + at % node]
+            } else {
+                let row = at - nodes;
+                &mut matrix.inner_rows[(inner + 2 * node) * row + row % inner]
+            };
+            *place += shift;
+        }
+        let dense = DMatrix::from_fn(size, size, |i, j| matrix.entry(i, j));
+        (matrix, dense)
+    }
+
+    #[test]
+    fn solutions_are_those_of_the_dense_matrix() {
+        for (intervals, node, inner) in [(1, 1, 1), (1, 5, 2), (2, 3, 4), (5, 6, 3), (4, 9, 5)] {
+            let (mut matrix, dense) = random(intervals, node, inner, 3.0 * (2 * node + inner) as f64);
+            assert_eq!(dense, dense.transpose());
+            let expected = DVector::from_fn(matrix.size(), |i, _| (i as f64 * 0.7).sin());
+            let mut found = &dense * &expected;
+            matrix.factorise().unwrap();
+            matrix.solve(found.as_mut_slice());
+            assert!((found - expected).amax() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn removed_unknowns_have_the_row_of_the_identity() {
+        for k in 0..3 {
+            let (mut matrix, mut dense) = random(2, 3, 2, 1.0);
+            let at = 3 * k + 1;
+            let mut column = vec![0.0; matrix.size()];
+            matrix.add_column(k, 1, 2.0, &mut column);
+            assert!(column.iter().enumerate().all(|(i, entry)| *entry == 2.0 * dense[(i, at)]));
+            matrix.remove(k, 1);
+            dense.row_mut(at).fill(0.0);
+            dense.column_mut(at).fill(0.0);
+            dense[(at, at)] = 1.0;
+            assert_eq!(DMatrix::from_fn(dense.nrows(), dense.ncols(), |i, j| matrix.entry(i, j)), dense);
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_is_refused() {
+        let (mut matrix, dense) = random(3, 4, 2, -1.0);
+        assert!(dense.symmetric_eigenvalues().min() < 0.0);
+        assert!(matrix.factorise().is_err());
+        let (mut matrix, _) = random(3, 4, 2, f64::NAN);
+        assert!(matrix.factorise().is_err());
+    }
+}
