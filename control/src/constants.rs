@@ -293,6 +293,19 @@ pub(crate) mod direct {
     pub const PART_OF_TOLERANCE: f64 = 0.1;
     /// Meshes are refined until this part of the estimated error lies in intervals that were not halved.
     pub const LEFT: f64 = 0.1;
+    /// Most parts into which an interval is divided at once.
+    pub const MOST_PARTS: f64 = 4.0;
+    /// Nodes are no closer than this part of the whole.
+    pub const NARROWEST: f64 = 1e-7;
+    /// Torques that change by less than this part of their range over an interval do not jump in it.
+    pub const LEAST_JUMP: f64 = 0.01;
+    /// Polynomials that miss the torque of the next interval by more than this part of a change contain a jump.
+    pub const MISS: f64 = 0.01;
+    /// A jump at a node is one of the exact motion if it is larger than this part of the range of the torque, and
+    /// that at the other end of an interval smaller than this part of it.
+    pub const EXACT_JUMP: f64 = 0.05;
+    /// A node moves to a jump that is within this part of the interval beside it.
+    pub const NEAR_NODE: f64 = 0.3;
     /// Most meshes.
     pub const MESHES: usize = 16;
     /// Meshes after which a motion that exceeds limits is given up.

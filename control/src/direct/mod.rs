@@ -17,6 +17,7 @@ mod found;
 mod guess;
 mod interior;
 mod interval;
+mod jumps;
 mod limits;
 mod metric;
 mod point_terms;

@@ -131,16 +131,23 @@ impl Direct<'_> {
                 }
                 End::Solved => Status::MeshLimit,
             };
+            if std::env::var("DEBUG_SOLVE").is_ok() {
+                eprintln!("mesh {} end {:?} error {:.1e} between {:.1e} violation {:.1e} gap {:.1e} cut {:.1e} again {:?}", interior.spline.mesh.points(), end, error, resolution.violation(), figures.violation, figures.gap, resolution.cut.iter().sum::<f64>(), self.integrate_again(interior).relative);
+            }
             refined = Refined { status, error, again };
             if refined.status.is_converged() || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
                 break;
             }
-            // What the estimate does not see, the integration may.
-            let enough = if accurate { error.min(tolerance) * constants::LEFT } else { tolerance };
-            let nodes = match violated {
-                true => halved(&interior.spline.mesh.nodes),
-                false => resolution.nodes(&interior.spline, enough * figures.size),
+            let enough = tolerance * figures.size;
+            let nodes = match (violated, accurate) {
+                (true, _) => halved(&interior.spline.mesh.nodes),
+                // What the estimate does not see, the integration may.
+                (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
+                (false, false) => resolution.nodes(&interior.spline, enough),
             };
+            if nodes == interior.spline.mesh.nodes {
+                break;
+            }
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }
@@ -167,7 +174,7 @@ impl Direct<'_> {
         let iterations = std::mem::take(&mut recorder.iterations);
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
-            cost: interior.figures.cost - penalty_cost,
+            cost: resolution.cost - penalty_cost,
             penalty_cost,
             hamiltonian: mean,
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
