@@ -1,5 +1,6 @@
 //! Cholesky factorisation of symmetric block-tridiagonal matrices.
 
+use super::widest::widest;
 use std::fmt;
 
 /// A pivot was not positive: the matrix is not positive definite.
@@ -48,12 +49,14 @@ impl BlockTridiagonal {
     }
 
     /// Rows of a block: `size` rows of the diagonal block and the one to its right, 2 `size` numbers each.
+    #[inline(always)]
     pub fn block_row(&mut self, k: usize) -> &mut [f64] {
         let length = 2 * self.size * self.size;
         &mut self.rows[k * length..(k + 1) * length]
     }
 
     /// The rows of two neighbouring blocks.
+    #[inline(always)]
     pub fn block_rows(&mut self, k: usize) -> (&mut [f64], &mut [f64]) {
         let length = 2 * self.size * self.size;
         let (first, second) = self.rows[k * length..(k + 2) * length].split_at_mut(length);
@@ -82,6 +85,14 @@ impl BlockTridiagonal {
     /// # Errors
     /// [`NotPositiveDefinite`]; the matrix is lost then.
     pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
+        widest(
+            #[inline(always)]
+            || self.factorise_rows(),
+        )
+    }
+
+    #[inline(always)]
+    fn factorise_rows(&mut self) -> Result<(), NotPositiveDefinite> {
         let (size, count) = (self.size, self.count());
         for k in 0..count {
             let width = if k + 1 < count { 2 * size } else { size };
@@ -96,6 +107,14 @@ impl BlockTridiagonal {
 
     /// x = A^-1 r in place, after [`factorise`](Self::factorise).
     pub fn solve(&self, r: &mut [f64]) {
+        widest(
+            #[inline(always)]
+            || self.substitute(r),
+        );
+    }
+
+    #[inline(always)]
+    fn substitute(&self, r: &mut [f64]) {
         let (size, count) = (self.size, self.count());
         let width = 2 * size;
         for i in 0..count * size {
@@ -117,6 +136,7 @@ impl BlockTridiagonal {
 }
 
 /// x.y over the shorter of the two, in four sums.
+#[inline(always)]
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     let length = x.len().min(y.len());
     let (x, y) = (x[..length].chunks_exact(4), y[..length].chunks_exact(4));
@@ -145,6 +165,7 @@ fn subtract_one(target: &mut [f64], factor: f64, row: &[f64]) {
 }
 
 /// Rows 0 to `size` of U from those of A, `width` columns of 2 `size`.
+#[inline(always)]
 fn factorise_rows(rows: &mut [f64], size: usize, width: usize) -> Result<(), ()> {
     let stride = 2 * size;
     for i in 0..size {
@@ -173,6 +194,7 @@ fn factorise_rows(rows: &mut [f64], size: usize, width: usize) -> Result<(), ()>
 }
 
 /// Subtracts X'X from the diagonal block below, where X is the right block of the rows above.
+#[inline(always)]
 fn subtract_square(above: &[f64], below: &mut [f64], size: usize) {
     let stride = 2 * size;
     for i in 0..size {

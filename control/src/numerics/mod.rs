@@ -4,3 +4,4 @@ pub(crate) mod almost_block_diagonal;
 pub(crate) mod block_tridiagonal;
 pub(crate) mod dormand_prince;
 pub(crate) mod lu;
+pub(crate) mod widest;
