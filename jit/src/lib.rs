@@ -43,4 +43,4 @@ pub use error::JitError;
 pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};
-pub use widest::widest;
+pub use widest::{widest, widest_fused};

@@ -1,6 +1,9 @@
 //! Cholesky factorisation of symmetric block-tridiagonal matrices.
 
-use super::widest::widest;
+use super::tiles::{
+    BadPivot, ROWS, factorise_rows, substitute_backward, substitute_forward, subtract_square, with_rows,
+};
+use super::widest::widest_fused;
 use std::fmt;
 
 /// A pivot was not positive: the matrix is not positive definite.
@@ -15,9 +18,6 @@ impl fmt::Display for NotPositiveDefinite {
         write!(f, "the matrix is not positive definite at block {}", self.block)
     }
 }
-
-/// A pivot below this part of the diagonal entry that it came from counts as zero.
-const LEAST_PIVOT: f64 = 1e-14;
 
 /// A symmetric matrix of `count` x `count` blocks, each `size` x `size`, with blocks on the diagonal and
 /// beside it; then its factor U, A = U'U.
@@ -80,26 +80,27 @@ impl BlockTridiagonal {
         self.rows.iter_mut().zip(&other.rows).for_each(|(to, from)| *to += factor * from);
     }
 
-    /// A = U'U in place, `size`^3 7/3 products a block.
+    /// A = U'U in place, `size`^3 7/3 products a block; the diagonal of U is replaced by its reciprocals.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]; the matrix is lost then.
     pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
-        widest(
+        widest_fused(
             #[inline(always)]
-            || self.factorise_rows(),
+            |fused| if fused { self.factorise_blocks::<true>() } else { self.factorise_blocks::<false>() },
         )
     }
 
     #[inline(always)]
-    fn factorise_rows(&mut self) -> Result<(), NotPositiveDefinite> {
-        let (size, count) = (self.size, self.count());
+    fn factorise_blocks<const FUSED: bool>(&mut self) -> Result<(), NotPositiveDefinite> {
+        let (size, count, stride) = (self.size, self.count(), 2 * self.size);
         for k in 0..count {
-            let width = if k + 1 < count { 2 * size } else { size };
-            factorise_rows(self.block_row(k), size, width).map_err(|()| NotPositiveDefinite { block: k })?;
+            let width = if k + 1 < count { stride } else { size };
+            factorise_rows::<FUSED>(self.block_row(k), stride, size, width)
+                .map_err(|BadPivot| NotPositiveDefinite { block: k })?;
             if k + 1 < count {
                 let (above, below) = self.block_rows(k);
-                subtract_square(above, below, size);
+                subtract_square::<FUSED>(above, below, stride, size, size);
             }
         }
         Ok(())
@@ -107,30 +108,32 @@ impl BlockTridiagonal {
 
     /// x = A^-1 r in place, after [`factorise`](Self::factorise).
     pub fn solve(&self, r: &mut [f64]) {
-        widest(
+        widest_fused(
             #[inline(always)]
-            || self.substitute(r),
+            |fused| if fused { self.substitute::<true>(r) } else { self.substitute::<false>(r) },
         );
     }
 
     #[inline(always)]
-    fn substitute(&self, r: &mut [f64]) {
-        let (size, count) = (self.size, self.count());
-        let width = 2 * size;
-        for i in 0..count * size {
-            let local = i % size;
-            let row = &self.rows[i * width..][..width];
-            let y = r[i] / row[local];
-            r[i] = y;
-            let end = (i - local + width).min(r.len());
-            let (right, entries) = (&mut r[i + 1..end], &row[local + 1..]);
-            right.iter_mut().zip(entries).for_each(|(right, &entry)| *right -= entry * y);
+    fn substitute<const FUSED: bool>(&self, r: &mut [f64]) {
+        let (size, stride) = (self.size, 2 * self.size);
+        // Rows of two blocks, the last ones of one.
+        let rows = r.len();
+        let part = |k: usize| k * size..((k + 2) * size).min(rows);
+        let blocks = || self.rows.chunks_exact(stride * size).enumerate();
+        for (k, rows) in blocks() {
+            let r = &mut r[part(k)];
+            for i in (0..size).step_by(ROWS) {
+                let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+                with_rows!(i of size, R => substitute_forward::<FUSED, R>(rows, stride, i, r));
+            }
         }
-        for i in (0..count * size).rev() {
-            let local = i % size;
-            let row = &self.rows[i * width..][..width];
-            let end = (i - local + width).min(r.len());
-            r[i] = (r[i] - dot(&row[local + 1..], &r[i + 1..end])) / row[local];
+        for (k, rows) in blocks().rev() {
+            let r = &mut r[part(k)];
+            for i in (0..size).step_by(ROWS).rev() {
+                let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+                with_rows!(i of size, R => substitute_backward::<FUSED, R>(rows, stride, i, r));
+            }
         }
     }
 }
@@ -146,69 +149,6 @@ pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
         sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
-}
-
-/// `target -= sum of factors * rows`, entry by entry, for four rows.
-#[inline(always)]
-fn subtract_four(target: &mut [f64], factors: [f64; 4], rows: [&[f64]; 4]) {
-    let length = target.len();
-    let [a, b, c, d] = rows.map(|row| &row[..length]);
-    for j in 0..length {
-        target[j] -= (factors[0] * a[j] + factors[1] * b[j]) + (factors[2] * c[j] + factors[3] * d[j]);
-    }
-}
-
-/// `target -= factor * row`.
-#[inline(always)]
-fn subtract_one(target: &mut [f64], factor: f64, row: &[f64]) {
-    target.iter_mut().zip(row).for_each(|(target, &entry)| *target -= factor * entry);
-}
-
-/// Rows 0 to `size` of U from those of A, `width` columns of 2 `size`.
-#[inline(always)]
-fn factorise_rows(rows: &mut [f64], size: usize, width: usize) -> Result<(), ()> {
-    let stride = 2 * size;
-    for i in 0..size {
-        let (above, from) = rows.split_at_mut(i * stride);
-        let target = &mut from[i..width];
-        let diagonal = target[0];
-        let mut l = 0;
-        while l + 4 <= i {
-            let four = [l, l + 1, l + 2, l + 3].map(|l| &above[l * stride + i..l * stride + width]);
-            subtract_four(target, four.map(|row| row[0]), four);
-            l += 4;
-        }
-        for row in above.chunks_exact(stride).skip(l) {
-            subtract_one(target, row[i], &row[i..width]);
-        }
-        let pivot = target[0];
-        if !(pivot > LEAST_PIVOT * diagonal && pivot.is_finite()) {
-            return Err(());
-        }
-        let root = pivot.sqrt();
-        target[0] = root;
-        let inverse = 1.0 / root;
-        target[1..].iter_mut().for_each(|entry| *entry *= inverse);
-    }
-    Ok(())
-}
-
-/// Subtracts X'X from the diagonal block below, where X is the right block of the rows above.
-#[inline(always)]
-fn subtract_square(above: &[f64], below: &mut [f64], size: usize) {
-    let stride = 2 * size;
-    for i in 0..size {
-        let target = &mut below[i * stride + i..i * stride + size];
-        let mut l = 0;
-        while l + 4 <= size {
-            let four = [l, l + 1, l + 2, l + 3].map(|l| &above[l * stride + size + i..(l + 1) * stride]);
-            subtract_four(target, four.map(|row| row[0]), four);
-            l += 4;
-        }
-        for row in above.chunks_exact(stride).skip(l) {
-            subtract_one(target, row[size + i], &row[size + i..]);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -251,13 +191,25 @@ mod tests {
 
     #[test]
     fn solutions_are_those_of_the_dense_matrix() {
-        for (count, size) in [(1, 1), (1, 5), (2, 3), (5, 6), (4, 9)] {
-            let (mut matrix, dense) = random(count, size, 3.0 * size as f64);
+        for (count, size) in [(1, 1), (1, 5), (2, 3), (5, 6), (4, 9), (3, 14), (3, 18), (2, 21), (2, 36)] {
+            let (matrix, dense) = random(count, size, 3.0 * size as f64);
             let expected = DVector::from_fn(count * size, |i, _| (i as f64 * 0.7).sin());
-            let mut found = &dense * &expected;
+            let right = &dense * &expected;
+            for fused in [false, true] {
+                let (mut matrix, mut found) = (matrix.clone(), right.clone());
+                if fused {
+                    matrix.factorise_blocks::<true>().unwrap();
+                    matrix.substitute::<true>(found.as_mut_slice());
+                } else {
+                    matrix.factorise_blocks::<false>().unwrap();
+                    matrix.substitute::<false>(found.as_mut_slice());
+                }
+                assert!((found - &expected).amax() < 1e-12, "{count} {size} {fused}");
+            }
+            let (mut matrix, mut found) = (matrix, right);
             matrix.factorise().unwrap();
             matrix.solve(found.as_mut_slice());
-            assert!((found - expected).amax() < 1e-12);
+            assert!((found - expected).amax() < 1e-12, "{count} {size}");
         }
     }
 

@@ -4,4 +4,5 @@ pub(crate) mod almost_block_diagonal;
 pub(crate) mod block_tridiagonal;
 pub(crate) mod dormand_prince;
 pub(crate) mod lu;
+mod tiles;
 pub(crate) mod widest;
