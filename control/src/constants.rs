@@ -298,3 +298,17 @@ pub(crate) mod direct {
     /// Meshes after which a motion that exceeds limits is given up.
     pub const MESHES_WITHOUT_MOTION: usize = 2;
 }
+
+/// Machine code for the points of the direct method (`direct::programs`).
+#[cfg(feature = "jit")]
+pub(crate) mod programs {
+    /// Robots whose programs are kept for later problems.
+    pub const ROBOTS: usize = 4;
+    /// Points for each joint that the generic code contracts before programs are compiled. They take a quarter
+    /// of the time of compiling; a solve from a good guess needs no more.
+    pub const POINTS: usize = 30;
+    /// Longest programs, in steps; longer ones take longer to compile than they save in one solve.
+    pub const STEPS: usize = 16_000;
+    /// Most joints, so that no robot is recorded for long in vain.
+    pub const JOINTS: usize = 14;
+}

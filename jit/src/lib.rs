@@ -38,7 +38,7 @@ mod widest;
 
 pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
-pub use compiled::Compiled;
+pub use compiled::{Compiled, supported};
 pub use error::JitError;
 pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
 pub use number::JitNumber;

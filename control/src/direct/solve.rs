@@ -5,7 +5,10 @@ use super::found::trajectory;
 use super::guess::guess;
 use super::interior::{End, Interior};
 use super::limits::{Limited, Side};
-use super::points::RobotPoints;
+#[cfg(not(feature = "jit"))]
+use super::points::RobotPoints as FastPoints;
+#[cfg(feature = "jit")]
+use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
 use super::running::Running;
@@ -68,7 +71,7 @@ impl Direct<'_> {
         let intervals = ((self.options.nodes - 1) / POINTS).max(1);
         let saved = self.saved.filter(|_| number == 0);
         let spline = guess(problem, saved, &disturbance, intervals);
-        let dynamics = RobotPoints::new(&problem.robot);
+        let dynamics = FastPoints::new(&problem.robot);
         let mut interior =
             Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);
         let mut resolution = Resolution::default();
@@ -79,7 +82,7 @@ impl Direct<'_> {
     /// Solves on finer and finer meshes.
     fn refine(
         &self,
-        interior: &mut Interior<RobotPoints>,
+        interior: &mut Interior<FastPoints>,
         resolution: &mut Resolution,
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
@@ -93,7 +96,7 @@ impl Direct<'_> {
         let mut refined = Refined { status: Status::MeshLimit, error: f64::INFINITY, again: None };
         for mesh in 0..constants::MESHES {
             let first = interior.figures.iterations;
-            let watch = |iterate: &Interior<RobotPoints>, step: f64| {
+            let watch = |iterate: &Interior<FastPoints>, step: f64| {
                 let figures = &iterate.figures;
                 recorder.record(Iteration {
                     phase: Phase::Direct,
@@ -152,7 +155,7 @@ impl Direct<'_> {
     /// The solution, verified by integration where it converged.
     fn finish(
         &self,
-        interior: &mut Interior<RobotPoints>,
+        interior: &mut Interior<FastPoints>,
         resolution: &Resolution,
         Refined { status, error, again }: Refined,
         recorder: &mut Recorder<'_>,
@@ -189,7 +192,7 @@ impl Direct<'_> {
     }
 
     /// The motion integrated again with its torques.
-    fn integrate_again(&self, interior: &Interior<RobotPoints>) -> Again {
+    fn integrate_again(&self, interior: &Interior<FastPoints>) -> Again {
         let (problem, spline) = (self.problem.problem(), &interior.spline);
         let (n, end) = (spline.dof, &problem.end);
         let Ok(state) = integrate(problem, spline) else {
