@@ -253,7 +253,7 @@ pub(crate) mod direct {
     /// Costs are not resolved below that of a motion by so much (rad, m).
     pub const SMALL_MOTION: f64 = 1e-3;
     /// Gap at the start, as a part of the cost of the guess.
-    pub const FIRST_GAP: f64 = 0.1;
+    pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
     /// corner.
     pub const WARM: f64 = 1e-2;
@@ -291,23 +291,46 @@ pub(crate) mod direct {
     pub const ACTIVE: f64 = 1e-4;
     /// The problem on a mesh is solved to this part of the tolerance.
     pub const PART_OF_TOLERANCE: f64 = 0.1;
+    /// The problem on the first mesh is solved to this part of the cost.
+    pub const FIRST_PRECISION: f64 = 1e-3;
+    /// Those on later meshes to this part of the estimated error before.
+    pub const PRECISION: f64 = 1e-2;
     /// Meshes are refined until this part of the estimated error lies in intervals that were not halved.
     pub const LEFT: f64 = 0.1;
     /// Most parts into which an interval is divided at once.
     pub const MOST_PARTS: f64 = 4.0;
     /// Nodes are no closer than this part of the whole.
     pub const NARROWEST: f64 = 1e-7;
-    /// Torques that change by less than this part of their range over an interval do not jump in it.
+    /// Torques and accelerations that change by less than this part of their range over an interval do not jump
+    /// in it.
     pub const LEAST_JUMP: f64 = 0.01;
-    /// Polynomials that miss the torque of the next interval by more than this part of a change contain a jump.
+    /// Polynomials that miss the value of the next interval by more than this part of a change contain a jump.
     pub const MISS: f64 = 0.01;
     /// A jump at a node is one of the exact motion if it is larger than this part of the range of the torque, and
     /// that at the other end of an interval smaller than this part of it.
     pub const EXACT_JUMP: f64 = 0.05;
+    /// Jumps at places of an interval that differ by less than this part of it are one.
+    pub const SAME_JUMP: f64 = 0.1;
+    /// A node at which a torque jumps by more than this part of its range stays.
+    pub const NEEDED: f64 = 0.2;
     /// A node moves to a jump that is within this part of the interval beside it.
     pub const NEAR_NODE: f64 = 0.3;
     /// Most meshes.
     pub const MESHES: usize = 16;
     /// Meshes after which a motion that exceeds limits is given up.
     pub const MESHES_WITHOUT_MOTION: usize = 2;
+}
+
+/// Machine code for the points of the direct method (`direct::programs`).
+#[cfg(feature = "jit")]
+pub(crate) mod programs {
+    /// Robots whose programs are kept for later problems.
+    pub const ROBOTS: usize = 4;
+    /// Points for each joint that the generic code contracts before programs are compiled. They take a quarter
+    /// of the time of compiling; a solve from a good guess needs no more.
+    pub const POINTS: usize = 30;
+    /// Longest programs, in steps; longer ones take longer to compile than they save in one solve.
+    pub const STEPS: usize = 16_000;
+    /// Most joints, so that no robot is recorded for long in vain.
+    pub const JOINTS: usize = 14;
 }

@@ -22,6 +22,10 @@ mod limits;
 mod metric;
 mod point_terms;
 mod points;
+#[cfg(feature = "jit")]
+mod program_points;
+#[cfg(feature = "jit")]
+mod programs;
 mod refine;
 mod report;
 mod running;

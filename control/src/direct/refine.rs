@@ -79,7 +79,8 @@ impl Resolution {
     /// metric of the effort; the square of the polynomial has the mean 1/7.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
-        self.jumps.measure(&interior.points);
+        let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
+        self.jumps.measure(&interior.points, widths);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
             *error = (0..n)

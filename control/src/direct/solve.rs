@@ -5,7 +5,10 @@ use super::found::trajectory;
 use super::guess::guess;
 use super::interior::{End, Interior};
 use super::limits::{Limited, Side};
-use super::points::RobotPoints;
+#[cfg(not(feature = "jit"))]
+use super::points::RobotPoints as FastPoints;
+#[cfg(feature = "jit")]
+use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
 use super::running::Running;
@@ -68,7 +71,7 @@ impl Direct<'_> {
         let intervals = ((self.options.nodes - 1) / POINTS).max(1);
         let saved = self.saved.filter(|_| number == 0);
         let spline = guess(problem, saved, &disturbance, intervals);
-        let dynamics = RobotPoints::new(&problem.robot);
+        let dynamics = FastPoints::new(&problem.robot);
         let mut interior =
             Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);
         let mut resolution = Resolution::default();
@@ -79,7 +82,7 @@ impl Direct<'_> {
     /// Solves on finer and finer meshes.
     fn refine(
         &self,
-        interior: &mut Interior<RobotPoints>,
+        interior: &mut Interior<FastPoints>,
         resolution: &mut Resolution,
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
@@ -91,9 +94,12 @@ impl Direct<'_> {
             return Ok(Refined { status: interruption.into(), error: f64::INFINITY, again: None });
         }
         let mut refined = Refined { status: Status::MeshLimit, error: f64::INFINITY, again: None };
+        // A coarse mesh is not solved much better than it resolves the motion.
+        let least = constants::PART_OF_TOLERANCE * tolerance;
+        let mut precision = least.max(constants::FIRST_PRECISION);
         for mesh in 0..constants::MESHES {
             let first = interior.figures.iterations;
-            let watch = |iterate: &Interior<RobotPoints>, step: f64| {
+            let watch = |iterate: &Interior<FastPoints>, step: f64| {
                 let figures = &iterate.figures;
                 recorder.record(Iteration {
                     phase: Phase::Direct,
@@ -107,11 +113,7 @@ impl Direct<'_> {
                 });
                 recorder.interruption()
             };
-            let end = interior.iterate(
-                constants::PART_OF_TOLERANCE * tolerance,
-                self.options.max_iterations,
-                watch,
-            )?;
+            let end = interior.iterate(precision, self.options.max_iterations, watch)?;
             resolution.measure(interior)?;
             let figures = interior.figures;
             let error = (resolution.error() + figures.gap) / figures.size;
@@ -125,9 +127,10 @@ impl Direct<'_> {
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
-                End::Solved if accurate => {
+                End::Solved if accurate && precision <= least => {
                     let found = again.insert(self.integrate_again(interior));
-                    verified(found.relative, false, tolerance)
+                    // Cost is stationary: its error is about the square of that of the states.
+                    verified(found.relative, false, (tolerance.sqrt() / 100.0).max(tolerance))
                 }
                 End::Solved => Status::MeshLimit,
             };
@@ -138,6 +141,11 @@ impl Direct<'_> {
             if refined.status.is_converged() || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
                 break;
             }
+            if accurate && precision > least {
+                precision = least;
+                continue;
+            }
+            precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
             let enough = tolerance * figures.size;
             let nodes = match (violated, accurate) {
                 (true, _) => halved(&interior.spline.mesh.nodes),
@@ -159,7 +167,7 @@ impl Direct<'_> {
     /// The solution, verified by integration where it converged.
     fn finish(
         &self,
-        interior: &mut Interior<RobotPoints>,
+        interior: &mut Interior<FastPoints>,
         resolution: &Resolution,
         Refined { status, error, again }: Refined,
         recorder: &mut Recorder<'_>,
@@ -196,7 +204,7 @@ impl Direct<'_> {
     }
 
     /// The motion integrated again with its torques.
-    fn integrate_again(&self, interior: &Interior<RobotPoints>) -> Again {
+    fn integrate_again(&self, interior: &Interior<FastPoints>) -> Again {
         let (problem, spline) = (self.problem.problem(), &interior.spline);
         let (n, end) = (spline.dof, &problem.end);
         let Ok(state) = integrate(problem, spline) else {

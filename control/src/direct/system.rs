@@ -190,7 +190,7 @@ impl System {
     }
 
     /// Solves for the part of the step that belongs to the gradient `part`.
-    pub fn solve(&self, part: usize, free_time: bool, dx: &mut Vec<f64>) -> f64 {
+    pub fn solve(&mut self, part: usize, free_time: bool, dx: &mut Vec<f64>) -> f64 {
         dx.clear();
         dx.extend(self.gradient[part].iter().map(|g| -g));
         self.factor.solve(dx);

@@ -1,5 +1,9 @@
 //! Cholesky factorisation of the symmetric matrix of a chain: nodes, and between two of them inner unknowns.
 
+use super::tiles::{
+    BadPivot, ROWS, factorise_rows, substitute_backward, substitute_forward, subtract_square, with_rows,
+};
+use super::widest::widest_fused;
 use std::fmt;
 
 /// A pivot was not positive: the matrix is not positive definite.
@@ -15,9 +19,6 @@ impl fmt::Display for NotPositiveDefinite {
     }
 }
 
-/// A pivot below this part of the diagonal entry that it came from counts as zero.
-const LEAST_PIVOT: f64 = 1e-14;
-
 /// A symmetric matrix of a chain, then its factor U, A = U'U with inner unknowns first.
 ///
 /// A node has `node` unknowns and meets the next one and the inner unknowns of both intervals beside it; an
@@ -32,12 +33,14 @@ pub(crate) struct ChainMatrix {
     intervals: usize,
     inner_rows: Vec<f64>,
     node_rows: Vec<f64>,
+    /// The part of a vector that belongs to an interval.
+    part: Vec<f64>,
 }
 
 impl ChainMatrix {
     /// A matrix without intervals.
     pub fn new(node: usize, inner: usize) -> Self {
-        Self { node, inner, intervals: 0, inner_rows: Vec::new(), node_rows: Vec::new() }
+        Self { node, inner, intervals: 0, inner_rows: Vec::new(), node_rows: Vec::new(), part: vec![0.0; inner + 2 * node] }
     }
 
     /// Sets the number of intervals, and all entries to zero. Allocates only if it is larger than ever before.
@@ -55,6 +58,7 @@ impl ChainMatrix {
     }
 
     /// Number of unknowns.
+    #[cfg(test)]
     pub fn size(&self) -> usize {
         self.node * (self.intervals + 1) + self.inner * self.intervals
     }
@@ -141,66 +145,88 @@ impl ChainMatrix {
         }
     }
 
-    /// A = U'U in place.
+    /// A = U'U in place; the diagonal of U is replaced by its reciprocals.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]; the matrix is lost then.
     pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
+        widest_fused(
+            #[inline(always)]
+            |fused| if fused { self.eliminate::<true>() } else { self.eliminate::<false>() },
+        )
+    }
+
+    #[inline(always)]
+    fn eliminate<const FUSED: bool>(&mut self) -> Result<(), NotPositiveDefinite> {
         let (node, inner, width, stride) = (self.node, self.inner, self.inner_width(), 2 * self.node);
         for k in 0..self.intervals {
-            let failed = |()| NotPositiveDefinite { block: k };
+            let failed = |BadPivot| NotPositiveDefinite { block: k };
             let (rows, left, right) = self.interval(k);
-            factorise_rows(rows, inner, width, width).map_err(failed)?;
-            subtract_square(rows, [width, inner], left, [stride, stride], node);
-            subtract_square(rows, [width, inner + node], right, [stride, node], node);
-            factorise_rows(left, node, stride, stride).map_err(failed)?;
-            subtract_square(left, [stride, node], right, [stride, node], node);
+            factorise_rows::<FUSED>(rows, width, inner, width).map_err(failed)?;
+            subtract_square::<FUSED>((rows, width), inner, (left, stride), node, stride);
+            subtract_square::<FUSED>((rows, width), inner + node, (right, stride), node, node);
+            factorise_rows::<FUSED>(left, stride, node, stride).map_err(failed)?;
+            subtract_square::<FUSED>((left, stride), node, (right, stride), node, node);
         }
         let last = self.intervals;
-        factorise_rows(self.node_rows(last), node, node, stride)
-            .map_err(|()| NotPositiveDefinite { block: last })
+        factorise_rows::<FUSED>(self.node_rows(last), stride, node, node)
+            .map_err(|BadPivot| NotPositiveDefinite { block: last })
     }
 
     /// x = A^-1 r in place, after [`factorise`](Self::factorise).
-    pub fn solve(&self, r: &mut [f64]) {
+    pub fn solve(&mut self, r: &mut [f64]) {
+        widest_fused(
+            #[inline(always)]
+            |fused| if fused { self.substitute::<true>(r) } else { self.substitute::<false>(r) },
+        );
+    }
+
+    #[inline(always)]
+    fn substitute<const FUSED: bool>(&mut self, r: &mut [f64]) {
         let (node, inner, width) = (self.node, self.inner, self.inner_width());
         let (nodes, inners) = r.split_at_mut(node * (self.intervals + 1));
+        let inner_rows = |k: usize| inner * width * k..inner * width * (k + 1);
+        let node_rows = |k: usize| 2 * node * node * k..2 * node * node * (k + 1);
+        let ends = |k: usize| node * k..(node * (k + 2)).min(node * (self.intervals + 1));
         for k in 0..=self.intervals {
             if k < self.intervals {
-                let rows = &self.inner_rows[k * inner * width..][..inner * width];
-                let (own, ends) = (&mut inners[inner * k..][..inner], &mut nodes[node * k..][..2 * node]);
-                for (i, row) in rows.chunks_exact(width).enumerate() {
-                    let y = own[i] / row[i];
-                    own[i] = y;
-                    subtract_one(&mut own[i + 1..], y, &row[i + 1..]);
-                    subtract_one(ends, y, &row[inner..]);
-                }
+                self.part[..inner].copy_from_slice(&inners[inner * k..][..inner]);
+                self.part[inner..].copy_from_slice(&nodes[ends(k)]);
+                forward::<FUSED>(&self.inner_rows[inner_rows(k)], width, &mut self.part);
+                inners[inner * k..][..inner].copy_from_slice(&self.part[..inner]);
+                nodes[ends(k)].copy_from_slice(&self.part[inner..]);
             }
-            let rows = &self.node_rows[k * 2 * node * node..][..2 * node * node];
-            let last = (node * (k + 2)).min(nodes.len());
-            let here = &mut nodes[node * k..last];
-            for (i, row) in rows.chunks_exact(2 * node).enumerate() {
-                let y = here[i] / row[i];
-                here[i] = y;
-                subtract_one(&mut here[i + 1..], y, &row[i + 1..]);
-            }
+            forward::<FUSED>(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
         }
         for k in (0..=self.intervals).rev() {
-            let rows = &self.node_rows[k * 2 * node * node..][..2 * node * node];
-            let last = (node * (k + 2)).min(nodes.len());
-            let here = &mut nodes[node * k..last];
-            for (i, row) in rows.chunks_exact(2 * node).enumerate().rev() {
-                here[i] = (here[i] - dot(&row[i + 1..], &here[i + 1..])) / row[i];
-            }
+            backward::<FUSED>(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
             if k < self.intervals {
-                let rows = &self.inner_rows[k * inner * width..][..inner * width];
-                let (own, ends) = (&mut inners[inner * k..][..inner], &nodes[node * k..][..2 * node]);
-                for (i, row) in rows.chunks_exact(width).enumerate().rev() {
-                    let sum = dot(&row[i + 1..inner], &own[i + 1..]) + dot(&row[inner..], ends);
-                    own[i] = (own[i] - sum) / row[i];
-                }
+                self.part[..inner].copy_from_slice(&inners[inner * k..][..inner]);
+                self.part[inner..].copy_from_slice(&nodes[ends(k)]);
+                backward::<FUSED>(&self.inner_rows[inner_rows(k)], width, &mut self.part);
+                inners[inner * k..][..inner].copy_from_slice(&self.part[..inner]);
             }
         }
+    }
+}
+
+/// y of U'y = r for the rows of a block, in place, and the rest of r without their part.
+#[inline(always)]
+fn forward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
+    let size = rows.len() / stride;
+    for i in (0..size).step_by(ROWS) {
+        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+        with_rows!(i of size, R => substitute_forward::<FUSED, R>(rows, stride, i, r));
+    }
+}
+
+/// x of U x = y for the rows of a block, in place, where the rest of x is known.
+#[inline(always)]
+fn backward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
+    let size = rows.len() / stride;
+    for i in (0..size).step_by(ROWS).rev() {
+        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+        with_rows!(i of size, R => substitute_backward::<FUSED, R>(rows, stride, i, r));
     }
 }
 
@@ -215,74 +241,6 @@ pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
         sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
-}
-
-/// `target -= sum of factors * rows`, entry by entry, for four rows.
-#[inline(always)]
-fn subtract_four(target: &mut [f64], factors: [f64; 4], rows: [&[f64]; 4]) {
-    let length = target.len();
-    let [a, b, c, d] = rows.map(|row| &row[..length]);
-    for j in 0..length {
-        target[j] -= (factors[0] * a[j] + factors[1] * b[j]) + (factors[2] * c[j] + factors[3] * d[j]);
-    }
-}
-
-/// `target -= factor * row`.
-#[inline(always)]
-fn subtract_one(target: &mut [f64], factor: f64, row: &[f64]) {
-    target.iter_mut().zip(row).for_each(|(target, &entry)| *target -= factor * entry);
-}
-
-/// Rows 0 to `size` of U from those of A, the first `width` columns of rows `stride` apart.
-#[inline(always)]
-fn factorise_rows(rows: &mut [f64], size: usize, width: usize, stride: usize) -> Result<(), ()> {
-    for i in 0..size {
-        let (above, from) = rows.split_at_mut(i * stride);
-        let target = &mut from[i..width];
-        let diagonal = target[0];
-        let mut l = 0;
-        while l + 4 <= i {
-            let four = [l, l + 1, l + 2, l + 3].map(|l| &above[l * stride + i..l * stride + width]);
-            subtract_four(target, four.map(|row| row[0]), four);
-            l += 4;
-        }
-        for row in above.chunks_exact(stride).skip(l) {
-            subtract_one(target, row[i], &row[i..width]);
-        }
-        let pivot = target[0];
-        if !(pivot > LEAST_PIVOT * diagonal && pivot.is_finite()) {
-            return Err(());
-        }
-        let root = pivot.sqrt();
-        target[0] = root;
-        let inverse = 1.0 / root;
-        target[1..].iter_mut().for_each(|entry| *entry *= inverse);
-    }
-    Ok(())
-}
-
-/// Subtracts the first rows of X'X from the upper triangle of others, as many as these have: X are the rows
-/// `above`, `length` apart, from column `first`; the other rows are `stride` apart and reach to column `width`.
-#[inline(always)]
-fn subtract_square(
-    above: &[f64],
-    [length, first]: [usize; 2],
-    below: &mut [f64],
-    [stride, width]: [usize; 2],
-    size: usize,
-) {
-    let rows = above.len() / length;
-    for i in 0..size {
-        let target = &mut below[i * stride + i..i * stride + width];
-        let part = |l: usize| &above[l * length + first + i..l * length + first + width];
-        let mut l = 0;
-        while l + 4 <= rows {
-            let four = [l, l + 1, l + 2, l + 3].map(part);
-            subtract_four(target, four.map(|row| row[0]), four);
-            l += 4;
-        }
-        (l..rows).for_each(|l| subtract_one(target, part(l)[0], part(l)));
-    }
 }
 
 #[cfg(test)]

@@ -4,3 +4,5 @@ pub(crate) mod almost_block_diagonal;
 pub(crate) mod chain;
 pub(crate) mod dormand_prince;
 pub(crate) mod lu;
+mod tiles;
+pub(crate) mod widest;

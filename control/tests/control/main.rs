@@ -14,6 +14,8 @@ mod free_start;
 mod known;
 mod lagrangian;
 mod linear_algebra;
+#[cfg(feature = "jit")]
+mod machine_code;
 mod one_state;
 mod problem_file;
 mod problems;
