@@ -291,6 +291,10 @@ pub(crate) mod direct {
     pub const ACTIVE: f64 = 1e-4;
     /// The problem on a mesh is solved to this part of the tolerance.
     pub const PART_OF_TOLERANCE: f64 = 0.1;
+    /// A motion is verified if it ends within this factor of the root of the tolerance when its torques, cut to
+    /// their limits, are integrated; relative to the largest values along it. The cost of an optimal motion is
+    /// stationary, so its error is about the square of that of the states.
+    pub const VERIFIED: f64 = 0.3;
     /// The problem on the first mesh is solved to this part of the cost.
     pub const FIRST_PRECISION: f64 = 1e-3;
     /// Those on later meshes to this part of the estimated error before.

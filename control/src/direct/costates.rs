@@ -61,9 +61,10 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         let right = state(k + 1, 1.0);
         found.at_nodes[k] = state(k, -1.0);
         let mut impulses = vec![found.at_nodes[k][n..].to_vec()];
-        impulses.extend((POINTS * k..POINTS * (k + 1)).map(|p| {
-            mass_times(interior.points.tau_z(p), &torque_costate(interior, p))
-        }));
+        impulses.extend(
+            (POINTS * k..POINTS * (k + 1))
+                .map(|p| mass_times(interior.points.tau_z(p), &torque_costate(interior, p))),
+        );
         impulses.push(right[n..].to_vec());
         for j in 0..POINTS {
             let costate = at_point(interior, k, j, &impulses);

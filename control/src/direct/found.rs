@@ -86,7 +86,8 @@ impl<'a> Rows<'a> {
     ) -> Result<(), EvalError> {
         let n = tau.len();
         let (q, v) = (&z[..n], &z[n..2 * n]);
-        let cut = tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
+        let cut =
+            tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
         let u: Vec<f64> = cut.zip(&self.problem.gain).map(|(tau, gain)| tau / gain).collect();
         let mut map = self.transform.at(q, v, &u)?;
         map.costate_to_hamiltonian(&mut costate)?;

@@ -57,7 +57,6 @@ pub(crate) struct Interior<D> {
     pub(super) time_steps: [f64; 2],
     /// Weights of torques in the metric of damping.
     weights: Vec<f64>,
-    pub(super) last_step: f64,
 }
 
 /// A trial step.
@@ -90,7 +89,6 @@ impl<D: PointDynamics> Interior<D> {
             mu: 0.0,
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
             weights: vec![0.0; n],
-            last_step: 1.0,
             steps: [Vec::new(), Vec::new()],
             changes: [Vec::new(), Vec::new()],
             time_steps: [0.0; 2],
@@ -115,7 +113,7 @@ impl<D: PointDynamics> Interior<D> {
         self.barrier.distance = distance;
         self.measure_cost();
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        self.mu = mu.unwrap_or(super::step::envf("FIRST", constants::FIRST_GAP) * self.figures.size / total);
+        self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / total);
         for at in 0..self.barrier.count() {
             let weight = self.barrier.weight[at];
             let slack = if weight > 0.0 {
@@ -246,7 +244,6 @@ impl<D: PointDynamics> Interior<D> {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }
-                    self.damping = damping;
                     taken = self.search()?;
                     if taken.is_some() {
                         break;
@@ -254,9 +251,7 @@ impl<D: PointDynamics> Interior<D> {
                 }
                 damping = (damping * constants::DAMPING_UP).max(again);
             }
-            self.damping = damping;
             let Some(part) = taken else { return Ok(End::NoProgress) };
-            self.last_step = part;
             if let Some(interruption) = watch(self, part) {
                 return Ok(End::Interrupted(interruption));
             }

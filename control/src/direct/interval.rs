@@ -76,9 +76,9 @@ pub(super) fn add_gradient(
 ) {
     let n = spline.dof;
     let (nodes, inner) = to.split_at_mut(2 * n * spline.mesh.nodes.len());
-    let blocks = inner[n * k..n * (k + 1)].chunks_exact_mut(n).chain(
-        nodes[2 * n * k..2 * n * (k + 2)].chunks_exact_mut(n),
-    );
+    let blocks = inner[n * k..n * (k + 1)]
+        .chunks_exact_mut(n)
+        .chain(nodes[2 * n * k..2 * n * (k + 2)].chunks_exact_mut(n));
     for (b, to) in blocks.enumerate() {
         let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
         let [of_q, of_v, of_a] = [0, 1, 2].map(|s| &from[s * n..][..n]);

@@ -208,7 +208,8 @@ impl Multipliers {
         let mut densities = barrier.multiplier[..sides * points].to_vec();
         for k in 0..spline.mesh.nodes.len() {
             for (i, at) in barrier.at_node(k).enumerate() {
-                let beside = [(k > 0).then(|| POINTS * k - 1), (k < spline.mesh.intervals()).then_some(POINTS * k)];
+                let beside =
+                    [(k > 0).then(|| POINTS * k - 1), (k < spline.mesh.intervals()).then_some(POINTS * k)];
                 let count = beside.iter().flatten().count() as f64;
                 for p in beside.into_iter().flatten() {
                     densities[sides * p + i] += barrier.multiplier[at] / count;
@@ -219,13 +220,18 @@ impl Multipliers {
         Self { places: (0..points).map(|p| spline.mesh.point(p).0).collect(), sides, densities }
     }
 
+    /// At a point.
+    pub fn at_point(&self, p: usize, side: usize) -> f64 {
+        self.densities[self.sides * p + side]
+    }
+
     /// Linear between the points.
     pub fn density(&self, s: f64, side: usize) -> f64 {
         let last = self.places.len() - 1;
         let right = self.places.partition_point(|&place| place < s).clamp(1, last);
         let (a, b) = (self.places[right - 1], self.places[right]);
         let part = ((s - a) / (b - a)).clamp(0.0, 1.0);
-        let of = |p: usize| self.densities[self.sides * p + side];
+        let of = |p: usize| self.at_point(p, side);
         (1.0 - part) * of(right - 1) + part * of(right)
     }
 }

@@ -3,7 +3,7 @@
 use super::basis::{PLACES, POINTS, WEIGHTS as PART};
 use super::interior::Interior;
 use super::jumps::Jumps;
-use super::limits::{Limited, Side, measure};
+use super::limits::{Limited, Multipliers, Side, measure};
 use super::points::{PointDynamics, Points};
 use super::spline::Spline;
 use crate::constants::direct as constants;
@@ -138,21 +138,25 @@ impl Resolution {
         self.add_errors_of_limits(interior);
     }
 
-    /// Adds to the error of each interval what multiplier times distance make in the mean between points. On smooth
-    /// arcs at a limit the distance changes its sign at each point, and next to nothing is left.
+    /// Adds to the error of each interval what multiplier times distance make in the mean between points. On
+    /// smooth arcs at a limit the distance of a torque or acceleration changes its sign at each point, and next to
+    /// nothing is left.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
-        let barrier = &interior.barrier;
-        let sides = barrier.sides().len();
+        let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
+        let sides = interior.barrier.sides();
         for (k, error) in self.errors.iter_mut().enumerate() {
-            let distances = &self.distance[sides * BETWEEN.len() * k..];
-            for i in 0..sides {
-                let multipliers = [0, 1, 2].map(|j| barrier.multiplier[barrier.at_point(POINTS * k + j)][i]);
-                let densities = [0, 1, 2].map(|j| multipliers[j] / PART[j]);
-                let product = |(at, x): (usize, &f64)| {
-                    let density: f64 = quadratic(*x).iter().zip(densities).map(|(part, d)| part * d).sum();
-                    weight(at) * density.max(0.0) * distances[sides * at + i]
-                };
-                *error += BETWEEN.iter().enumerate().map(product).sum::<f64>().abs();
+            let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
+            for (i, side) in sides.iter().enumerate() {
+                let densities = [0, 1, 2].map(|j| multipliers.at_point(POINTS * k + j, i));
+                let (mut signed, mut unsigned) = (0.0, 0.0);
+                for (at, &x) in BETWEEN.iter().enumerate() {
+                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    let product = weight(at) * density.max(0.0) * distances[sides.len() * at + i];
+                    signed += product;
+                    unsigned += product.abs();
+                }
+                let smooth = side.limited >= Limited::Acceleration;
+                *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
             }
         }
     }
@@ -191,12 +195,6 @@ impl Resolution {
                 let parts = (self.errors[k] / share).powf(1.0 / 7.0).ceil().clamp(2.0, constants::MOST_PARTS);
                 added.extend((1..parts as usize).map(|part| left + width * part as f64 / parts));
             }
-        }
-        if std::env::var("DEBUG_MESH").is_ok() {
-            for k in 0..chosen.len() {
-                eprintln!("  {k} [{:.5} {:.5}] chosen {} cut {:.1e} err {:.1e} viol {:.1e} cuts {:?}", spline.mesh.nodes[k], spline.mesh.nodes[k+1], chosen[k], self.cut[k], self.errors[k], self.violations[k], self.jumps.cuts(k));
-            }
-            eprintln!("----");
         }
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
         let mut nodes: Vec<f64> = kept.chain(added).collect();

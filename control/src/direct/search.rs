@@ -47,10 +47,6 @@ impl<D: PointDynamics> Interior<D> {
             let sane = trial.spline.time > 0.0
                 && cost.is_finite()
                 && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
-            if std::env::var("DEBUG_SEARCH").is_ok() {
-                let worst = (0..self.barrier.count()).filter(|&at| self.barrier.slack[at].is_finite()).map(|at| (self.trial.slack_step[at] / self.barrier.slack[at], at)).fold((0.0, 0), |a: (f64, usize), b| if b.0 < a.0 { b } else { a });
-                eprintln!("   mu {:.1e} damping {:.0e} primal {primal:.4} dual {dual:.4} alpha {alpha:.4} theta {theta:.1e} -> {new_theta:.1e} value {value:.6e} -> {:.3e} slope {slope:.2e} {} worst {:?} s {:.1e} d {:.1e} eta {:.1e}", mu, self.damping, new_value - value, fine && sane, self.barrier.side(worst.1).limited, self.barrier.slack[worst.1], self.barrier.distance[worst.1], self.barrier.multiplier[worst.1]);
-            }
             if fine && sane {
                 self.take(dual);
                 return Ok(Some(alpha));

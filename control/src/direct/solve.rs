@@ -20,7 +20,7 @@ use crate::path::cubics::Disturbance;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::progress::{Iteration, Phase};
-use crate::result::motion::{Motion, verified};
+use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution, StartResult};
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
@@ -129,14 +129,11 @@ impl Direct<'_> {
                 End::IterationLimit => Status::IterationLimit,
                 End::Solved if accurate && precision <= least => {
                     let found = again.insert(self.integrate_again(interior));
-                    // Cost is stationary: its error is about the square of that of the states.
-                    verified(found.relative, false, (tolerance.sqrt() / 100.0).max(tolerance))
+                    let bound = constants::VERIFIED * tolerance.sqrt();
+                    if found.relative <= bound { Status::Converged } else { Status::NotVerified }
                 }
                 End::Solved => Status::MeshLimit,
             };
-            if std::env::var("DEBUG_SOLVE").is_ok() {
-                eprintln!("mesh {} end {:?} error {:.1e} between {:.1e} violation {:.1e} gap {:.1e} cut {:.1e} again {:?}", interior.spline.mesh.points(), end, error, resolution.violation(), figures.violation, figures.gap, resolution.cut.iter().sum::<f64>(), self.integrate_again(interior).relative);
-            }
             refined = Refined { status, error, again };
             if refined.status.is_converged() || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
                 break;

@@ -114,14 +114,13 @@ impl<D: PointDynamics> Interior<D> {
                     (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
             }
         }
-        let mut part = (left / gap).clamp(0.0, 1.0);
-        if self.last_step < envf("SHORT", 0.0) { part = part.max(envf("RECENTRE", 1.0)); }
+        // A damped step is short, so what it would leave says nothing about the distance to a solution.
+        let part = if self.damping > 0.0 { 1.0 } else { (left / gap).clamp(0.0, 1.0) };
         self.mu = now;
         // No smaller than the tolerance needs, nor than the distance from stationary points allows.
         let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;
         let centre = constants::CENTRING * self.decrement().abs() / active;
-        if self.damping > envf("DAMPED", 0.0) { part = part.max(envf("DPART", 1.0)); }
-        self.mu = (now * part.powf(envf("POW", 3.0)).max(envf("MINDEC", constants::MOST_DECREASE)))
+        self.mu = (now * (part * part * part).max(constants::MOST_DECREASE))
             .max(floor)
             .max(centre.min(now * constants::MOST_INCREASE));
     }
@@ -135,8 +134,4 @@ impl<D: PointDynamics> Interior<D> {
         let time = self.system.time_gradient[0] + mu * self.system.time_gradient[1];
         -(sum + time * (self.time_steps[0] + mu * self.time_steps[1]))
     }
-}
-
-pub(super) fn envf(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }

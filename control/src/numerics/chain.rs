@@ -40,7 +40,14 @@ pub(crate) struct ChainMatrix {
 impl ChainMatrix {
     /// A matrix without intervals.
     pub fn new(node: usize, inner: usize) -> Self {
-        Self { node, inner, intervals: 0, inner_rows: Vec::new(), node_rows: Vec::new(), part: vec![0.0; inner + 2 * node] }
+        Self {
+            node,
+            inner,
+            intervals: 0,
+            inner_rows: Vec::new(),
+            node_rows: Vec::new(),
+            part: vec![0.0; inner + 2 * node],
+        }
     }
 
     /// Sets the number of intervals, and all entries to zero. Allocates only if it is larger than ever before.
@@ -119,7 +126,8 @@ impl ChainMatrix {
     fn neighbours(&self, k: usize) -> impl Iterator<Item = usize> {
         let (first, last) = (k.saturating_sub(1), (k + 1).min(self.intervals));
         let nodes = self.node * (self.intervals + 1);
-        (self.node * first..self.node * (last + 1)).chain(nodes + self.inner * first..nodes + self.inner * last)
+        (self.node * first..self.node * (last + 1))
+            .chain(nodes + self.inner * first..nodes + self.inner * last)
     }
 
     /// `to += factor` times the column of the unknown `i` of node `k`.
@@ -254,7 +262,11 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(7);
         let mut matrix = ChainMatrix::new(node, inner);
         matrix.reset(intervals);
-        matrix.inner_rows.iter_mut().chain(&mut matrix.node_rows).for_each(|entry| *entry = random.f64() - 0.5);
+        matrix
+            .inner_rows
+            .iter_mut()
+            .chain(&mut matrix.node_rows)
+            .for_each(|entry| *entry = random.f64() - 0.5);
         let (size, nodes) = (matrix.size(), node * (intervals + 1));
         for at in 0..size {
             let place = if at < nodes {
