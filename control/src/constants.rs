@@ -299,8 +299,10 @@ pub(crate) mod direct {
     pub const FIRST_PRECISION: f64 = 1e-3;
     /// Those on later meshes to this part of the estimated error before.
     pub const PRECISION: f64 = 1e-2;
-    /// Meshes are refined until this part of the estimated error lies in intervals that were not halved.
-    pub const LEFT: f64 = 0.1;
+    /// Intervals are divided until those that are not have this part of the estimated error..
+    pub const LEFT: f64 = 0.002;
+    /// .. or this part of the tolerance.
+    pub const ENOUGH: f64 = 0.1;
     /// Most parts into which an interval is divided at once.
     pub const MOST_PARTS: f64 = 4.0;
     /// Nodes are no closer than this part of the whole.

@@ -198,14 +198,15 @@ impl<D: PointDynamics> Interior<D> {
     fn violation(&self) -> f64 {
         let barrier = &self.barrier;
         let on = (0..barrier.count()).filter(|&at| barrier.slack[at].is_finite());
-        on.fold(0.0, |most: f64, at| most.max(-barrier.distance[at] / barrier.side(at).range))
+        on.fold(0.0, |most: f64, at| most.max(-barrier.distance[at] * barrier.unit[at]))
     }
 
     /// Sum of |d - s| in parts of ranges, weighted.
     pub(super) fn infeasibility(&self, distance: &[f64], slack: &[f64]) -> f64 {
-        let on = (0..slack.len()).filter(|&at| slack[at].is_finite());
-        let part = |at: usize| (distance[at] - slack[at]).abs() / self.barrier.side(at).range;
-        on.map(|at| self.barrier.weight[at] * part(at)).sum()
+        let barrier = &self.barrier;
+        let pairs = distance.iter().zip(slack).zip(barrier.weight.iter().zip(&barrier.unit));
+        let on = pairs.filter(|((_, slack), _)| slack.is_finite());
+        on.map(|((distance, slack), (weight, unit))| weight * unit * (distance - slack).abs()).sum()
     }
 
     /// The barrier -mu sum w log s.

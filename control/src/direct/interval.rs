@@ -4,11 +4,21 @@ use super::basis::{COEFFICIENTS, POINTS};
 use super::spline::Spline;
 use crate::numerics::chain::ChainMatrix;
 
+/// Pairs (a, b) of coefficients with b >= a.
+const PAIRS: usize = COEFFICIENTS * (COEFFICIENTS + 1) / 2;
+
 /// The Hessians of the points of an interval on their way into a matrix.
+///
+/// All derivatives of z in the coefficients are numbers times the identity. So Hessians are kept as blocks, n x n for
+/// each pair of derivatives or of coefficients, and whole blocks are combined.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IntervalHessian {
-    /// B'H of each point, 5n x 3n.
+    /// The blocks of a Hessian in z: 3 x 3.
+    blocks: Vec<f64>,
+    /// B'H of each point: 5 x 3 blocks.
     products: Vec<f64>,
+    /// B'H B: a block for each pair of coefficients.
+    sums: Vec<f64>,
     /// B of each point: derivatives of q, v, a in the coefficients.
     factors: [[[f64; COEFFICIENTS]; 3]; POINTS],
 }
@@ -16,18 +26,28 @@ pub(super) struct IntervalHessian {
 impl IntervalHessian {
     /// Room for n joints.
     pub fn new(n: usize) -> Self {
-        Self { products: vec![0.0; POINTS * COEFFICIENTS * 3 * n * n], ..Self::default() }
+        Self {
+            blocks: vec![0.0; 9 * n * n],
+            products: vec![0.0; POINTS * COEFFICIENTS * 3 * n * n],
+            sums: vec![0.0; PAIRS * n * n],
+            ..Self::default()
+        }
     }
 
     /// Takes the Hessian of point `j`, 3n x 3n.
     #[inline(always)]
     pub fn take(&mut self, j: usize, n: usize, factors: [[f64; COEFFICIENTS]; 3], hessian: &[f64]) {
-        let width = 3 * n;
         self.factors[j] = factors;
-        let size = COEFFICIENTS * n * width;
-        let (of_q, rest) = hessian.split_at(n * width);
-        let (of_v, of_a) = rest.split_at(n * width);
-        let products = self.products[size * j..size * (j + 1)].chunks_exact_mut(n * width);
+        let square = n * n;
+        for (row, entries) in hessian.chunks_exact(3 * n).enumerate() {
+            for (t, entries) in entries.chunks_exact(n).enumerate() {
+                self.blocks[(3 * (row / n) + t) * square + row % n * n..][..n].copy_from_slice(entries);
+            }
+        }
+        let size = COEFFICIENTS * 3 * square;
+        let (of_q, rest) = self.blocks.split_at(3 * square);
+        let (of_v, of_a) = rest.split_at(3 * square);
+        let products = self.products[size * j..size * (j + 1)].chunks_exact_mut(3 * square);
         for (a, product) in products.enumerate() {
             let [f, g, h] = [factors[0][a], factors[1][a], factors[2][a]];
             for (to, (q, (v, a))) in product.iter_mut().zip(of_q.iter().zip(of_v.iter().zip(of_a))) {
@@ -38,28 +58,47 @@ impl IntervalHessian {
 
     /// Adds B'H B of all points to the rows of interval `k` and of its ends.
     #[inline(always)]
-    pub fn add_to(&self, matrix: &mut ChainMatrix, k: usize, n: usize) {
-        let [inner_width, node_width, width] = [COEFFICIENTS * n, 4 * n, 3 * n];
-        let (inner, left, right) = matrix.interval(k);
-        let size = COEFFICIENTS * n * width;
-        for row in 0..COEFFICIENTS * n {
-            let (a, i) = (row / n, row % n);
-            let to = match a {
-                0 => &mut inner[inner_width * i..][..inner_width],
-                1 | 2 => &mut left[node_width * (row - n)..][(a - 1) * n..node_width],
-                _ => &mut right[node_width * (row - 3 * n)..][(a - 3) * n..2 * n],
-            };
-            let parts: [&[f64]; POINTS] =
-                std::array::from_fn(|j| &self.products[size * j + width * row..][..width]);
-            for (b, to) in (a..COEFFICIENTS).zip(to.chunks_exact_mut(n)) {
-                for (j, part) in parts.iter().enumerate() {
-                    let factors = &self.factors[j];
-                    let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
-                    let [of_q, of_v, of_a] = [0, 1, 2].map(|s| &part[s * n..][..n]);
-                    for (l, to) in to.iter_mut().enumerate() {
-                        *to += f * of_q[l] + (g * of_v[l] + h * of_a[l]);
+    pub fn add_to(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize) {
+        let square = n * n;
+        let size = COEFFICIENTS * 3 * square;
+        let pairs = (0..COEFFICIENTS).flat_map(|a| (a..COEFFICIENTS).map(move |b| (a, b)));
+        for ((a, b), sum) in pairs.zip(self.sums.chunks_exact_mut(square)) {
+            let mut overwrite = true;
+            for (factors, products) in self.factors.iter().zip(self.products.chunks_exact(size)) {
+                let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
+                let row = &products[3 * square * a..3 * square * (a + 1)];
+                let (of_q, rest) = row.split_at(square);
+                let (of_v, of_a) = rest.split_at(square);
+                let entries = of_q.iter().zip(of_v.iter().zip(of_a));
+                if overwrite {
+                    for (to, (q, (v, a))) in sum.iter_mut().zip(entries) {
+                        *to = f * q + (g * v + h * a);
+                    }
+                } else {
+                    for (to, (q, (v, a))) in sum.iter_mut().zip(entries) {
+                        *to += f * q + (g * v + h * a);
                     }
                 }
+                overwrite = false;
+            }
+        }
+        self.scatter(matrix, k, n);
+    }
+
+    /// Adds the blocks to the rows of a matrix.
+    #[inline(always)]
+    fn scatter(&self, matrix: &mut ChainMatrix, k: usize, n: usize) {
+        let (inner, left, right) = matrix.interval(k);
+        let [inner_width, node_width] = [COEFFICIENTS * n, 4 * n];
+        let pairs = (0..COEFFICIENTS).flat_map(|a| (a..COEFFICIENTS).map(move |b| (a, b)));
+        for ((a, b), block) in pairs.zip(self.sums.chunks_exact(n * n)) {
+            let (rows, width, first) = match a {
+                0 => (&mut inner[..], inner_width, b * n),
+                1 | 2 => (&mut left[node_width * (a - 1) * n..], node_width, (b - 1) * n),
+                _ => (&mut right[node_width * (a - 3) * n..], node_width, (b - 3) * n),
+            };
+            for (row, block) in rows.chunks_exact_mut(width).zip(block.chunks_exact(n)) {
+                row[first..first + n].iter_mut().zip(block).for_each(|(to, entry)| *to += entry);
             }
         }
     }

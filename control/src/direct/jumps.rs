@@ -159,8 +159,8 @@ impl Jumps {
 /// Steps of the fixed point of a place: its error falls with the width in each.
 const STEPS: usize = 6;
 
-/// Jumps that are nearer to an end of an interval, in parts of it, are at the node.
-const NEAREST: f64 = 1e-4;
+/// A node does not move by less than this part of an interval.
+const NEAREST: f64 = 0.01;
 
 #[cfg(test)]
 mod tests {

@@ -67,6 +67,8 @@ pub(crate) struct Barrier {
     points: usize,
     /// Weight of an entry in the barrier.
     pub weight: Vec<f64>,
+    /// One over the range of an entry.
+    pub unit: Vec<f64>,
     pub slack: Vec<f64>,
     pub multiplier: Vec<f64>,
     pub distance: Vec<f64>,
@@ -98,6 +100,10 @@ impl Barrier {
                 Some(end) if is_off(end, side) => 0.0,
                 _ => NODE_WEIGHT * (left + right),
             }));
+        }
+        self.unit.clear();
+        for at in 0..self.weight.len() {
+            self.unit.push(1.0 / self.side(at).range);
         }
         for vector in [&mut self.slack, &mut self.multiplier, &mut self.distance] {
             vector.clear();

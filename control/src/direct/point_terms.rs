@@ -29,6 +29,7 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
 ///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
 ///
 /// Derivatives by the value with the multipliers, at mu = 0, and the factor of mu; and the second derivative.
+#[inline(always)]
 pub(super) fn side_terms(barrier: &Barrier, at: usize, sign: f64) -> ([f64; 3], f64) {
     let (s, eta, d) = (barrier.slack[at], barrier.multiplier[at], barrier.distance[at]);
     if s.is_infinite() {
@@ -116,6 +117,7 @@ impl Work {
     }
 
     /// The limits of a point.
+    #[inline(always)]
     fn add_sides(&mut self, p: usize, n: usize, barrier: &Barrier) {
         for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
             let (parts, sigma) = side_terms(barrier, at, side.sign);
@@ -131,6 +133,7 @@ impl Work {
     }
 
     /// Derivatives of z = (q, q'/T, q''/T^2) in T.
+    #[inline(always)]
     pub fn differentiate_in_time(&mut self, z: &[f64], inverse: f64) {
         let (n, square) = (z.len() / 3, inverse * inverse);
         for i in 0..n {

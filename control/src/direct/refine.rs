@@ -209,7 +209,7 @@ fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
     let mut order: Vec<usize> = (0..errors.len()).collect();
     order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
     let mut rest: f64 = errors.iter().sum();
-    let enough = constants::LEFT * rest.max(tolerance);
+    let enough = (constants::LEFT * rest).max(constants::ENOUGH * tolerance);
     for k in order {
         if rest <= enough {
             break;

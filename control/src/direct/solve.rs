@@ -150,9 +150,7 @@ impl Direct<'_> {
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
                 (false, false) => resolution.nodes(&interior.spline, enough),
             };
-            if nodes == interior.spline.mesh.nodes {
-                break;
-            }
+            let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes) } else { nodes };
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }

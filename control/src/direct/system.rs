@@ -11,6 +11,7 @@ use super::running::Running;
 use super::spline::Spline;
 use crate::constants::direct::LEAST_CURVATURE;
 use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite, dot};
+use crate::numerics::widest::widest_fused;
 
 /// The equations `[K b; b' c] (dx, dT) = -(g, g_T)`, g = g_0 + mu g_1, for the unknowns x of a spline and its
 /// time T. Slacks and multipliers are eliminated at each point ([`side_terms`]).
@@ -65,6 +66,21 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
+        widest_fused(
+            #[inline(always)]
+            |_| self.assemble_all(spline, points, barrier, running, ends),
+        );
+    }
+
+    #[inline(always)]
+    fn assemble_all(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+        ends: &Ends,
+    ) {
         self.matrix.reset(spline.mesh.intervals());
         self.damping_is_current = false;
         for vector in self.gradient.iter_mut().chain([&mut self.border]) {
@@ -83,6 +99,7 @@ impl System {
     }
 
     /// Adds a point: its gradients and its Hessian in z become those in the unknowns and in T.
+    #[inline(always)]
     fn add_point(
         &mut self,
         p: usize,
