@@ -21,6 +21,9 @@ fn main() {
             problem.limits.v_max = Some(v.split(',').map(|x| x.parse().unwrap()).collect());
         }
         options.time_limit = Some(std::time::Duration::from_secs(20));
+        if std::env::var("LAST").is_ok() {
+            options.max_nodes = 4000;
+        }
         if let Ok(v) = std::env::var("TOL") {
             options.tolerance = v.parse().unwrap();
         }

@@ -321,6 +321,8 @@ pub(crate) mod direct {
     pub const NEEDED: f64 = 0.2;
     /// A node moves to a jump that is within this part of the interval beside it.
     pub const NEAR_NODE: f64 = 0.3;
+    /// A node moves again if the way is shorter than this part of the last one.
+    pub const APPROACH: f64 = 0.5;
     /// Most meshes.
     pub const MESHES: usize = 16;
     /// Meshes after which a motion that exceeds limits is given up.

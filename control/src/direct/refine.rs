@@ -37,8 +37,18 @@ pub(crate) struct Resolution {
     /// The cost of the motion, by a finer rule than that of its points.
     pub cost: f64,
     jumps: Jumps,
+    /// Nodes of this mesh that were moved.
+    moves: Vec<Move>,
     points: Points,
     distance: Vec<f64>,
+}
+
+/// A node that was moved.
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    /// Where it is now.
+    place: f64,
+    distance: f64,
 }
 
 impl Resolution {
@@ -164,7 +174,7 @@ impl Resolution {
     /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with the
     /// largest errors, until what is left is a small part of the whole or of `tolerance`. Where a torque jumps
     /// inside of an interval a node moves there, or is added; other intervals are divided evenly.
-    pub fn nodes(&self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+    pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
         let mut chosen: Vec<bool> =
             self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
         choose(&mut chosen, &self.errors, tolerance);
@@ -172,22 +182,26 @@ impl Resolution {
     }
 
     /// Nodes of a finer mesh on which limits cut off less of the torques.
-    pub fn nodes_for_torques(&self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+    pub fn nodes_for_torques(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
         let mut chosen = vec![false; self.cut.len()];
         choose(&mut chosen, &self.cut, 0.0);
         self.divided(spline, &chosen, tolerance)
     }
 
-    fn divided(&self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
+    fn divided(&mut self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
         let share = tolerance / self.errors.len() as f64;
+        let mut moves = Vec::new();
         let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
         for k in (0..chosen.len()).filter(|&k| chosen[k]) {
             let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
             let cuts = self.jumps.cuts(k);
             for cut in &cuts {
-                added.push(left + width * cut.place);
+                let place = left + width * cut.place;
+                added.push(place);
                 if let Some(node) = cut.replaces {
-                    moved[node] = true;
+                    let from = spline.mesh.nodes[node];
+                    moved[node] = self.approaches(from, place);
+                    moves.push(Move { place, distance: (place - from).abs() });
                 }
             }
             if cuts.is_empty() {
@@ -200,7 +214,15 @@ impl Resolution {
         let mut nodes: Vec<f64> = kept.chain(added).collect();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup_by(|b, a| *b - *a < constants::NARROWEST);
+        self.moves = moves;
         nodes
+    }
+
+    /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not at a jump, and
+    /// stays.
+    fn approaches(&self, from: f64, to: f64) -> bool {
+        let before = self.moves.iter().find(|before| before.place == from);
+        before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)
     }
 }
 
