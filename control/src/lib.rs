@@ -67,6 +67,7 @@ pub use progress::{Cancel, Iteration, Phase};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
+pub use result::samples::{SampleError, Samples};
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;

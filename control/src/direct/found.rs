@@ -28,6 +28,7 @@ pub(super) fn trajectory<D: PointDynamics>(
     let limits = problem.joint_limits();
     let mut rows: [Vec<Vec<f64>>; 6] = std::array::from_fn(|_| Vec::with_capacity(count));
     let (mut times, mut hamiltonian) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    let accelerations = (0..count).map(|p| points.z(p)[2 * n..].to_vec()).collect();
     let costates = smooth((0..count).map(|p| torque_costate(interior, p)).collect());
     // M y_p at all points.
     let impulse: Vec<Vec<f64>> = (0..count).map(|p| mass_times(points.tau_z(p), &costates[p])).collect();
@@ -71,7 +72,7 @@ pub(super) fn trajectory<D: PointDynamics>(
             rows.push(row.to_vec());
         }
     }
-    Ok(Trajectory::from_rows(times, rows).with_hamiltonian(hamiltonian))
+    Ok(Trajectory::from_rows(times, rows).with_hamiltonian(hamiltonian).with_accelerations(accelerations))
 }
 
 /// y_p at a point.
