@@ -27,6 +27,7 @@ mod direct;
 mod extremal;
 mod numerics;
 mod options;
+mod parallel;
 mod path;
 mod problem;
 mod progress;

@@ -4,6 +4,7 @@ use super::continuation::ParameterRange;
 use super::samples::rate;
 use crate::arguments::positive;
 use clap::ValueHint;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -38,6 +39,9 @@ pub struct Arguments {
     /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<Duration>,
+    /// Threads for several starts; by default as many as the processor runs at once
+    #[arg(long, value_name = "COUNT")]
+    pub threads: Option<NonZeroUsize>,
     /// Also print the table of Newton steps
     #[arg(long)]
     pub iterations: bool,

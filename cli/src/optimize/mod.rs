@@ -30,6 +30,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
     }
+    if let Some(threads) = arguments.threads {
+        task.options = task.options.with_threads(threads.get());
+    }
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
     task.problem.robot.warnings().iter().for_each(terminal::warning);
     task.problem.warnings().iter().for_each(terminal::warning);
