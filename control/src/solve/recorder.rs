@@ -88,8 +88,8 @@ impl<'a> Recorder<'a> {
         self.stop.cancel();
     }
 
-    /// Runs `work` on so many threads, this one among them, each with a recorder of its own. All of them report
-    /// to the listener of this one, and what stops one stops all.
+    /// Runs `work` on so many threads, this one among them, each with a recorder of its own. All of them
+    /// report to the listener of this one, and what stops one stops all.
     pub fn split(&mut self, threads: usize, work: impl Fn(&mut Recorder<'_>) + Sync) {
         let listener = Mutex::new(self.listener.take());
         let stop = self.stop.clone();

@@ -3,8 +3,8 @@
 use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
-    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Objective, Parameter,
-    Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
+    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Method, MotionLimits,
+    Objective, Parameter, Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
 };
 use std::fmt::Debug;
 use std::ops::ControlFlow;
@@ -162,7 +162,10 @@ fn the_number_of_threads_changes_nothing() {
                 ControlFlow::Continue(())
             });
             let solution = solution.solve();
-            assert_eq!((solution.starts.len(), solution.newton_iterations), (5, steps));
+            assert_eq!(solution.starts.len(), 5);
+            if options.method == Method::Collocation {
+                assert_eq!(solution.newton_iterations, steps);
+            }
             solution
         };
         let alone = solve(1);
