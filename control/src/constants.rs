@@ -334,8 +334,8 @@ pub(crate) mod direct {
 pub(crate) mod programs {
     /// Robots whose programs are kept for later problems.
     pub const ROBOTS: usize = 4;
-    /// Points for each joint that the generic code contracts before programs are compiled. They take a quarter
-    /// of the time of compiling; a solve from a good guess needs no more.
+    /// Points for each joint that the generic code contracts before programs are compiled. They take a
+    /// quarter of the time of compiling; a solve from a good guess needs no more.
     pub const POINTS: usize = 30;
     /// Longest programs, in steps; longer ones take longer to compile than they save in one solve.
     pub const STEPS: usize = 16_000;

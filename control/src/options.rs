@@ -3,6 +3,7 @@
 use crate::problem::error::ProblemError;
 pub use costate::Coordinates;
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 use std::time::Duration;
 
 /// The matrix of Newton's method.
@@ -75,6 +76,9 @@ pub struct SolverOptions {
     /// Number of guesses: the first as described in [`Solver`](crate::Solver), the others with random
     /// disturbances.
     pub starts: usize,
+    /// Threads for several starts; by default as many as the processor runs at once. Results do not depend on
+    /// it.
+    pub threads: Option<usize>,
     /// Seed of the disturbances.
     pub seed: u64,
     /// Longest time that solving may take, all starts together; it is checked before each Newton step and
@@ -112,6 +116,7 @@ impl Default for SolverOptions {
             strategy: Strategy::Full,
             points: 4,
             starts: 1,
+            threads: None,
             seed: 0,
             time_limit: None,
         }
@@ -194,6 +199,12 @@ impl SolverOptions {
         Self { starts, ..self }
     }
 
+    /// Sets [`threads`](Self#structfield.threads).
+    #[must_use]
+    pub fn with_threads(self, threads: usize) -> Self {
+        Self { threads: Some(threads), ..self }
+    }
+
     /// Sets [`seed`](Self#structfield.seed).
     #[must_use]
     pub fn with_seed(self, seed: u64) -> Self {
@@ -208,6 +219,12 @@ impl SolverOptions {
 }
 
 impl SolverOptions {
+    /// The number of threads for so many starts.
+    pub(crate) fn threads_for(&self, starts: usize) -> usize {
+        let all = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        if starts == 1 { 1 } else { self.threads.unwrap_or_else(all).min(starts) }
+    }
+
     /// Whether all options are in range.
     ///
     /// # Errors
@@ -235,6 +252,9 @@ impl SolverOptions {
         }
         if self.starts == 0 {
             return bad("starts", 0.0, "must be 1 or more");
+        }
+        if self.threads == Some(0) {
+            return bad("threads", 0.0, "must be 1 or more");
         }
         if self.time_limit == Some(Duration::ZERO) {
             return bad("time_limit", 0.0, "must be a positive number of seconds");

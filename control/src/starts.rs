@@ -4,13 +4,14 @@ use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::OfRobot;
 use crate::options::{Coordinates, SolverOptions};
+use crate::parallel::best_of_starts;
 use crate::path::cubics::Disturbance;
 use crate::problem::check::CheckedProblem;
 use crate::problem::{BoundaryState, Problem};
 use crate::progress::Phase;
 use crate::result::limit_use::LimitReport;
-use crate::result::motion::{Certificate, ExtremalSolution, Motion};
-use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
+use crate::result::motion::{Certificate, ExtremalSolution};
+use crate::result::solution::{CostateStart, RobotNames, Solution};
 use crate::result::trajectory::Trajectory;
 use crate::search::Search;
 use crate::search::guess::{RobotGuess, SavedMotion};
@@ -36,28 +37,9 @@ pub(crate) struct Starts<'a> {
 impl Starts<'_> {
     /// The best solution of all starts: the cheapest converged one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
-        let result = |Solution { motion, .. }: &Solution| StartResult {
-            total: motion.total(),
-            status: motion.status.clone(),
-        };
-        let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
-        let mut best = self.solution_of(0, recorder);
-        let (mut starts, mut steps) = (vec![result(&best)], best.newton_iterations);
-        for number in 1..self.options.starts {
-            if recorder.interruption().is_some() {
-                break;
-            }
-            let solution = self.solution_of(number, recorder);
-            starts.push(result(&solution));
-            steps += solution.newton_iterations;
-            if rank(&solution.motion) < rank(&best.motion) {
-                best = solution;
-            }
-        }
-        best.newton_iterations = steps;
-        best.starts = starts;
-        best.options = self.options.clone();
-        best
+        let solve = |number, recorder: &mut Recorder<'_>| self.solution_of(number, recorder);
+        let missing = || Solution::missing(&self.problem.robot, Status::Cancelled, self.problem.time.value());
+        best_of_starts(self.options, recorder, solve).unwrap_or_else(missing)
     }
 
     /// Where a start leads; no motion if the equations of the problem cannot be evaluated.

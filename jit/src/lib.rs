@@ -24,6 +24,7 @@ mod emit;
 mod error;
 mod functions;
 mod limit;
+mod lists;
 mod machine;
 mod number;
 mod order;

@@ -1,8 +1,10 @@
 //! The arguments of `costate optimize`.
 
 use super::continuation::ParameterRange;
+use super::samples::rate;
 use crate::arguments::positive;
 use clap::ValueHint;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -23,6 +25,13 @@ pub struct Arguments {
     /// Save the solution, or the best iterate, as JSON; a problem file reads it with [start_from]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub save: Option<PathBuf>,
+    /// Sample the motion at a fixed rate (1kHz, 500Hz, 1000), for --sample-to and --json; the last sample is
+    /// at the final time
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub sample: Option<f64>,
+    /// Write the samples as CSV: t, and q, v, a, tau and u of each joint
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "sample")]
+    pub sample_to: Option<PathBuf>,
     /// Follow the solution while a parameter changes: final_time, gravity, armature, bounds, penalty_weight
     /// or smoothing
     #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
@@ -30,6 +39,9 @@ pub struct Arguments {
     /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<Duration>,
+    /// Threads for several starts; by default as many as the processor runs at once
+    #[arg(long, value_name = "COUNT")]
+    pub threads: Option<NonZeroUsize>,
     /// Also print the table of Newton steps
     #[arg(long)]
     pub iterations: bool,

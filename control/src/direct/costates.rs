@@ -17,16 +17,6 @@ pub(super) struct Costates {
     pub hamiltonian: Vec<f64>,
 }
 
-impl Costates {
-    /// H* at a node: the mean of the points beside it.
-    pub fn hamiltonian_at_node(&self, k: usize) -> f64 {
-        let values = &self.hamiltonian;
-        let (left, right) = ((POINTS * k).checked_sub(1), Some(POINTS * k).filter(|&p| p < values.len()));
-        let beside: Vec<f64> = [left, right].into_iter().flatten().map(|p| values[p]).collect();
-        beside.iter().sum::<f64>() / beside.len() as f64
-    }
-}
-
 /// From an iterate whose points are contracted.
 ///
 /// At a node the costate of a state is minus the derivative of the Lagrange function of what remains by it:

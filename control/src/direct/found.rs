@@ -1,7 +1,7 @@
 //! What the direct method found: the motion with its costates at all nodes and points.
 
 use super::basis::POINTS;
-use super::costates::{Costates, costates};
+use super::costates::costates;
 use super::interior::Interior;
 use super::points::PointDynamics;
 use crate::problem::Problem;
@@ -12,66 +12,66 @@ use costate::lagrangian::{Lagrangian, LegendreTransform};
 
 /// The trajectory at the nodes and at the points between them, with H*.
 ///
-/// Torques may jump at a node: there the mean of both sides is given.
+/// Torques and accelerations may jump at a node. So it stands there twice, with the values before it and after it.
 pub(super) fn trajectory<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
 ) -> Result<Trajectory, EvalError> {
     interior.refresh()?;
     let costates = costates(interior);
-    let mut rows = Rows::new(problem, costates);
-    let mesh = &interior.spline.mesh;
-    let n = interior.spline.dof;
-    let (mut z, mut left) = (vec![0.0; 3 * n], vec![0.0; 3 * n]);
-    for k in 0..=mesh.intervals() {
-        if k < mesh.intervals() {
-            interior.spline.in_interval(k, 0.0, &mut z);
-        }
-        if k > 0 {
-            interior.spline.in_interval(k - 1, 1.0, &mut left);
-            match k < mesh.intervals() {
-                true => z.iter_mut().zip(&left).for_each(|(z, left)| *z = 0.5 * (*z + left)),
-                false => z.copy_from_slice(&left),
+    let (spline, points) = (&interior.spline, &interior.points);
+    let mut rows = Rows::new(problem);
+    let mut z = vec![0.0; 3 * spline.dof];
+    for k in 0..spline.mesh.intervals() {
+        for (node, x) in [(k, 0.0), (k + 1, 1.0)] {
+            if node > k {
+                for p in POINTS * k..POINTS * node {
+                    let time = spline.mesh.point(p).0 * spline.time;
+                    let costate = costates.at_points[p].clone();
+                    rows.add(time, points.z(p), points.tau(p), costate, costates.hamiltonian[p])?;
+                }
             }
-        }
-        let tau = rows.inverse.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?.to_vec();
-        let costate = rows.costates.at_nodes[k].clone();
-        let value = rows.costates.hamiltonian_at_node(k);
-        rows.add(mesh.nodes[k] * interior.spline.time, &z, &tau, costate, value)?;
-        for p in (POINTS * k..POINTS * (k + 1)).take_while(|_| k < mesh.intervals()) {
-            let costate = rows.costates.at_points[p].clone();
-            let value = rows.costates.hamiltonian[p];
-            let time = mesh.point(p).0 * interior.spline.time;
-            rows.add(time, interior.points.z(p), interior.points.tau(p), costate, value)?;
+            spline.in_interval(k, x, &mut z);
+            let (q, v, a) = parts(&z);
+            let tau = rows.inverse.inverse_dynamics(q, v, a)?.to_vec();
+            let value = costates.hamiltonian[(POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1)];
+            rows.add(spline.mesh.nodes[node] * spline.time, &z, &tau, costates.at_nodes[node].clone(), value)?;
         }
     }
-    Ok(Trajectory::from_rows(rows.times, rows.columns).with_hamiltonian(rows.hamiltonian))
+    let trajectory = Trajectory::from_rows(rows.times, rows.columns).with_hamiltonian(rows.hamiltonian);
+    Ok(trajectory.with_accelerations(rows.accelerations))
+}
+
+/// q, v, a.
+fn parts(z: &[f64]) -> (&[f64], &[f64], &[f64]) {
+    let n = z.len() / 3;
+    (&z[..n], &z[n..2 * n], &z[2 * n..])
 }
 
 /// The rows of a trajectory, one time after the other.
 struct Rows<'a> {
     problem: &'a Problem,
     limits: Vec<JointLimits>,
-    costates: Costates,
     inverse: Lagrangian<f64>,
     transform: LegendreTransform<f64>,
     times: Vec<f64>,
     /// q, v, p, u, y_q, y_p.
     columns: [Vec<Vec<f64>>; 6],
     hamiltonian: Vec<f64>,
+    accelerations: Vec<Vec<f64>>,
 }
 
 impl<'a> Rows<'a> {
-    fn new(problem: &'a Problem, costates: Costates) -> Self {
+    fn new(problem: &'a Problem) -> Self {
         Self {
             problem,
             limits: problem.joint_limits(),
-            costates,
             inverse: Lagrangian::new(&problem.robot),
             transform: LegendreTransform::new(&problem.robot),
             times: Vec::new(),
             columns: Default::default(),
             hamiltonian: Vec::new(),
+            accelerations: Vec::new(),
         }
     }
 
@@ -85,7 +85,7 @@ impl<'a> Rows<'a> {
         hamiltonian: f64,
     ) -> Result<(), EvalError> {
         let n = tau.len();
-        let (q, v) = (&z[..n], &z[n..2 * n]);
+        let (q, v, a) = parts(z);
         let cut =
             tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
         let u: Vec<f64> = cut.zip(&self.problem.gain).map(|(tau, gain)| tau / gain).collect();
@@ -97,6 +97,7 @@ impl<'a> Rows<'a> {
             column.push(row.to_vec());
         }
         self.times.push(time);
+        self.accelerations.push(a.to_vec());
         self.hamiltonian.push(hamiltonian);
         Ok(())
     }

@@ -16,12 +16,13 @@ use super::verify::integrate;
 use crate::bvp::collocation::error::defined;
 use crate::constants::direct as constants;
 use crate::options::SolverOptions;
+use crate::parallel::best_of_starts;
 use crate::path::cubics::Disturbance;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::progress::{Iteration, Phase};
 use crate::result::motion::Motion;
-use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::solution::{RobotNames, Solution};
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
 use crate::status::Status;
@@ -41,27 +42,12 @@ pub(crate) struct Direct<'a> {
 impl Direct<'_> {
     /// The best solution of all starts: the cheapest solved one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
-        let mut best: Option<Solution> = None;
-        let mut starts = Vec::new();
-        let mut steps = 0;
-        for number in 0..self.options.starts {
-            if number > 0 && recorder.interruption().is_some() {
-                break;
-            }
-            let solution = self.start(number, recorder).unwrap_or_else(|error| {
-                let status = Status::EvaluationFailed(error.into());
-                Solution::missing(&self.problem.robot, status, self.problem.time.value())
-            });
-            let motion = &solution.motion;
-            starts.push(StartResult { total: motion.total(), status: motion.status.clone() });
-            steps += solution.newton_iterations;
-            if best.as_ref().is_none_or(|best| rank(motion) < rank(&best.motion)) {
-                best = Some(solution);
-            }
-        }
-        let missing = || Solution::missing(&self.problem.robot, Status::Cancelled, self.problem.time.value());
-        let best = best.unwrap_or_else(missing);
-        Solution { newton_iterations: steps, starts, options: self.options.clone(), ..best }
+        let missing = |status| Solution::missing(&self.problem.robot, status, self.problem.time.value());
+        let solve = |number, recorder: &mut Recorder<'_>| {
+            let failed = |error: EvalError| missing(Status::EvaluationFailed(error.into()));
+            self.start(number, recorder).unwrap_or_else(failed)
+        };
+        best_of_starts(self.options, recorder, solve).unwrap_or_else(|| missing(Status::Cancelled))
     }
 
     /// One start.
@@ -238,11 +224,6 @@ struct Again {
     defect: f64,
     /// Largest distance from the end of the motion, in parts of the largest values along it.
     relative: f64,
-}
-
-/// Solved motions come first, then those that keep the limits; among them the cheapest one.
-fn rank(motion: &Motion) -> (bool, bool, f64) {
-    (!motion.status.is_solved(), motion.status == Status::LimitsNotKept, motion.total())
 }
 
 /// All intervals in two.

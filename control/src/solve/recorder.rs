@@ -8,6 +8,8 @@ use crate::progress::{Cancel, Iteration, Listener, Phase};
 use crate::solve::attempt::Attempt;
 use crate::status::Status;
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Why a search stopped early.
@@ -38,6 +40,8 @@ pub(crate) struct Recorder<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stop {
     cancel: Option<Cancel>,
+    /// Stops all threads of a search, once a listener asks for it.
+    all: Cancel,
     deadline: Option<Instant>,
     interruption: Option<Interruption>,
 }
@@ -47,13 +51,13 @@ impl Stop {
     pub fn new(cancel: Option<Cancel>, time_limit: Option<Duration>) -> Self {
         // A limit beyond the range of the clock is none.
         let deadline = time_limit.and_then(|limit| Instant::now().checked_add(limit));
-        Self { cancel, deadline, interruption: None }
+        Self { cancel, deadline, ..Self::default() }
     }
 
     /// Whether to stop, and why.
     pub fn check(&mut self) -> Option<Interruption> {
         if self.interruption.is_none() {
-            if self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
+            if self.all.is_cancelled() || self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
                 self.interruption = Some(Interruption::Cancelled);
             } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.interruption = Some(Interruption::TimeLimit);
@@ -64,6 +68,7 @@ impl Stop {
 
     /// Stops at the request of a listener.
     pub fn cancel(&mut self) {
+        self.all.cancel();
         self.interruption.get_or_insert(Interruption::Cancelled);
     }
 }
@@ -81,6 +86,28 @@ impl<'a> Recorder<'a> {
     /// Stops the search.
     pub fn cancel(&mut self) {
         self.stop.cancel();
+    }
+
+    /// Runs `work` on so many threads, this one among them, each with a recorder of its own. All of them
+    /// report to the listener of this one, and what stops one stops all.
+    pub fn split(&mut self, threads: usize, work: impl Fn(&mut Recorder<'_>) + Sync) {
+        let listener = Mutex::new(self.listener.take());
+        let stop = self.stop.clone();
+        let on_thread = || {
+            let report = |iteration: &Iteration| {
+                let mut listener = listener.lock().unwrap_or_else(PoisonError::into_inner);
+                listener.as_mut().map_or(ControlFlow::Continue(()), |listener| listener(iteration))
+            };
+            work(&mut Recorder::new(Some(Box::new(report)), stop.clone()));
+        };
+        thread::scope(|scope| {
+            // A thread that cannot be started leaves its part to the others.
+            let start = |_| thread::Builder::new().spawn_scoped(scope, on_thread).ok();
+            let others: Vec<_> = (1..threads).map_while(start).collect();
+            on_thread();
+            drop(others);
+        });
+        self.listener = listener.into_inner().unwrap_or_else(PoisonError::into_inner);
     }
 
     /// Adds a step to the log and reports it.

@@ -19,6 +19,7 @@ mod machine_code;
 mod one_state;
 mod problem_file;
 mod problems;
+mod samples;
 mod second_variation;
 mod shooting;
 mod source;

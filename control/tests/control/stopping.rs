@@ -3,8 +3,8 @@
 use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
-    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Objective, Parameter,
-    Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
+    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Method, MotionLimits,
+    Objective, Parameter, Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
 };
 use std::fmt::Debug;
 use std::ops::ControlFlow;
@@ -143,4 +143,66 @@ fn phases_have_the_same_names_everywhere() {
     for phase in [Phase::FixedTime, Phase::FromPath, Phase::Path, Phase::WithoutLimits, Phase::Switches] {
         assert_eq!(serde_json::to_value(phase).unwrap(), phase.to_string());
     }
+}
+
+/// With several starts, on so many threads.
+fn several(options: SolverOptions, threads: usize) -> SolverOptions {
+    options.with_starts(5).with_seed(3).with_threads(threads)
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let problem = two_link().with_limits(MotionLimits::none());
+    for options in [SolverOptions::default(), SolverOptions::direct()] {
+        let solve = |threads: usize| {
+            let mut steps = 0;
+            let solver = Solver::new(&problem, several(options.clone(), threads)).unwrap();
+            let solution = solver.on_iteration(|step| {
+                steps += usize::from(step.phase != Phase::Path);
+                ControlFlow::Continue(())
+            });
+            let solution = solution.solve();
+            assert_eq!(solution.starts.len(), 5);
+            if options.method == Method::Collocation {
+                assert_eq!(solution.newton_iterations, steps);
+            }
+            solution
+        };
+        let alone = solve(1);
+        let costs: Vec<f64> = alone.starts.iter().map(|start| start.total).collect();
+        assert!(costs.iter().any(|&cost| cost != costs[0]), "all starts are alike: {costs:?}");
+        for threads in [2, 3, 8] {
+            let together = solve(threads);
+            assert_eq!(together.starts, alone.starts, "{threads}");
+            assert_eq!(together.trajectory, alone.trajectory);
+            assert_eq!(together.motion.iterations, alone.motion.iterations);
+        }
+    }
+}
+
+#[test]
+fn all_threads_stop_together() {
+    let problem = two_link().with_limits(MotionLimits::none());
+    for options in [SolverOptions::default(), SolverOptions::direct()] {
+        let options = several(options, 3).with_starts(1_000_000);
+        let mut steps = 0;
+        let solver = Solver::new(&problem, options.clone()).unwrap();
+        let solver = solver.on_iteration(|_| {
+            steps += 1;
+            if steps < 40 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        let starts = solver.solve().starts.len();
+        // Each thread may finish the step that it is at.
+        assert!((40..=40 + 2 * 3).contains(&steps) && starts < 40, "{steps} steps, {starts} starts");
+        let limited = options.clone().with_time_limit(Duration::from_millis(50));
+        let solution = Solver::new(&problem, limited).unwrap().solve();
+        assert!((1..1_000_000).contains(&solution.starts.len()));
+        let cancel = Cancel::new();
+        cancel.cancel();
+        let solution = Solver::new(&problem, options).unwrap().with_cancel(cancel).solve();
+        stopped(&solution, Status::Cancelled);
+        assert_eq!(solution.starts.len(), 1);
+    }
+    let none = SolverOptions::default().with_threads(0);
+    assert!(Solver::new(&problem, none).unwrap_err().to_string().contains("threads"));
 }

@@ -32,7 +32,7 @@ const LIMITS: &[&str] = &["q_min", "q_max", "v_max", "a_max", "torque_max", "fro
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
 const SOLVER: &[&str] =
-    &["starts", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates", "time_limit"];
+    &["starts", "threads", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates", "time_limit"];
 
 const JACOBIANS: [(&str, JacobianRoute); 3] = [
     ("exact", JacobianRoute::Exact),
@@ -183,6 +183,7 @@ fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fau
     };
     Ok(SolverOptions {
         starts: count("starts", defaults.starts)?,
+        threads: table.whole("threads")?.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
         seed: table.whole("seed")?.unwrap_or(defaults.seed),
         tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
         nodes: count("nodes", defaults.nodes)?,
