@@ -102,7 +102,7 @@ mod seconds {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            tolerance: 1e-9,
+            tolerance: 1e-6,
             method: Method::Collocation,
             nodes: 21,
             max_nodes: 6001,
@@ -119,10 +119,9 @@ impl Default for SolverOptions {
 }
 
 impl SolverOptions {
-    /// The options of the direct method: [`tolerance`](Self#structfield.tolerance) is the largest estimated
-    /// error of the cost, relative to the cost, 1e-6.
+    /// The options of the direct method, which takes more and cheaper steps than the others.
     pub fn direct() -> Self {
-        Self { method: Method::Direct, tolerance: 1e-6, max_iterations: 200, ..Self::default() }
+        Self { method: Method::Direct, max_iterations: 200, ..Self::default() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The direct method: values that other methods found, with hard limits and without, and problems that cannot
 //! be solved.
 
+use crate::sharp;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
@@ -313,7 +314,7 @@ fn motions_that_cost_nothing() {
 #[test]
 fn a_free_end_and_terms_of_the_user() {
     let problem = problem("puma560_free_flange");
-    let extremal = solve_with(&problem, SolverOptions::default());
+    let extremal = solve_with(&problem, sharp());
     let solution = solve(&problem);
     check(&problem, &solution, extremal.total(), 1e-6);
     // The joint that is free ends where the extremal ends, elsewhere than given.
@@ -329,7 +330,7 @@ fn a_free_end_and_terms_of_the_user() {
         }
     }
     let problem = self::problem("two_link").with_term(UserTerm::new(Squares));
-    let extremal = solve_with(&problem, SolverOptions::default());
+    let extremal = solve_with(&problem, sharp());
     let solution = solve(&problem);
     check(&problem, &solution, extremal.total(), 1e-6);
     assert!(solution.total() > 146.0, "{}", solution.total());

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate_control::SolverOptions;
 
 mod bounded;
 mod branch;
@@ -27,4 +28,9 @@ mod user_terms;
 fn sledge() -> Robot {
     let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
     Robot::builder("sledge").joint(joint).build().unwrap()
+}
+
+/// Default options with the tolerance that values of nine digits need.
+fn sharp() -> SolverOptions {
+    SolverOptions::default().with_tolerance(1e-9)
 }
