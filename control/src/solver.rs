@@ -2,6 +2,7 @@
 
 use crate::direct::Direct;
 use crate::options::{Method, SolverOptions};
+use crate::polish::polish;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
@@ -14,6 +15,7 @@ use crate::solve::recorder::Stop;
 use crate::starts::{Starts, saved};
 use std::fmt;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// Solves a [`Problem`] from one or several guesses and keeps the cheapest motion found.
 ///
@@ -84,7 +86,9 @@ impl<'a> Solver<'a> {
         let Self { problem, options, start, listener, cancel } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         if options.method == Method::Direct {
-            return Direct { problem, options: &options, saved: start.as_ref() }.solve(&mut recorder);
+            let began = Instant::now();
+            let found = Direct { problem, options: &options, saved: start.as_ref() }.solve(&mut recorder);
+            return polish(&problem, &options, found, began.elapsed(), &mut recorder);
         }
         let starts = Starts { problem, options: &options, saved: start.as_ref().map(saved) };
         starts.solve(&mut recorder)

@@ -29,6 +29,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
     }
+    if let Some(level) = arguments.verify {
+        task.options = task.options.with_verify(level.into());
+    }
+    if let Some(when) = arguments.polish {
+        task.options = task.options.with_polish(when.into());
+    }
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
     task.problem.robot.warnings().iter().for_each(terminal::warning);
     task.problem.warnings().iter().for_each(terminal::warning);

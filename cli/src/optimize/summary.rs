@@ -5,7 +5,7 @@ use super::report::units;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
 use costate_control::{
-    Certificate, FinalTime, Iteration, Method, Motion, Problem, Solution, StartResult, Status,
+    Certificate, FinalTime, Iteration, Method, Motion, Problem, Solution, StartResult, Status, Verify,
 };
 use std::io::Write;
 
@@ -96,6 +96,10 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
                 ),
             }
         }
+        Status::NotVerified if solution.motion.verification == Verify::None => {
+            "the motion was not verified, as asked for: it may be a solution".into()
+        }
+        Status::PathOnly => status.to_string(),
         status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
         Status::Cancelled => format!("interrupted: {best}"),
         Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
@@ -160,7 +164,18 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
-    if solution.options.method == Method::Direct {
+    let polished = solution.polish.as_ref();
+    if let Some(report) = polished {
+        let cost = match (report.outcome.is_polished(), report.direct_total, report.polished_total) {
+            (true, Some(cost), _) => format!("; the direct method's cost {}", short(cost, 12)),
+            (false, _, Some(cost)) => format!(", {}", short(cost, 12)),
+            _ => String::new(),
+        };
+        figures.push(("shown", format!("{}{cost}", report.outcome.reason())));
+    }
+    let extremal = polished.is_some_and(|report| report.outcome.is_polished());
+    if solution.options.method == Method::Direct && !extremal {
+        figures.push(verification(motion));
         figures.extend(direct_figures(problem, solution));
         figures.extend([iterations, ("mesh nodes", solution.nodes().to_string())]);
         return figures;
@@ -168,29 +183,53 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     figures.extend([
         ("H*", format!("{} cost/s", short(motion.hamiltonian, 10))),
         ("drift of H*", format!("{} relative", scientific(motion.hamiltonian_drift))),
-        ("end defect", defect(solution.end_defect, &motion.status, &format!("{position}, {rate}"))),
-        ("shooting defect", defect(motion.shooting_defect, &motion.status, "relative")),
+        verification(motion),
+        ("end defect", defect(solution.end_defect, motion.verification, &format!("{position}, {rate}"))),
+        ("shooting defect", defect(motion.shooting_defect, motion.verification, "relative")),
         iterations,
         ("mesh nodes", solution.nodes().to_string()),
         ("conjugate time", conjugate(problem, motion)),
     ]);
+    if extremal {
+        figures.extend(limit_figures(problem, solution));
+    }
     if !motion.switches.is_empty() {
         figures.push(("switches", motion.switches.len().to_string()));
     }
     figures
 }
 
-/// Figures that only the direct method has: its estimate, the end, the limits.
+/// How the motion was verified.
+fn verification(motion: &Motion) -> (&'static str, String) {
+    let how = match motion.verification {
+        Verify::Full => "integrated again".into(),
+        Verify::Factors if motion.conditioning.is_finite() => {
+            format!("by the factors, conditioning {}", scientific(motion.conditioning))
+        }
+        Verify::Factors => "by the estimated errors".into(),
+        _ => "not done".into(),
+    };
+    ("verification", how)
+}
+
+/// Figures of the direct method: its estimate, the end, the limits.
 fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
     let motion = &solution.motion;
     let unit = |unit| units::of_robot(&problem.robot, unit);
     let ends = format!("{}, {}", unit(units::POSITION), unit(units::RATE));
-    let mut figures = vec![("end defect", defect(solution.end_defect, &motion.status, &ends))];
+    let mut figures = vec![("end defect", defect(solution.end_defect, motion.verification, &ends))];
     // A saved motion does not have it.
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
-    let mut active = 0;
+    figures.extend(limit_figures(problem, solution));
+    figures
+}
+
+/// Figures of the hard limits.
+fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
+    let unit = |unit| units::of_robot(&problem.robot, unit);
+    let (mut figures, mut active) = (Vec::new(), 0);
     for (kind, usage) in solution.limits.kinds() {
         let Some(usage) = usage else { continue };
         let name = match kind {
@@ -217,11 +256,11 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     figures
 }
 
-/// A defect with its unit; it is not finite if there was no integration or if the integration stopped.
-fn defect(value: f64, status: &Status, unit: &str) -> String {
-    match status {
+/// A defect with its unit; it is not finite if nothing was integrated or if the integration stopped.
+fn defect(value: f64, done: Verify, unit: &str) -> String {
+    match done {
         _ if value.is_finite() => format!("{} {unit}", scientific(value)),
-        Status::NotVerified | Status::SwitchesNotRefined => "the integration stopped".into(),
+        Verify::Full => "the integration stopped".into(),
         _ => "not checked".into(),
     }
 }

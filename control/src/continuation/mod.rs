@@ -288,8 +288,7 @@ impl Run<'_> {
         let last = self.family.problem_at(value)?;
         let mut extremal = self.family.extremal(value)?;
         let iterations = std::mem::take(&mut walker.recorder.iterations);
-        let tolerance = self.options.tolerance;
-        let mut found = at.solved.into_solution(&mut extremal, iterations, tolerance);
+        let mut found = at.solved.into_solution(&mut extremal, iterations, self.options);
         let status = &mut found.motion.status;
         match end {
             BranchEnd::Stuck | BranchEnd::TooManyPoints => *status = Status::ContinuationFailed,

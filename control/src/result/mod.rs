@@ -8,6 +8,7 @@ pub(crate) mod limit_use;
 pub(crate) mod limits;
 pub(crate) mod motion;
 pub(crate) mod nodes;
+pub(crate) mod polish_report;
 pub(crate) mod rows;
 pub(crate) mod saved;
 pub(crate) mod solution;

@@ -1,24 +1,39 @@
-//! The motion integrated again by an adaptive integrator.
+//! Solutions verified: integrated again by an adaptive integrator, or by the factors of their equations.
 
 use crate::bvp::collocation::error::defined;
 use crate::bvp::mesh::Span;
+use crate::bvp::{Discretised, Failure, Solvable};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::solve::Solved;
 
-/// Relative tolerance of one integration step.
-const TOLERANCE: f64 = 1e-12;
+/// Tolerance of one integration step, in parts of the tolerance of the motion: the motion is judged, not the
+/// integrator.
+const SHARPER: f64 = 1e-4;
+/// Smallest tolerance of an integration step.
+const SHARPEST: f64 = 1e-12;
+/// Draws of errors for the conditioning.
+const DRAWS: usize = 4;
+
+/// Relative tolerance of one step when a motion of this tolerance is integrated again.
+pub(crate) fn integration_tolerance(tolerance: f64) -> f64 {
+    (SHARPER * tolerance).max(SHARPEST)
+}
 
 impl Solved {
     /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the
     /// costates.
-    pub(crate) fn integrated_again(&self, extremal: &mut dyn Extremal) -> Result<Vec<f64>, Stopped> {
+    pub(crate) fn integrated_again(
+        &self,
+        extremal: &mut dyn Extremal,
+        tolerance: f64,
+    ) -> Result<Vec<f64>, Stopped> {
         let (states, m) = (extremal.states(), self.found.equations.m);
         let durations = self.found.durations(2 * states);
         let mut x = self.found.equations.current.nodes[..states].to_vec();
         let (mut w, mut u) = (vec![0.0; m], vec![0.0; extremal.controls()]);
         let mut rate = vec![0.0; 2 * states];
-        let mut integrator = DormandPrince::new(states, TOLERANCE);
+        let mut integrator = DormandPrince::new(states, tolerance);
         for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, length } = *span {
                 let (law, h) = (self.found.arcs.law(arc), length * durations[arc]);
@@ -38,6 +53,32 @@ impl Solved {
             }
         }
         Ok(x)
+    }
+
+    /// How much the equations amplify errors:
+    ///
+    /// $$ \kappa = \max_{draws} \lVert A^{-1} e \rVert_\infty, \qquad e_i = \pm 1 $$
+    ///
+    /// with the factored matrix A of the equations in scaled variables and random signs for the equations of
+    /// all intervals. Rounding errors of the size eps then change a component by about kappa eps.
+    pub(crate) fn conditioning(&mut self, extremal: &mut dyn Extremal) -> Result<f64, Failure> {
+        let mut timed = self.found.timed(extremal);
+        let equations = &mut self.found.equations;
+        equations.linearise(&mut timed)?;
+        let mut errors = vec![0.0; equations.mesh.spans.len() * equations.m];
+        let (mut response, mut random, mut largest) = (equations.zeros(), 1_u64, 0.0_f64);
+        for _ in 0..DRAWS {
+            for error in &mut errors {
+                // Marsaglia's generator.
+                random ^= random << 13;
+                random ^= random >> 7;
+                random ^= random << 17;
+                *error = if random >> 63 == 0 { 1.0 } else { -1.0 };
+            }
+            equations.response(&errors, &mut response);
+            largest = response.nodes.iter().fold(largest, |most, &change| most.max(defined(change)));
+        }
+        Ok(largest)
     }
 
     /// Largest difference between x(T) of the mesh and `end`, relative to the size of each component;

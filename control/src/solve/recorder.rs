@@ -83,6 +83,20 @@ impl<'a> Recorder<'a> {
         self.stop.cancel();
     }
 
+    /// Runs with a time limit of its own, beside that of the search. Reaching it does not stop the search.
+    pub fn within<T>(&mut self, limit: Duration, run: impl FnOnce(&mut Self) -> T) -> T {
+        let own = self.stop.deadline;
+        let until = Instant::now().checked_add(limit);
+        self.stop.deadline = own.into_iter().chain(until).min();
+        let found = run(self);
+        self.stop.deadline = own;
+        let over = own.is_some_and(|deadline| Instant::now() >= deadline);
+        if self.stop.interruption == Some(Interruption::TimeLimit) && !over {
+            self.stop.interruption = None;
+        }
+        found
+    }
+
     /// Adds a step to the log and reports it.
     pub fn record(&mut self, iteration: Iteration) {
         if let Some(listener) = &mut self.listener
