@@ -49,10 +49,14 @@ pub(crate) fn polish(
         }
     };
     let Some(polished) = polished else { return with_report(found, PolishOutcome::Failed, None) };
-    let slack = if found.motion.status.is_solved() { SLACK * options.tolerance } else { SLACK_UNSOLVED };
+    let solved = found.motion.status.is_solved();
+    let slack = if solved { SLACK * options.tolerance } else { SLACK_UNSOLVED };
     let outcome = match &polished.motion.status {
-        Status::TimeLimit => PolishOutcome::OutOfTime,
-        status if !status.is_solved() => PolishOutcome::Failed,
+        status if status.is_interruption() => PolishOutcome::OutOfTime,
+        // Solved equations are more than a motion that is not solved either.
+        status if !(status.is_solved() || (*status == Status::NotVerified && !solved)) => {
+            PolishOutcome::Failed
+        }
         _ if polished.total() > found.total() + slack * found.total().abs() => PolishOutcome::CostsMore,
         _ if !keeps(&limits, &polished.trajectory) => PolishOutcome::BeyondLimits,
         _ => PolishOutcome::Polished,

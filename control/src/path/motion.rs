@@ -68,3 +68,37 @@ impl Path {
         Ok(Some(PathMotion { times, rows, cost, penalty_cost }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::constants::attempts::PathAttempt;
+    use crate::path::cubics::Disturbance;
+    use crate::path::lowest_path;
+    use crate::solve::Recorder;
+    use crate::{Bounds, Penalty, Problem};
+    use costate::robot::Robot;
+    use std::f64::consts::FRAC_PI_2;
+
+    fn motion(problem: &Problem) -> Option<super::PathMotion> {
+        let attempt = PathAttempt { smoothing: 0.0, penalty: 0.01, halvings: 1 };
+        let mut path =
+            lowest_path(problem, &Disturbance::default(), attempt, &mut Recorder::default()).unwrap();
+        path.motion(problem).unwrap()
+    }
+
+    #[test]
+    fn costs_are_those_of_the_problem_and_bounds_are_kept() {
+        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+        let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[FRAC_PI_2; 2], 1.0);
+        let free = motion(&problem).unwrap();
+        let best = 145.13113754;
+        assert!(free.cost > best && free.cost < 1.0005 * best && free.penalty_cost == 0.0, "{}", free.cost);
+        // The penalty of the problem, not the weaker one of the path.
+        let limited = problem.clone().with_penalty(Penalty::new(1.0).with_v_max(vec![2.0; 2]));
+        let limited = motion(&limited).unwrap();
+        assert!(limited.penalty_cost > 1.0 && limited.cost >= free.cost, "{limited:?}");
+        let most = free.rows[3].iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let bounded = |part: f64| problem.clone().with_bounds(Bounds::symmetric(vec![part * most; 2]));
+        assert!(motion(&bounded(1.1)).is_some() && motion(&bounded(0.5)).is_none());
+    }
+}

@@ -25,7 +25,7 @@ pub struct PolishReport {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum PolishOutcome {
-    /// The polished motion is shown.
+    /// The polished motion is shown: it is solved, or neither of the two is.
     Polished,
     /// Not tried: accelerations are limited, or a limit on positions or rates is active. An extremal keeps the
     /// limits of controls only.
@@ -34,7 +34,7 @@ pub enum PolishOutcome {
     NoMotion,
     /// The polish found no extremal.
     Failed,
-    /// The polish took its share of the time, ten times that of the direct method.
+    /// The polish was stopped, or took its share of the time, ten times that of the direct method.
     OutOfTime,
     /// The extremal costs more than the motion of the direct method.
     CostsMore,
@@ -55,7 +55,7 @@ impl PolishOutcome {
             Self::Limited => "direct: a limit other than on torques is active",
             Self::NoMotion => "direct: no motion to begin with",
             Self::Failed => "direct: the polish found no extremal",
-            Self::OutOfTime => "direct: the polish took too long",
+            Self::OutOfTime => "direct: the polish was stopped or took too long",
             Self::CostsMore => "direct: the extremal costs more",
             Self::BeyondLimits => "direct: the extremal exceeds a limit",
         }

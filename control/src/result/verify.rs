@@ -59,12 +59,14 @@ impl Solved {
     ///
     /// $$ \kappa = \max_{draws} \lVert A^{-1} e \rVert_\infty, \qquad e_i = \pm 1 $$
     ///
-    /// with the factored matrix A of the equations in scaled variables and random signs for the equations of
+    /// with the matrix A of the equations in scaled variables, factored for the last step of Newton's method, and random signs for the equations of
     /// all intervals. Rounding errors of the size eps then change a component by about kappa eps.
     pub(crate) fn conditioning(&mut self, extremal: &mut dyn Extremal) -> Result<f64, Failure> {
         let mut timed = self.found.timed(extremal);
         let equations = &mut self.found.equations;
-        equations.linearise(&mut timed)?;
+        if !equations.factored {
+            equations.linearise(&mut timed)?;
+        }
         let mut errors = vec![0.0; equations.mesh.spans.len() * equations.m];
         let (mut response, mut random, mut largest) = (equations.zeros(), 1_u64, 0.0_f64);
         for _ in 0..DRAWS {

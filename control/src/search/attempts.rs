@@ -2,9 +2,9 @@
 //!
 //! [`Strategy::Direct`] makes the first attempt only. [`Strategy::Full`] goes through this list:
 //!
-//! 1. *From the guess* ([`Search::try_guess`]): Newton's method from the saved motion or the cubics. If
-//!    there are controls without effort, only a saved motion is tried, on the arcs that it shows
-//!    ([`Search::try_saved_arcs`]). Accepted at once if it converged from a saved motion. Otherwise a
+//! 1. *From the guess*: Newton's method from the saved motion, on the arcs that it shows
+//!    ([`Search::try_saved`]); otherwise, or if that fails, roughly at first from the saved motion or the cubics
+//!    ([`Search::try_guess`]), unless there are controls without effort. Accepted at once if it converged from a saved motion. Otherwise a
 //!    converged result is kept, and its cost must be undercut from here on.
 //! 2. *From paths of low cost* ([`Search::try_path`]), one for each entry of [`PATHS`] that differs from those
 //!    before in what this problem has: penalties, controls without effort. The loop ends when
@@ -51,15 +51,11 @@ impl Search<'_, '_> {
             (FinalTime::Free { .. }, Some(guess)) => FinalTime::Free { guess },
             _ => self.time,
         };
+        if let Some(found) = self.try_saved(time, attempt) {
+            return found;
+        }
         if self.extremal.easiest().effort == 0.0 {
             return self.try_guess(time, attempt.max_steps.min(FEW_STEPS), attempt);
-        }
-        let crossings = self.guess.saved_crossings();
-        let rough = self.saved_discretisation(time, attempt);
-        if let Some(rough) = &rough
-            && let Some(found) = solve_given_arcs(rough, crossings, self.extremal, attempt, self.recorder)
-        {
-            return found;
         }
         let ease = Relaxation { effort: SMOOTHING, ..Relaxation::NONE };
         self.extremal.set_relaxation(ease);
@@ -92,12 +88,12 @@ impl Search<'_, '_> {
         };
 
         // 1. From the guess.
-        let first = if easiest.effort == 0.0 {
-            Some(self.try_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
-        } else if saved.is_some() {
-            self.try_saved_arcs(begin, attempt)
-        } else {
-            None
+        let from_saved = saved.and_then(|_| self.try_saved(begin, attempt));
+        let first = match from_saved {
+            None if easiest.effort == 0.0 => {
+                Some(self.try_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
+            }
+            found => found,
         };
         let mut best = match first {
             Some(found) if saved.is_some() && found.is_converged() => return found,
@@ -151,10 +147,29 @@ impl Search<'_, '_> {
         self.finish(first, time, attempt)
     }
 
-    /// From a saved motion with controls at their bounds to a solution with the arcs that it shows.
-    fn try_saved_arcs(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
+    /// From a saved motion at once to a sharp solution: on the arcs that its controls show, on those that its
+    /// costates show if controls jump, or on its mesh if no control is at a bound. `None` where that fails.
+    fn try_saved(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
         let rough = self.saved_discretisation(time, attempt)?;
-        solve_arcs(&rough, self.extremal, attempt, self.recorder)
+        let crossings = self.guess.saved_crossings();
+        if !crossings.is_empty() {
+            let found = solve_given_arcs(&rough, crossings, self.extremal, attempt, self.recorder);
+            if found.is_some() {
+                return found;
+            }
+        }
+        let easiest = self.extremal.easiest();
+        if easiest.effort > 0.0 {
+            return solve_arcs(&rough, self.extremal, attempt, self.recorder);
+        }
+        let sharp = Attempt { max_steps: attempt.max_steps.min(FEW_STEPS), ..*attempt };
+        let bounded = easiest.bounds > 1.0;
+        if bounded && !rough.crossings(self.extremal).is_empty() {
+            return None;
+        }
+        let found = self.solve(rough, &sharp);
+        let inside = !bounded || found.found.crossings(self.extremal).is_empty();
+        (found.is_converged() && inside && found.found.final_time(self.extremal) > 0.0).then_some(found)
     }
 
     /// From a path of low cost to a solution: with the smoothing and the penalties of the path first.

@@ -42,7 +42,7 @@ pub(crate) fn follow_from(
         return at;
     }
     let attempt = Attempt {
-        max_steps: MOST_STEPS,
+        max_steps: attempt.max_steps.min(MOST_STEPS),
         least_damping: LEAST_DAMPING,
         max_nodes: attempt.max_nodes.min(MOST_NODES),
         ..attempt.loose()

@@ -149,3 +149,24 @@ impl<Q: Solvable<E>, E: Extremal + ?Sized> Observer<Q, E> for Log<'_, '_> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Interruption, Recorder, Stop};
+    use std::time::Duration;
+
+    #[test]
+    fn a_limit_of_a_part_does_not_stop_the_whole() {
+        let mut recorder = Recorder::default();
+        let inside = recorder.within(Duration::ZERO, Recorder::interruption);
+        assert_eq!((inside, recorder.interruption()), (Some(Interruption::TimeLimit), None));
+        // The limit of the whole holds inside of a part, and after it.
+        let mut recorder = Recorder::new(None, Stop::new(None, Some(Duration::ZERO)));
+        let inside = recorder.within(Duration::from_secs(60), Recorder::interruption);
+        let limit = Some(Interruption::TimeLimit);
+        assert_eq!((inside, recorder.interruption()), (limit, limit));
+        let mut recorder = Recorder::default();
+        recorder.within(Duration::from_secs(60), Recorder::cancel);
+        assert_eq!(recorder.interruption(), Some(Interruption::Cancelled));
+    }
+}

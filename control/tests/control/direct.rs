@@ -5,7 +5,7 @@ use crate::sharp;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Cancel, Continuation, FinalTime, MotionLimits, Objective, Parameter, Phase, Problem,
+    Bounds, Cancel, Continuation, FinalTime, MotionLimits, Objective, Parameter, Phase, Polish, Problem,
     ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -30,7 +30,7 @@ fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::direct())
+    solve_with(problem, SolverOptions::direct().with_polish(Polish::Never))
 }
 
 /// Largest violation at the points among all kinds, each in parts of `ranges`: q, v, a, tau.

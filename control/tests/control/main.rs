@@ -16,6 +16,7 @@ mod known;
 mod lagrangian;
 mod linear_algebra;
 mod one_state;
+mod polish;
 mod problem_file;
 mod problems;
 mod second_variation;
@@ -23,6 +24,7 @@ mod shooting;
 mod source;
 mod stopping;
 mod user_terms;
+mod verification;
 
 /// A mass of 1 kg that slides along x.
 fn sledge() -> Robot {
