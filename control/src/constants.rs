@@ -167,8 +167,8 @@ pub(crate) mod polish {
     pub const LEAST_TIME: Duration = Duration::from_millis(20);
     /// Points of the direct method in an interval of its mesh: that mesh is the first one of the polish.
     pub const STRIDE: usize = 4;
-    /// How much more than the motion of the direct method an extremal may cost, in parts of the tolerance: the
-    /// error of that cost is of this size.
+    /// How much more than the motion of the direct method an extremal may cost, in parts of the tolerance:
+    /// the error of that cost is of this size.
     pub const SLACK: f64 = 10.0;
     /// The same in parts of the cost, where the direct method did not converge.
     pub const SLACK_UNSOLVED: f64 = 0.01;

@@ -35,8 +35,9 @@ pub enum Method {
     Direct,
 }
 
-/// Whether the motion of the direct method becomes the first guess of an extremal, for problems in which nothing
-/// but controls is at its limits. [`Solution::polish`](crate::Solution::polish) says which of the two is shown.
+/// Whether the motion of the direct method becomes the first guess of an extremal, for problems in which
+/// nothing but controls is at its limits. [`Solution::polish`](crate::Solution::polish) says which of the two
+/// is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -60,8 +61,8 @@ pub enum Polish {
 pub enum Verify {
     /// Not at all: what was found has the status [`Status::NotVerified`](crate::Status::NotVerified).
     None,
-    /// By what solving has computed. Of collocation and shooting: the estimated error, and the rounding errors
-    /// that the factored matrix makes of those of the equations
+    /// By what solving has computed. Of collocation and shooting: the estimated error, and the rounding
+    /// errors that the factored matrix makes of those of the equations
     /// ([`Motion::conditioning`](crate::Motion::conditioning)), are both below the tolerance. Of the direct
     /// method: the estimated error of the cost and all limits. Nothing is integrated, so there are no end
     /// defect, shooting defect and conjugate times.

@@ -163,8 +163,8 @@ fn keeps(limits: &[JointLimits], motion: &Trajectory) -> bool {
     })
 }
 
-/// How a polished motion uses the limits that `direct` lists: those on torques, which are its bounds, and none
-/// of the others.
+/// How a polished motion uses the limits that `direct` lists: those on torques, which are its bounds, and
+/// none of the others.
 fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitReport {
     let none = |usage: &Option<LimitUse>| usage.as_ref().map(|_| LimitUse::default());
     let mut limits = LimitReport {

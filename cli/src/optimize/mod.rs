@@ -2,6 +2,7 @@
 
 mod arguments;
 mod continuation;
+mod figures;
 mod kinematics;
 mod outputs;
 mod progress;

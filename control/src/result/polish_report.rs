@@ -27,8 +27,8 @@ pub struct PolishReport {
 pub enum PolishOutcome {
     /// The polished motion is shown: it is solved, or neither of the two is.
     Polished,
-    /// Not tried: accelerations are limited, or a limit on positions or rates is active. An extremal keeps the
-    /// limits of controls only.
+    /// Not tried: accelerations are limited, or a limit on positions or rates is active. An extremal keeps
+    /// the limits of controls only.
     Limited,
     /// Not tried: the direct method found no motion to begin with.
     NoMotion,

@@ -23,8 +23,8 @@ pub struct Solution {
     pub newton_iterations: usize,
     /// How the motion uses its hard limits; empty without the direct method.
     pub limits: LimitReport,
-    /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was not
-    /// asked.
+    /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
+    /// not asked.
     pub polish: Option<PolishReport>,
     /// The motion over time.
     pub trajectory: Trajectory,

@@ -59,8 +59,9 @@ impl Solved {
     ///
     /// $$ \kappa = \max_{draws} \lVert A^{-1} e \rVert_\infty, \qquad e_i = \pm 1 $$
     ///
-    /// with the matrix A of the equations in scaled variables, factored for the last step of Newton's method, and random signs for the equations of
-    /// all intervals. Rounding errors of the size eps then change a component by about kappa eps.
+    /// with the matrix A of the equations in scaled variables, factored for the last step of Newton's method,
+    /// and random signs for the equations of all intervals. Rounding errors of the size eps then change a
+    /// component by about kappa eps.
     pub(crate) fn conditioning(&mut self, extremal: &mut dyn Extremal) -> Result<f64, Failure> {
         let mut timed = self.found.timed(extremal);
         let equations = &mut self.found.equations;

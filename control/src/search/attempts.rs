@@ -3,14 +3,15 @@
 //! [`Strategy::Direct`] makes the first attempt only. [`Strategy::Full`] goes through this list:
 //!
 //! 1. *From the guess*: Newton's method from the saved motion, on the arcs that it shows
-//!    ([`Search::try_saved`]); otherwise, or if that fails, roughly at first from the saved motion or the cubics
-//!    ([`Search::try_guess`]), unless there are controls without effort. Accepted at once if it converged from a saved motion. Otherwise a
-//!    converged result is kept, and its cost must be undercut from here on.
-//! 2. *From paths of low cost* ([`Search::try_path`]), one for each entry of [`PATHS`] that differs from those
-//!    before in what this problem has: penalties, controls without effort. The loop ends when
-//!    no path is found, or when the path is not noticeably cheaper than the solution that is kept. A result
-//!    is accepted if it converged and costs less than what is kept; if nothing is kept, an almost converged
-//!    one will do ([`Solved::is_nearly_solved`]).
+//!    ([`Search::try_saved`]); otherwise, or if that fails, roughly at first from the saved motion or the
+//!    cubics ([`Search::try_guess`]), unless there are controls without effort. Accepted at once if it
+//!    converged from a saved motion. Otherwise a converged result is kept, and its cost must be undercut from
+//!    here on.
+//! 2. *From paths of low cost* ([`Search::try_path`]), one for each entry of [`PATHS`] that differs from
+//!    those before in what this problem has: penalties, controls without effort. The loop ends when no path
+//!    is found, or when the path is not noticeably cheaper than the solution that is kept. A result is
+//!    accepted if it converged and costs less than what is kept; if nothing is kept, an almost converged one
+//!    will do ([`Solved::is_nearly_solved`]).
 //! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if nothing converged so far and the
 //!    problem can be relaxed. The result is returned as it is.
 //!
@@ -43,8 +44,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// From a saved motion that is nearly optimal: Newton's method, on the arcs that its controls show if they
-    /// jump, and from a smoothed problem if that fails.
+    /// From a saved motion that is nearly optimal: Newton's method, on the arcs that its controls show if
+    /// they jump, and from a smoothed problem if that fails.
     pub fn polish(mut self, options: &SolverOptions) -> Solved {
         let attempt = &Attempt::new(options, Phase::Polish);
         let time = match (self.time, self.guess.saved_duration()) {

@@ -88,8 +88,8 @@ impl Search<'_, '_> {
     }
 
     /// The smoothing of controls without effort is reduced step by step; after each step the arcs of its
-    /// solution are tried. The steps end when the cost has settled twice and the same controls change sides in
-    /// the same order: the arcs that failed would be tried again.
+    /// solution are tried. The steps end when the cost has settled twice and the same controls change sides
+    /// in the same order: the arcs that failed would be tried again.
     fn reduce_smoothing(&mut self, mut at: Solved, mut ease: Relaxation, attempt: &Attempt) -> Solved {
         let attempt = &attempt.in_phase(Phase::Smoothing);
         let (mut change, mut settled, mut switches) = (f64::INFINITY, false, Vec::new());

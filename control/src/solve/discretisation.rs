@@ -49,8 +49,8 @@ impl Discretisation {
         Ok(self)
     }
 
-    /// Replaces the values between the nodes by the cubics that have the slopes of the equations at the nodes;
-    /// leaves them where the equations cannot be evaluated.
+    /// Replaces the values between the nodes by the cubics that have the slopes of the equations at the
+    /// nodes; leaves them where the equations cannot be evaluated.
     pub fn smooth_between_nodes(&mut self, extremal: &mut dyn Extremal) {
         let mut timed = self.timed(extremal);
         let (m, equations) = (self.equations.m, &mut self.equations);

@@ -83,7 +83,8 @@ fn a_failed_search_gives_the_motion_of_its_path() {
     for (tau, u) in tau.iter().zip(&trajectory.u[k]) {
         assert!((tau - u).abs() < 0.02 * (1.0 + u.abs()), "{tau} {u}");
     }
-    // Splines of three kinds are tried, each on twice as many intervals as the one before: 1 + 2 + 3 descents.
+    // Splines of three kinds are tried, each on twice as many intervals as the one before: 1 + 2 + 3
+    // descents.
     let descents = solution.motion.iterations.iter().filter(|step| step.phase == Phase::Path);
     assert_eq!(descents.filter(|step| step.number == 1).count(), 6);
 }
