@@ -6,8 +6,8 @@ use super::stage_data::{ROTATED, data};
 use super::strobe::Stage;
 use super::svg::{STYLE, escaped};
 use super::views;
-use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::figures::figures;
+use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::summary;
 
 const PAGE_STYLE: &str = include_str!("page.css");
