@@ -30,7 +30,8 @@ use std::time::Instant;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
+/// let options = SolverOptions::default().with_tolerance(1e-9);
+/// let solution = Solver::new(&problem, options)?.solve();
 /// assert!(solution.motion.status.is_converged());
 /// assert!((solution.motion.cost - 74.0616592202).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -82,7 +82,7 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     }
     let extremal = polished.is_some_and(|report| report.outcome.is_polished());
     if solution.options.method == Method::Direct && !extremal {
-        figures.push(verification(motion));
+        figures.extend(verification(motion));
         figures.extend(direct_figures(problem, solution));
         figures.extend([iterations, ("mesh nodes", solution.nodes().to_string())]);
         return figures;
@@ -90,13 +90,13 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     figures.extend([
         ("H*", format!("{} cost/s", short(motion.hamiltonian, 10))),
         ("drift of H*", format!("{} relative", scientific(motion.hamiltonian_drift))),
-        verification(motion),
         ("end defect", defect(solution.end_defect, motion.verification, &format!("{position}, {rate}"))),
         ("shooting defect", defect(motion.shooting_defect, motion.verification, "relative")),
         iterations,
         ("mesh nodes", solution.nodes().to_string()),
         ("conjugate time", conjugate(problem, motion)),
     ]);
+    figures.extend(verification(motion));
     if extremal {
         figures.extend(limit_figures(problem, solution));
     }
@@ -106,17 +106,17 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     figures
 }
 
-/// How the motion was verified.
-fn verification(motion: &Motion) -> (&'static str, String) {
+/// How the motion was verified, unless it was integrated again: defects say that.
+fn verification(motion: &Motion) -> Option<(&'static str, String)> {
     let how = match motion.verification {
-        Verify::Full => "integrated again".into(),
+        Verify::Full => return None,
         Verify::Factors if motion.conditioning.is_finite() => {
             format!("by the factors, conditioning {}", scientific(motion.conditioning))
         }
         Verify::Factors => "by the estimated errors".into(),
         _ => "not done".into(),
     };
-    ("verification", how)
+    Some(("verification", how))
 }
 
 /// Figures of the direct method: its estimate, the end, the limits.

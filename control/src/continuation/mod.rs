@@ -54,7 +54,7 @@ type PointListener<'a> = Box<dyn FnMut(&BranchPoint) -> ControlFlow<()> + Send +
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let options = SolverOptions::default();
+/// let options = SolverOptions::default().with_tolerance(1e-9);
 /// let branch = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, options)?.follow();
 /// assert_eq!(branch.end, BranchEnd::Reached);
 /// let (first, last) = (&branch.points[0], &branch.solution);
