@@ -107,8 +107,7 @@ fn extremal_near(
     };
     let search = Search { extremal: &mut extremal, time: problem.time, guess: &mut guess, recorder };
     let found = search.polish(options);
-    let iterations = std::mem::take(&mut recorder.iterations);
-    let found = found.into_solution(&mut extremal, iterations, options);
+    let found = found.into_solution(&mut extremal, recorder, options);
     Some(solution(problem, options, found, &mut momenta))
 }
 

@@ -143,8 +143,7 @@ impl Starts<'_> {
         let mut guess = Mapped::<E>::new(guess, &self.problem.robot);
         let search = Search { extremal, time: self.problem.time, guess: &mut guess, recorder };
         let found = search.run(self.options);
-        let iterations = std::mem::take(&mut recorder.iterations);
-        let mut solution = found.into_solution(extremal, iterations, self.options);
+        let mut solution = found.into_solution(extremal, recorder, self.options);
         solution.map(|z| E::give(&mut guess.map, z));
         let path = if solution.motion.status.is_far() { guess.guess.path_motion() } else { None };
         (solution, path)

@@ -287,8 +287,7 @@ impl Run<'_> {
         let value = self.family.value(at.position);
         let last = self.family.problem_at(value)?;
         let mut extremal = self.family.extremal(value)?;
-        let iterations = std::mem::take(&mut walker.recorder.iterations);
-        let mut found = at.solved.into_solution(&mut extremal, iterations, self.options);
+        let mut found = at.solved.into_solution(&mut extremal, &mut walker.recorder, self.options);
         let status = &mut found.motion.status;
         match end {
             BranchEnd::Stuck | BranchEnd::TooManyPoints => *status = Status::ContinuationFailed,

@@ -6,8 +6,8 @@ use crate::extremal::{Extremal, Relaxation};
 use crate::options::{SolverOptions, Verify};
 use crate::progress::Iteration;
 use crate::result::nodes::{Interpolant, Nodes};
-use crate::result::verify::integration_tolerance;
-use crate::solve::Solved;
+use crate::result::verify::{integration_tolerance, verification_bound};
+use crate::solve::{Recorder, Solved};
 use crate::status::{BoundViolation, Status};
 use serde::{Deserialize, Serialize};
 
@@ -115,7 +115,7 @@ impl Motion {
     /// Largest end defect, relative to the size of each component of x, with which a motion that was solved
     /// to this tolerance counts as verified: `max(100 tolerance, 1e-6)`.
     pub fn verification_bound(tolerance: f64) -> f64 {
-        (100.0 * tolerance).max(1e-6)
+        verification_bound(tolerance)
     }
 }
 
@@ -164,12 +164,13 @@ impl Solved {
     pub(crate) fn into_solution(
         mut self,
         extremal: &mut dyn Extremal,
-        iterations: Vec<Iteration>,
+        recorder: &mut Recorder<'_>,
         options: &SolverOptions,
     ) -> ExtremalSolution {
         if self.status == Status::BoundsNotReached {
             // A motion that exceeds the bounds of the problem is no result.
             let missing = Motion::missing(self.status, f64::NAN);
+            let iterations = std::mem::take(&mut recorder.iterations);
             let motion = Motion { iterations, bound_violation: self.violation, ..missing };
             return ExtremalSolution { motion, nodes: Nodes::default() };
         }
@@ -181,8 +182,6 @@ impl Solved {
         {
             self.status = failure.into();
         }
-        let (final_time, (cost, penalty_cost)) =
-            (self.found.final_time(extremal), self.found.costs(extremal));
         let converged = self.status.is_converged();
         let verifiable = converged || self.status == Status::SwitchesNotRefined;
         let verification = if verifiable { options.verify } else { Verify::None };
@@ -190,8 +189,8 @@ impl Solved {
         let (mut end_state, mut shooting_defect, mut conditioning) = (None, f64::INFINITY, f64::NAN);
         match verification {
             Verify::Full => {
+                end_state = self.integrated_or_sharper(extremal, recorder, options);
                 let tolerance = integration_tolerance(options.tolerance);
-                end_state = self.integrated_again(extremal, tolerance).ok();
                 shooting_defect = self.shooting_defect(extremal, tolerance).unwrap_or(f64::INFINITY);
                 if converged {
                     let end = self.end_defect(extremal, end_state.as_deref());
@@ -207,6 +206,8 @@ impl Solved {
             Verify::None if converged => self.status = Status::NotVerified,
             Verify::None => {}
         }
+        let (final_time, (cost, penalty_cost)) =
+            (self.found.final_time(extremal), self.found.costs(extremal));
         // A motion that is not verified, or belongs to a smoothed problem, gets no certificate.
         let (conjugate, certificate) = if verification == Verify::Full && self.status.is_converged() {
             self.second_variation(extremal)
@@ -234,7 +235,7 @@ impl Solved {
             conjugate_multiplicity: conjugate.map_or(0, |conjugate| conjugate.multiplicity),
             certificate,
             errors: self.estimate.map_or_else(Vec::new, |estimate| estimate.components),
-            iterations,
+            iterations: std::mem::take(&mut recorder.iterations),
             switches,
             bound_violation: None,
         };

@@ -2,10 +2,13 @@
 
 use crate::bvp::collocation::error::defined;
 use crate::bvp::mesh::Span;
+use crate::bvp::timed::Clock;
 use crate::bvp::{Discretised, Failure, Solvable};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
-use crate::solve::Solved;
+use crate::options::SolverOptions;
+use crate::progress::Phase;
+use crate::solve::{Attempt, Recorder, Solved};
 
 /// Tolerance of one integration step, in parts of the tolerance of the motion: the motion is judged, not the
 /// integrator.
@@ -15,12 +18,49 @@ const SHARPEST: f64 = 1e-12;
 /// Draws of errors for the conditioning.
 const DRAWS: usize = 4;
 
+/// Largest end defect of a verified motion, relative to the size of each component.
+pub(crate) fn verification_bound(tolerance: f64) -> f64 {
+    (100.0 * tolerance).max(1e-6)
+}
+
 /// Relative tolerance of one step when a motion of this tolerance is integrated again.
 pub(crate) fn integration_tolerance(tolerance: f64) -> f64 {
     (SHARPER * tolerance).max(SHARPEST)
 }
 
+/// Tolerance of a motion that is solved again because its integration missed the end.
+const SHARP: f64 = 1e-9;
+
 impl Solved {
+    /// x(T) of the motion integrated again; `None` where the integration stopped.
+    ///
+    /// The integration amplifies errors along the motion. If it misses the end of a motion with a loose
+    /// tolerance, the motion is solved once more to a sharp one.
+    pub(crate) fn integrated_or_sharper(
+        &mut self,
+        extremal: &mut dyn Extremal,
+        recorder: &mut Recorder<'_>,
+        options: &SolverOptions,
+    ) -> Option<Vec<f64>> {
+        let tolerance = integration_tolerance(options.tolerance);
+        let end = self.integrated_again(extremal, tolerance).ok();
+        let misses = |solved: &Self, end: Option<&[f64]>, extremal: &dyn Extremal| {
+            solved.end_defect(extremal, end) > verification_bound(options.tolerance)
+        };
+        let sharper = self.status.is_converged() && options.tolerance > 10.0 * SHARP;
+        if !sharper || !misses(self, end.as_deref(), extremal) {
+            return end;
+        }
+        let phase = if let Clock::Free = self.found.clock { Phase::FreeTime } else { Phase::FixedTime };
+        let attempt = Attempt { tolerance: SHARP, ..Attempt::new(options, phase) };
+        let sharp = self.found.predicted(extremal, None).solve(extremal, &attempt, recorder);
+        if !sharp.is_converged() {
+            return end;
+        }
+        *self = sharp;
+        self.integrated_again(extremal, integration_tolerance(SHARP)).ok()
+    }
+
     /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the
     /// costates.
     pub(crate) fn integrated_again(
