@@ -157,6 +157,28 @@ pub(crate) mod attempts {
     }
 }
 
+/// Extremals from motions of the direct method ([`crate::polish`]).
+pub(crate) mod polish {
+    use std::time::Duration;
+
+    /// A polish may take this many times the time of the direct method.
+    pub const SHARE: u32 = 10;
+    /// A polish may take this long in any case.
+    pub const LEAST_TIME: Duration = Duration::from_millis(20);
+    /// Points of the direct method in an interval of its mesh: that mesh is the first one of the polish.
+    pub const STRIDE: usize = 4;
+    /// How much more than the motion of the direct method an extremal may cost, in parts of the tolerance:
+    /// the error of that cost is of this size.
+    pub const SLACK: f64 = 10.0;
+    /// The same in parts of the cost, where the direct method did not converge.
+    pub const SLACK_UNSOLVED: f64 = 0.01;
+    /// Relative smoothing from which controls without effort are sharpened if the arcs of the motion are not
+    /// those of an extremal.
+    pub const SMOOTHING: f64 = 0.01;
+    /// Places in an interval at which limits are checked.
+    pub const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+}
+
 /// Paths of low cost ([`crate::path`]).
 pub(crate) mod path {
     /// Intervals of the first splines.

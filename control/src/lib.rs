@@ -29,6 +29,7 @@ mod numerics;
 mod options;
 mod parallel;
 mod path;
+mod polish;
 mod problem;
 mod progress;
 mod result;
@@ -54,7 +55,7 @@ pub use extremal::{
     Homotopy, Relaxation, SideChange,
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, JacobianRoute, Method, SolverOptions, Strategy};
+pub use options::{Coordinates, JacobianRoute, Method, Polish, SolverOptions, Strategy, Verify};
 pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};
@@ -69,6 +70,7 @@ pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::samples::{SampleError, Samples};
+pub use result::polish_report::{PolishOutcome, PolishReport};
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;

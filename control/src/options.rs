@@ -36,6 +36,44 @@ pub enum Method {
     Direct,
 }
 
+/// Whether the motion of the direct method becomes the first guess of an extremal, for problems in which
+/// nothing but controls is at its limits. [`Solution::polish`](crate::Solution::polish) says which of the two
+/// is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Polish {
+    /// Where it applies, for at most ten times the time that the direct method took.
+    #[default]
+    Auto,
+    /// Where it applies.
+    Always,
+    /// Not at all.
+    Never,
+}
+
+/// How a solution that was found is verified. The equations are solved and the error is estimated at every
+/// level; the levels differ in what is done afterwards, and [`Motion::verification`] says what that was.
+///
+/// [`Motion::verification`]: crate::Motion::verification
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Verify {
+    /// Not at all: what was found has the status [`Status::NotVerified`](crate::Status::NotVerified).
+    None,
+    /// By what solving has computed. Of collocation and shooting: the estimated error, and the rounding
+    /// errors that the factored matrix makes of those of the equations
+    /// ([`Motion::conditioning`](crate::Motion::conditioning)), are both below the tolerance. Of the direct
+    /// method: the estimated error of the cost and all limits. Nothing is integrated, so there are no end
+    /// defect, shooting defect and conjugate times.
+    Factors,
+    /// An adaptive integrator repeats the motion from its start with the control that was found, and looks
+    /// for conjugate times.
+    #[default]
+    Full,
+}
+
 /// Which attempts a search makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -71,6 +109,10 @@ pub struct SolverOptions {
     pub coordinates: Coordinates,
     /// Which attempts are made.
     pub strategy: Strategy,
+    /// How a solution is verified.
+    pub verify: Verify,
+    /// Whether the motion of the direct method is polished.
+    pub polish: Polish,
     /// Lobatto points in an interval: 3 (order 4) or 4 (order 6).
     pub points: usize,
     /// Number of guesses: the first as described in [`Solver`](crate::Solver), the others with random
@@ -106,7 +148,7 @@ mod seconds {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            tolerance: 1e-9,
+            tolerance: 1e-6,
             method: Method::Collocation,
             nodes: 21,
             max_nodes: 6001,
@@ -114,6 +156,8 @@ impl Default for SolverOptions {
             jacobian: JacobianRoute::Exact,
             coordinates: Coordinates::Hamiltonian,
             strategy: Strategy::Full,
+            verify: Verify::Full,
+            polish: Polish::Auto,
             points: 4,
             starts: 1,
             threads: None,
@@ -124,10 +168,9 @@ impl Default for SolverOptions {
 }
 
 impl SolverOptions {
-    /// The options of the direct method: [`tolerance`](Self#structfield.tolerance) is the largest estimated
-    /// error of the cost, relative to the cost, 1e-6.
+    /// The options of the direct method, which takes more and cheaper steps than the others.
     pub fn direct() -> Self {
-        Self { method: Method::Direct, tolerance: 1e-6, max_iterations: 200, ..Self::default() }
+        Self { method: Method::Direct, max_iterations: 200, ..Self::default() }
     }
 }
 
@@ -185,6 +228,18 @@ impl SolverOptions {
     #[must_use]
     pub fn with_strategy(self, strategy: Strategy) -> Self {
         Self { strategy, ..self }
+    }
+
+    /// Sets [`verify`](Self#structfield.verify).
+    #[must_use]
+    pub fn with_verify(self, verify: Verify) -> Self {
+        Self { verify, ..self }
+    }
+
+    /// Sets [`polish`](Self#structfield.polish).
+    #[must_use]
+    pub fn with_polish(self, polish: Polish) -> Self {
+        Self { polish, ..self }
     }
 
     /// Sets [`points`](Self#structfield.points).

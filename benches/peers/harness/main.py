@@ -44,10 +44,11 @@ def main():
     file = options.source or options.cache / "figures.jsonl"
     if options.source is None:
         figures = [machine.describe(options)]
+        prepared = []
         for name in options.robots:
             robot = robots.prepare(ROOT, options.cache, name, options.states, options.seed)
-            peers = builds.build(ROOT, options.cache, robot, options.peers, options.forms, options.flags)
-            times, values = measurement.run(options, robot, peers)
+            prepared.append((robot, builds.build(ROOT, options.cache, robot, options.peers, options.forms, options.flags)))
+        for (robot, _), (times, values) in zip(prepared, measurement.run(options, prepared)):
             differences = agreement.check(robot.name, values, options.tolerance)
             figures += [{"robot": robot.name, "n": robot.n, **row} for row in times + differences]
             report.print_robot(robot.name, figures)

@@ -106,7 +106,7 @@ def expert_lagrangian(links):
 FORMS = (user_hamiltonian, plain_hamiltonian, expert_hamiltonian, user_lagrangian, expert_lagrangian)
 
 # Number of joints beyond which the code becomes too long for compilers.
-LARGEST = {"user": 7, "plain": 7, "expert": 7}
+LARGEST = {"user": 6, "plain": 7, "expert": 7}
 
 
 def write(robot, folder, kinds):

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod continuation;
+mod figures;
 mod kinematics;
 mod outputs;
 mod progress;
@@ -32,6 +33,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     if let Some(threads) = arguments.threads {
         task.options = task.options.with_threads(threads.get());
+    }
+    if let Some(level) = arguments.verify {
+        task.options = task.options.with_verify(level.into());
+    }
+    if let Some(when) = arguments.polish {
+        task.options = task.options.with_polish(when.into());
     }
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
     task.problem.robot.warnings().iter().for_each(terminal::warning);

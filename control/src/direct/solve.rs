@@ -15,7 +15,7 @@ use super::running::Running;
 use super::verify::integrate;
 use crate::bvp::collocation::error::defined;
 use crate::constants::direct as constants;
-use crate::options::SolverOptions;
+use crate::options::{SolverOptions, Verify};
 use crate::parallel::best_of_starts;
 use crate::path::cubics::Disturbance;
 use crate::problem::Problem;
@@ -121,7 +121,11 @@ impl Direct<'_> {
                 End::Solved => Status::MeshLimit,
             };
             refined = Refined { status, error, again };
-            if refined.status.is_converged() || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
+            let unverified = accurate && precision <= least && self.options.verify == Verify::None;
+            if refined.status.is_converged()
+                || unverified
+                || (violated && mesh >= constants::MESHES_WITHOUT_MOTION)
+            {
                 break;
             }
             if accurate && precision > least {
@@ -168,6 +172,10 @@ impl Direct<'_> {
             hamiltonian: mean,
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
+            verification: match status {
+                Status::Converged | Status::NotVerified => self.options.verify,
+                _ => Verify::None,
+            },
             errors: vec![error],
             iterations,
             ..Motion::missing(status, interior.spline.time)
@@ -176,6 +184,7 @@ impl Direct<'_> {
             newton_iterations: interior.figures.iterations,
             end_defect: again.defect,
             limits: report(problem, interior, resolution),
+            polish: None,
             trajectory,
             starts: Vec::new(),
             options: self.options.clone(),
@@ -188,6 +197,11 @@ impl Direct<'_> {
     fn integrate_again(&self, interior: &Interior<FastPoints>) -> Again {
         let (problem, spline) = (self.problem.problem(), &interior.spline);
         let (n, end) = (spline.dof, &problem.end);
+        match self.options.verify {
+            Verify::Full => {}
+            Verify::Factors => return Again { state: None, defect: f64::INFINITY, relative: 0.0 },
+            Verify::None => return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY },
+        }
         let Ok(state) = integrate(problem, spline) else {
             return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY };
         };

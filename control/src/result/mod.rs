@@ -9,6 +9,7 @@ pub(crate) mod limits;
 pub(crate) mod motion;
 pub(crate) mod nodes;
 pub(crate) mod quintic;
+pub(crate) mod polish_report;
 pub(crate) mod rows;
 pub(crate) mod samples;
 pub(crate) mod saved;

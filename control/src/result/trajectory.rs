@@ -72,6 +72,14 @@ impl Trajectory {
         Self { accelerations: Some(accelerations), ..self }
     }
 
+    /// Without the first of two rows at the same time, and without polynomials between rows.
+    pub(crate) fn with_each_time_once(&self) -> Self {
+        let kept: Vec<usize> = (0..self.t.len()).filter(|&k| self.t.get(k + 1) != Some(&self.t[k])).collect();
+        let rows = |rows: &[Vec<f64>]| kept.iter().map(|&k| rows[k].clone()).collect();
+        let columns = [&self.q, &self.v, &self.p, &self.u, &self.y_q, &self.y_p].map(|column| rows(column));
+        Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
+    }
+
     /// With H* at the nodes.
     pub(crate) fn with_hamiltonian(self, hamiltonian: Vec<f64>) -> Self {
         Self { hamiltonian, ..self }

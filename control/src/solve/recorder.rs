@@ -110,6 +110,20 @@ impl<'a> Recorder<'a> {
         self.listener = listener.into_inner().unwrap_or_else(PoisonError::into_inner);
     }
 
+    /// Runs with a time limit of its own, beside that of the search. Reaching it does not stop the search.
+    pub fn within<T>(&mut self, limit: Duration, run: impl FnOnce(&mut Self) -> T) -> T {
+        let own = self.stop.deadline;
+        let until = Instant::now().checked_add(limit);
+        self.stop.deadline = own.into_iter().chain(until).min();
+        let found = run(self);
+        self.stop.deadline = own;
+        let over = own.is_some_and(|deadline| Instant::now() >= deadline);
+        if self.stop.interruption == Some(Interruption::TimeLimit) && !over {
+            self.stop.interruption = None;
+        }
+        found
+    }
+
     /// Adds a step to the log and reports it.
     pub fn record(&mut self, iteration: Iteration) {
         if let Some(listener) = &mut self.listener
@@ -160,5 +174,26 @@ impl<Q: Solvable<E>, E: Extremal + ?Sized> Observer<Q, E> for Log<'_, '_> {
             final_time: equations.final_time(timed),
             cost: cost + penalty,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Interruption, Recorder, Stop};
+    use std::time::Duration;
+
+    #[test]
+    fn a_limit_of_a_part_does_not_stop_the_whole() {
+        let mut recorder = Recorder::default();
+        let inside = recorder.within(Duration::ZERO, Recorder::interruption);
+        assert_eq!((inside, recorder.interruption()), (Some(Interruption::TimeLimit), None));
+        // The limit of the whole holds inside of a part, and after it.
+        let mut recorder = Recorder::new(None, Stop::new(None, Some(Duration::ZERO)));
+        let inside = recorder.within(Duration::from_secs(60), Recorder::interruption);
+        let limit = Some(Interruption::TimeLimit);
+        assert_eq!((inside, recorder.interruption()), (limit, limit));
+        let mut recorder = Recorder::default();
+        recorder.within(Duration::from_secs(60), Recorder::cancel);
+        assert_eq!(recorder.interruption(), Some(Interruption::Cancelled));
     }
 }

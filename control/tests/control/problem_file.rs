@@ -2,8 +2,8 @@
 
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, Method, Objective, Penalty,
-    ProblemFile, ProblemFileCause, SolverOptions,
+    BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, Method, Objective, Penalty, Polish,
+    ProblemFile, ProblemFileCause, SolverOptions, Verify,
 };
 
 const LEAST: &str = "robot = \"two_link.toml\"\n[start]\nq = [0, 0]\n[end]\nq = [1, 1]\n[time]\nfinal = 2\n[cost]\n\
@@ -149,6 +149,18 @@ fn missing_keys_have_their_documented_defaults() {
     assert_eq!((time, problem.gain), ((FinalTime::Fixed(2.0), 0.0), vec![1.0; 2]));
     assert!(problem.bounds.is_none() && problem.penalty.is_none() && start_from.is_none());
     assert_eq!(options, SolverOptions::default());
+}
+
+#[test]
+fn levels_of_verification_and_polish_are_read() {
+    let verified = |text: &str| read(&format!("{LEAST}[solver]\n{text}\n")).unwrap().options;
+    for (name, level) in [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)] {
+        assert_eq!(verified(&format!("verify = \"{name}\"")), SolverOptions::default().with_verify(level));
+    }
+    for (value, polish) in [("true", Polish::Always), ("false", Polish::Never), ("\"auto\"", Polish::Auto)] {
+        let options = verified(&format!("method = \"direct\"\npolish = {value}"));
+        assert_eq!(options, SolverOptions::direct().with_polish(polish));
+    }
 }
 
 #[test]
