@@ -35,7 +35,13 @@ pub(super) fn trajectory<D: PointDynamics>(
             let (q, v, a) = parts(&z);
             let tau = rows.inverse.inverse_dynamics(q, v, a)?.to_vec();
             let value = costates.hamiltonian[(POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1)];
-            rows.add(spline.mesh.nodes[node] * spline.time, &z, &tau, costates.at_nodes[node].clone(), value)?;
+            rows.add(
+                spline.mesh.nodes[node] * spline.time,
+                &z,
+                &tau,
+                costates.at_nodes[node].clone(),
+                value,
+            )?;
         }
     }
     let trajectory = Trajectory::from_rows(rows.times, rows.columns).with_hamiltonian(rows.hamiltonian);

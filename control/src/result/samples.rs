@@ -101,10 +101,16 @@ impl Solution {
         for &t in &samples.t {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
             let (a, tau) = actuation.at(trajectory, &point)?;
-            let u = match trajectory.acceleration(t) {
+            let mut u: Vec<f64> = match trajectory.acceleration(t) {
                 Some(_) => tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect(),
                 None => point.u,
             };
+            // Rounding is no reason to exceed a bound.
+            if let Some(bounds) = &problem.bounds {
+                for (u, (least, most)) in u.iter_mut().zip(bounds.u_min.iter().zip(&bounds.u_max)) {
+                    *u = u.clamp(*least, *most);
+                }
+            }
             let rows = [&mut samples.q, &mut samples.v, &mut samples.a, &mut samples.tau, &mut samples.u];
             for (rows, row) in rows.into_iter().zip([point.q, point.v, a, tau, u]) {
                 rows.push(row);
