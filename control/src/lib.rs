@@ -54,7 +54,7 @@ pub use extremal::{
     Homotopy, Relaxation, SideChange,
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, JacobianRoute, Method, SolverOptions, Strategy};
+pub use options::{Coordinates, JacobianRoute, MachineCode, Method, SolverOptions, Strategy};
 pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};

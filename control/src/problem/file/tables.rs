@@ -1,6 +1,6 @@
 //! The tables and keys of a problem file.
 
-use crate::options::{Coordinates, JacobianRoute, Method, SolverOptions};
+use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Fault, Table, string, whole};
 use crate::problem::file::error::ProblemFileCause;
@@ -31,8 +31,18 @@ const BOUNDS: &[&str] = &["u_min", "u_max"];
 const LIMITS: &[&str] = &["q_min", "q_max", "v_max", "a_max", "torque_max", "from_robot"];
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
-const SOLVER: &[&str] =
-    &["starts", "threads", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates", "time_limit"];
+const SOLVER: &[&str] = &[
+    "starts",
+    "threads",
+    "seed",
+    "tolerance",
+    "nodes",
+    "jacobian",
+    "method",
+    "coordinates",
+    "machine_code",
+    "time_limit",
+];
 
 const JACOBIANS: [(&str, JacobianRoute); 3] = [
     ("exact", JacobianRoute::Exact),
@@ -41,6 +51,8 @@ const JACOBIANS: [(&str, JacobianRoute); 3] = [
 ];
 const METHODS: [(&str, Method); 3] =
     [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
+const MACHINE_CODE: [(&str, MachineCode); 3] =
+    [("later", MachineCode::Later), ("at_once", MachineCode::AtOnce), ("never", MachineCode::Never)];
 const COORDINATES: [(&str, Coordinates); 2] =
     [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
 
@@ -190,6 +202,7 @@ fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fau
         jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
         method: method.unwrap_or(defaults.method),
         coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
+        machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
         time_limit: time_limit(table)?,
         ..defaults
     })
