@@ -18,12 +18,10 @@ fn points(n: usize, count: usize, z: &[f64], weights: &[f64]) -> Points {
     let mut points = Points::default();
     points.resize(n, count);
     let mut random = fastrand::Rng::with_seed(5);
-    for p in 0..count {
-        for k in 0..3 * n {
-            points.z[3 * n * p + k] = z[k] + if p > 0 { random.f64() - 0.5 } else { 0.0 };
-        }
-        for k in 0..n {
-            points.weights[n * p + k] = weights[k] + if p > 0 { random.f64() - 0.5 } else { 0.0 };
+    for (to, given) in [(&mut points.z, z), (&mut points.weights, weights)] {
+        for (p, row) in to.chunks_exact_mut(given.len()).enumerate() {
+            let mut near = |given: f64| if p > 0 { given + random.f64() - 0.5 } else { given };
+            row.iter_mut().zip(given).for_each(|(to, given)| *to = near(*given));
         }
     }
     // Nothing of the past may remain.
