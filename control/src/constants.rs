@@ -356,9 +356,12 @@ pub(crate) mod direct {
 pub(crate) mod programs {
     /// Robots whose programs are kept for later problems.
     pub const ROBOTS: usize = 4;
-    /// Points for each joint that the generic code contracts before programs are compiled. They take a
-    /// quarter of the time of compiling; a solve from a good guess needs no more.
-    pub const POINTS: usize = 30;
+    /// Points for each joint whose second derivatives the generic code computes before their program is
+    /// compiled, unless [`MachineCode`](crate::MachineCode) says otherwise: they take about half of the time
+    /// of compiling. A solve from a good guess needs no more.
+    pub const HESSIANS: usize = 120;
+    /// The same for points whose torques alone are computed.
+    pub const TORQUES: usize = 300;
     /// Longest programs, in steps; longer ones take longer to compile than they save in one solve.
     pub const STEPS: usize = 16_000;
     /// Most joints, so that no robot is recorded for long in vain.

@@ -55,7 +55,7 @@ pub use extremal::{
     Homotopy, Relaxation, SideChange,
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, JacobianRoute, Method, Polish, SolverOptions, Strategy, Verify};
+pub use options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Strategy, Verify};
 pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};

@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn every_copy_gives_the_same_bits() {
         for size in 1..40 {
-            let value = |k: usize| if k % (size + 1) == 0 { 9.0 } else { (k as f64 * 0.7).sin() };
+            let value = |k: usize| if k.is_multiple_of(size + 1) { 9.0 } else { (k as f64 * 0.7).sin() };
             let matrix: Vec<f64> = (0..size * size).map(value).collect();
             let (mut plain, mut widened) = (matrix.clone(), matrix);
             eliminate(&mut plain, size);

@@ -1,9 +1,10 @@
 //! Torques with their derivatives by machine code, four points at a time.
 
 use super::points::{PointDynamics, Points, RobotPoints};
-use super::programs::{self, Lanes, Programs, Shared};
+use super::programs::{Lanes, Programs};
 use crate::constants::programs as constants;
 use crate::numerics::widest::widest;
+use crate::options::MachineCode;
 use costate::EvalError;
 use costate::robot::Robot;
 use std::ops::Range;
@@ -14,50 +15,59 @@ const LANES: usize = 4;
 
 /// Machine code for four points at a time, where the processor and the robot allow it.
 ///
-/// The first points are computed by the generic code, since a short solve is over before the programs are
-/// compiled: [`constants::POINTS`]. Where an argument or a result is not finite, the generic code computes
-/// the points again: results and errors are then its own.
+/// By default the first points are computed by the generic code, since a short solve is over before a program
+/// is compiled. Where an argument or a result is not finite, the generic code computes the points again:
+/// results and errors are then its own.
 #[derive(Debug)]
 pub(crate) struct ProgramPoints {
     generic: RobotPoints,
-    robot: Robot,
-    shared: Shared,
-    /// Points that are contracted by the generic code before the programs are compiled.
-    left: usize,
+    programs: Arc<Programs>,
+    /// Points whose torques, and whose second derivatives, the generic code computes before machine code
+    /// does, no matter whether it is there already: results do not depend on what was solved before.
+    left: [usize; 2],
     inputs: Vec<[f64; LANES]>,
     outputs: Vec<[f64; LANES]>,
 }
 
 impl ProgramPoints {
-    pub fn new(robot: &Robot) -> Self {
+    pub fn new(robot: &Robot, machine_code: MachineCode) -> Self {
         let n = robot.dof();
+        let left = match machine_code {
+            MachineCode::Later => [constants::TORQUES * n, constants::HESSIANS * n],
+            MachineCode::AtOnce => [0; 2],
+            MachineCode::Never => [usize::MAX; 2],
+        };
         Self {
             generic: RobotPoints::new(robot),
-            robot: robot.clone(),
-            shared: programs::of(robot),
-            left: constants::POINTS * n,
+            programs: Programs::of(robot),
+            left,
             inputs: vec![[0.0; LANES]; 4 * n],
             outputs: vec![[0.0; LANES]; n + 8 * n * n],
         }
     }
 
-    /// The programs, compiled when their time has come: not before so many points were contracted, no matter
-    /// whether another problem has compiled them already. Results do not depend on that.
-    fn programs(&mut self) -> Option<Arc<Programs>> {
-        if self.left > 0 {
-            return None;
+    /// Whether so many points are among the first ones of torques or second derivatives.
+    fn are_first(&mut self, which: usize, count: usize) -> bool {
+        let left = &mut self.left[which];
+        let first = *left > 0;
+        if *left < usize::MAX {
+            *left = left.saturating_sub(count);
         }
-        self.shared.get_or_init(|| Programs::new(&self.robot).map(Arc::new)).clone()
+        first
     }
 }
 
 impl PointDynamics for ProgramPoints {
     fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        let Some(programs) = self.programs() else { return self.generic.evaluate(points) };
+        let first = self.are_first(0, points.count());
+        let programs = Arc::clone(&self.programs);
+        let Some(tau) = (if first { None } else { programs.tau() }) else {
+            return self.generic.evaluate(points);
+        };
         let n = points.dof;
         let (inputs, outputs) = (&mut self.inputs[..3 * n], &mut self.outputs[..n]);
         for group in groups(points.count()) {
-            let finite = run(&programs.tau, inputs, outputs, |inputs| gather(&points.z, &group, inputs))?;
+            let finite = run(tau, inputs, outputs, |inputs| gather(&points.z, &group, inputs))?;
             if finite {
                 widest(
                     #[inline(always)]
@@ -71,13 +81,14 @@ impl PointDynamics for ProgramPoints {
     }
 
     fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        let Some(programs) = self.programs() else {
-            self.left = self.left.saturating_sub(points.count());
+        let first = self.are_first(1, points.count());
+        let programs = Arc::clone(&self.programs);
+        let Some(second) = (if first { None } else { programs.second() }) else {
             return self.generic.contract(points);
         };
         let n = points.dof;
         for group in groups(points.count()) {
-            let finite = run(&programs.second, &mut self.inputs, &mut self.outputs, |inputs| {
+            let finite = run(second, &mut self.inputs, &mut self.outputs, |inputs| {
                 let (z, weights) = inputs.split_at_mut(3 * n);
                 gather(&points.z, &group, z);
                 gather(&points.weights, &group, weights);

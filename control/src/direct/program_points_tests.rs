@@ -2,6 +2,7 @@
 
 use super::super::points::{PointDynamics, Points, RobotPoints};
 use super::{LANES, ProgramPoints};
+use crate::options::MachineCode;
 use costate::EvalError;
 use costate::robot::Robot;
 use costate_test_support::allocations::{Counting, allocations};
@@ -17,12 +18,10 @@ fn points(n: usize, count: usize, z: &[f64], weights: &[f64]) -> Points {
     let mut points = Points::default();
     points.resize(n, count);
     let mut random = fastrand::Rng::with_seed(5);
-    for p in 0..count {
-        for k in 0..3 * n {
-            points.z[3 * n * p + k] = z[k] + if p > 0 { random.f64() - 0.5 } else { 0.0 };
-        }
-        for k in 0..n {
-            points.weights[n * p + k] = weights[k] + if p > 0 { random.f64() - 0.5 } else { 0.0 };
+    for (to, given) in [(&mut points.z, z), (&mut points.weights, weights)] {
+        for (p, row) in to.chunks_exact_mut(given.len()).enumerate() {
+            let mut near = |given: f64| if p > 0 { given + random.f64() - 0.5 } else { given };
+            row.iter_mut().zip(given).for_each(|(to, given)| *to = near(*given));
         }
     }
     // Nothing of the past may remain.
@@ -34,7 +33,7 @@ fn points(n: usize, count: usize, z: &[f64], weights: &[f64]) -> Points {
 
 /// With programs from the first point on.
 fn at_once(robot: &Robot) -> ProgramPoints {
-    ProgramPoints { left: 0, ..ProgramPoints::new(robot) }
+    ProgramPoints::new(robot, MachineCode::AtOnce)
 }
 
 /// Both ways for so many points; the largest differences in parts of the largest entry, for each point.
@@ -113,23 +112,36 @@ fn what_is_not_finite_is_that_of_the_generic_code() {
     assert_eq!(bits(&found.tau), bits(&fast.tau), "the whole group is that of the generic code");
 }
 
+/// Whether two results have the same bits: rounding tells machine code from generic code.
+fn same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+}
+
 #[test]
 fn programs_follow_after_the_first_points_and_nothing_is_allocated_then() {
     let robot = file("puma560.toml");
-    let mut programs = ProgramPoints::new(&robot);
     let mut points = points(6, 60, &[0.1; 18], &[1.0; 6]);
-    assert!(programs.programs().is_none());
-    while programs.left > 0 {
-        programs.contract(&mut points).unwrap();
-    }
+    RobotPoints::new(&robot).contract(&mut points).unwrap();
     let expected = points.clone();
-    programs.contract(&mut points).unwrap();
-    assert_eq!(programs.programs().is_some(), costate_jit::supported().is_ok());
+    let mut never = ProgramPoints::new(&robot, MachineCode::Never);
+    let mut later = ProgramPoints::new(&robot, MachineCode::Later);
+    let first = later.left;
+    for _ in 0..first[1].div_ceil(60) {
+        later.contract(&mut points).unwrap();
+        assert!(same(&points.hessian, &expected.hessian));
+    }
+    assert_eq!(later.left, [first[0], 0]);
+    never.contract(&mut points).unwrap();
+    assert!(same(&points.hessian, &expected.hessian));
+    later.contract(&mut points).unwrap();
+    assert_eq!(!same(&points.hessian, &expected.hessian), costate_jit::supported().is_ok());
     alike(&expected.hessian, &points.hessian, 9 * 36);
+    later.left = [0; 2];
+    later.evaluate(&mut points).unwrap();
     assert_eq!(allocations(|| drop(points.clone())), 5);
     let count = allocations(|| {
-        programs.evaluate(&mut points).unwrap();
-        programs.contract(&mut points).unwrap();
+        later.evaluate(&mut points).unwrap();
+        later.contract(&mut points).unwrap();
     });
     assert_eq!(count, 0);
 }

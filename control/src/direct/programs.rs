@@ -3,66 +3,64 @@
 use crate::constants::programs as constants;
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::robot::Robot;
-use costate_jit::{Compiled, JitError};
-use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
+use costate_jit::Compiled;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Four states at once.
 pub(super) type Lanes = Compiled<[f64; 4]>;
 
-/// tau, and tau with tau_z and the Hessian of w.tau.
+/// The programs of a robot, each compiled when it is first asked for; `None` where the processor or the
+/// length of the program does not allow it.
 #[derive(Debug)]
 pub(super) struct Programs {
-    pub tau: Lanes,
-    pub second: Lanes,
+    robot: Robot,
+    tau: OnceLock<Option<Lanes>>,
+    second: OnceLock<Option<Lanes>>,
 }
 
-/// The programs of a robot, once they are compiled; `None` where the processor or the length of the programs
-/// does not allow it.
-pub(super) type Shared = Arc<OnceLock<Option<Arc<Programs>>>>;
-
-/// Robots, the latest one first.
-type Robots = Vec<(Robot, Shared)>;
-
-/// Those of the last problems.
-static RECENT: LazyLock<Mutex<Robots>> = LazyLock::new(Mutex::default);
-
-/// The place for the programs of this robot, which all problems with an equal robot share.
-pub(super) fn of(robot: &Robot) -> Shared {
-    // What a panic leaves behind is a list all the same.
-    let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);
-    first(&mut recent, robot)
-}
-
-/// Moves a robot to the front; too old ones go.
-fn first(recent: &mut Robots, robot: &Robot) -> Shared {
-    let known = recent.iter().position(|(known, _)| known == robot);
-    let entry = known.map_or_else(|| (robot.clone(), Shared::default()), |at| recent.remove(at));
-    let shared = entry.1.clone();
-    recent.truncate(constants::ROBOTS - 1);
-    recent.insert(0, entry);
-    shared
-}
+/// Those of the last problems, the latest one first.
+static RECENT: Mutex<Vec<Arc<Programs>>> = Mutex::new(Vec::new());
 
 impl Programs {
-    /// Records and compiles both.
-    pub fn new(robot: &Robot) -> Option<Self> {
-        if robot.dof() > constants::JOINTS || costate_jit::supported().is_err() {
-            return None;
-        }
-        let compiled = |quantity| {
-            let options = ProgramOptions::default().with_limit(constants::STEPS);
-            let program = robot_program(robot, quantity, Coordinates::Lagrangian, &options).ok()?;
-            let compiled: Result<Lanes, JitError> = Compiled::with_limit(&program, constants::STEPS);
-            compiled.ok()
-        };
-        let second = compiled(Quantity::YTauZZ)?;
-        Some(Self { tau: compiled(Quantity::InverseDynamics)?, second })
+    /// Those of this robot, which all problems with an equal robot share.
+    pub fn of(robot: &Robot) -> Arc<Self> {
+        // What a panic leaves behind is a list all the same.
+        Self::first(&mut RECENT.lock().unwrap_or_else(PoisonError::into_inner), robot)
     }
+
+    /// Moves those of a robot to the front; too old ones go.
+    fn first(recent: &mut Vec<Arc<Self>>, robot: &Robot) -> Arc<Self> {
+        let new = || Arc::new(Self { robot: robot.clone(), tau: OnceLock::new(), second: OnceLock::new() });
+        let known = recent.iter().position(|known| known.robot == *robot);
+        let programs = known.map_or_else(new, |at| recent.remove(at));
+        recent.truncate(constants::ROBOTS - 1);
+        recent.insert(0, Arc::clone(&programs));
+        programs
+    }
+
+    /// tau.
+    pub fn tau(&self) -> Option<&Lanes> {
+        self.tau.get_or_init(|| compiled(&self.robot, Quantity::InverseDynamics)).as_ref()
+    }
+
+    /// tau, tau_z, and the Hessian of w.tau.
+    pub fn second(&self) -> Option<&Lanes> {
+        self.second.get_or_init(|| compiled(&self.robot, Quantity::YTauZZ)).as_ref()
+    }
+}
+
+fn compiled(robot: &Robot, quantity: Quantity) -> Option<Lanes> {
+    if robot.dof() > constants::JOINTS || costate_jit::supported().is_err() {
+        return None;
+    }
+    let options = ProgramOptions::default().with_limit(constants::STEPS);
+    let program = robot_program(robot, quantity, Coordinates::Lagrangian, &options).ok()?;
+    Lanes::with_limit(&program, constants::STEPS).ok()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Robots, first};
+    use super::Programs;
     use crate::constants::programs::ROBOTS;
     use costate_test_support::robots::file;
     use std::sync::Arc;
@@ -70,15 +68,15 @@ mod tests {
     #[test]
     fn equal_robots_share_their_programs_and_others_do_not() {
         let (robot, other) = (file("two_link.toml"), file("pendulum.toml"));
-        let mut recent = Robots::new();
-        let shared = first(&mut recent, &robot);
-        assert!(!Arc::ptr_eq(&shared, &first(&mut recent, &other)));
-        assert!(Arc::ptr_eq(&shared, &first(&mut recent, &robot.clone())));
+        let mut recent = Vec::new();
+        let shared = Programs::first(&mut recent, &robot);
+        assert!(!Arc::ptr_eq(&shared, &Programs::first(&mut recent, &other)));
+        assert!(Arc::ptr_eq(&shared, &Programs::first(&mut recent, &robot.clone())));
         for k in 1..=ROBOTS {
             let elsewhere = robot.with_gravity([0.0, 0.0, k as f64]).unwrap();
-            assert!(!Arc::ptr_eq(&shared, &first(&mut recent, &elsewhere)));
+            assert!(!Arc::ptr_eq(&shared, &Programs::first(&mut recent, &elsewhere)));
             assert_eq!(recent.len(), ROBOTS.min(k + 2));
         }
-        assert!(!Arc::ptr_eq(&shared, &first(&mut recent, &robot)), "the oldest ones go");
+        assert!(!Arc::ptr_eq(&shared, &Programs::first(&mut recent, &robot)), "the oldest ones go");
     }
 }

@@ -57,6 +57,9 @@ impl Direct<'_> {
         let intervals = ((self.options.nodes - 1) / POINTS).max(1);
         let saved = self.saved.filter(|_| number == 0);
         let spline = guess(problem, saved, &disturbance, intervals);
+        #[cfg(feature = "jit")]
+        let dynamics = FastPoints::new(&problem.robot, self.options.machine_code);
+        #[cfg(not(feature = "jit"))]
         let dynamics = FastPoints::new(&problem.robot);
         let mut interior =
             Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);

@@ -63,8 +63,8 @@ impl<const R: usize, const C: usize> Tile<R, C> {
     fn subtract_products<const FUSED: bool>(&mut self, above: &[f64], stride: usize, i: usize, j: usize) {
         for row in above.chunks_exact(stride) {
             let (factors, entries) = (part::<R>(row, i), part::<C>(row, j));
-            for r in 0..R {
-                subtract::<FUSED, C>(&mut self.0[r], factors[r], &entries);
+            for (to, factor) in self.0.iter_mut().zip(factors) {
+                subtract::<FUSED, C>(to, factor, &entries);
             }
         }
     }
@@ -223,8 +223,8 @@ pub(super) fn substitute_forward<const FUSED: bool, const R: usize>(
     in_tiles!(R, r.len(), j, C => {
         let tile = Tile::<R, C>::load(rows, stride, i + j);
         let mut right = part::<C>(r, j);
-        for k in 0..R {
-            subtract::<FUSED, C>(&mut right, y[k], &tile.0[k]);
+        for (y, row) in y.into_iter().zip(&tile.0) {
+            subtract::<FUSED, C>(&mut right, y, row);
         }
         r[j..j + C].copy_from_slice(&right);
     });
@@ -241,9 +241,9 @@ pub(super) fn substitute_backward<const FUSED: bool, const R: usize>(
     let mut sums = [[0.0; 8]; R];
     in_tiles!(R, x.len(), j, C => {
         let (tile, right) = (Tile::<R, C>::load(rows, stride, i + j), part::<C>(x, j));
-        for k in 0..R {
+        for (sums, row) in sums.iter_mut().zip(&tile.0) {
             for c in 0..C {
-                sums[k][c] = multiply_add::<FUSED>(tile.0[k][c], right[c], sums[k][c]);
+                sums[c] = multiply_add::<FUSED>(row[c], right[c], sums[c]);
             }
         }
     });

@@ -1,6 +1,6 @@
 //! The tables and keys of a problem file.
 
-use crate::options::{Coordinates, JacobianRoute, Method, Polish, SolverOptions, Verify};
+use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Verify};
 use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Fault, Table, string, whole};
 use crate::problem::file::error::ProblemFileCause;
@@ -43,6 +43,7 @@ const SOLVER: &[&str] = &[
     "coordinates",
     "verify",
     "polish",
+    "machine_code",
     "time_limit",
 ];
 
@@ -53,6 +54,8 @@ const JACOBIANS: [(&str, JacobianRoute); 3] = [
 ];
 const METHODS: [(&str, Method); 3] =
     [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
+const MACHINE_CODE: [(&str, MachineCode); 3] =
+    [("later", MachineCode::Later), ("at_once", MachineCode::AtOnce), ("never", MachineCode::Never)];
 const COORDINATES: [(&str, Coordinates); 2] =
     [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
 const VERIFICATIONS: [(&str, Verify); 3] =
@@ -206,6 +209,7 @@ fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fau
         coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
         verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
         polish: polish(table)?.unwrap_or(defaults.polish),
+        machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
         time_limit: time_limit(table)?,
         ..defaults
     })
