@@ -313,9 +313,9 @@ pub(crate) mod direct {
     pub const ACTIVE: f64 = 1e-4;
     /// The problem on a mesh is solved to this part of the tolerance.
     pub const PART_OF_TOLERANCE: f64 = 0.1;
-    /// A motion is verified if it ends within this factor of the root of the tolerance when its torques, cut to
-    /// their limits, are integrated; relative to the largest values along it. The cost of an optimal motion is
-    /// stationary, so its error is about the square of that of the states.
+    /// A motion is verified if it ends within this factor of the root of the tolerance when its torques,
+    /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
+    /// optimal motion is stationary, so its error is about the square of that of the states.
     pub const VERIFIED: f64 = 0.3;
     /// The problem on the first mesh is solved to this part of the cost.
     pub const FIRST_PRECISION: f64 = 1e-3;
@@ -329,13 +329,14 @@ pub(crate) mod direct {
     pub const MOST_PARTS: f64 = 4.0;
     /// Nodes are no closer than this part of the whole.
     pub const NARROWEST: f64 = 1e-7;
-    /// Torques and accelerations that change by less than this part of their range over an interval do not jump
-    /// in it.
+    /// Torques and accelerations that change by less than this part of their range over an interval do
+    /// not jump in it.
     pub const LEAST_JUMP: f64 = 0.01;
-    /// Polynomials that miss the value of the next interval by more than this part of a change contain a jump.
+    /// Polynomials that miss the value of the next interval by more than this part of a change contain a
+    /// jump.
     pub const MISS: f64 = 0.01;
-    /// A jump at a node is one of the exact motion if it is larger than this part of the range of the torque, and
-    /// that at the other end of an interval smaller than this part of it.
+    /// A jump at a node is one of the exact motion if it is larger than this part of the range of the
+    /// torque, and that at the other end of an interval smaller than this part of it.
     pub const EXACT_JUMP: f64 = 0.05;
     /// Jumps at places of an interval that differ by less than this part of it are one.
     pub const SAME_JUMP: f64 = 0.1;

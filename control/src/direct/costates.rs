@@ -19,10 +19,10 @@ pub(super) struct Costates {
 
 /// From an iterate whose points are contracted.
 ///
-/// At a node the costate of a state is minus the derivative of the Lagrange function of what remains by it:
-/// the part that the interval to the right adds to the gradient. At a point the costate of p is the derivative
-/// of the Lagrange function by the torque, over weight and duration, `y_p = r tau + (eta_max - eta_min)`. In
-/// (q, v) the costates are `lambda_v = M y_p` and
+/// At a node the costate of a state is minus the derivative of the Lagrange function of what remains by
+/// it: the part that the interval to the right adds to the gradient. At a point the costate of p is the
+/// derivative of the Lagrange function by the torque, over weight and duration, `y_p = r tau + (eta_max
+/// - eta_min)`. In (q, v) the costates are `lambda_v = M y_p` and
 ///
 /// $$ \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt}(M y_p) $$
 ///

@@ -2,8 +2,8 @@
 
 use crate::problem::{BoundaryState, FinalTime, Problem};
 
-/// For each unknown (q, dq/ds) of the first and of the last node: `None` if it is free, else its derivative in
-/// T: dq/ds = T v.
+/// For each unknown (q, dq/ds) of the first and of the last node: `None` if it is free, else its
+/// derivative in T: dq/ds = T v.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends {
     /// Start and end.

@@ -9,8 +9,8 @@ const PAIRS: usize = COEFFICIENTS * (COEFFICIENTS + 1) / 2;
 
 /// The Hessians of the points of an interval on their way into a matrix.
 ///
-/// All derivatives of z in the coefficients are numbers times the identity. So Hessians are kept as blocks, n x n for
-/// each pair of derivatives or of coefficients, and whole blocks are combined.
+/// All derivatives of z in the coefficients are numbers times the identity. So Hessians are kept as
+/// blocks, n x n for each pair of derivatives or of coefficients, and whole blocks are combined.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IntervalHessian {
     /// The blocks of a Hessian in z: 3 x 3.

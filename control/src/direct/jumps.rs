@@ -125,9 +125,9 @@ impl Jumps {
 
     /// The place in interval k where value i jumps, if it does.
     ///
-    /// If it jumps from A to B at the part x of the interval, its mean is `x A + (1 - x) B`, where A and B are means
-    /// of the values beside the interval, continued into it. The optimal motion on a mesh has this mean but for
-    /// terms in the square of the width.
+    /// If it jumps from A to B at the part x of the interval, its mean is `x A + (1 - x) B`, where A and
+    /// B are means of the values beside the interval, continued into it. The optimal motion on a mesh
+    /// has this mean but for terms in the square of the width.
     fn jump(&self, k: usize, i: usize) -> Option<f64> {
         let (before, after) = (self.piece(k - 1, i), self.piece(k + 1, i));
         let change = before.right[0] - after.left[0];

@@ -5,8 +5,8 @@ use super::points::Points;
 use super::spline::{Mesh, Spline};
 use std::ops::Range;
 
-/// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and rates
-/// are limited; without it rates could swing between the points.
+/// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
+/// rates are limited; without it rates could swing between the points.
 const NODE_WEIGHT: f64 = 0.1;
 
 /// What is limited. The order is that of the values of a point.

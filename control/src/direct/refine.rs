@@ -148,9 +148,9 @@ impl Resolution {
         self.add_errors_of_limits(interior);
     }
 
-    /// Adds to the error of each interval what multiplier times distance make in the mean between points. On
-    /// smooth arcs at a limit the distance of a torque or acceleration changes its sign at each point, and next to
-    /// nothing is left.
+    /// Adds to the error of each interval what multiplier times distance make in the mean between
+    /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
+    /// each point, and next to nothing is left.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
         let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
         let sides = interior.barrier.sides();
@@ -171,9 +171,10 @@ impl Resolution {
         }
     }
 
-    /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with the
-    /// largest errors, until what is left is a small part of the whole or of `tolerance`. Where a torque jumps
-    /// inside of an interval a node moves there, or is added; other intervals are divided evenly.
+    /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with
+    /// the largest errors, until what is left is a small part of the whole or of `tolerance`. Where a
+    /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
+    /// evenly.
     pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
         let mut chosen: Vec<bool> =
             self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
@@ -205,7 +206,8 @@ impl Resolution {
                 }
             }
             if cuts.is_empty() {
-                // The error of a motion that is smooth in an interval falls with the seventh power of its width.
+                // The error of a motion that is smooth in an interval falls with the seventh power of
+                // its width.
                 let parts = (self.errors[k] / share).powf(1.0 / 7.0).ceil().clamp(2.0, constants::MOST_PARTS);
                 added.extend((1..parts as usize).map(|part| left + width * part as f64 / parts));
             }
@@ -218,8 +220,8 @@ impl Resolution {
         nodes
     }
 
-    /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not at a jump, and
-    /// stays.
+    /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not
+    /// at a jump, and stays.
     fn approaches(&self, from: f64, to: f64) -> bool {
         let before = self.moves.iter().find(|before| before.place == from);
         before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)

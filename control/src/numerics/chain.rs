@@ -50,7 +50,8 @@ impl ChainMatrix {
         }
     }
 
-    /// Sets the number of intervals, and all entries to zero. Allocates only if it is larger than ever before.
+    /// Sets the number of intervals, and all entries to zero. Allocates only if it is larger than ever
+    /// before.
     pub fn reset(&mut self, intervals: usize) {
         self.intervals = intervals;
         self.inner_rows.clear();

@@ -182,8 +182,8 @@ fn factorise_panel<const FUSED: bool, const R: usize>(
     Ok(())
 }
 
-/// Subtracts the first `size` rows of X'X, up to the column `width`, from the upper triangle of the rows below,
-/// where X are the columns from `from` of the rows above. Both come with their strides.
+/// Subtracts the first `size` rows of X'X, up to the column `width`, from the upper triangle of the rows
+/// below, where X are the columns from `from` of the rows above. Both come with their strides.
 #[inline(always)]
 pub(super) fn subtract_square<const FUSED: bool>(
     (above, above_stride): (&[f64], usize),
