@@ -84,9 +84,12 @@ impl Solution {
             return Err(SampleError::Rate { rate });
         }
         let trajectory = &self.trajectory;
-        let (Some(&start), Some(&end)) = (trajectory.t.first(), trajectory.t.last()) else {
+        let (Some(&start), Some(&last)) = (trajectory.t.first(), trajectory.t.last()) else {
             return Err(SampleError::NoMotion);
         };
+        // Times are sums of widths: the last one is T but for rounding.
+        let exact = start + self.motion.final_time;
+        let end = if (last - exact).abs() <= 1e-12 * exact.abs() { exact } else { last };
         let (found, expected) = (trajectory.q[0].len(), problem.robot.dof());
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });
@@ -98,7 +101,7 @@ impl Solution {
         let regular = (0..count as usize).map(|k| start + k as f64 / rate);
         let mut samples = Samples { rate, t: regular.chain([end]).collect(), ..Samples::default() };
         let mut actuation = Actuation::new(problem);
-        for &t in &samples.t {
+        for t in samples.t.iter().map(|t| t.min(last)) {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
             let (a, tau) = actuation.at(trajectory, &point)?;
             let mut u: Vec<f64> = match trajectory.acceleration(t) {
