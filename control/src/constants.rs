@@ -157,6 +157,28 @@ pub(crate) mod attempts {
     }
 }
 
+/// Extremals from motions of the direct method ([`crate::polish`]).
+pub(crate) mod polish {
+    use std::time::Duration;
+
+    /// A polish may take this many times the time of the direct method.
+    pub const SHARE: u32 = 10;
+    /// A polish may take this long in any case.
+    pub const LEAST_TIME: Duration = Duration::from_millis(20);
+    /// Points of the direct method in an interval of its mesh: that mesh is the first one of the polish.
+    pub const STRIDE: usize = 4;
+    /// How much more than the motion of the direct method an extremal may cost, in parts of the tolerance:
+    /// the error of that cost is of this size.
+    pub const SLACK: f64 = 10.0;
+    /// The same in parts of the cost, where the direct method did not converge.
+    pub const SLACK_UNSOLVED: f64 = 0.01;
+    /// Relative smoothing from which controls without effort are sharpened if the arcs of the motion are not
+    /// those of an extremal.
+    pub const SMOOTHING: f64 = 0.01;
+    /// Places in an interval at which limits are checked.
+    pub const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+}
+
 /// Paths of low cost ([`crate::path`]).
 pub(crate) mod path {
     /// Intervals of the first splines.
@@ -253,7 +275,7 @@ pub(crate) mod direct {
     /// Costs are not resolved below that of a motion by so much (rad, m).
     pub const SMALL_MOTION: f64 = 1e-3;
     /// Gap at the start, as a part of the cost of the guess.
-    pub const FIRST_GAP: f64 = 0.1;
+    pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
     /// corner.
     pub const WARM: f64 = 1e-2;
@@ -291,10 +313,58 @@ pub(crate) mod direct {
     pub const ACTIVE: f64 = 1e-4;
     /// The problem on a mesh is solved to this part of the tolerance.
     pub const PART_OF_TOLERANCE: f64 = 0.1;
-    /// Meshes are refined until this part of the estimated error lies in intervals that were not halved.
-    pub const LEFT: f64 = 0.1;
+    /// A motion is verified if it ends within this factor of the root of the tolerance when its torques,
+    /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
+    /// optimal motion is stationary, so its error is about the square of that of the states.
+    pub const VERIFIED: f64 = 0.3;
+    /// The problem on the first mesh is solved to this part of the cost.
+    pub const FIRST_PRECISION: f64 = 1e-3;
+    /// Those on later meshes to this part of the estimated error before.
+    pub const PRECISION: f64 = 1e-2;
+    /// Intervals are divided until those that are not have this part of the estimated error..
+    pub const LEFT: f64 = 0.002;
+    /// .. or this part of the tolerance.
+    pub const ENOUGH: f64 = 0.1;
+    /// Most parts into which an interval is divided at once.
+    pub const MOST_PARTS: f64 = 4.0;
+    /// Nodes are no closer than this part of the whole.
+    pub const NARROWEST: f64 = 1e-7;
+    /// Torques and accelerations that change by less than this part of their range over an interval do
+    /// not jump in it.
+    pub const LEAST_JUMP: f64 = 0.01;
+    /// Polynomials that miss the value of the next interval by more than this part of a change contain a
+    /// jump.
+    pub const MISS: f64 = 0.01;
+    /// A jump at a node is one of the exact motion if it is larger than this part of the range of the
+    /// torque, and that at the other end of an interval smaller than this part of it.
+    pub const EXACT_JUMP: f64 = 0.05;
+    /// Jumps at places of an interval that differ by less than this part of it are one.
+    pub const SAME_JUMP: f64 = 0.1;
+    /// A node at which a torque jumps by more than this part of its range stays.
+    pub const NEEDED: f64 = 0.2;
+    /// A node moves to a jump that is within this part of the interval beside it.
+    pub const NEAR_NODE: f64 = 0.3;
+    /// A node moves again if the way is shorter than this part of the last one.
+    pub const APPROACH: f64 = 0.5;
     /// Most meshes.
     pub const MESHES: usize = 16;
     /// Meshes after which a motion that exceeds limits is given up.
     pub const MESHES_WITHOUT_MOTION: usize = 2;
+}
+
+/// Machine code for the points of the direct method (`direct::programs`).
+#[cfg(feature = "jit")]
+pub(crate) mod programs {
+    /// Robots whose programs are kept for later problems.
+    pub const ROBOTS: usize = 4;
+    /// Points for each joint whose second derivatives the generic code computes before their program is
+    /// compiled, unless [`MachineCode`](crate::MachineCode) says otherwise: they take about half of the time
+    /// of compiling. A solve from a good guess needs no more.
+    pub const HESSIANS: usize = 120;
+    /// The same for points whose torques alone are computed.
+    pub const TORQUES: usize = 300;
+    /// Longest programs, in steps; longer ones take longer to compile than they save in one solve.
+    pub const STEPS: usize = 16_000;
+    /// Most joints, so that no robot is recorded for long in vain.
+    pub const JOINTS: usize = 14;
 }

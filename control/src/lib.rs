@@ -27,7 +27,9 @@ mod direct;
 mod extremal;
 mod numerics;
 mod options;
+mod parallel;
 mod path;
+mod polish;
 mod problem;
 mod progress;
 mod result;
@@ -53,7 +55,7 @@ pub use extremal::{
     Homotopy, Relaxation, SideChange,
 };
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
-pub use options::{Coordinates, JacobianRoute, Method, SolverOptions, Strategy};
+pub use options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Strategy, Verify};
 pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};
@@ -67,6 +69,8 @@ pub use progress::{Cancel, Iteration, Phase};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
+pub use result::polish_report::{PolishOutcome, PolishReport};
+pub use result::samples::{SampleError, Samples};
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;

@@ -3,6 +3,7 @@
 use crate::problem::error::ProblemError;
 pub use costate::Coordinates;
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 use std::time::Duration;
 
 /// The matrix of Newton's method.
@@ -35,6 +36,44 @@ pub enum Method {
     Direct,
 }
 
+/// Whether the motion of the direct method becomes the first guess of an extremal, for problems in which
+/// nothing but controls is at its limits. [`Solution::polish`](crate::Solution::polish) says which of the two
+/// is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Polish {
+    /// Where it applies, for at most ten times the time that the direct method took.
+    #[default]
+    Auto,
+    /// Where it applies.
+    Always,
+    /// Not at all.
+    Never,
+}
+
+/// How a solution that was found is verified. The equations are solved and the error is estimated at every
+/// level; the levels differ in what is done afterwards, and [`Motion::verification`] says what that was.
+///
+/// [`Motion::verification`]: crate::Motion::verification
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Verify {
+    /// Not at all: what was found has the status [`Status::NotVerified`](crate::Status::NotVerified).
+    None,
+    /// By what solving has computed. Of collocation and shooting: the estimated error, and the rounding
+    /// errors that the factored matrix makes of those of the equations
+    /// ([`Motion::conditioning`](crate::Motion::conditioning)), are both below the tolerance. Of the direct
+    /// method: the estimated error of the cost and all limits. Nothing is integrated, so there are no end
+    /// defect, shooting defect and conjugate times.
+    Factors,
+    /// An adaptive integrator repeats the motion from its start with the control that was found, and looks
+    /// for conjugate times.
+    #[default]
+    Full,
+}
+
 /// Which attempts a search makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -46,6 +85,25 @@ pub enum Strategy {
     Full,
     /// Newton's method from the guess alone; for comparison.
     Direct,
+}
+
+/// When the direct method compiles the dynamics of the robot to machine code (feature `jit`, x86-64 with
+/// AVX2).
+///
+/// Machine code takes a fifth to a tenth of the time of the generic code, and some milliseconds to make for a
+/// robot of six joints. It is kept for the last four robots. Results differ by rounding. Robots of more than
+/// 14 joints, and very long programs, are left to the generic code.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum MachineCode {
+    /// After as many evaluations by the generic code as show that it will pay.
+    #[default]
+    Later,
+    /// Before the first evaluation: for many problems of one robot.
+    AtOnce,
+    /// Never.
+    Never,
 }
 
 /// How to solve a problem.
@@ -70,11 +128,20 @@ pub struct SolverOptions {
     pub coordinates: Coordinates,
     /// Which attempts are made.
     pub strategy: Strategy,
+    /// How a solution is verified.
+    pub verify: Verify,
+    /// Whether the motion of the direct method is polished.
+    pub polish: Polish,
     /// Lobatto points in an interval: 3 (order 4) or 4 (order 6).
     pub points: usize,
     /// Number of guesses: the first as described in [`Solver`](crate::Solver), the others with random
     /// disturbances.
     pub starts: usize,
+    /// Threads for several starts; by default as many as the processor runs at once. Results do not depend on
+    /// it.
+    pub threads: Option<usize>,
+    /// When the dynamics are compiled, in the direct method.
+    pub machine_code: MachineCode,
     /// Seed of the disturbances.
     pub seed: u64,
     /// Longest time that solving may take, all starts together; it is checked before each Newton step and
@@ -102,7 +169,7 @@ mod seconds {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            tolerance: 1e-9,
+            tolerance: 1e-6,
             method: Method::Collocation,
             nodes: 21,
             max_nodes: 6001,
@@ -110,8 +177,12 @@ impl Default for SolverOptions {
             jacobian: JacobianRoute::Exact,
             coordinates: Coordinates::Hamiltonian,
             strategy: Strategy::Full,
+            verify: Verify::Full,
+            polish: Polish::Auto,
             points: 4,
             starts: 1,
+            threads: None,
+            machine_code: MachineCode::Later,
             seed: 0,
             time_limit: None,
         }
@@ -119,10 +190,9 @@ impl Default for SolverOptions {
 }
 
 impl SolverOptions {
-    /// The options of the direct method: [`tolerance`](Self#structfield.tolerance) is the largest estimated
-    /// error of the cost, relative to the cost, 1e-6.
+    /// The options of the direct method, which takes more and cheaper steps than the others.
     pub fn direct() -> Self {
-        Self { method: Method::Direct, tolerance: 1e-6, max_iterations: 200, ..Self::default() }
+        Self { method: Method::Direct, max_iterations: 200, ..Self::default() }
     }
 }
 
@@ -182,6 +252,18 @@ impl SolverOptions {
         Self { strategy, ..self }
     }
 
+    /// Sets [`verify`](Self#structfield.verify).
+    #[must_use]
+    pub fn with_verify(self, verify: Verify) -> Self {
+        Self { verify, ..self }
+    }
+
+    /// Sets [`polish`](Self#structfield.polish).
+    #[must_use]
+    pub fn with_polish(self, polish: Polish) -> Self {
+        Self { polish, ..self }
+    }
+
     /// Sets [`points`](Self#structfield.points).
     #[must_use]
     pub fn with_points(self, points: usize) -> Self {
@@ -192,6 +274,18 @@ impl SolverOptions {
     #[must_use]
     pub fn with_starts(self, starts: usize) -> Self {
         Self { starts, ..self }
+    }
+
+    /// Sets [`threads`](Self#structfield.threads).
+    #[must_use]
+    pub fn with_threads(self, threads: usize) -> Self {
+        Self { threads: Some(threads), ..self }
+    }
+
+    /// Sets [`machine_code`](Self#structfield.machine_code).
+    #[must_use]
+    pub fn with_machine_code(self, machine_code: MachineCode) -> Self {
+        Self { machine_code, ..self }
     }
 
     /// Sets [`seed`](Self#structfield.seed).
@@ -208,6 +302,12 @@ impl SolverOptions {
 }
 
 impl SolverOptions {
+    /// The number of threads for so many starts.
+    pub(crate) fn threads_for(&self, starts: usize) -> usize {
+        let all = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        if starts == 1 { 1 } else { self.threads.unwrap_or_else(all).min(starts) }
+    }
+
     /// Whether all options are in range.
     ///
     /// # Errors
@@ -235,6 +335,9 @@ impl SolverOptions {
         }
         if self.starts == 0 {
             return bad("starts", 0.0, "must be 1 or more");
+        }
+        if self.threads == Some(0) {
+            return bad("threads", 0.0, "must be 1 or more");
         }
         if self.time_limit == Some(Duration::ZERO) {
             return bad("time_limit", 0.0, "must be a positive number of seconds");

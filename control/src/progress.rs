@@ -43,6 +43,9 @@ pub enum Phase {
     /// The direct method.
     #[serde(rename = "direct")]
     Direct,
+    /// An extremal from the motion of the direct method.
+    #[serde(rename = "polish")]
+    Polish,
     /// A branch of solutions ([`Continuation`](crate::Continuation)).
     #[serde(rename = "continuation")]
     Continuation,
@@ -63,6 +66,7 @@ impl Phase {
             Self::Smoothing => "smoothing",
             Self::Switches => "switches",
             Self::Direct => "direct",
+            Self::Polish => "polish",
             Self::Continuation => "continuation",
         }
     }

@@ -63,7 +63,7 @@ pub fn solve_extremal<E: Extremal>(
     let mut recorder = Recorder::new(None, Stop::new(None, options.time_limit));
     let search = Search { extremal, time, guess: &mut Plain(guess), recorder: &mut recorder };
     let found = search.run(options);
-    found.into_solution(extremal, recorder.iterations, options.tolerance)
+    found.into_solution(extremal, &mut recorder, options)
 }
 
 /// Solves the problem of `extremal` from a straight line between its ends. Another first guess can be given

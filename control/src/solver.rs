@@ -2,6 +2,7 @@
 
 use crate::direct::Direct;
 use crate::options::{Method, SolverOptions};
+use crate::polish::polish;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
@@ -14,6 +15,7 @@ use crate::solve::recorder::Stop;
 use crate::starts::{Starts, saved};
 use std::fmt;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// Solves a [`Problem`] from one or several guesses and keeps the cheapest motion found.
 ///
@@ -28,7 +30,8 @@ use std::ops::ControlFlow;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
+/// let options = SolverOptions::default().with_tolerance(1e-9);
+/// let solution = Solver::new(&problem, options)?.solve();
 /// assert!(solution.motion.status.is_converged());
 /// assert!((solution.motion.cost - 74.0616592202).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -84,7 +87,9 @@ impl<'a> Solver<'a> {
         let Self { problem, options, start, listener, cancel } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         if options.method == Method::Direct {
-            return Direct { problem, options: &options, saved: start.as_ref() }.solve(&mut recorder);
+            let began = Instant::now();
+            let found = Direct { problem, options: &options, saved: start.as_ref() }.solve(&mut recorder);
+            return polish(&problem, &options, found, began.elapsed(), &mut recorder);
         }
         let starts = Starts { problem, options: &options, saved: start.as_ref().map(saved) };
         starts.solve(&mut recorder)

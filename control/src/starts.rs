@@ -4,13 +4,15 @@ use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::OfRobot;
 use crate::options::{Coordinates, SolverOptions};
+use crate::parallel::best_of_starts;
+use crate::path::PathMotion;
 use crate::path::cubics::Disturbance;
 use crate::problem::check::CheckedProblem;
 use crate::problem::{BoundaryState, Problem};
 use crate::progress::Phase;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, ExtremalSolution, Motion};
-use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
+use crate::result::solution::{CostateStart, RobotNames, Solution};
 use crate::result::trajectory::Trajectory;
 use crate::search::Search;
 use crate::search::guess::{RobotGuess, SavedMotion};
@@ -21,8 +23,8 @@ use costate::EvalError;
 
 /// A motion as the start of a search.
 pub(crate) fn saved(trajectory: &Trajectory) -> SavedMotion<'_> {
-    let Trajectory { t, q, p, y_q, y_p, .. } = trajectory;
-    SavedMotion { t, parts: [q, p, y_q, y_p] }
+    let Trajectory { t, q, p, u, y_q, y_p, .. } = trajectory;
+    SavedMotion { t, parts: [q, p, y_q, y_p], stride: 1, u }
 }
 
 /// A problem that is solved from one or several guesses.
@@ -36,28 +38,9 @@ pub(crate) struct Starts<'a> {
 impl Starts<'_> {
     /// The best solution of all starts: the cheapest converged one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
-        let result = |Solution { motion, .. }: &Solution| StartResult {
-            total: motion.total(),
-            status: motion.status.clone(),
-        };
-        let rank = |motion: &Motion| (!motion.status.is_solved(), motion.total());
-        let mut best = self.solution_of(0, recorder);
-        let (mut starts, mut steps) = (vec![result(&best)], best.newton_iterations);
-        for number in 1..self.options.starts {
-            if recorder.interruption().is_some() {
-                break;
-            }
-            let solution = self.solution_of(number, recorder);
-            starts.push(result(&solution));
-            steps += solution.newton_iterations;
-            if rank(&solution.motion) < rank(&best.motion) {
-                best = solution;
-            }
-        }
-        best.newton_iterations = steps;
-        best.starts = starts;
-        best.options = self.options.clone();
-        best
+        let solve = |number, recorder: &mut Recorder<'_>| self.solution_of(number, recorder);
+        let missing = || Solution::missing(&self.problem.robot, Status::Cancelled, self.problem.time.value());
+        best_of_starts(self.options, recorder, solve).unwrap_or_else(missing)
     }
 
     /// Where a start leads; no motion if the equations of the problem cannot be evaluated.
@@ -109,39 +92,53 @@ impl Starts<'_> {
 
     fn search_from(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let mut momenta = RobotExtremal::new(self.problem, self.options.jacobian)?;
-        let found = match self.options.coordinates {
+        let (found, path) = match self.options.coordinates {
             Coordinates::Hamiltonian => self.search(number, &mut momenta.clone(), &momenta, recorder),
             Coordinates::Lagrangian => {
                 let mut extremal = LagrangianExtremal::new(self.problem, self.options.jacobian)?;
                 self.search(number, &mut extremal, &momenta, recorder)
             }
         };
-        Ok(solution(self.problem.problem(), self.options, found, &mut momenta))
+        let found = solution(self.problem.problem(), self.options, found, &mut momenta);
+        Ok(match path {
+            Some(path) => along_path(found, path),
+            None => found,
+        })
     }
 
-    /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p).
+    /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p). Also the motion along a path, if
+    /// there is one and no extremal was found.
     fn search<E: OfRobot>(
         &self,
         number: usize,
         extremal: &mut E,
         momenta: &RobotExtremal,
         recorder: &mut Recorder<'_>,
-    ) -> ExtremalSolution {
+    ) -> (ExtremalSolution, Option<PathMotion>) {
         let guess = RobotGuess {
             problem: self.problem.problem(),
             disturbance: Disturbance::draw(&self.problem, self.options.seed, number),
             saved: self.saved.filter(|_| number == 0),
             momenta: momenta.clone(),
-            path: None,
+            paths: Vec::new(),
         };
         let mut guess = Mapped::<E>::new(guess, &self.problem.robot);
         let search = Search { extremal, time: self.problem.time, guess: &mut guess, recorder };
         let found = search.run(self.options);
-        let iterations = std::mem::take(&mut recorder.iterations);
-        let mut solution = found.into_solution(extremal, iterations, self.options.tolerance);
+        let mut solution = found.into_solution(extremal, recorder, self.options);
         solution.map(|z| E::give(&mut guess.map, z));
-        solution
+        let path = if solution.motion.status.is_far() { guess.guess.path_motion() } else { None };
+        (solution, path)
     }
+}
+
+/// The motion along a path in place of an iterate that is far from a solution.
+fn along_path(iterate: Solution, path: PathMotion) -> Solution {
+    let PathMotion { times, rows, cost, penalty_cost } = path;
+    let time = times.last().copied().unwrap_or(f64::NAN);
+    let iterations = iterate.motion.iterations;
+    let motion = Motion { cost, penalty_cost, iterations, ..Motion::missing(Status::PathOnly, time) };
+    Solution { motion, trajectory: Trajectory::from_rows(times, rows), end_defect: f64::INFINITY, ..iterate }
 }
 
 /// The solution of a problem from that of its extremal: adds the velocities at the nodes and the largest
@@ -170,6 +167,7 @@ pub(crate) fn solution(
         newton_iterations: motion.iterations.iter().filter(|step| step.phase != Phase::Path).count(),
         end_defect,
         limits: LimitReport::default(),
+        polish: None,
         trajectory: Trajectory::from_nodes(nodes, v),
         starts: Vec::new(),
         options: options.clone(),

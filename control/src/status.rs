@@ -42,7 +42,8 @@ pub struct BoundViolation {
 }
 
 /// How a solve ended. [`Converged`](Self::Converged) and [`ConvergedSmoothed`](Self::ConvergedSmoothed) are
-/// solutions; with any other status the motion is the best iterate.
+/// solutions; with any other status the motion is the best iterate, or as the status
+/// says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 #[non_exhaustive]
@@ -78,6 +79,9 @@ pub enum Status {
     /// There is no motion then; [`Motion::bound_violation`](crate::Motion::bound_violation) says how much is
     /// missing.
     BoundsNotReached,
+    /// No extremal was found. The motion is the cheapest one of the path search: it meets both ends and keeps
+    /// the bounds, and its cost is that of a motion nearby that is not quite optimal.
+    PathOnly,
     /// The direct method found no motion that keeps all hard limits. The motion is the one with which it
     /// stopped; [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.
     LimitsNotKept,
@@ -102,6 +106,7 @@ impl Status {
             Self::ContinuationFailed => "continuation_failed",
             Self::SwitchesNotRefined => "switches_not_refined",
             Self::BoundsNotReached => "bounds_not_reached",
+            Self::PathOnly => "path_only",
             Self::LimitsNotKept => "limits_not_kept",
             Self::Cancelled => "cancelled",
             Self::TimeLimit => "time_limit",
@@ -116,6 +121,14 @@ impl Status {
     /// Whether the motion is a solution: of the problem, or of its smoothed form.
     pub fn is_solved(&self) -> bool {
         matches!(self, Self::Converged | Self::ConvergedSmoothed)
+    }
+
+    /// Whether the best iterate need not be near a solution: Newton's method did not converge.
+    pub(crate) fn is_far(&self) -> bool {
+        matches!(
+            self,
+            Self::NewtonFailed | Self::IterationLimit | Self::EvaluationFailed(_) | Self::ContinuationFailed
+        )
     }
 
     /// Whether the search was stopped by the caller or by the time limit.
@@ -158,6 +171,10 @@ impl fmt::Display for Status {
             Self::BoundsNotReached => {
                 "no motion within the bounds was found; widen the bounds or allow more time"
             }
+            Self::PathOnly => {
+                "no optimal motion was found; this one meets both ends and keeps the bounds, and its cost is \
+                 an upper limit; try more guesses (starts), a longer time, or more nodes"
+            }
             Self::LimitsNotKept => {
                 "no motion that keeps all limits was found; widen the limits or allow more time"
             }
@@ -178,7 +195,7 @@ impl From<Status> for String {
 }
 
 /// The statuses without a reason of their own.
-const NAMED: [Status; 13] = [
+const NAMED: [Status; 14] = [
     Status::Converged,
     Status::ConvergedSmoothed,
     Status::NotVerified,
@@ -189,6 +206,7 @@ const NAMED: [Status; 13] = [
     Status::ContinuationFailed,
     Status::SwitchesNotRefined,
     Status::BoundsNotReached,
+    Status::PathOnly,
     Status::LimitsNotKept,
     Status::Cancelled,
     Status::TimeLimit,

@@ -44,6 +44,14 @@ enum Form<T: JitNumber> {
     Pairs(T::Pairs),
 }
 
+/// Whether this processor can run machine code of this crate: ask before a program is recorded for it.
+///
+/// # Errors
+/// [`JitError::Processor`].
+pub fn supported() -> Result<(), JitError> {
+    Code::supported()
+}
+
 impl Compiled {
     /// Compiles a program of at most [`DEFAULT_LIMIT`] steps.
     ///

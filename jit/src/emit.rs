@@ -15,8 +15,9 @@ pub(crate) const SIGNS: [[f64; 2]; 2] = [[-0.0; 2]; 2];
 /// [`JitError::Malformed`] where an operand is neither in a register nor in memory.
 pub(crate) fn step(registers: &mut Registers, k: usize, step: &Step) -> Result<Register, JitError> {
     use Arithmetic::{Add, Div, Mul, Sub};
-    registers.keep(&step.operands().collect::<Vec<_>>())?;
-    let [a, b, c] = step.operands.map(|operand| operand as usize);
+    let operands = step.operands.map(|operand| operand as usize);
+    registers.keep(&operands[..step.arity()])?;
+    let [a, b, c] = operands;
     match step.op {
         Op::Add => either_way(registers, Add, a, b),
         Op::Mul => either_way(registers, Mul, a, b),

@@ -10,6 +10,8 @@
 //! `assembler` writes the instructions; `code` is the executable memory, `functions` computes sines and
 //! cosines, `machine` runs all of it. Machine code is straight: it has no branches, calls nothing, and
 //! accesses four slices whose lengths are known when it is written.
+//!
+//! [`widest`] is apart from all this: it runs compiled loops with the widest vectors of the processor.
 
 #![warn(missing_debug_implementations)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
@@ -22,6 +24,7 @@ mod emit;
 mod error;
 mod functions;
 mod limit;
+mod lists;
 mod machine;
 mod number;
 mod order;
@@ -32,11 +35,13 @@ mod quantity;
 mod registers;
 mod step;
 mod translate;
+mod widest;
 
 pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
-pub use compiled::Compiled;
+pub use compiled::{Compiled, supported};
 pub use error::JitError;
 pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};
+pub use widest::{widest, widest_fused};

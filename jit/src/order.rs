@@ -36,6 +36,21 @@ fn heights(nodes: &[Step]) -> Vec<u32> {
     heights
 }
 
+/// No cycle: what has not started.
+const NEVER: u32 = u32::MAX;
+
+/// A step of the window, and the cycle from which it can start, once that is known.
+struct Waiting {
+    step: usize,
+    start: u32,
+}
+
+impl Waiting {
+    fn new(step: usize) -> Self {
+        Self { step, start: NEVER }
+    }
+}
+
 /// Orders the steps of one stage after the other.
 pub(crate) struct Scheduler<'a> {
     nodes: &'a [Step],
@@ -47,7 +62,7 @@ pub(crate) struct Scheduler<'a> {
 
 impl<'a> Scheduler<'a> {
     pub fn new(nodes: &'a [Step]) -> Self {
-        let ready = nodes.iter().map(|node| if node.is_leaf() { 0 } else { u32::MAX }).collect();
+        let ready = nodes.iter().map(|node| if node.is_leaf() { 0 } else { NEVER }).collect();
         Self { nodes, heights: heights(nodes), ready, cycle: 0 }
     }
 
@@ -57,28 +72,51 @@ impl<'a> Scheduler<'a> {
     /// Operands must be earlier steps of this list or steps of earlier calls of this function.
     pub fn stage(&mut self, steps: &[usize]) -> Vec<usize> {
         let mut order = Vec::with_capacity(steps.len());
-        let mut waiting: Vec<usize> = steps.iter().rev().copied().collect();
-        while !waiting.is_empty() {
+        let (first, mut later) = (steps.len().min(WINDOW), steps.iter().skip(WINDOW));
+        let mut window: Vec<Waiting> = steps[..first].iter().map(|&step| Waiting::new(step)).collect();
+        while !window.is_empty() {
+            let mut next = self.cycle + 1;
             for _ in 0..WIDTH {
-                let window = waiting.len().saturating_sub(WINDOW)..waiting.len();
-                let startable = window.filter(|&at| self.can_start(waiting[at]));
-                let Some(at) = startable.max_by_key(|&at| (self.heights[waiting[at]], at)) else { break };
-                let step = waiting.remove(at);
-                self.ready[step] = self.cycle + latency(&self.nodes[step]);
-                order.push(step);
+                match self.highest(&mut window) {
+                    Ok(at) => {
+                        let step = window.remove(at).step;
+                        window.extend(later.next().map(|&step| Waiting::new(step)));
+                        self.ready[step] = self.cycle + latency(&self.nodes[step]);
+                        order.push(step);
+                    }
+                    Err(soonest) => {
+                        next = soonest;
+                        break;
+                    }
+                }
             }
-            self.cycle += 1;
+            self.cycle = if window.is_empty() { self.cycle + 1 } else { next };
         }
         order
+    }
+
+    /// The highest step that can start, of equals the first one; else the cycle in which the first can.
+    fn highest(&self, window: &mut [Waiting]) -> Result<usize, u32> {
+        let mut best: Option<(u32, usize)> = None;
+        let mut soonest = NEVER;
+        for (at, waiting) in window.iter_mut().enumerate() {
+            if waiting.start == NEVER {
+                // Never if one of its operands has not started.
+                let ready = self.nodes[waiting.step].operands().map(|operand| self.ready[operand]);
+                waiting.start = ready.max().unwrap_or(0);
+            }
+            soonest = soonest.min(waiting.start);
+            let height = self.heights[waiting.step];
+            if waiting.start <= self.cycle && best.is_none_or(|(most, _)| height > most) {
+                best = Some((height, at));
+            }
+        }
+        best.map(|(_, at)| at).ok_or(soonest)
     }
 
     /// The end of a stage: all values that were started are known.
     pub fn finish(&mut self, functions: impl Iterator<Item = usize>) {
         self.cycle += LONGEST;
         functions.for_each(|node| self.ready[node] = self.cycle);
-    }
-
-    fn can_start(&self, step: usize) -> bool {
-        self.nodes[step].operands().all(|operand| self.ready[operand] <= self.cycle)
     }
 }

@@ -5,6 +5,7 @@
 
 use crate::assembler::{Assembler, Operand, Register, Width};
 use crate::error::JitError;
+use crate::lists::Lists;
 use crate::place::Place;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -30,20 +31,26 @@ impl Locked {
     }
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Value {
     register: Option<Register>,
     /// Its place in memory.
     home: Option<Place>,
-    /// Times of its uses, latest first.
-    uses: Vec<u32>,
+    /// The places of its next uses in the list of all.
+    uses: Range<usize>,
+    /// Time of the next one.
+    next: u32,
 }
 
 /// The state of registers and memory at one point of the code, and the code up to that point.
 pub(crate) struct Registers {
     pub assembler: Assembler,
     values: Vec<Value>,
+    /// Times of the uses of all values.
+    uses: Lists<u32>,
     owners: [Option<usize>; REGISTERS],
+    /// Time of the next use of what is in each register; of a free one [`FREE`].
+    due: [u64; REGISTERS],
     free_slots: BTreeSet<u32>,
     slots: u32,
     /// Time of the last use that was passed.
@@ -53,17 +60,22 @@ pub(crate) struct Registers {
 /// Time of the next use of a value without one.
 pub(crate) const NEVER: u32 = u32::MAX;
 
+/// That of a free register: later than any.
+const FREE: u64 = u64::MAX;
+
 impl Registers {
-    /// The state before the first step; `uses[v]` are the times of the uses of value v, rising.
-    pub fn new(width: Width, uses: Vec<Vec<u32>>) -> Self {
-        let value = |mut uses: Vec<u32>| {
-            uses.reverse();
-            Value { uses, ..Value::default() }
+    /// The state before the first step; `uses` has the times of the uses of each of so many values, rising.
+    pub fn new(width: Width, count: usize, uses: Lists<u32>) -> Self {
+        let value = |value: usize| {
+            let next = uses.of(value).first().copied().unwrap_or(NEVER);
+            Value { register: None, home: None, uses: uses.range(value), next }
         };
         Self {
             assembler: Assembler::new(width),
-            values: uses.into_iter().map(value).collect(),
+            values: (0..count).map(value).collect(),
+            uses,
             owners: [None; REGISTERS],
+            due: [FREE; REGISTERS],
             free_slots: BTreeSet::new(),
             slots: 0,
             time: 0,
@@ -92,14 +104,19 @@ impl Registers {
 
     /// Time of the next use of a value.
     pub fn next_use(&self, value: usize) -> u32 {
-        self.values[value].uses.last().copied().unwrap_or(NEVER)
+        self.values[value].next
     }
 
     /// Passes the use at `time`: later ones count from here on.
     pub fn pass(&mut self, value: usize, time: u32) {
         self.time = time;
-        if self.values[value].uses.last() == Some(&time) {
-            self.values[value].uses.pop();
+        let passed = &mut self.values[value];
+        if passed.next == time && !passed.uses.is_empty() {
+            passed.uses.start += 1;
+            passed.next = if passed.uses.is_empty() { NEVER } else { self.uses.at(passed.uses.start) };
+            if let Some(register) = passed.register {
+                self.due[usize::from(register)] = passed.next.into();
+            }
         }
     }
 
@@ -111,18 +128,16 @@ impl Registers {
 
     /// A value as the last operand of an instruction, wherever it is.
     pub fn operand(&self, value: usize) -> Result<Operand, JitError> {
-        let Value { register, home, .. } = self.values[value];
+        let &Value { register, home, .. } = &self.values[value];
         let register = register.map(Operand::Register);
         register.or(home.map(Operand::Memory)).ok_or(JitError::Malformed { node: value })
     }
 
     /// A register that is not locked; its previous value is in memory if it is needed again.
     pub fn take(&mut self, locked: Locked) -> Register {
-        let rank = |register: usize| self.owners[register].map_or(NEVER, |value| self.next_use(value));
         let open = (0..REGISTERS).rev().filter(|&register| !locked.holds(register));
-        // A free one ranks as one that is never used; of equals the lowest, whose encoding is shortest.
-        let register =
-            open.max_by_key(|&register| (self.owners[register].is_none(), rank(register))).unwrap_or(0);
+        // Of equals the lowest, whose encoding is shortest.
+        let register = open.max_by_key(|&register| self.due[register]).unwrap_or(0);
         if let Some(value) = self.owners[register] {
             self.store(value);
             self.drop_register(register as Register);
@@ -186,12 +201,14 @@ impl Registers {
         self.drop_register(register);
         self.owners[usize::from(register)] = Some(value);
         self.values[value].register = Some(register);
+        self.due[usize::from(register)] = self.values[value].next.into();
     }
 
     /// Marks a register as free.
     fn drop_register(&mut self, register: Register) {
         if let Some(value) = self.owners[usize::from(register)].take() {
             self.values[value].register = None;
+            self.due[usize::from(register)] = FREE;
         }
     }
 

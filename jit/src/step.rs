@@ -63,6 +63,11 @@ pub struct Step {
 }
 
 impl Step {
+    /// Number of operands.
+    pub fn arity(&self) -> usize {
+        self.op.arity()
+    }
+
     /// The positions of its operands.
     pub fn operands(&self) -> impl Iterator<Item = usize> + Clone {
         self.operands.into_iter().take(self.op.arity()).map(|operand| operand as usize)

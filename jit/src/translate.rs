@@ -3,9 +3,10 @@
 use crate::assembler::Width;
 use crate::emit;
 use crate::error::JitError;
+use crate::lists::Lists;
 use crate::place::{MOST, Place};
 use crate::plan::{Function, PlannedStage, plan};
-use crate::registers::Registers;
+use crate::registers::{NEVER, Registers};
 use crate::step::{Op, Step, Steps};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -81,11 +82,13 @@ fn inputs(program: &Steps, width: Width, registers: &mut Registers) -> Vec<Paire
 }
 
 /// The times at which each node is used: steps count 1 each, the calls after a stage 1 together, the end 1.
-fn uses(nodes: &[Step], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u32>> {
-    let mut uses: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
+fn uses(nodes: &[Step], stages: &[PlannedStage], results: &[usize]) -> Lists<u32> {
+    let mut uses: Vec<(usize, u32)> = Vec::with_capacity(3 * nodes.len());
+    let mut last = vec![NEVER; nodes.len()];
     let mut record = |node: usize, time: u32| {
-        if uses[node].last() != Some(&time) {
-            uses[node].push(time);
+        if last[node] != time {
+            last[node] = time;
+            uses.push((node, time));
         }
     };
     let mut time = 0;
@@ -98,7 +101,7 @@ fn uses(nodes: &[Step], stages: &[PlannedStage], results: &[usize]) -> Vec<Vec<u
         time += 1;
     }
     results.iter().for_each(|&node| record(node, time));
-    uses
+    Lists::new(nodes.len(), &uses)
 }
 
 /// Writes the machine code of a program, for one state or four at a time; if `guarded`, its last result is
@@ -118,21 +121,20 @@ pub(crate) fn translate(program: &Steps, width: Width, guarded: bool) -> Result<
     let planned = plan(nodes)?;
     let results = &program.results;
     // A result that is computed by a step is stored there; the others are copied at the end.
-    let mut outputs: HashMap<usize, Vec<(Place, usize)>> = HashMap::new();
-    for &step in planned.iter().flat_map(|stage| &stage.steps) {
-        outputs.insert(step, Vec::new());
-    }
-    let mut copied = Vec::new();
+    let mut is_step = vec![false; nodes.len()];
+    planned.iter().flat_map(|stage| &stage.steps).for_each(|&step| is_step[step] = true);
+    let (mut stored, mut copied) = (Vec::new(), Vec::new());
     let guard = results.len().checked_sub(1).filter(|_| guarded);
     for (k, &(node, lane)) in results.iter().enumerate() {
         let place = if Some(k) == guard { Place::Slot(0) } else { Place::Output(k as u32) };
-        match outputs.get_mut(&(node as usize)) {
-            Some(places) => places.push((place, lane)),
-            None => copied.push((place, node as usize, lane)),
+        match is_step.get(node as usize) {
+            Some(true) => stored.push((node as usize, (place, lane))),
+            _ => copied.push((place, node as usize, lane)),
         }
     }
+    let outputs = Lists::new(nodes.len(), &stored);
     let late: Vec<usize> = copied.iter().map(|copied| copied.1).collect();
-    let mut registers = Registers::new(width, uses(nodes, &planned, &late));
+    let mut registers = Registers::new(width, nodes.len(), uses(nodes, &planned, &late));
     if guard.is_some() {
         registers.new_slot();
     }
@@ -149,7 +151,7 @@ pub(crate) fn translate(program: &Steps, width: Width, guarded: bool) -> Result<
             registers.assembler.begin();
         }
         for &k in &stage.steps {
-            step(&mut registers, nodes, k, time, &outputs[&k])?;
+            step(&mut registers, nodes, k, time, outputs.of(k))?;
             time += 1;
         }
         if last {

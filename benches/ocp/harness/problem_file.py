@@ -39,7 +39,7 @@ def text(task, understands_limits):
     if limits or understands_limits:
         rows += table("limits", f"from_robot = {str(task.from_robot).lower()}", *limits)
     if understands_limits:
-        rows += table("solver", 'method = "direct"')
+        rows += table("solver", 'method = "direct"', "polish = false")
     for centre, radius in task.obstacles:
         rows += ["[[obstacle]]", f"sphere = {{ centre = {numbers(centre)}, radius = {radius!r} }}", ""]
     return "\n".join(rows)

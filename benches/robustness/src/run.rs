@@ -15,6 +15,7 @@ use std::time::Instant;
 /// The same for all: Newton's method from the guess, no other way.
 pub fn options(search: &Search) -> SolverOptions {
     SolverOptions::default()
+        .with_tolerance(1e-9)
         .with_jacobian(search.matrix)
         .with_coordinates(search.coordinates)
         .with_strategy(Strategy::Direct)

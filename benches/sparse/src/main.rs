@@ -48,7 +48,7 @@ impl Matrix {
         if let Some(weights) = weights {
             problem.cost.effort = weights.iter().map(|limit| 1.0 / (limit * limit)).collect();
         }
-        let motion = Solver::new(&problem, SolverOptions::default())?.solve().trajectory;
+        let motion = Solver::new(&problem, SolverOptions::default().with_tolerance(1e-9))?.solve().trajectory;
         let mut extremal = RobotExtremal::new(problem.check()?, SolverOptions::default().jacobian)?;
         let first = extremal.states();
         let m = 2 * first;

@@ -1,8 +1,11 @@
 //! The arguments of `costate optimize`.
 
 use super::continuation::ParameterRange;
+use super::samples::rate;
 use crate::arguments::positive;
-use clap::ValueHint;
+use clap::{ValueEnum, ValueHint};
+use costate_control::{Polish, Verify};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -23,6 +26,13 @@ pub struct Arguments {
     /// Save the solution, or the best iterate, as JSON; a problem file reads it with [start_from]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub save: Option<PathBuf>,
+    /// Sample the motion at a fixed rate (1kHz, 500Hz, 1000), for --sample-to and --json; the last sample is
+    /// at the final time
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub sample: Option<f64>,
+    /// Write the samples as CSV: t, and q, v, a, tau and u of each joint
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "sample")]
+    pub sample_to: Option<PathBuf>,
     /// Follow the solution while a parameter changes: final_time, gravity, armature, bounds, penalty_weight
     /// or smoothing
     #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
@@ -30,6 +40,17 @@ pub struct Arguments {
     /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<Duration>,
+    /// Threads for several starts; by default as many as the processor runs at once
+    #[arg(long, value_name = "COUNT")]
+    pub threads: Option<NonZeroUsize>,
+    /// How the solution is verified; overrides solver.verify of the problem file
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    pub verify: Option<Level>,
+    /// Make the motion of the direct method the first guess of an extremal: true, false, or auto, for at most
+    /// ten times as long; overrides solver.polish of the problem file
+    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true,
+        default_missing_value = "true")]
+    pub polish: Option<When>,
     /// Also print the table of Newton steps
     #[arg(long)]
     pub iterations: bool,
@@ -40,6 +61,48 @@ pub struct Arguments {
     /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
     #[arg(long)]
     pub friction: bool,
+}
+
+/// How a solution is verified.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Level {
+    /// Integrated again by an adaptive integrator, and checked for conjugate times
+    Full,
+    /// By the estimated error and the factors of the equations
+    Factors,
+    /// Not at all: the status is never "converged"
+    None,
+}
+
+impl From<Level> for Verify {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::Full => Self::Full,
+            Level::Factors => Self::Factors,
+            Level::None => Self::None,
+        }
+    }
+}
+
+/// Whether to polish.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum When {
+    /// Where it applies
+    True,
+    /// Not at all
+    False,
+    /// Where it applies, for at most ten times as long as the direct method took
+    Auto,
+}
+
+impl From<When> for Polish {
+    fn from(when: When) -> Self {
+        match when {
+            When::True => Self::Always,
+            When::False => Self::Never,
+            When::Auto => Self::Auto,
+        }
+    }
 }
 
 /// Parser of a time limit.

@@ -2,10 +2,12 @@
 
 mod arguments;
 mod continuation;
+mod figures;
 mod kinematics;
 mod outputs;
 mod progress;
 mod report;
+mod samples;
 mod summary;
 mod task;
 
@@ -13,7 +15,7 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, Method, Solution, Solver};
+use costate_control::{BranchEnd, Method, Samples, Solution, Solver};
 use outputs::Outputs;
 use std::io::Write;
 use std::process::ExitCode;
@@ -28,6 +30,15 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let mut task = Task::read(&arguments.problem, load)?;
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
+    }
+    if let Some(threads) = arguments.threads {
+        task.options = task.options.with_threads(threads.get());
+    }
+    if let Some(level) = arguments.verify {
+        task.options = task.options.with_verify(level.into());
+    }
+    if let Some(when) = arguments.polish {
+        task.options = task.options.with_polish(when.into());
     }
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
     task.problem.robot.warnings().iter().for_each(terminal::warning);
@@ -52,7 +63,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     };
     warnings.iter().for_each(terminal::warning);
     let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
-    outputs.write(&motion)?;
+    let sampled = |rate| samples::sample(problem, &solution, rate);
+    let samples = arguments.sample.map(sampled).transpose()?;
+    outputs.write(&motion, samples.as_ref())?;
     if interrupted {
         terminal::note("interrupted; the best motion so far was kept");
     }
@@ -60,7 +73,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
         let remarks = [summary::explanation(problem, &solution), summary::skipped_starts(&solution)];
         remarks.iter().flatten().for_each(terminal::warning);
         let continuation = branch.as_ref().map(continuation::Points::new);
-        let printed = Printed { solution: &solution, solve_time: seconds, continuation };
+        let samples = samples.as_ref();
+        let printed = Printed { solution: &solution, solve_time: seconds, continuation, samples };
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
     } else if !outputs.use_standard_output() {
         let mut out = std::io::stdout().lock();
@@ -80,7 +94,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
     })
 }
 
-/// What `--json` prints: the solution as it is saved, the time it took, and the points of a continuation.
+/// What `--json` prints: the solution as it is saved, the time it took, the points of a continuation, and
+/// samples.
 #[derive(serde::Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
@@ -89,6 +104,8 @@ struct Printed<'a> {
     solve_time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     continuation: Option<continuation::Points<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<&'a Samples>,
 }
 
 /// Solves the problem, with a progress line. A signal stops the search, which keeps the best iterate.

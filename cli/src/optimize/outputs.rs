@@ -1,8 +1,10 @@
-//! The files that `costate optimize` writes: report, figures, saved solution.
+//! The files that `costate optimize` writes: report, figures, saved solution, samples.
 
 use super::arguments::Arguments;
 use super::report;
+use super::samples::table;
 use crate::output::{Output, OutputFolder, is_standard};
+use costate_control::Samples;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +13,7 @@ pub struct Outputs {
     report: Option<Output>,
     figures: Option<Figures>,
     saved: Option<Output>,
+    samples: Option<Output>,
     /// Whether one of them goes to standard output.
     standard: bool,
 }
@@ -28,15 +31,21 @@ impl Outputs {
     /// # Errors
     /// A message that names the path.
     pub fn prepare(arguments: &Arguments, inputs: &[PathBuf]) -> Result<Self, String> {
-        let files = [&arguments.output, &arguments.save];
-        let standard = files.into_iter().flatten().filter(|path| is_standard(path)).count();
+        let files =
+            [("-o", &arguments.output), ("--save", &arguments.save), ("--sample-to", &arguments.sample_to)];
+        let named = files.iter().filter_map(|(name, path)| Some((*name, path.as_ref()?)));
+        let standard = named.clone().filter(|(_, path)| is_standard(path)).count();
         if standard + usize::from(arguments.json) > 1 {
-            return Err("only one of --json, -o - and --save - can use standard output".into());
+            return Err("only one of --json, -o -, --save - and --sample-to - can use standard output".into());
         }
-        if let (Some(report), Some(saved)) = (&arguments.output, &arguments.save)
-            && report == saved
-        {
-            return Err(format!("{}: is the file of both -o and --save; choose two files", report.display()));
+        for (k, (name, path)) in named.clone().enumerate() {
+            if let Some((other, _)) = named.clone().take(k).find(|(_, other)| *other == path) {
+                let path = path.display();
+                return Err(format!("{path}: is the file of both {other} and {name}; choose two files"));
+            }
+        }
+        if arguments.sample.is_some() && arguments.sample_to.is_none() && !arguments.json {
+            return Err("--sample: nothing would show the samples; add --sample-to FILE or --json".into());
         }
         let all: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         let prepare =
@@ -47,12 +56,13 @@ impl Outputs {
         Ok(Self {
             report: prepare(&arguments.output)?,
             saved: prepare(&arguments.save)?,
+            samples: prepare(&arguments.sample_to)?,
             figures: arguments.svg.as_ref().map(folder).transpose()?,
             standard: standard > 0,
         })
     }
 
-    /// Whether the report or the saved solution goes to standard output.
+    /// Whether the report, the saved solution or the samples go to standard output.
     pub fn use_standard_output(&self) -> bool {
         self.standard
     }
@@ -61,9 +71,16 @@ impl Outputs {
     ///
     /// # Errors
     /// A message that names the path.
-    pub fn write(&self, motion: &report::Motion<'_>) -> Result<(), Box<dyn Error>> {
+    pub fn write(
+        &self,
+        motion: &report::Motion<'_>,
+        samples: Option<&Samples>,
+    ) -> Result<(), Box<dyn Error>> {
         if let Some(saved) = &self.saved {
             saved.write(&serde_json::to_string(motion.solution)?)?;
+        }
+        if let (Some(file), Some(samples)) = (&self.samples, samples) {
+            file.write(&table(samples, &motion.solution.robot.joints))?;
         }
         if let Some(page) = &self.report {
             page.write(&report::page(motion))?;

@@ -1,12 +1,11 @@
-//! A solution as text: heading, figures, tables.
+//! A solution as text: heading, why it is none, tables.
 
+use super::figures::{Needed, figures, limit_units, time_is_free};
 use super::report::numbers::short;
 use super::report::units;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
-use costate_control::{
-    Certificate, FinalTime, Iteration, Method, Motion, Problem, Solution, StartResult, Status,
-};
+use costate_control::{Iteration, Problem, Solution, StartResult, Status, Verify};
 use std::io::Write;
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
@@ -35,41 +34,11 @@ pub fn criterion(problem: &Problem, solution: &Solution) -> String {
     format!("{minimum}, {time}{bounds}{penalty}{limits}")
 }
 
-/// Whether the final time is free.
-fn time_is_free(problem: &Problem) -> bool {
-    matches!(problem.time, FinalTime::Free { .. })
-}
-
 /// A status in words.
 pub fn status(status: &Status) -> String {
     match status {
         Status::ConvergedSmoothed => "converged, smoothed control".into(),
         status => spaced(status.name()),
-    }
-}
-
-/// What the bounds of a problem without a motion would have to be, with units.
-struct Needed<'a> {
-    joint: &'a str,
-    factor: String,
-    time: String,
-    u: String,
-    bound: String,
-}
-
-impl<'a> Needed<'a> {
-    fn new(problem: &Problem, solution: &'a Solution) -> Option<Self> {
-        let violation = solution.motion.bound_violation?;
-        let joint = solution.robot.joints.get(violation.control)?;
-        let kind = problem.robot.independent_joints().nth(violation.control)?.kind;
-        let unit = units::of_joint(kind, units::EFFORT);
-        Some(Self {
-            joint,
-            factor: short(violation.factor, 4),
-            time: format!("{} s", short(violation.time, 4)),
-            u: format!("{} {unit}", short(violation.u, 4)),
-            bound: format!("{} {unit}", short(violation.bound, 4)),
-        })
     }
 }
 
@@ -96,21 +65,15 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
                 ),
             }
         }
+        Status::NotVerified if solution.motion.verification == Verify::None => {
+            "the motion was not verified, as asked for: it may be a solution".into()
+        }
+        Status::PathOnly => status.to_string(),
         status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
         Status::Cancelled => format!("interrupted: {best}"),
         Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
         status => format!("the motion is the best iterate, not a solution: {status}"),
     })
-}
-
-/// Units of the kinds of limits.
-fn limit_units(kind: &str) -> units::Units {
-    match kind {
-        "position" => units::POSITION,
-        "rate" => units::RATE,
-        "acceleration" => units::ACCELERATION,
-        _ => units::EFFORT,
-    }
 }
 
 /// For each kind of limits that is exceeded: which joint, where, by how much.
@@ -132,113 +95,6 @@ fn exceeded(problem: &Problem, solution: &Solution) -> impl Iterator<Item = Stri
 pub fn skipped_starts(solution: &Solution) -> Option<String> {
     let (tried, all) = (solution.starts.len(), solution.options.starts);
     (1..all).contains(&tried).then(|| format!("the search ended during start {tried} of {all}"))
-}
-
-/// Name and value of each figure of a solution.
-pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
-    let motion = &solution.motion;
-    let iterations = ("Newton iterations", solution.newton_iterations.to_string());
-    if let Some(Needed { joint, factor, time, u, bound }) = Needed::new(problem, solution) {
-        return vec![
-            ("bounds needed", format!("{factor} times as wide")),
-            ("at joint", joint.to_owned()),
-            ("at time", time),
-            ("control there", u),
-            ("its bound", bound),
-            iterations,
-        ];
-    }
-    if solution.trajectory.t.is_empty() {
-        return vec![iterations];
-    }
-    let mut figures = vec![("cost", short(motion.cost, 12))];
-    if problem.penalty.is_some() {
-        figures.push(("cost of penalties", short(motion.penalty_cost, 6)));
-    }
-    if motion.smoothing > 0.0 {
-        figures.push(("smoothing left", scientific(motion.smoothing)));
-    }
-    let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
-    figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
-    if solution.options.method == Method::Direct {
-        figures.extend(direct_figures(problem, solution));
-        figures.extend([iterations, ("mesh nodes", solution.nodes().to_string())]);
-        return figures;
-    }
-    figures.extend([
-        ("H*", format!("{} cost/s", short(motion.hamiltonian, 10))),
-        ("drift of H*", format!("{} relative", scientific(motion.hamiltonian_drift))),
-        ("end defect", defect(solution.end_defect, &motion.status, &format!("{position}, {rate}"))),
-        ("shooting defect", defect(motion.shooting_defect, &motion.status, "relative")),
-        iterations,
-        ("mesh nodes", solution.nodes().to_string()),
-        ("conjugate time", conjugate(problem, motion)),
-    ]);
-    if !motion.switches.is_empty() {
-        figures.push(("switches", motion.switches.len().to_string()));
-    }
-    figures
-}
-
-/// Figures that only the direct method has: its estimate, the end, the limits.
-fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
-    let motion = &solution.motion;
-    let unit = |unit| units::of_robot(&problem.robot, unit);
-    let ends = format!("{}, {}", unit(units::POSITION), unit(units::RATE));
-    let mut figures = vec![("end defect", defect(solution.end_defect, &motion.status, &ends))];
-    // A saved motion does not have it.
-    if let Some(&error) = motion.errors.first() {
-        figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
-    }
-    let mut active = 0;
-    for (kind, usage) in solution.limits.kinds() {
-        let Some(usage) = usage else { continue };
-        let name = match kind {
-            "position" => "beyond position limits",
-            "rate" => "beyond rate limits",
-            "acceleration" => "beyond acceleration limits",
-            _ => "beyond torque limits",
-        };
-        let unit = unit(limit_units(kind));
-        // Torques are cut to their limits.
-        let between = match kind {
-            "torque" => String::new(),
-            _ => format!(", {} between points", scientific(usage.between)),
-        };
-        figures.push((name, format!("{} {unit}{between}", scientific(usage.at_points))));
-        let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.joint, &span.side)).collect();
-        sides.sort();
-        sides.dedup();
-        active += sides.len();
-    }
-    if !solution.limits.is_empty() {
-        figures.push(("active limits", active.to_string()));
-    }
-    figures
-}
-
-/// A defect with its unit; it is not finite if there was no integration or if the integration stopped.
-fn defect(value: f64, status: &Status, unit: &str) -> String {
-    match status {
-        _ if value.is_finite() => format!("{} {unit}", scientific(value)),
-        Status::NotVerified | Status::SwitchesNotRefined => "the integration stopped".into(),
-        _ => "not checked".into(),
-    }
-}
-
-/// Jacobi fields compare motions that take the same time.
-fn conjugate(problem: &Problem, motion: &Motion) -> String {
-    match (motion.conjugate_time, motion.certificate) {
-        (Some(time), _) if motion.conjugate_multiplicity > 1 => {
-            format!("{} s, {} fields: not a minimum", short(time, 8), motion.conjugate_multiplicity)
-        }
-        (Some(time), _) => format!("{} s: not a minimum", short(time, 8)),
-        (None, Certificate::LocalMinimum) if time_is_free(problem) => {
-            "none: a local minimum in this time".into()
-        }
-        (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
-        _ => "not checked".into(),
-    }
 }
 
 /// A name without underscores.

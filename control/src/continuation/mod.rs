@@ -54,7 +54,7 @@ type PointListener<'a> = Box<dyn FnMut(&BranchPoint) -> ControlFlow<()> + Send +
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/pendulum.toml")?;
 /// let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-/// let options = SolverOptions::default();
+/// let options = SolverOptions::default().with_tolerance(1e-9);
 /// let branch = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, options)?.follow();
 /// assert_eq!(branch.end, BranchEnd::Reached);
 /// let (first, last) = (&branch.points[0], &branch.solution);
@@ -287,9 +287,7 @@ impl Run<'_> {
         let value = self.family.value(at.position);
         let last = self.family.problem_at(value)?;
         let mut extremal = self.family.extremal(value)?;
-        let iterations = std::mem::take(&mut walker.recorder.iterations);
-        let tolerance = self.options.tolerance;
-        let mut found = at.solved.into_solution(&mut extremal, iterations, tolerance);
+        let mut found = at.solved.into_solution(&mut extremal, &mut walker.recorder, self.options);
         let status = &mut found.motion.status;
         match end {
             BranchEnd::Stuck | BranchEnd::TooManyPoints => *status = Status::ContinuationFailed,

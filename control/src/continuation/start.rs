@@ -25,7 +25,6 @@ impl Walker<'_, '_> {
         let motion = saved(trajectory);
         // Its own times: those of a saved file need not agree with its final time.
         let duration = motion.duration();
-        let steps = trajectory.t.windows(2).map(|pair| (pair[1] - pair[0]) / duration);
         let clock = match time {
             FinalTime::Fixed(time) => Clock::Fixed(time),
             FinalTime::Free { .. } => Clock::Free,
@@ -33,7 +32,7 @@ impl Walker<'_, '_> {
         let layout = Layout {
             clock,
             arcs: Arcs::one(),
-            mesh: Mesh::from_lengths([steps.filter(|&length| length > 0.0).collect()]),
+            mesh: Mesh::from_lengths([motion.lengths()]),
             points: self.attempt.points,
         };
         let z = 2 * self.extremal.states();
@@ -46,8 +45,13 @@ impl Walker<'_, '_> {
     /// A solution with smooth controls: first without bounds at a fixed time, then with bounds that tighten.
     pub fn smoothed(&mut self, problem: &Problem) -> Result<Discretisation, Status> {
         let momenta = self.extremal.clone();
-        let mut guess =
-            RobotGuess { problem, disturbance: Disturbance::default(), saved: None, momenta, path: None };
+        let mut guess = RobotGuess {
+            problem,
+            disturbance: Disturbance::default(),
+            saved: None,
+            momenta,
+            paths: Vec::new(),
+        };
         let mut phase = Phase::FixedTime;
         let rough = self.attempt.loose();
         self.extremal.set_relaxation(Relaxation { bounds: f64::INFINITY, ..Relaxation::NONE });

@@ -1,72 +1,74 @@
-//! Quintic Hermite polynomials of one interval, and the points at which a motion is evaluated.
+//! Polynomials of one interval, and the points at which a motion is evaluated.
 //!
-//! On an interval of width h the position is a polynomial of degree five with the positions, first and second
-//! derivatives of both ends as coefficients. The acceleration is a cubic, continuous over the nodes; its
-//! square has degree six, and Lobatto's five points integrate it exactly.
+//! On an interval of width h the position is a polynomial of degree four: the cubic with the positions and
+//! first derivatives of both ends, and a bubble that vanishes at both ends with its first derivative. The
+//! acceleration is a quadratic, which may jump at the nodes. It has as many values at Gauss's three points as
+//! the polynomial has coefficients beside the state at its left end, so torques at limits determine the
+//! motion, and multipliers of torques are costates.
 
-/// Points inside of an interval.
-pub(super) const INNER: usize = 3;
-/// Points of an interval, with the node at its left end.
-pub(super) const POINTS: usize = INNER + 1;
+/// Points of an interval.
+pub(super) const POINTS: usize = 3;
 
-/// Where the inner points lie on [0, 1]: 1/2 and 1/2 -+ sqrt(3/28).
-pub(super) const PLACES: [f64; INNER] = [0.172_673_164_646_011_43, 0.5, 0.827_326_835_353_988_6];
-/// Weights of the inner points.
-pub(super) const INNER_WEIGHTS: [f64; INNER] = [49.0 / 180.0, 16.0 / 45.0, 49.0 / 180.0];
-/// Weight of each end.
-pub(super) const END_WEIGHT: f64 = 1.0 / 20.0;
+/// Where the points lie on [0, 1]: 1/2 and 1/2 -+ sqrt(3/20).
+pub(super) const PLACES: [f64; POINTS] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
+/// Weights of the points.
+pub(super) const WEIGHTS: [f64; POINTS] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 
-/// Coefficients of an interval and joint: q, q', q'' at its left end, then at its right end.
-pub(super) const COEFFICIENTS: usize = 6;
+/// Coefficients of an interval and joint: the height of the bubble, then q, q' at the left end and at the
+/// right end.
+pub(super) const COEFFICIENTS: usize = 5;
 
 /// q, q', q'' at a point as sums over the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Basis {
-    /// Factors of the coefficients in q.
-    pub position: [f64; COEFFICIENTS],
-    /// In q'.
-    pub first: [f64; COEFFICIENTS],
-    /// In q''.
-    pub second: [f64; COEFFICIENTS],
-    /// In q'''.
-    pub third: [f64; COEFFICIENTS],
+    /// Factors of the coefficients in q, q' and q''.
+    pub rows: [[f64; COEFFICIENTS]; 3],
 }
 
-/// Polynomials on [0, 1], lowest power first: position, first and second derivative 1 at the left end, then
-/// at the right end; everything else 0 at both ends.
-const HERMITE: [[f64; 6]; COEFFICIENTS] = [
-    [1.0, 0.0, 0.0, -10.0, 15.0, -6.0],
-    [0.0, 1.0, 0.0, -6.0, 8.0, -3.0],
-    [0.0, 0.0, 0.5, -1.5, 1.5, -0.5],
-    [0.0, 0.0, 0.0, 10.0, -15.0, 6.0],
-    [0.0, 0.0, 0.0, -4.0, 7.0, -3.0],
-    [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
+/// Polynomials on [0, 1], lowest power first: 16 x^2 (1 - x)^2, which is 1 in the middle; then position and
+/// first derivative 1 at the left end, then at the right end, everything else 0 at both ends.
+const POLYNOMIALS: [[f64; 5]; COEFFICIENTS] = [
+    [0.0, 0.0, 16.0, -32.0, 16.0],
+    [1.0, 0.0, -3.0, 2.0, 0.0],
+    [0.0, 1.0, -2.0, 1.0, 0.0],
+    [0.0, 0.0, 3.0, -2.0, 0.0],
+    [0.0, 0.0, -1.0, 1.0, 0.0],
 ];
 
 impl Basis {
     /// At the part `x` of an interval of width `h`.
     pub fn at(x: f64, h: f64) -> Self {
-        let mut basis = Self { position: [0.0; 6], first: [0.0; 6], second: [0.0; 6], third: [0.0; 6] };
-        for (i, powers) in HERMITE.iter().enumerate() {
-            let (mut value, mut slope, mut curvature, mut third) = (0.0, 0.0, 0.0, 0.0);
+        let mut rows = [[0.0; COEFFICIENTS]; 3];
+        for (i, powers) in POLYNOMIALS.iter().enumerate() {
+            let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
             for &power in powers.iter().rev() {
-                third = third * x + 3.0 * curvature;
                 curvature = curvature * x + 2.0 * slope;
                 slope = slope * x + value;
                 value = value * x + power;
             }
-            let scale = [1.0, h, h * h][i % 3];
-            basis.position[i] = scale * value;
-            basis.first[i] = scale / h * slope;
-            basis.second[i] = scale / (h * h) * curvature;
-            basis.third[i] = scale / (h * h * h) * third;
+            let scale = [1.0, 1.0, h, 1.0, h][i];
+            rows[0][i] = scale * value;
+            rows[1][i] = scale / h * slope;
+            rows[2][i] = scale / (h * h) * curvature;
         }
-        basis
+        Self { rows }
     }
 
-    /// Position, first and second derivative in this order.
-    pub fn rows(&self) -> [&[f64; COEFFICIENTS]; 3] {
-        [&self.position, &self.first, &self.second]
+    /// Factors of the derivatives in time: those in s, times 1, 1/T, 1/T^2.
+    pub fn in_time(&self, inverse: f64) -> [[f64; COEFFICIENTS]; 3] {
+        let scales = [1.0, inverse, inverse * inverse];
+        [0, 1, 2].map(|s| self.rows[s].map(|factor| factor * scales[s]))
+    }
+
+    /// q, q', q'' from the coefficients: heights of the bubbles (n), states of both ends (4n).
+    pub fn combine(&self, n: usize, inner: &[f64], ends: &[f64], z: &mut [f64]) {
+        for (row, z) in self.rows.iter().zip(z.chunks_exact_mut(n)) {
+            let parts = [inner, &ends[..n], &ends[n..2 * n], &ends[2 * n..3 * n], &ends[3 * n..4 * n]];
+            let [a, b, c, d, e] = parts.map(|part| &part[..n]);
+            for (i, z) in z.iter_mut().enumerate() {
+                *z = (row[0] * a[i] + row[1] * b[i] + row[2] * c[i]) + (row[3] * d[i] + row[4] * e[i]);
+            }
+        }
     }
 }
 
@@ -75,27 +77,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quintic_is_reproduced_with_its_derivatives() {
-        let value = |t: f64| 1.0 - t + 0.5 * t.powi(3) - 0.3 * t.powi(5);
-        let slope = |t: f64| -1.0 + 1.5 * t * t - 1.5 * t.powi(4);
-        let curvature = |t: f64| 3.0 * t - 6.0 * t.powi(3);
+    fn a_quartic_is_reproduced_with_its_derivatives() {
+        let value = |t: f64| 1.0 - t + 0.5 * t.powi(3) - 0.3 * t.powi(4);
+        let slope = |t: f64| -1.0 + 1.5 * t * t - 1.2 * t.powi(3);
+        let curvature = |t: f64| 3.0 * t - 3.6 * t * t;
         let (left, h) = (0.3, 0.7);
-        let coefficients = [left, left + h].map(|t| [value(t), slope(t), curvature(t)]).concat();
+        let ends = [left, left + h].map(|t| [value(t), slope(t)]).concat();
+        let mut middle = [0.0; 3];
+        Basis::at(0.5, h).combine(1, &[0.0], &ends, &mut middle);
+        let bubble = [value(left + 0.5 * h) - middle[0]];
         for x in [0.0, 0.1, 0.5, 0.9, 1.0] {
-            let (basis, t) = (Basis::at(x, h), left + x * h);
-            let sum = |row: &[f64; 6]| -> f64 { row.iter().zip(&coefficients).map(|(b, c)| b * c).sum() };
-            let [q, first, second] = basis.rows().map(sum);
-            assert!((q - value(t)).abs() < 1e-14);
-            assert!((first - slope(t)).abs() < 1e-13 && (second - curvature(t)).abs() < 1e-12);
+            let t = left + x * h;
+            let mut z = [0.0; 3];
+            Basis::at(x, h).combine(1, &bubble, &ends, &mut z);
+            let errors = [z[0] - value(t), z[1] - slope(t), z[2] - curvature(t)];
+            assert!(errors.iter().all(|error| error.abs() < 1e-13), "{x}: {errors:?}");
         }
     }
 
     #[test]
-    fn the_points_integrate_powers_up_to_seven() {
-        for power in 0..8 {
-            let inner: f64 = PLACES.iter().zip(INNER_WEIGHTS).map(|(x, w)| w * x.powi(power)).sum();
-            let ends = END_WEIGHT * (1.0 + if power == 0 { 1.0 } else { 0.0 });
-            assert!((inner + ends - 1.0 / (f64::from(power) + 1.0)).abs() < 1e-15, "{power}");
+    fn the_points_integrate_powers_up_to_five() {
+        for power in 0..6 {
+            let sum: f64 = PLACES.iter().zip(WEIGHTS).map(|(x, w)| w * x.powi(power)).sum();
+            assert!((sum - 1.0 / (f64::from(power) + 1.0)).abs() < 1e-15, "{power}");
         }
     }
 }

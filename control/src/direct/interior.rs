@@ -1,15 +1,13 @@
 //! A primal-dual interior-point method for motions with hard limits.
 
 use super::ends::Ends;
-use super::limits::{Barrier, Limited, Side};
-use super::metric::fill_metric;
+use super::limits::{Barrier, Limited, Multipliers, Side};
 use super::point_terms::weigh;
 use super::points::{PointDynamics, Points};
 use super::running::Running;
 use super::spline::Spline;
 use super::system::System;
 use crate::constants::direct as constants;
-use crate::numerics::block_tridiagonal::BlockTridiagonal;
 use crate::solve::recorder::Interruption;
 use costate::EvalError;
 
@@ -57,6 +55,8 @@ pub(crate) struct Interior<D> {
     /// Change of the distances at mu = 0, and its factor of mu.
     pub(super) changes: [Vec<f64>; 2],
     pub(super) time_steps: [f64; 2],
+    /// Weights of torques in the metric of damping.
+    weights: Vec<f64>,
 }
 
 /// A trial step.
@@ -68,6 +68,8 @@ pub(super) struct Trial {
     pub distance: Vec<f64>,
     pub slack_step: Vec<f64>,
     pub multiplier_step: Vec<f64>,
+    /// Change of z at a point.
+    pub dz: Vec<f64>,
 }
 
 impl<D: PointDynamics> Interior<D> {
@@ -76,7 +78,7 @@ impl<D: PointDynamics> Interior<D> {
         Self {
             spline,
             points: Points::default(),
-            barrier: Barrier { sides, ..Barrier::default() },
+            barrier: Barrier::new(sides),
             running,
             ends,
             dynamics,
@@ -85,55 +87,42 @@ impl<D: PointDynamics> Interior<D> {
             system: System::new(n),
             damping: 0.0,
             mu: 0.0,
-            trial: Trial::default(),
+            trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
+            weights: vec![0.0; n],
             steps: [Vec::new(), Vec::new()],
             changes: [Vec::new(), Vec::new()],
             time_steps: [0.0; 2],
         }
     }
 
-    /// Whether a side is off at a point: the unknown is given there.
-    fn is_off(&self, p: usize, side: &Side) -> bool {
-        let n = self.spline.dof;
-        let end = match p {
-            0 => &self.ends.start,
-            p if p + 1 == self.spline.points() => &self.ends.end,
-            _ => return false,
-        };
-        Ends::gives(end, side.limited as usize, side.joint, n)
-    }
-
     /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
     /// it.
     pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
-        let (n, count) = (self.spline.dof, self.spline.points());
-        self.points.resize(n, count);
+        let n = self.spline.dof;
+        self.points.resize(n, self.spline.mesh.points());
         self.spline.evaluate(&mut self.points.z);
         if self.least_size == 0.0 {
             self.dynamics.contract(&mut self.points)?;
             self.least_size = self.small_cost();
         }
         self.dynamics.evaluate(&mut self.points)?;
-        let sides = self.barrier.sides.len();
-        for vector in [&mut self.barrier.slack, &mut self.barrier.multiplier, &mut self.barrier.distance] {
-            vector.resize(sides * count, 0.0);
-        }
-        self.barrier.measure(&self.points);
+        let given = &self.ends.given;
+        self.barrier.resize(&self.spline.mesh, |end, side| given[end][side.index(n)].is_some());
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(&self.spline, &self.points, &mut distance);
+        self.barrier.distance = distance;
         self.measure_cost();
-        self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / (sides.max(1) as f64));
-        for p in 0..count {
-            let weight = self.spline.point(p).1;
-            for i in 0..sides {
-                let side = self.barrier.sides[i];
-                let at = sides * p + i;
-                if self.is_off(p, &side) {
-                    (self.barrier.slack[at], self.barrier.multiplier[at]) = (f64::INFINITY, 0.0);
-                } else {
-                    let slack = self.barrier.distance[at].max(constants::FIRST_SLACK * side.range);
-                    self.barrier.slack[at] = slack;
-                    self.barrier.multiplier[at] = self.mu * weight / slack;
-                }
-            }
+        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
+        self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / total);
+        for at in 0..self.barrier.count() {
+            let weight = self.barrier.weight[at];
+            let slack = if weight > 0.0 {
+                self.barrier.distance[at].max(constants::FIRST_SLACK * self.barrier.side(at).range)
+            } else {
+                f64::INFINITY
+            };
+            self.barrier.slack[at] = slack;
+            self.barrier.multiplier[at] = self.mu * weight / slack;
         }
         self.damping = 0.0;
         self.measure_figures();
@@ -142,37 +131,28 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Takes the motion over to other nodes, with multipliers in proportion to the weights of the points.
     pub fn move_to(&mut self, nodes: Vec<f64>) -> Result<(), EvalError> {
-        let sides = self.barrier.sides.len();
-        let old: Vec<(f64, f64)> = (0..self.spline.points()).map(|p| self.spline.point(p)).collect();
-        let multipliers = std::mem::take(&mut self.barrier.multiplier);
-        let sides_or_one = sides.max(1) as f64;
-        let mu = self.figures.gap.max(constants::WARM * self.figures.size) / sides_or_one;
+        let old = Multipliers::of(&self.spline, &self.barrier);
+        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
+        let mu = self.figures.gap.max(constants::WARM * self.figures.size) / total;
         self.spline = self.spline.on_nodes(nodes);
         self.start(Some(mu))?;
-        for p in 0..self.spline.points() {
-            let (s, weight) = self.spline.point(p);
-            let right = old.partition_point(|&(place, _)| place < s).clamp(1, old.len() - 1);
-            let (a, b) = (old[right - 1], old[right]);
-            let part = ((s - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
-            for i in 0..sides {
-                let at = sides * p + i;
-                if self.barrier.slack[at].is_infinite() {
-                    continue;
-                }
-                let side = self.barrier.sides[i];
-                let density = |q: usize, weight: f64| multipliers[sides * q + i] / weight;
-                let density = (1.0 - part) * density(right - 1, a.1) + part * density(right, b.1);
-                let distance = self.barrier.distance[at];
-                let most = distance.max(constants::FIRST_SLACK * side.range);
-                let slack = distance
-                    .max(constants::LEAST_SLACK * side.range)
-                    .max(mu / density.max(f64::MIN_POSITIVE))
-                    .min(most);
-                let central = mu / slack;
-                self.barrier.slack[at] = slack;
-                self.barrier.multiplier[at] =
-                    weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
+        for at in 0..self.barrier.count() {
+            let weight = self.barrier.weight[at];
+            if weight == 0.0 {
+                continue;
             }
+            let side = self.barrier.side(at);
+            let density = old.density(self.barrier.place(at, &self.spline), self.barrier.side_index(at));
+            let distance = self.barrier.distance[at];
+            let most = distance.max(constants::FIRST_SLACK * side.range);
+            let slack = distance
+                .max(constants::LEAST_SLACK * side.range)
+                .max(mu / density.max(f64::MIN_POSITIVE))
+                .min(most);
+            let central = mu / slack;
+            self.barrier.slack[at] = slack;
+            self.barrier.multiplier[at] =
+                weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
         }
         self.measure_figures();
         Ok(())
@@ -186,7 +166,7 @@ impl<D: PointDynamics> Interior<D> {
             return effort;
         }
         let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
-        let range = self.barrier.sides.iter().find(own).map_or(1.0, |side| side.range);
+        let range = self.barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
         self.figures.size / self.spline.time / (range * range)
     }
 
@@ -216,29 +196,23 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Largest violation of a limit, in parts of its range.
     fn violation(&self) -> f64 {
-        let sides = self.barrier.sides.len();
-        let on = self.barrier.slack.iter().zip(&self.barrier.distance).enumerate();
-        on.filter(|(_, (slack, _))| slack.is_finite())
-            .fold(0.0, |most: f64, (i, (_, d))| most.max(-d / self.barrier.sides[i % sides].range))
+        let barrier = &self.barrier;
+        let on = (0..barrier.count()).filter(|&at| barrier.slack[at].is_finite());
+        on.fold(0.0, |most: f64, at| most.max(-barrier.distance[at] * barrier.unit[at]))
     }
 
-    /// Sum of |d - s| in parts of ranges, weighted as the integral.
-    pub(super) fn infeasibility(&self, spline: &Spline, distance: &[f64], slack: &[f64]) -> f64 {
-        let sides = self.barrier.sides.len();
-        let mut sum = 0.0;
-        for (at, (d, s)) in distance.iter().zip(slack).enumerate() {
-            if s.is_finite() {
-                sum += spline.point(at / sides).1 * (d - s).abs() / self.barrier.sides[at % sides].range;
-            }
-        }
-        sum
+    /// Sum of |d - s| in parts of ranges, weighted.
+    pub(super) fn infeasibility(&self, distance: &[f64], slack: &[f64]) -> f64 {
+        let barrier = &self.barrier;
+        let pairs = distance.iter().zip(slack).zip(barrier.weight.iter().zip(&barrier.unit));
+        let on = pairs.filter(|((_, slack), _)| slack.is_finite());
+        on.map(|((distance, slack), (weight, unit))| weight * unit * (distance - slack).abs()).sum()
     }
 
     /// The barrier -mu sum w log s.
-    pub(super) fn logarithms(&self, spline: &Spline, slack: &[f64]) -> f64 {
-        let sides = self.barrier.sides.len();
-        let on = slack.iter().enumerate().filter(|(_, slack)| slack.is_finite());
-        -self.mu * on.map(|(at, slack)| spline.point(at / sides).1 * slack.ln()).sum::<f64>()
+    pub(super) fn logarithms(&self, slack: &[f64]) -> f64 {
+        let on = slack.iter().zip(&self.barrier.weight).filter(|(slack, _)| slack.is_finite());
+        -self.mu * on.map(|(slack, weight)| weight * slack.ln()).sum::<f64>()
     }
 
     /// Weights and derivatives at the points of this iterate.
@@ -262,6 +236,7 @@ impl<D: PointDynamics> Interior<D> {
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
             let (mut damping, mut taken) = (0.0, None);
             while damping < constants::MOST_DAMPING && taken.is_none() {
+                self.damping = damping;
                 if self.factorise(damping) {
                     self.solve();
                     self.choose_barrier(tolerance);
@@ -277,7 +252,6 @@ impl<D: PointDynamics> Interior<D> {
                 }
                 damping = (damping * constants::DAMPING_UP).max(again);
             }
-            self.damping = damping;
             let Some(part) = taken else { return Ok(End::NoProgress) };
             if let Some(interruption) = watch(self, part) {
                 return Ok(End::Interrupted(interruption));
@@ -294,10 +268,10 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
-        let weights: Vec<f64> = (0..self.spline.dof).map(|joint| self.metric_weight(joint)).collect();
-        let (spline, points, ends) = (&self.spline, &self.points, &self.ends);
-        let metric = |matrix: &mut BlockTridiagonal| fill_metric(matrix, spline, points, &weights, ends);
-        self.system.factorise(damping, ends.free_time, metric).is_ok()
+        for joint in 0..self.weights.len() {
+            self.weights[joint] = self.metric_weight(joint);
+        }
+        self.system.factorise(damping, &self.ends, &self.spline, &self.points, &self.weights).is_ok()
     }
 }
 

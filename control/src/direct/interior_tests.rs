@@ -2,7 +2,7 @@
 
 use super::super::ends::Ends;
 use super::super::guess::guess;
-use super::super::limits::{Limited, Side, measure};
+use super::super::limits::{Limited, Side};
 use super::super::points::{PointDynamics, RobotPoints};
 use super::super::running::Running;
 use super::Interior;
@@ -31,20 +31,19 @@ fn started() -> Interior<RobotPoints> {
 #[test]
 fn slacks_and_multipliers_begin_on_the_central_path() {
     let interior = started();
-    let sides = interior.barrier.sides.len();
+    let barrier = &interior.barrier;
     assert!(interior.figures.violation > 0.1, "the guess exceeds a limit");
-    for at in 0..sides * interior.spline.points() {
-        let (p, side) = (at / sides, interior.barrier.sides[at % sides]);
-        let given = p == 0 || p + 1 == interior.spline.points();
-        let off = given && side.limited <= Limited::Rate;
-        let (slack, multiplier) = (interior.barrier.slack[at], interior.barrier.multiplier[at]);
-        assert_eq!(slack.is_infinite(), off, "{at}");
-        if off {
+    let nodes = interior.spline.mesh.nodes.len();
+    let given: Vec<usize> = [0, nodes - 1].into_iter().flat_map(|k| barrier.at_node(k)).collect();
+    for at in 0..barrier.count() {
+        let (slack, multiplier) = (barrier.slack[at], barrier.multiplier[at]);
+        assert_eq!(slack.is_infinite(), given.contains(&at), "{at}");
+        if slack.is_infinite() {
             assert_eq!(multiplier, 0.0);
             continue;
         }
-        assert!(slack > 0.0 && slack >= interior.barrier.distance[at]);
-        let product = interior.mu * interior.spline.point(p).1;
+        assert!(slack > 0.0 && slack >= barrier.distance[at]);
+        let product = interior.mu * barrier.weight[at];
         assert!((slack * multiplier / product - 1.0).abs() < 1e-12);
     }
 }
@@ -74,8 +73,8 @@ fn steps_are_those_of_the_linearised_conditions() {
             spline.time += factor * interior.time_steps[part];
             spline.evaluate(&mut interior.points.z);
             interior.dynamics.evaluate(&mut interior.points).unwrap();
-            let mut distance = vec![0.0; interior.barrier.distance.len()];
-            measure(&interior.barrier.sides, &interior.points, &mut distance);
+            let mut distance = vec![0.0; interior.barrier.count()];
+            interior.barrier.measure(&spline, &interior.points, &mut distance);
             distance
         };
         let (above, below) = (along(1.0), along(-1.0));
@@ -96,7 +95,7 @@ fn steps_are_those_of_the_linearised_conditions() {
             continue;
         }
         let (ds, deta) = (interior.trial.slack_step[at], interior.trial.multiplier_step[at]);
-        let weight = interior.spline.point(at / interior.barrier.sides.len()).1;
+        let weight = interior.barrier.weight[at];
         let terms = [s * deta, eta * ds, -mu * weight, eta * s];
         let size: f64 = terms.iter().map(|term| term.abs()).sum();
         assert!(terms.iter().sum::<f64>().abs() < 1e-12 * size);

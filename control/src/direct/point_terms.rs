@@ -1,6 +1,5 @@
 //! First and second derivatives of the Lagrangian of the barrier problem at one point, in z = (q, v, a).
 
-use super::basis::COEFFICIENTS;
 use super::limits::{Barrier, Limited};
 use super::points::Points;
 use super::running::Running;
@@ -10,18 +9,34 @@ use super::spline::Spline;
 pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, running: &Running) {
     let n = points.dof;
     for p in 0..points.count() {
-        let weight = spline.point(p).1 * spline.time;
+        let weight = spline.mesh.point(p).1 * spline.time;
         let weights = &mut points.weights[n * p..][..n];
         for ((w, &tau), &r) in weights.iter_mut().zip(&points.tau[n * p..]).zip(&running.effort) {
             *w = weight * r * tau;
         }
-        let first = barrier.sides.len() * p;
-        for (i, side) in barrier.sides.iter().enumerate() {
+        for (side, multiplier) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
             if side.limited == Limited::Torque {
-                weights[side.joint] -= side.sign * barrier.multiplier[first + i];
+                weights[side.joint] -= side.sign * multiplier;
             }
         }
     }
+}
+
+/// The terms of a side in the Lagrangian, whose slack and multiplier are eliminated: with d = s, eta s = mu w
+/// (w the weight of the entry),
+///
+/// $$ \Delta s = \Delta d + d - s, \qquad \Delta \eta = a - \sigma \Delta d, \qquad
+///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
+///
+/// Derivatives by the value with the multipliers, at mu = 0, and the factor of mu; and the second derivative.
+#[inline(always)]
+pub(super) fn side_terms(barrier: &Barrier, at: usize, sign: f64) -> ([f64; 3], f64) {
+    let (s, eta, d) = (barrier.slack[at], barrier.multiplier[at], barrier.distance[at]);
+    if s.is_infinite() {
+        return ([0.0; 3], 0.0);
+    }
+    let sigma = eta / s;
+    ([-sign * eta, -sign * (eta - sigma * d), -sign * barrier.weight[at] / s], sigma)
 }
 
 /// Arrays of one point.
@@ -36,8 +51,6 @@ pub(super) struct Work {
     tau_curvature: Vec<f64>,
     /// 3n x 3n: with the limits and the squares of the torques.
     pub hessian: Vec<f64>,
-    /// Room for products with a basis.
-    pub product: Vec<f64>,
     /// dz/dT at constant unknowns, and the second derivative.
     pub z_t: Vec<f64>,
     pub z_tt: Vec<f64>,
@@ -53,18 +66,13 @@ impl Work {
             curvature: zeros(),
             tau_curvature: vec![0.0; n],
             hessian: vec![0.0; 9 * n * n],
-            product: vec![0.0; 3 * n * COEFFICIENTS * n],
             z_t: zeros(),
             z_tt: zeros(),
         }
     }
 
     /// Gradients and Hessian of a point in z. Its weight in the integral over s, and its running cost.
-    ///
-    /// Slacks and multipliers are eliminated: with d = s, eta s = mu w (w the weight of the point),
-    ///
-    /// $$ \Delta s = \Delta d + d - s, \qquad \Delta \eta = a - \sigma \Delta d, \qquad
-    ///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
+    #[inline(always)]
     pub fn collect(
         &mut self,
         p: usize,
@@ -74,7 +82,7 @@ impl Work {
         running: &mut Running,
     ) -> (f64, f64) {
         let (n, time) = (points.dof, spline.time);
-        let (_, weight) = spline.point(p);
+        let (_, weight) = spline.mesh.point(p);
         let (z, tau, tau_z) = (points.z(p), points.tau(p), points.tau_z(p));
         self.z.iter_mut().chain(&mut self.tau).for_each(|vector| vector.fill(0.0));
         self.curvature.fill(0.0);
@@ -95,7 +103,7 @@ impl Work {
         at_zero.copy_from_slice(gradient);
         let [gradient, at_zero, _] = &mut self.tau;
         at_zero.copy_from_slice(gradient);
-        self.add_sides(p, n, weight, barrier);
+        self.add_sides(p, n, barrier);
         for (tau, z) in self.tau.iter().zip(&mut self.z) {
             for (&factor, row) in tau.iter().zip(tau_z.chunks_exact(3 * n)) {
                 z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
@@ -109,16 +117,10 @@ impl Work {
     }
 
     /// The limits of a point.
-    fn add_sides(&mut self, p: usize, n: usize, weight: f64, barrier: &Barrier) {
-        let first = barrier.sides.len() * p;
-        for (i, side) in barrier.sides.iter().enumerate() {
-            let at = first + i;
-            let (s, eta, d) = (barrier.slack[at], barrier.multiplier[at], barrier.distance[at]);
-            if s.is_infinite() {
-                continue;
-            }
-            let sigma = eta / s;
-            let parts = [-side.sign * eta, -side.sign * (eta - sigma * d), -side.sign * weight / s];
+    #[inline(always)]
+    fn add_sides(&mut self, p: usize, n: usize, barrier: &Barrier) {
+        for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
+            let (parts, sigma) = side_terms(barrier, at, side.sign);
             if side.limited == Limited::Torque {
                 self.tau.iter_mut().zip(parts).for_each(|(to, part)| to[side.joint] += part);
                 self.tau_curvature[side.joint] += sigma;
@@ -131,6 +133,7 @@ impl Work {
     }
 
     /// Derivatives of z = (q, q'/T, q''/T^2) in T.
+    #[inline(always)]
     pub fn differentiate_in_time(&mut self, z: &[f64], inverse: f64) {
         let (n, square) = (z.len() / 3, inverse * inverse);
         for i in 0..n {
@@ -142,6 +145,7 @@ impl Work {
     }
 
     /// H += tau_z' C tau_z.
+    #[inline(always)]
     fn add_torque_square(&mut self, n: usize, tau_z: &[f64]) {
         let width = 3 * n;
         for (row, &curvature) in tau_z.chunks_exact(width).zip(&self.tau_curvature) {

@@ -75,40 +75,48 @@ impl RobotPoints {
     pub fn new(robot: &Robot) -> Self {
         Self { model: LagrangianSecondOrder::new(robot) }
     }
+
+    /// tau at one point.
+    pub fn evaluate_at(&mut self, points: &mut Points, p: usize) -> Result<(), EvalError> {
+        let n = points.dof;
+        let z = &points.z[3 * n * p..][..3 * n];
+        let tau = self.model.first().inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?;
+        points.tau[n * p..][..n].copy_from_slice(tau);
+        Ok(())
+    }
+
+    /// tau, tau_z and the Hessian of w.tau at one point.
+    pub fn contract_at(&mut self, points: &mut Points, p: usize) -> Result<(), EvalError> {
+        let n = points.dof;
+        let z = &points.z[3 * n * p..][..3 * n];
+        let (q, v, a) = (&z[..n], &z[n..2 * n], &z[2 * n..]);
+        let all = self.model.contract_inverse_dynamics(q, v, a, &points.weights[n * p..][..n])?;
+        let (first, hessian) = (all.inverse_dynamics(), all.zz());
+        points.tau[n * p..][..n].copy_from_slice(first.tau);
+        let tau_z = &mut points.tau_z[3 * n * n * p..][..3 * n * n];
+        for (i, row) in tau_z.chunks_exact_mut(3 * n).enumerate() {
+            for j in 0..n {
+                row[j] = first.tau_q[(i, j)];
+                row[n + j] = first.tau_v[(i, j)];
+                row[2 * n + j] = first.tau_a[(i, j)];
+            }
+        }
+        let size = 9 * n * n;
+        for (i, row) in points.hessian[size * p..][..size].chunks_exact_mut(3 * n).enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = hessian[(i, j)];
+            }
+        }
+        Ok(())
+    }
 }
 
 impl PointDynamics for RobotPoints {
     fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        let n = points.dof;
-        for (z, tau) in points.z.chunks_exact(3 * n).zip(points.tau.chunks_exact_mut(n)) {
-            tau.copy_from_slice(self.model.first().inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?);
-        }
-        Ok(())
+        (0..points.count()).try_for_each(|p| self.evaluate_at(points, p))
     }
 
     fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        let n = points.dof;
-        for p in 0..points.count() {
-            let z = &points.z[3 * n * p..][..3 * n];
-            let (q, v, a) = (&z[..n], &z[n..2 * n], &z[2 * n..]);
-            let all = self.model.contract_inverse_dynamics(q, v, a, &points.weights[n * p..][..n])?;
-            let (first, hessian) = (all.inverse_dynamics(), all.zz());
-            points.tau[n * p..][..n].copy_from_slice(first.tau);
-            let tau_z = &mut points.tau_z[3 * n * n * p..][..3 * n * n];
-            for (i, row) in tau_z.chunks_exact_mut(3 * n).enumerate() {
-                for j in 0..n {
-                    row[j] = first.tau_q[(i, j)];
-                    row[n + j] = first.tau_v[(i, j)];
-                    row[2 * n + j] = first.tau_a[(i, j)];
-                }
-            }
-            let size = 9 * n * n;
-            for (i, row) in points.hessian[size * p..][..size].chunks_exact_mut(3 * n).enumerate() {
-                for (j, entry) in row.iter_mut().enumerate() {
-                    *entry = hessian[(i, j)];
-                }
-            }
-        }
-        Ok(())
+        (0..points.count()).try_for_each(|p| self.contract_at(points, p))
     }
 }

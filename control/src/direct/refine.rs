@@ -1,15 +1,29 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
-use super::basis::{Basis, PLACES, POINTS};
+use super::basis::{PLACES, POINTS, WEIGHTS as PART};
 use super::interior::Interior;
-use super::limits::{Limited, Side, measure};
+use super::jumps::Jumps;
+use super::limits::{Limited, Multipliers, Side, measure};
 use super::points::{PointDynamics, Points};
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
 
-/// Positions on an interval at which limits are checked between points.
-const BETWEEN: [f64; 8] = [0.04, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 0.96];
+/// Places of an interval at which limits are checked between points: those of Gauss's rule with eight.
+const BETWEEN: [f64; 8] = [
+    0.019_855_071_751_231_856,
+    0.101_666_761_293_186_64,
+    0.237_233_795_041_835_5,
+    0.408_282_678_752_175_1,
+    0.591_717_321_247_824_9,
+    0.762_766_204_958_164_5,
+    0.898_333_238_706_813_4,
+    0.980_144_928_248_768_1,
+];
+
+/// The weights of these places; the other half is the same in the opposite order.
+const WEIGHTS: [f64; 4] =
+    [0.050_614_268_145_188_13, 0.111_190_517_226_687_24, 0.156_853_322_938_943_65, 0.181_341_891_689_181];
 
 /// What a mesh does not resolve.
 #[derive(Clone, Debug, Default)]
@@ -18,8 +32,23 @@ pub(crate) struct Resolution {
     pub errors: Vec<f64>,
     /// Largest violation of a limit inside of each interval, in parts of its range.
     pub violations: Vec<f64>,
+    /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
+    pub cut: Vec<f64>,
+    /// The cost of the motion, by a finer rule than that of its points.
+    pub cost: f64,
+    jumps: Jumps,
+    /// Nodes of this mesh that were moved.
+    moves: Vec<Move>,
     points: Points,
     distance: Vec<f64>,
+}
+
+/// A node that was moved.
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    /// Where it is now.
+    place: f64,
+    distance: f64,
 }
 
 impl Resolution {
@@ -40,114 +69,189 @@ impl Resolution {
 
     /// Measures a solved motion.
     pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
-        let intervals = interior.spline.intervals();
+        let intervals = interior.spline.mesh.intervals();
         self.errors.clear();
         self.errors.resize(intervals, 0.0);
+        self.cut.clear();
+        self.cut.resize(intervals, 0.0);
         self.violations.clear();
         self.violations.resize(intervals, 0.0);
+        self.evaluate_between(interior)?;
         self.estimate(interior);
-        self.look_between(interior)
-    }
-
-    /// Third derivatives of an exact motion are continuous where its control is smooth. A jump J at the end
-    /// of an interval of width h means accelerations that are off by about h J / 8 there, and torques by M
-    /// times that; the cost is off by half the square of it in the metric of the problem.
-    fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
-        let (spline, points) = (&interior.spline, &interior.points);
-        let n = spline.dof;
-        let rate = 1.0 / spline.time;
-        let mut left = vec![0.0; n];
-        let mut right = vec![0.0; n];
-        for k in 1..spline.intervals() {
-            third(spline, k - 1, 1.0, &mut left);
-            third(spline, k, 0.0, &mut right);
-            let tau_z = points.tau_z(POINTS * k);
-            for side in [k - 1, k] {
-                let h = spline.width(side);
-                let mut cost = 0.0;
-                for i in 0..n {
-                    let row = &tau_z[3 * n * i + 2 * n..3 * n * (i + 1)];
-                    let jump: f64 = (0..n).map(|j| row[j] * (right[j] - left[j])).sum();
-                    let torque = h * jump * rate * rate / 8.0;
-                    cost += 0.5 * interior.running.effort[i] * torque * torque;
-                }
-                self.errors[side] += spline.time * h * cost;
-            }
-        }
-    }
-
-    fn look_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
-        let sides: &[Side] = &interior.barrier.sides;
-        if sides.is_empty() {
-            return Ok(());
-        }
-        let (spline, n) = (&interior.spline, interior.spline.dof);
-        let count = BETWEEN.len() * spline.intervals();
-        self.points.resize(n, count);
-        for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
-            spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
-        }
-        interior.dynamics.evaluate(&mut self.points)?;
-        self.distance.resize(sides.len() * count, 0.0);
-        measure(sides, &self.points, &mut self.distance);
-        for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
-            let (k, x) = (at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()]);
-            let most = &mut self.violations[k];
-            // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
-            let kept = distance.iter().zip(sides).filter(|(_, side)| side.limited < Limited::Acceleration);
-            *most = kept.fold(*most, |most, (d, side)| most.max(-d / side.range));
-            // The points before and after this place, and the part of the way between them.
-            let right = PLACES.partition_point(|&place| place < x) + 1;
-            let place = |j: usize| if j == 0 { 0.0 } else { PLACES.get(j - 1).map_or(1.0, |&place| place) };
-            let part = (x - place(right - 1)) / (place(right) - place(right - 1));
-            let length = spline.width(k) / BETWEEN.len() as f64;
-            for (i, d) in distance.iter().enumerate() {
-                let density = |j: usize| {
-                    let p = POINTS * k + j;
-                    interior.barrier.multiplier[sides.len() * p + i] / spline.point(p).1
-                };
-                let density = (1.0 - part) * density(right - 1) + part * density(right);
-                self.errors[k] += length * density * d.abs();
-            }
-        }
+        self.compare_costs(interior);
+        self.look_between(interior);
         Ok(())
     }
 
-    /// Nodes of a finer mesh: intervals are halved that exceed a limit between points, and those with the
-    /// largest errors, until what is left is a small part of the whole or of `tolerance`.
-    pub fn nodes(&self, spline: &Spline, tolerance: f64) -> Vec<f64> {
-        let mut order: Vec<usize> = (0..self.errors.len()).collect();
-        order.sort_by(|&a, &b| self.errors[b].total_cmp(&self.errors[a]));
-        let mut halved: Vec<bool> =
+    /// Where its control is smooth, the torque of an exact motion differs from this one by about a Legendre
+    /// polynomial of degree three on each interval, which vanishes at the points. At a node the two that meet
+    /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the
+    /// metric of the effort; the square of the polynomial has the mean 1/7.
+    fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
+        let (spline, n) = (&interior.spline, interior.spline.dof);
+        let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
+        self.jumps.measure(&interior.points, widths);
+        for (k, error) in self.errors.iter_mut().enumerate() {
+            let length = spline.time * spline.mesh.width(k);
+            *error = (0..n)
+                .map(|i| {
+                    let square = 0.25 * self.jumps.mean_square(k, i) / 7.0;
+                    0.5 * interior.running.effort[i] * square * length
+                })
+                .sum();
+        }
+    }
+
+    /// Evaluates the motion between the points.
+    fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
+        let (spline, n) = (&interior.spline, interior.spline.dof);
+        self.points.resize(n, BETWEEN.len() * spline.mesh.intervals());
+        for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
+            spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
+        }
+        interior.dynamics.evaluate(&mut self.points)
+    }
+
+    /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
+    fn compare_costs<D>(&mut self, interior: &Interior<D>) {
+        let (spline, running) = (&interior.spline, &interior.running);
+        self.cost = 0.0;
+        for (k, error) in self.errors.iter_mut().enumerate() {
+            let length = spline.time * spline.mesh.width(k);
+            let rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
+            let coarse = |j: usize| PART[j] * rate(&interior.points, POINTS * k + j);
+            let fine = |at: usize| weight(at) * rate(&self.points, BETWEEN.len() * k + at);
+            let fine = length * (0..BETWEEN.len()).map(fine).sum::<f64>();
+            *error += (fine - length * (0..POINTS).map(coarse).sum::<f64>()).abs();
+            self.cost += fine;
+        }
+    }
+
+    /// Looks for limits that are exceeded between the points.
+    fn look_between<D>(&mut self, interior: &Interior<D>) {
+        let sides: &[Side] = interior.barrier.sides();
+        if sides.is_empty() {
+            return;
+        }
+        self.distance.resize(sides.len() * self.points.count(), 0.0);
+        measure(sides, &self.points, &mut self.distance);
+        for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
+            let most = &mut self.violations[at / BETWEEN.len()];
+            // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
+            let kept = distance.iter().zip(sides).filter(|(_, side)| side.limited < Limited::Acceleration);
+            *most = kept.fold(*most, |most, (d, side)| most.max(-d / side.range));
+            let (k, part) = (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.time);
+            let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
+            let over = torques.map(|(d, side)| (-d / side.range).max(0.0)).sum::<f64>();
+            self.cut[k] += part * interior.spline.mesh.width(k) * over;
+        }
+        self.add_errors_of_limits(interior);
+    }
+
+    /// Adds to the error of each interval what multiplier times distance make in the mean between
+    /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
+    /// each point, and next to nothing is left.
+    fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
+        let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
+        let sides = interior.barrier.sides();
+        for (k, error) in self.errors.iter_mut().enumerate() {
+            let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
+            for (i, side) in sides.iter().enumerate() {
+                let densities = [0, 1, 2].map(|j| multipliers.at_point(POINTS * k + j, i));
+                let (mut signed, mut unsigned) = (0.0, 0.0);
+                for (at, &x) in BETWEEN.iter().enumerate() {
+                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    let product = weight(at) * density.max(0.0) * distances[sides.len() * at + i];
+                    signed += product;
+                    unsigned += product.abs();
+                }
+                let smooth = side.limited >= Limited::Acceleration;
+                *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
+            }
+        }
+    }
+
+    /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with
+    /// the largest errors, until what is left is a small part of the whole or of `tolerance`. Where a
+    /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
+    /// evenly.
+    pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+        let mut chosen: Vec<bool> =
             self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
-        let mut rest = self.error();
-        let enough = constants::LEFT * rest.max(tolerance);
-        for k in order {
-            if rest <= enough {
-                break;
+        choose(&mut chosen, &self.errors, tolerance);
+        self.divided(spline, &chosen, tolerance)
+    }
+
+    /// Nodes of a finer mesh on which limits cut off less of the torques.
+    pub fn nodes_for_torques(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+        let mut chosen = vec![false; self.cut.len()];
+        choose(&mut chosen, &self.cut, 0.0);
+        self.divided(spline, &chosen, tolerance)
+    }
+
+    fn divided(&mut self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
+        let share = tolerance / self.errors.len() as f64;
+        let mut moves = Vec::new();
+        let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
+        for k in (0..chosen.len()).filter(|&k| chosen[k]) {
+            let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
+            let cuts = self.jumps.cuts(k);
+            for cut in &cuts {
+                let place = left + width * cut.place;
+                added.push(place);
+                if let Some(node) = cut.replaces {
+                    let from = spline.mesh.nodes[node];
+                    moved[node] = self.approaches(from, place);
+                    moves.push(Move { place, distance: (place - from).abs() });
+                }
             }
-            halved[k] = true;
-            rest -= self.errors[k];
-        }
-        let mut nodes = vec![0.0];
-        for (k, halved) in halved.into_iter().enumerate() {
-            if halved {
-                nodes.push(0.5 * (spline.nodes[k] + spline.nodes[k + 1]));
+            if cuts.is_empty() {
+                // The error of a motion that is smooth in an interval falls with the seventh power of
+                // its width.
+                let parts = (self.errors[k] / share).powf(1.0 / 7.0).ceil().clamp(2.0, constants::MOST_PARTS);
+                added.extend((1..parts as usize).map(|part| left + width * part as f64 / parts));
             }
-            nodes.push(spline.nodes[k + 1]);
         }
+        let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
+        let mut nodes: Vec<f64> = kept.chain(added).collect();
+        nodes.sort_by(f64::total_cmp);
+        nodes.dedup_by(|b, a| *b - *a < constants::NARROWEST);
+        self.moves = moves;
         nodes
+    }
+
+    /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not
+    /// at a jump, and stays.
+    fn approaches(&self, from: f64, to: f64) -> bool {
+        let before = self.moves.iter().find(|before| before.place == from);
+        before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)
     }
 }
 
-/// d3q/ds3 at the part `x` of an interval: the slope of the second derivative, a cubic with these four
-/// coefficients.
-fn third(spline: &Spline, k: usize, x: f64, values: &mut [f64]) {
-    let h = spline.width(k);
-    let basis = Basis::at(x, h);
-    let n = spline.dof;
-    let coefficients = &spline.unknowns[3 * n * k..][..6 * n];
-    for (i, value) in values.iter_mut().enumerate() {
-        *value = (0..6).map(|b| basis.third[b] * coefficients[b * n + i]).sum();
+/// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.
+fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
+    let mut order: Vec<usize> = (0..errors.len()).collect();
+    order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
+    let mut rest: f64 = errors.iter().sum();
+    let enough = (constants::LEFT * rest).max(constants::ENOUGH * tolerance);
+    for k in order {
+        if rest <= enough {
+            break;
+        }
+        chosen[k] = true;
+        rest -= errors[k];
     }
+}
+
+/// The weight of a place between the points.
+fn weight(at: usize) -> f64 {
+    WEIGHTS[at.min(BETWEEN.len() - 1 - at)]
+}
+
+/// Parts at `x` of values at the points of an interval in the quadratic through them.
+fn quadratic(x: f64) -> [f64; POINTS] {
+    [0, 1, 2].map(|j| {
+        let others = (0..POINTS).filter(|&l| l != j);
+        others.map(|l| (x - PLACES[l]) / (PLACES[j] - PLACES[l])).product()
+    })
 }

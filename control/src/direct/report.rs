@@ -26,31 +26,29 @@ fn usage<D>(
     interior: &Interior<D>,
     resolution: &Resolution,
 ) -> Option<LimitUse> {
-    let sides = &interior.barrier.sides;
+    let (spline, barrier) = (&interior.spline, &interior.barrier);
+    let sides = barrier.sides();
     let mut found: Option<LimitUse> = None;
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == limited) {
         let usage = found.get_or_insert_default();
-        let largest = |distances: &[f64]| {
-            distances.iter().skip(i).step_by(sides.len()).fold(0.0_f64, |most, d| most.max(-d))
-        };
+        let between = resolution.distances().iter().skip(i).step_by(sides.len());
+        usage.between = between.fold(usage.between, |most, d| most.max(-d));
         // The given ends are within the limits; the problem was checked.
-        for p in 0..interior.spline.points() {
-            let at = sides.len() * p + i;
-            let distance = interior.barrier.distance[at];
-            if interior.barrier.slack[at].is_infinite() || -distance <= usage.at_points {
+        for at in (0..barrier.count()).filter(|&at| barrier.side_index(at) == i) {
+            let distance = barrier.distance[at];
+            if barrier.slack[at].is_infinite() || -distance <= usage.at_points {
                 continue;
             }
             usage.at_points = -distance;
             if -distance > VIOLATION_ACCEPTED * side.range {
                 usage.worst = Some(LimitViolation {
                     joint: names[side.joint].clone(),
-                    time: interior.spline.point(p).0 * interior.spline.time,
+                    time: barrier.place(at, spline) * spline.time,
                     value: side.bound + side.sign * distance,
                     limit: side.bound,
                 });
             }
         }
-        usage.between = usage.between.max(largest(resolution.distances()));
         usage.active.extend(spans(interior, i, side, &names[side.joint]));
     }
     found
@@ -58,15 +56,13 @@ fn usage<D>(
 
 /// The spans in which a side is active.
 fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, joint: &str) -> Vec<ActiveLimit> {
-    let sides = interior.barrier.sides.len();
+    let (spline, barrier) = (&interior.spline, &interior.barrier);
     let name = if side.sign > 0.0 { "min" } else { "max" };
     let mut spans: Vec<ActiveLimit> = Vec::new();
     let mut open = false;
-    for p in 0..interior.spline.points() {
-        let t = interior.spline.point(p).0 * interior.spline.time;
-        let at = sides * p + i;
-        let active =
-            interior.barrier.slack[at].is_finite() && interior.barrier.distance[at] <= ACTIVE * side.range;
+    for p in 0..spline.mesh.points() {
+        let t = spline.mesh.point(p).0 * spline.time;
+        let active = barrier.distance[barrier.at_point(p)][i] <= ACTIVE * side.range;
         match spans.last_mut().filter(|_| open && active) {
             Some(span) => span.to = t,
             None if active => {

@@ -28,7 +28,7 @@ impl Running {
 
     /// The cost of a motion.
     pub fn cost(&self, spline: &Spline, points: &Points) -> f64 {
-        let rate = |p: usize| spline.point(p).1 * self.rate(points.z(p), points.tau(p));
+        let rate = |p: usize| spline.mesh.point(p).1 * self.rate(points.z(p), points.tau(p));
         spline.time * (0..points.count()).map(rate).sum::<f64>()
     }
 
@@ -51,7 +51,7 @@ impl Running {
 
     /// The penalties of a motion.
     pub fn penalty_cost(&self, spline: &Spline, points: &Points) -> f64 {
-        let rate = |p: usize| spline.point(p).1 * self.penalty_rate(points.z(p));
+        let rate = |p: usize| spline.mesh.point(p).1 * self.penalty_rate(points.z(p));
         spline.time * (0..points.count()).map(rate).sum::<f64>()
     }
 

@@ -1,7 +1,6 @@
 //! How far to go along a direction.
 
 use super::interior::Interior;
-use super::limits::measure;
 use super::points::PointDynamics;
 use crate::constants::direct as constants;
 use costate::EvalError;
@@ -18,25 +17,24 @@ impl<D: PointDynamics> Interior<D> {
         }
         let dt = self.time_steps[0] + mu * self.time_steps[1];
         slope += self.system.time_gradient[0] * dt;
-        let sides = self.barrier.sides.len();
         for at in 0..self.barrier.slack.len() {
             let (s, eta, d) =
                 (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
             if s.is_finite() {
                 let change = self.changes[0][at] + mu * self.changes[1][at];
                 slope += eta * (1.0 - d / s) * change
-                    - mu * self.spline.point(at / sides).1 * self.trial.slack_step[at] / s;
+                    - mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;
             }
         }
-        let theta = self.infeasibility(&self.spline, &self.barrier.distance, &self.barrier.slack);
-        let value = self.figures.cost + self.logarithms(&self.spline, &self.barrier.slack);
+        let theta = self.infeasibility(&self.barrier.distance, &self.barrier.slack);
+        let value = self.figures.cost + self.logarithms(&self.barrier.slack);
         let mut alpha = primal;
         loop {
             self.evaluate_trial(alpha)?;
             let trial = &self.trial;
             let cost = self.running.cost(&trial.spline, &trial.points);
-            let new_theta = self.infeasibility(&trial.spline, &trial.distance, &trial.slack);
-            let new_value = cost + self.logarithms(&trial.spline, &trial.slack);
+            let new_theta = self.infeasibility(&trial.distance, &trial.slack);
+            let new_value = cost + self.logarithms(&trial.slack);
             let rounding = constants::ROUNDING * value.abs();
             let feasible = theta <= constants::FEASIBLE;
             let fine = if feasible && slope < 0.0 {
@@ -69,11 +67,11 @@ impl<D: PointDynamics> Interior<D> {
             *unknown += alpha * (self.steps[0][i] + mu * self.steps[1][i]);
         }
         trial.spline.time += alpha * (self.time_steps[0] + mu * self.time_steps[1]);
-        trial.points.resize(self.spline.dof, self.spline.points());
+        trial.points.resize(self.spline.dof, self.spline.mesh.points());
         trial.spline.evaluate(&mut trial.points.z);
         self.dynamics.evaluate(&mut trial.points)?;
-        trial.distance.resize(self.barrier.distance.len(), 0.0);
-        measure(&self.barrier.sides, &trial.points, &mut trial.distance);
+        trial.distance.resize(self.barrier.count(), 0.0);
+        self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
         for ((slack, step), &distance) in trial.slack.iter_mut().zip(&trial.slack_step).zip(&trial.distance) {
             if slack.is_finite() {
@@ -90,11 +88,10 @@ impl<D: PointDynamics> Interior<D> {
         std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
         std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);
-        let sides = self.barrier.sides.len();
         for at in 0..self.barrier.multiplier.len() {
             if self.barrier.slack[at].is_finite() {
                 let eta = self.barrier.multiplier[at] + dual * self.trial.multiplier_step[at];
-                let central = self.mu * self.spline.point(at / sides).1 / self.barrier.slack[at];
+                let central = self.mu * self.barrier.weight[at] / self.barrier.slack[at];
                 self.barrier.multiplier[at] = eta.clamp(central / constants::FAR, constants::FAR * central);
             }
         }

@@ -5,20 +5,24 @@ use super::found::trajectory;
 use super::guess::guess;
 use super::interior::{End, Interior};
 use super::limits::{Limited, Side};
-use super::points::RobotPoints;
+#[cfg(not(feature = "jit"))]
+use super::points::RobotPoints as FastPoints;
+#[cfg(feature = "jit")]
+use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
 use super::running::Running;
 use super::verify::integrate;
 use crate::bvp::collocation::error::defined;
 use crate::constants::direct as constants;
-use crate::options::SolverOptions;
+use crate::options::{SolverOptions, Verify};
+use crate::parallel::best_of_starts;
 use crate::path::cubics::Disturbance;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::progress::{Iteration, Phase};
-use crate::result::motion::{Motion, verified};
-use crate::result::solution::{RobotNames, Solution, StartResult};
+use crate::result::motion::Motion;
+use crate::result::solution::{RobotNames, Solution};
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
 use crate::status::Status;
@@ -38,27 +42,12 @@ pub(crate) struct Direct<'a> {
 impl Direct<'_> {
     /// The best solution of all starts: the cheapest solved one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
-        let mut best: Option<Solution> = None;
-        let mut starts = Vec::new();
-        let mut steps = 0;
-        for number in 0..self.options.starts {
-            if number > 0 && recorder.interruption().is_some() {
-                break;
-            }
-            let solution = self.start(number, recorder).unwrap_or_else(|error| {
-                let status = Status::EvaluationFailed(error.into());
-                Solution::missing(&self.problem.robot, status, self.problem.time.value())
-            });
-            let motion = &solution.motion;
-            starts.push(StartResult { total: motion.total(), status: motion.status.clone() });
-            steps += solution.newton_iterations;
-            if best.as_ref().is_none_or(|best| rank(motion) < rank(&best.motion)) {
-                best = Some(solution);
-            }
-        }
-        let missing = || Solution::missing(&self.problem.robot, Status::Cancelled, self.problem.time.value());
-        let best = best.unwrap_or_else(missing);
-        Solution { newton_iterations: steps, starts, options: self.options.clone(), ..best }
+        let missing = |status| Solution::missing(&self.problem.robot, status, self.problem.time.value());
+        let solve = |number, recorder: &mut Recorder<'_>| {
+            let failed = |error: EvalError| missing(Status::EvaluationFailed(error.into()));
+            self.start(number, recorder).unwrap_or_else(failed)
+        };
+        best_of_starts(self.options, recorder, solve).unwrap_or_else(|| missing(Status::Cancelled))
     }
 
     /// One start.
@@ -68,7 +57,10 @@ impl Direct<'_> {
         let intervals = ((self.options.nodes - 1) / POINTS).max(1);
         let saved = self.saved.filter(|_| number == 0);
         let spline = guess(problem, saved, &disturbance, intervals);
-        let dynamics = RobotPoints::new(&problem.robot);
+        #[cfg(feature = "jit")]
+        let dynamics = FastPoints::new(&problem.robot, self.options.machine_code);
+        #[cfg(not(feature = "jit"))]
+        let dynamics = FastPoints::new(&problem.robot);
         let mut interior =
             Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);
         let mut resolution = Resolution::default();
@@ -79,7 +71,7 @@ impl Direct<'_> {
     /// Solves on finer and finer meshes.
     fn refine(
         &self,
-        interior: &mut Interior<RobotPoints>,
+        interior: &mut Interior<FastPoints>,
         resolution: &mut Resolution,
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
@@ -91,13 +83,16 @@ impl Direct<'_> {
             return Ok(Refined { status: interruption.into(), error: f64::INFINITY, again: None });
         }
         let mut refined = Refined { status: Status::MeshLimit, error: f64::INFINITY, again: None };
+        // A coarse mesh is not solved much better than it resolves the motion.
+        let least = constants::PART_OF_TOLERANCE * tolerance;
+        let mut precision = least.max(constants::FIRST_PRECISION);
         for mesh in 0..constants::MESHES {
             let first = interior.figures.iterations;
-            let watch = |iterate: &Interior<RobotPoints>, step: f64| {
+            let watch = |iterate: &Interior<FastPoints>, step: f64| {
                 let figures = &iterate.figures;
                 recorder.record(Iteration {
                     phase: Phase::Direct,
-                    nodes: iterate.spline.points(),
+                    nodes: iterate.spline.mesh.points(),
                     number: figures.iterations - first,
                     residual: (figures.gap.max(figures.decrement.abs()) / figures.size)
                         .max(figures.violation),
@@ -107,11 +102,7 @@ impl Direct<'_> {
                 });
                 recorder.interruption()
             };
-            let end = interior.iterate(
-                constants::PART_OF_TOLERANCE * tolerance,
-                self.options.max_iterations,
-                watch,
-            )?;
+            let end = interior.iterate(precision, self.options.max_iterations, watch)?;
             resolution.measure(interior)?;
             let figures = interior.figures;
             let error = (resolution.error() + figures.gap) / figures.size;
@@ -125,22 +116,34 @@ impl Direct<'_> {
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
-                End::Solved if accurate => {
+                End::Solved if accurate && precision <= least => {
                     let found = again.insert(self.integrate_again(interior));
-                    verified(found.relative, false, tolerance)
+                    let bound = constants::VERIFIED * tolerance.sqrt();
+                    if found.relative <= bound { Status::Converged } else { Status::NotVerified }
                 }
                 End::Solved => Status::MeshLimit,
             };
             refined = Refined { status, error, again };
-            if refined.status.is_converged() || (violated && mesh >= constants::MESHES_WITHOUT_MOTION) {
+            let unverified = accurate && precision <= least && self.options.verify == Verify::None;
+            if refined.status.is_converged()
+                || unverified
+                || (violated && mesh >= constants::MESHES_WITHOUT_MOTION)
+            {
                 break;
             }
-            // What the estimate does not see, the integration may.
-            let enough = if accurate { error.min(tolerance) * constants::LEFT } else { tolerance };
-            let nodes = match violated {
-                true => halved(&interior.spline.nodes),
-                false => resolution.nodes(&interior.spline, enough * figures.size),
+            if accurate && precision > least {
+                precision = least;
+                continue;
+            }
+            precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
+            let enough = tolerance * figures.size;
+            let nodes = match (violated, accurate) {
+                (true, _) => halved(&interior.spline.mesh.nodes),
+                // What the estimate does not see, the integration may.
+                (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
+                (false, false) => resolution.nodes(&interior.spline, enough),
             };
+            let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes) } else { nodes };
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }
@@ -152,7 +155,7 @@ impl Direct<'_> {
     /// The solution, verified by integration where it converged.
     fn finish(
         &self,
-        interior: &mut Interior<RobotPoints>,
+        interior: &mut Interior<FastPoints>,
         resolution: &Resolution,
         Refined { status, error, again }: Refined,
         recorder: &mut Recorder<'_>,
@@ -167,11 +170,15 @@ impl Direct<'_> {
         let iterations = std::mem::take(&mut recorder.iterations);
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
-            cost: interior.figures.cost - penalty_cost,
+            cost: resolution.cost - penalty_cost,
             penalty_cost,
             hamiltonian: mean,
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
+            verification: match status {
+                Status::Converged | Status::NotVerified => self.options.verify,
+                _ => Verify::None,
+            },
             errors: vec![error],
             iterations,
             ..Motion::missing(status, interior.spline.time)
@@ -180,6 +187,7 @@ impl Direct<'_> {
             newton_iterations: interior.figures.iterations,
             end_defect: again.defect,
             limits: report(problem, interior, resolution),
+            polish: None,
             trajectory,
             starts: Vec::new(),
             options: self.options.clone(),
@@ -189,14 +197,20 @@ impl Direct<'_> {
     }
 
     /// The motion integrated again with its torques.
-    fn integrate_again(&self, interior: &Interior<RobotPoints>) -> Again {
+    fn integrate_again(&self, interior: &Interior<FastPoints>) -> Again {
         let (problem, spline) = (self.problem.problem(), &interior.spline);
         let (n, end) = (spline.dof, &problem.end);
+        match self.options.verify {
+            Verify::Full => {}
+            Verify::Factors => return Again { state: None, defect: f64::INFINITY, relative: 0.0 },
+            Verify::None => return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY },
+        }
         let Ok(state) = integrate(problem, spline) else {
             return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY };
         };
         let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
-        let last = interior.points.z(interior.points.count() - 1);
+        let mut last = vec![0.0; 3 * n];
+        spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
         for i in 0..2 * n {
             let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
             let size = values.fold(f64::MIN_POSITIVE, f64::max);
@@ -227,11 +241,6 @@ struct Again {
     defect: f64,
     /// Largest distance from the end of the motion, in parts of the largest values along it.
     relative: f64,
-}
-
-/// Solved motions come first, then those that keep the limits; among them the cheapest one.
-fn rank(motion: &Motion) -> (bool, bool, f64) {
-    (!motion.status.is_solved(), motion.status == Status::LimitsNotKept, motion.total())
 }
 
 /// All intervals in two.

@@ -1,73 +1,76 @@
 //! Directions: from the factorised equations to steps of unknowns, slacks and multipliers.
 
-use super::basis::{Basis, COEFFICIENTS, PLACES, POINTS};
+use super::basis::POINTS;
 use super::interior::Interior;
 use super::limits::Limited;
 use super::points::PointDynamics;
-use super::spline::combine;
 use crate::constants::direct as constants;
+use crate::numerics::chain::dot;
 
 impl<D: PointDynamics> Interior<D> {
     /// Both parts of the step, and of the change of distances.
     pub(super) fn solve(&mut self) {
-        let free_time = self.ends.free_time;
-        let n = self.spline.dof;
-        let sides = self.barrier.sides.len();
+        let (n, count) = (self.spline.dof, self.barrier.count());
         for part in 0..2 {
-            let dt = self.system.solve(part, free_time, &mut self.steps[part]);
+            let dt = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
             self.time_steps[part] = dt;
-            let block = 3 * n;
-            let last = self.steps[part].len() - block;
-            for (offset, fixed) in [(0, &self.ends.start), (last, &self.ends.end)] {
-                for (i, tangent) in fixed.iter().enumerate() {
-                    if let Some(tangent) = tangent {
-                        self.steps[part][offset + i] = tangent * dt;
-                    }
-                }
+            for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals()) {
+                self.steps[part][2 * n * k + i] = tangent * dt;
             }
-            self.changes[part].resize(sides * self.points.count(), 0.0);
-            if sides == 0 {
-                continue;
+            self.changes[part].resize(count, 0.0);
+            if count > 0 {
+                self.change_at_points(part);
+                self.change_at_nodes(part);
             }
-            let mut dz = vec![0.0; block];
-            for p in 0..self.points.count() {
-                let (k, j) = (p / POINTS, p % POINTS);
-                let step = &self.steps[part][block * k..];
-                if j == 0 {
-                    dz.copy_from_slice(&step[..block]);
+        }
+    }
+
+    /// Change of the distances at the points by a part of the step.
+    fn change_at_points(&mut self, part: usize) {
+        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        for p in 0..self.points.count() {
+            let dz = &mut self.trial.dz;
+            let (inner, ends) = self.spline.of_interval(&self.steps[part], p / POINTS);
+            self.spline.mesh.basis[p].combine(n, inner, ends, dz);
+            let z = self.points.z(p);
+            for i in 0..n {
+                dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
+                dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
+            }
+            let tau_z = self.points.tau_z(p);
+            let changes = &mut self.changes[part][self.barrier.at_point(p)];
+            for (change, side) in changes.iter_mut().zip(self.barrier.sides()) {
+                let value = if side.limited == Limited::Torque {
+                    dot(&tau_z[3 * n * side.joint..][..3 * n], dz)
                 } else {
-                    combine(
-                        &Basis::at(PLACES[j - 1], self.spline.width(k)),
-                        n,
-                        &step[..COEFFICIENTS * n],
-                        &mut dz,
-                    );
-                }
-                let (z, rate) = (self.points.z(p), 1.0 / self.spline.time);
-                for i in 0..n {
-                    dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
-                    dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
-                }
-                let tau_z = self.points.tau_z(p);
-                for (change, side) in
-                    self.changes[part][sides * p..][..sides].iter_mut().zip(&self.barrier.sides)
-                {
-                    let value = if side.limited == Limited::Torque {
-                        let row = &tau_z[3 * n * side.joint..][..3 * n];
-                        row.iter().zip(&dz).map(|(a, b)| a * b).sum()
-                    } else {
-                        dz[side.index(n)]
-                    };
-                    *change = side.sign * value;
-                }
+                    dz[side.index(n)]
+                };
+                *change = side.sign * value;
+            }
+        }
+    }
+
+    /// Change of the distances at the nodes by a part of the step.
+    fn change_at_nodes(&mut self, part: usize) {
+        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        for k in 0..self.spline.mesh.nodes.len() {
+            for at in self.barrier.at_node(k) {
+                let side = self.barrier.side(at);
+                let i = 2 * n * k + side.index(n);
+                let step = self.steps[part][i];
+                let value = if side.limited == Limited::Rate {
+                    rate * (step - rate * self.spline.unknowns[i] * dt)
+                } else {
+                    step
+                };
+                self.changes[part][at] = side.sign * value;
             }
         }
     }
 
     /// Steps of slacks and multipliers for a barrier, and how far they may go.
     pub(super) fn steps_of(&mut self, mu: f64) -> (f64, f64) {
-        let sides = self.barrier.sides.len();
-        let count = self.barrier.slack.len();
+        let count = self.barrier.count();
         self.trial.slack_step.resize(count, 0.0);
         self.trial.multiplier_step.resize(count, 0.0);
         let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
@@ -78,7 +81,7 @@ impl<D: PointDynamics> Interior<D> {
             if s.is_infinite() {
                 continue;
             }
-            let weight = self.spline.point(at / sides).1;
+            let weight = self.barrier.weight[at];
             let change = self.changes[0][at] + mu * self.changes[1][at];
             let ds = change + d - s;
             let deta = (mu * weight - eta * d - eta * change) / s;
@@ -100,7 +103,7 @@ impl<D: PointDynamics> Interior<D> {
             self.mu = 0.0;
             return;
         }
-        let active = self.barrier.sides.len() as f64;
+        let active = self.barrier.total_weight();
         let now = gap / active;
         let (primal, dual) = self.steps_of(0.0);
         let mut left = 0.0;
@@ -111,7 +114,8 @@ impl<D: PointDynamics> Interior<D> {
                     (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
             }
         }
-        let part = (left / gap).clamp(0.0, 1.0);
+        // A damped step is short, so what it would leave says nothing about the distance to a solution.
+        let part = if self.damping > 0.0 { 1.0 } else { (left / gap).clamp(0.0, 1.0) };
         self.mu = now;
         // No smaller than the tolerance needs, nor than the distance from stationary points allows.
         let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;

@@ -1,29 +1,26 @@
 //! Newton's equations: second derivatives of the Lagrangian of the barrier problem in the unknowns.
 
-use super::basis::{Basis, PLACES, POINTS};
+use super::basis::POINTS;
 use super::ends::Ends;
-use super::limits::Barrier;
-use super::point_terms::Work;
+use super::interval::{IntervalHessian, add_gradient};
+use super::limits::{Barrier, Limited};
+use super::metric::Metric;
+use super::point_terms::{Work, side_terms};
 use super::points::Points;
 use super::running::Running;
-use super::scatter::{add_gradient, add_inner, add_node, remove, scaled};
 use super::spline::Spline;
 use crate::constants::direct::LEAST_CURVATURE;
-use crate::numerics::block_tridiagonal::{BlockTridiagonal, NotPositiveDefinite, dot};
+use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite, dot};
+use crate::numerics::widest::widest_fused;
 
 /// The equations `[K b; b' c] (dx, dT) = -(g, g_T)`, g = g_0 + mu g_1, for the unknowns x of a spline and its
-/// time T.
-///
-/// Slacks and multipliers are eliminated at each point: with d = s, eta s = mu w (w the weight of the point),
-///
-/// $$ \Delta s = \Delta d + d - s, \qquad \Delta \eta = a - \sigma \Delta d, \qquad
-///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
+/// time T. Slacks and multipliers are eliminated at each point ([`side_terms`]).
 #[derive(Clone, Debug)]
 pub(crate) struct System {
-    matrix: BlockTridiagonal,
-    factor: BlockTridiagonal,
-    metric: BlockTridiagonal,
-    metric_is_current: bool,
+    matrix: ChainMatrix,
+    factor: ChainMatrix,
+    damping: ChainMatrix,
+    damping_is_current: bool,
     /// Gradients in x at mu = 0, its factor of mu, and the derivative in T.
     pub gradient: [Vec<f64>; 2],
     border: Vec<f64>,
@@ -35,16 +32,18 @@ pub(crate) struct System {
     border_solved: Vec<f64>,
     schur: f64,
     work: Work,
+    interval: IntervalHessian,
+    metric: Metric,
 }
 
 impl System {
     pub fn new(n: usize) -> Self {
-        let empty = || BlockTridiagonal::new(0, 3 * n);
+        let empty = || ChainMatrix::new(2 * n, n);
         Self {
             matrix: empty(),
             factor: empty(),
-            metric: empty(),
-            metric_is_current: false,
+            damping: empty(),
+            damping_is_current: false,
             gradient: [Vec::new(), Vec::new()],
             border: Vec::new(),
             corner: 0.0,
@@ -53,6 +52,8 @@ impl System {
             border_solved: Vec::new(),
             schur: 1.0,
             work: Work::new(n),
+            interval: IntervalHessian::new(n),
+            metric: Metric::new(n),
         }
     }
 
@@ -65,23 +66,40 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
-        let n = points.dof;
-        let count = spline.nodes.len();
-        self.matrix.reset(count);
-        self.metric_is_current = false;
+        widest_fused(
+            #[inline(always)]
+            |_| self.assemble_all(spline, points, barrier, running, ends),
+        );
+    }
+
+    #[inline(always)]
+    fn assemble_all(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+        ends: &Ends,
+    ) {
+        self.matrix.reset(spline.mesh.intervals());
+        self.damping_is_current = false;
         for vector in self.gradient.iter_mut().chain([&mut self.border]) {
             vector.clear();
-            vector.resize(3 * n * count, 0.0);
+            vector.resize(spline.unknowns.len(), 0.0);
         }
         (self.corner, self.time_gradient) = (0.0, [running.time, 0.0]);
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier, running);
+        }
+        for k in 0..spline.mesh.nodes.len() {
+            self.add_node(k, spline, barrier);
         }
         self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
         self.fix(ends, spline);
     }
 
     /// Adds a point: its gradients and its Hessian in z become those in the unknowns and in T.
+    #[inline(always)]
     fn add_point(
         &mut self,
         p: usize,
@@ -104,92 +122,92 @@ impl System {
             slope[i] += product + [0.0, -inverse, -2.0 * inverse][i / n] * gradient[i];
         }
         let (k, j) = (p / POINTS, p % POINTS);
-        let scales = [1.0, inverse, inverse * inverse];
-        if j == 0 {
-            add_node(&mut self.matrix, k, n, &work.hessian, scales);
-        } else {
-            let basis = scaled(&Basis::at(PLACES[j - 1], spline.width(k)), scales);
-            add_inner(&mut self.matrix, k, n, &work.hessian, &basis, &mut work.product);
+        let factors = spline.mesh.basis[p].in_time(inverse);
+        self.interval.take(j, n, factors, &work.hessian);
+        if j + 1 == POINTS {
+            self.interval.add_to(&mut self.matrix, k, n);
         }
         for (to, from) in self.gradient.iter_mut().chain([&mut self.border]).zip(&work.z[1..]) {
-            add_gradient(spline, p, n, from, scales, to);
+            add_gradient(spline, k, &factors, from, to);
+        }
+    }
+
+    /// Adds the limits of positions and rates at a node.
+    fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
+        let (n, inverse) = (spline.dof, 1.0 / spline.time);
+        let first = 2 * n * k;
+        for at in barrier.at_node(k) {
+            let side = barrier.side(at);
+            let ([gradient, at_zero, of_mu], sigma) = side_terms(barrier, at, side.sign);
+            let i = side.index(n);
+            let is_rate = side.limited == Limited::Rate;
+            let scale = if is_rate { inverse } else { 1.0 };
+            self.gradient[0][first + i] += scale * at_zero;
+            self.gradient[1][first + i] += scale * of_mu;
+            self.matrix.node_rows(k)[(4 * n + 1) * i] += scale * scale * sigma;
+            if is_rate {
+                // v = q'/T.
+                let v = inverse * spline.unknowns[first + i];
+                let slope = -inverse * v;
+                self.time_gradient[0] += slope * at_zero;
+                self.time_gradient[1] += slope * of_mu;
+                self.corner += slope * slope * sigma + 2.0 * inverse * inverse * v * gradient;
+                self.border[first + i] += scale * slope * sigma - inverse * inverse * gradient;
+            }
         }
     }
 
     /// Takes the given ends out of the equations: their unknowns depend on T alone.
     fn fix(&mut self, ends: &Ends, spline: &Spline) {
-        let last = spline.intervals();
-        let block = ends.start.len();
-        for (k, fixed) in [(0, &ends.start), (last, &ends.end)] {
-            for (i, tangent) in fixed.iter().enumerate() {
-                let Some(tangent) = *tangent else { continue };
-                if tangent != 0.0 {
-                    self.move_with_time(k, i, tangent, block);
-                }
-            }
+        let (intervals, node) = (spline.mesh.intervals(), 2 * spline.dof);
+        for (k, i, tangent) in ends.all(intervals).filter(|(_, _, tangent)| *tangent != 0.0) {
+            // One after the other: each adds its products with the matrix.
+            let at = node * k + i;
+            self.time_gradient[0] += tangent * self.gradient[0][at];
+            self.time_gradient[1] += tangent * self.gradient[1][at];
+            self.corner += tangent * (2.0 * self.border[at] + tangent * self.matrix.entry(at, at));
+            self.matrix.add_column(k, i, tangent, &mut self.border);
         }
-        for (k, fixed) in [(0, &ends.start), (last, &ends.end)] {
-            for (i, tangent) in fixed.iter().enumerate() {
-                if tangent.is_some() {
-                    remove(&mut self.matrix, k, i, block);
-                    self.gradient
-                        .iter_mut()
-                        .chain([&mut self.border])
-                        .for_each(|vector| vector[block * k + i] = 0.0);
-                }
-            }
+        for (k, i, _) in ends.all(intervals) {
+            self.matrix.remove(k, i);
+            let vectors = self.gradient.iter_mut().chain([&mut self.border]);
+            vectors.for_each(|vector| vector[node * k + i] = 0.0);
         }
     }
 
-    /// The border of an unknown that changes with T by `tangent`. Tangents of all unknowns together must be
-    /// applied one after the other: each adds its products with the matrix.
-    fn move_with_time(&mut self, k: usize, i: usize, tangent: f64, block: usize) {
-        let at = block * k + i;
-        self.time_gradient[0] += tangent * self.gradient[0][at];
-        self.time_gradient[1] += tangent * self.gradient[1][at];
-        self.corner += tangent * (2.0 * self.border[at] + tangent * self.matrix.row(k, i)[i]);
-        for l in 0..block {
-            let entry = if l < i { self.matrix.row(k, l)[i] } else { self.matrix.row(k, i)[l] };
-            self.border[block * k + l] += tangent * entry;
-            if k > 0 {
-                self.border[block * (k - 1) + l] += tangent * self.matrix.row(k - 1, l)[block + i];
-            } else if self.matrix.count() > 1 {
-                self.border[block + l] += tangent * self.matrix.row(0, i)[block + l];
-            }
-        }
-    }
-
-    /// Factorises, with `damping` times the metric added to K. Whether T is free decides about the border.
+    /// Factorises, with `damping` times the metric of `weights` added to K.
     pub fn factorise(
         &mut self,
         damping: f64,
-        free_time: bool,
-        metric: impl FnOnce(&mut BlockTridiagonal),
+        ends: &Ends,
+        spline: &Spline,
+        points: &Points,
+        weights: &[f64],
     ) -> Result<(), NotPositiveDefinite> {
         self.factor.copy_from(&self.matrix);
         if damping > 0.0 {
-            if !self.metric_is_current {
-                self.metric.reset(self.matrix.count());
-                metric(&mut self.metric);
-                self.metric_is_current = true;
+            if !self.damping_is_current {
+                self.damping.reset(spline.mesh.intervals());
+                self.metric.fill(&mut self.damping, spline, points, weights, ends);
+                self.damping_is_current = true;
             }
-            self.factor.add(damping, &self.metric);
+            self.factor.add(damping, &self.damping);
         }
         self.factor.factorise()?;
-        if free_time {
+        if ends.free_time {
             self.border_solved.clone_from(&self.border);
             self.factor.solve(&mut self.border_solved);
             self.schur = self.corner + damping * self.time_metric - dot(&self.border, &self.border_solved);
             let definite = self.schur > LEAST_CURVATURE * self.corner.abs();
             if !definite {
-                return Err(NotPositiveDefinite { block: self.matrix.count() });
+                return Err(NotPositiveDefinite { block: spline.mesh.nodes.len() });
             }
         }
         Ok(())
     }
 
     /// Solves for the part of the step that belongs to the gradient `part`.
-    pub fn solve(&self, part: usize, free_time: bool, dx: &mut Vec<f64>) -> f64 {
+    pub fn solve(&mut self, part: usize, free_time: bool, dx: &mut Vec<f64>) -> f64 {
         dx.clear();
         dx.extend(self.gradient[part].iter().map(|g| -g));
         self.factor.solve(dx);

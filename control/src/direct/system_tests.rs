@@ -5,7 +5,7 @@ use super::super::limits::{Barrier, Limited, Side};
 use super::super::point_terms::weigh;
 use super::super::points::{PointDynamics, Points, RobotPoints};
 use super::super::running::Running;
-use super::super::spline::Spline;
+use super::super::spline::{Mesh, Spline};
 use super::System;
 use crate::problem::running_cost::{RunningCost, UserTerm};
 use crate::problem::{FinalTime, Objective, Penalty, Problem};
@@ -51,30 +51,24 @@ impl Case {
         let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.5, 2.0 + joint as f64));
         let sides: Vec<Side> = kinds.into_iter().flat_map(pair).collect();
         let mut random = fastrand::Rng::with_seed(11);
-        let nodes = vec![0.0, 0.3, 0.55, 1.0];
-        let unknowns = (0..4 * 6).map(|_| random.f64() - 0.5).collect();
-        let spline = Spline { dof: 2, nodes, unknowns, time: 1.3 };
-        let count = sides.len() * spline.points();
-        let mut positive = || (0..count).map(|_| 0.2 + random.f64()).collect::<Vec<_>>();
-        let (mut slack, multiplier) = (positive(), positive());
-        // Sides that are off.
-        slack[0] = f64::INFINITY;
-        let barrier = Barrier {
-            multiplier: multiplier
-                .iter()
-                .zip(&slack)
-                .map(|(m, s)| if s.is_finite() { *m } else { 0.0 })
-                .collect(),
-            sides,
-            slack,
-            distance: vec![0.0; count],
-        };
+        let mesh = Mesh::new(vec![0.0, 0.3, 0.55, 1.0]);
+        let unknowns = (0..Spline::size(2, 3)).map(|_| random.f64() - 0.5).collect();
+        let spline = Spline { dof: 2, mesh, unknowns, time: 1.3 };
+        let ends = Ends::new(&problem);
+        let mut barrier = Barrier::new(sides);
+        barrier.resize(&spline.mesh, |end, side| ends.given[end][side.index(2)].is_some());
+        let count = barrier.count();
+        for at in 0..count {
+            let on = barrier.weight[at] > 0.0;
+            barrier.slack[at] = if on { 0.2 + random.f64() } else { f64::INFINITY };
+            barrier.multiplier[at] = if on { 0.2 + random.f64() } else { 0.0 };
+        }
         let mut points = Points::default();
-        points.resize(2, spline.points());
+        points.resize(2, spline.mesh.points());
         Self {
             dynamics: RobotPoints::new(&problem.robot),
             running: Running::new(&problem),
-            ends: Ends::new(&problem),
+            ends,
             shift: vec![0.0; count],
             system: System::new(2),
             spline,
@@ -83,14 +77,10 @@ impl Case {
         }
     }
 
-    /// The given unknown of a block, if it is one.
+    /// The derivative in T of a given unknown, if it is one.
     fn tangent(&self, at: usize) -> Option<f64> {
-        let (block, last) = (self.ends.start.len(), self.spline.intervals());
-        match at / block {
-            0 => self.ends.start[at],
-            k if k == last => self.ends.end[at % block],
-            _ => None,
-        }
+        let mut given = self.ends.all(self.spline.mesh.intervals());
+        given.find(|(k, i, _)| 2 * self.spline.dof * k + i == at).map(|(_, _, tangent)| tangent)
     }
 
     /// Adds to an unknown; the one after the last is T, with which given rates move.
@@ -109,7 +99,9 @@ impl Case {
     fn evaluate(&mut self) {
         self.spline.evaluate(&mut self.points.z);
         self.dynamics.evaluate(&mut self.points).unwrap();
-        self.barrier.measure(&self.points);
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(&self.spline, &self.points, &mut distance);
+        self.barrier.distance = distance;
         self.barrier.distance.iter_mut().zip(&self.shift).for_each(|(d, shift)| *d -= shift);
     }
 
@@ -121,7 +113,7 @@ impl Case {
             if s.is_finite() {
                 let eta = self.barrier.multiplier[at];
                 values[0] += -eta * d + 0.5 * eta / s * d * d;
-                values[1] -= self.spline.point(at / self.barrier.sides.len()).1 / s * d;
+                values[1] -= self.barrier.weight[at] / s * d;
             }
         }
         values
@@ -143,16 +135,13 @@ impl Case {
 
     /// An entry of the bordered matrix.
     fn entry(&self, i: usize, j: usize) -> f64 {
-        let (size, block) = (self.spline.unknowns.len(), self.ends.start.len());
-        let (i, j) = (i.min(j), i.max(j));
-        if i == size {
-            return self.system.corner;
+        let size = self.spline.unknowns.len();
+        match (i == size, j == size) {
+            (true, true) => self.system.corner,
+            (true, false) => self.system.border[j],
+            (false, true) => self.system.border[i],
+            (false, false) => self.system.matrix.entry(i, j),
         }
-        if j == size {
-            return self.system.border[i];
-        }
-        let column = j - i / block * block;
-        if column < 2 * block { self.system.matrix.row(i / block, i % block)[column] } else { 0.0 }
     }
 }
 
@@ -228,7 +217,8 @@ fn steps_solve_the_bordered_equations() {
     // Large curvature of the limits makes the matrix positive definite.
     case.barrier.slack.iter_mut().for_each(|slack| *slack *= 1e-4);
     case.assemble();
-    case.system.factorise(0.0, true, |_| ()).unwrap();
+    let weights = [1.0; 2];
+    case.system.factorise(0.0, &case.ends, &case.spline, &case.points, &weights).unwrap();
     let size = case.spline.unknowns.len();
     for part in 0..2 {
         let mut step = Vec::new();

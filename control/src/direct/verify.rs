@@ -21,8 +21,8 @@ pub(super) fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, 
     let mut x = z[..2 * n].to_vec();
     let mut tau = vec![0.0; n];
     let mut integrator = DormandPrince::new(2 * n, TOLERANCE);
-    for k in 0..spline.intervals() {
-        let length = spline.width(k) * spline.time;
+    for k in 0..spline.mesh.intervals() {
+        let length = spline.mesh.width(k) * spline.time;
         integrator.integrate(&mut x, 0.0..length, |t, x, rate| -> Result<(), EvalError> {
             spline.in_interval(k, t / length, &mut z);
             tau.copy_from_slice(inverse.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?);

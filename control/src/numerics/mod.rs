@@ -1,6 +1,8 @@
 //! Linear algebra and integration that know nothing of optimal control.
 
 pub(crate) mod almost_block_diagonal;
-pub(crate) mod block_tridiagonal;
+pub(crate) mod chain;
 pub(crate) mod dormand_prince;
 pub(crate) mod lu;
+mod tiles;
+pub(crate) mod widest;

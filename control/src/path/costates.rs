@@ -9,13 +9,13 @@ use costate::hamiltonian::Hamiltonian;
 /// A path of low cost as a guess of an extremal.
 #[derive(Clone, Debug)]
 pub(crate) struct Path {
-    objective: Objective,
+    pub(super) objective: Objective,
     lowest: Lowest,
     hamiltonian: Hamiltonian<f64>,
     /// Means of y_p over each interval, rows of n.
     means: Vec<f64>,
     /// tau, y_p and dy_p/dt at a point.
-    force: Vec<f64>,
+    pub(super) force: Vec<f64>,
     pull: Vec<f64>,
     pull_rate: Vec<f64>,
 }
@@ -83,7 +83,7 @@ impl Path {
     }
 
     /// Motion, tau and y_p at s on an interval.
-    fn set_point(&mut self, interval: usize, s: f64) -> Result<(), EvalError> {
+    pub(super) fn set_point(&mut self, interval: usize, s: f64) -> Result<(), EvalError> {
         let objective = &mut self.objective;
         let basis = objective.basis.at(interval, s);
         objective.path(interval, &basis, &self.lowest.at.theta, self.lowest.at.time);

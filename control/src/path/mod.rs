@@ -14,10 +14,12 @@ mod costates;
 pub(crate) mod cubics;
 mod expansion;
 mod minimise;
+mod motion;
 mod objective;
 mod spline;
 
 pub(crate) use costates::Path;
+pub(crate) use motion::PathMotion;
 
 use crate::constants::attempts::PathAttempt;
 use crate::constants::path::{INTERVALS, ROUNDS, Round};

@@ -7,17 +7,20 @@ use crate::solve::Solved;
 
 /// Most segments of an arc.
 const SEGMENTS: usize = 20;
-/// Tolerance of a step of the integration, in parts of the size of each component.
-const TOLERANCE: f64 = 1e-12;
 
 impl Solved {
     /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives
-    /// the largest mismatch at the next border, in parts of the size of the component.
-    pub(crate) fn shooting_defect(&self, extremal: &mut dyn Extremal) -> Result<f64, Stopped> {
+    /// the largest mismatch at the next border, in parts of the size of the component. `tolerance` is that of
+    /// a step of the integration, in the same parts.
+    pub(crate) fn shooting_defect(
+        &self,
+        extremal: &mut dyn Extremal,
+        tolerance: f64,
+    ) -> Result<f64, Stopped> {
         let equations = &self.found.equations;
         let mut timed = self.found.timed(extremal);
         let (m, (segments, parts)) = (equations.m, equations.mesh.coarsened(SEGMENTS));
-        let mut integrator = DormandPrince::new(m, TOLERANCE);
+        let mut integrator = DormandPrince::new(m, tolerance);
         integrator.sizes_mut().copy_from_slice(&equations.scale);
         let (mut w, mut left, mut largest) = (vec![0.0; m], 0, 0.0_f64);
         for (segment, parts) in segments.spans.iter().zip(parts) {

@@ -3,9 +3,11 @@
 use crate::bvp::Solvable;
 use crate::bvp::mesh::Span;
 use crate::extremal::{Extremal, Relaxation};
+use crate::options::{SolverOptions, Verify};
 use crate::progress::Iteration;
 use crate::result::nodes::{Interpolant, Nodes};
-use crate::solve::Solved;
+use crate::result::verify::{integration_tolerance, verification_bound};
+use crate::solve::{Recorder, Solved};
 use crate::status::{BoundViolation, Status};
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +54,13 @@ pub struct Motion {
     /// x at the end when the motion is integrated again from its start with the control that was found;
     /// `None` where the integration stopped, or for a motion that is not converged.
     pub end_state: Option<Vec<f64>>,
+    /// What was done to verify the motion: the level of the options, or [`Verify::None`] where there was no
+    /// solution to verify.
+    pub verification: Verify,
+    /// How much the equations amplify rounding errors: the largest change of a component at a node, in parts
+    /// of its largest value, when the equations of all intervals change by independent errors of size 1;
+    /// NaN unless verified by [`Verify::Factors`].
+    pub conditioning: f64,
     /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
     /// their starts; infinite where the integration stopped, or for a motion that is not converged.
     pub shooting_defect: f64,
@@ -85,6 +94,8 @@ impl Motion {
             hamiltonian: f64::NAN,
             hamiltonian_drift: f64::INFINITY,
             end_state: None,
+            verification: Verify::None,
+            conditioning: f64::NAN,
             shooting_defect: f64::INFINITY,
             conjugate_time: None,
             conjugate_multiplicity: 0,
@@ -104,7 +115,7 @@ impl Motion {
     /// Largest end defect, relative to the size of each component of x, with which a motion that was solved
     /// to this tolerance counts as verified: `max(100 tolerance, 1e-6)`.
     pub fn verification_bound(tolerance: f64) -> f64 {
-        (100.0 * tolerance).max(1e-6)
+        verification_bound(tolerance)
     }
 }
 
@@ -120,7 +131,11 @@ pub struct ExtremalSolution {
 
 /// The status of a converged motion with this defect; undefined defects are not verified.
 pub(crate) fn verified(defect: f64, smoothed: bool, tolerance: f64) -> Status {
-    match (defect <= Motion::verification_bound(tolerance), smoothed) {
+    solved_if(defect <= Motion::verification_bound(tolerance), smoothed)
+}
+
+fn solved_if(verified: bool, smoothed: bool) -> Status {
+    match (verified, smoothed) {
         (true, false) => Status::Converged,
         (true, true) => Status::ConvergedSmoothed,
         (false, _) => Status::NotVerified,
@@ -145,16 +160,17 @@ impl ExtremalSolution {
 }
 
 impl Solved {
-    /// The solution, verified by integration and checked for conjugate times where it converged.
+    /// The solution, verified as the options say where it converged.
     pub(crate) fn into_solution(
         mut self,
         extremal: &mut dyn Extremal,
-        iterations: Vec<Iteration>,
-        tolerance: f64,
+        recorder: &mut Recorder<'_>,
+        options: &SolverOptions,
     ) -> ExtremalSolution {
         if self.status == Status::BoundsNotReached {
             // A motion that exceeds the bounds of the problem is no result.
             let missing = Motion::missing(self.status, f64::NAN);
+            let iterations = std::mem::take(&mut recorder.iterations);
             let motion = Motion { iterations, bound_violation: self.violation, ..missing };
             return ExtremalSolution { motion, nodes: Nodes::default() };
         }
@@ -166,20 +182,34 @@ impl Solved {
         {
             self.status = failure.into();
         }
-        let (final_time, (cost, penalty_cost)) =
-            (self.found.final_time(extremal), self.found.costs(extremal));
         let converged = self.status.is_converged();
         let verifiable = converged || self.status == Status::SwitchesNotRefined;
-        let end_state = if verifiable { self.integrated_again(extremal).ok() } else { None };
-        let shooting_defect = if verifiable { self.shooting_defect(extremal).ok() } else { None };
-        let shooting_defect = shooting_defect.unwrap_or(f64::INFINITY);
+        let verification = if verifiable { options.verify } else { Verify::None };
         let smoothed = self.relaxation != Relaxation::NONE;
-        if converged {
-            let end = self.end_defect(extremal, end_state.as_deref());
-            self.status = verified(end, smoothed, tolerance);
+        let (mut end_state, mut shooting_defect, mut conditioning) = (None, f64::INFINITY, f64::NAN);
+        match verification {
+            Verify::Full => {
+                end_state = self.integrated_or_sharper(extremal, recorder, options);
+                let tolerance = integration_tolerance(options.tolerance);
+                shooting_defect = self.shooting_defect(extremal, tolerance).unwrap_or(f64::INFINITY);
+                if converged {
+                    let end = self.end_defect(extremal, end_state.as_deref());
+                    self.status = verified(end, smoothed, options.tolerance);
+                }
+            }
+            Verify::Factors => {
+                conditioning = self.conditioning(extremal).unwrap_or(f64::INFINITY);
+                if converged {
+                    self.status = solved_if(conditioning * f64::EPSILON <= options.tolerance, smoothed);
+                }
+            }
+            Verify::None if converged => self.status = Status::NotVerified,
+            Verify::None => {}
         }
+        let (final_time, (cost, penalty_cost)) =
+            (self.found.final_time(extremal), self.found.costs(extremal));
         // A motion that is not verified, or belongs to a smoothed problem, gets no certificate.
-        let (conjugate, certificate) = if self.status.is_converged() {
+        let (conjugate, certificate) = if verification == Verify::Full && self.status.is_converged() {
             self.second_variation(extremal)
         } else {
             (None, Certificate::NotChecked)
@@ -198,12 +228,14 @@ impl Solved {
             hamiltonian,
             hamiltonian_drift,
             end_state,
+            verification,
+            conditioning,
             shooting_defect,
             conjugate_time: conjugate.map(|conjugate| conjugate.time),
             conjugate_multiplicity: conjugate.map_or(0, |conjugate| conjugate.multiplicity),
             certificate,
             errors: self.estimate.map_or_else(Vec::new, |estimate| estimate.components),
-            iterations,
+            iterations: std::mem::take(&mut recorder.iterations),
             switches,
             bound_violation: None,
         };

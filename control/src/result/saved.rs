@@ -1,8 +1,9 @@
 //! The JSON form of a solution: what the command line prints and saves.
 
-use crate::options::SolverOptions;
+use crate::options::{SolverOptions, Verify};
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
+use crate::result::polish_report::PolishReport;
 use crate::result::rows::Rows;
 use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
 use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
@@ -69,6 +70,10 @@ struct Document {
     costate_start: SavedCostates,
     end_defect: Option<f64>,
     shooting_defect: Option<f64>,
+    #[serde(default = "not_verified")]
+    verification: Verify,
+    #[serde(default)]
+    conditioning: Option<f64>,
     #[serde(default)]
     newton_iterations: usize,
     #[serde(default)]
@@ -83,6 +88,8 @@ struct Document {
     switches: Vec<f64>,
     #[serde(default, skip_serializing_if = "LimitReport::is_empty")]
     limits: LimitReport,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    polish: Option<PolishReport>,
     #[serde(default)]
     starts: Vec<SavedStart>,
     #[serde(default)]
@@ -92,6 +99,10 @@ struct Document {
 
 fn units() -> Units {
     UNITS
+}
+
+fn not_verified() -> Verify {
+    Verify::None
 }
 
 fn not_checked() -> Certificate {
@@ -154,6 +165,8 @@ impl From<&Solution> for Document {
             costate_start: SavedCostates { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
             end_defect: finite(solution.end_defect),
             shooting_defect: finite(motion.shooting_defect),
+            verification: motion.verification,
+            conditioning: finite(motion.conditioning),
             newton_iterations: solution.newton_iterations,
             nodes: solution.nodes(),
             conjugate_time: motion.conjugate_time,
@@ -161,6 +174,7 @@ impl From<&Solution> for Document {
             certificate: motion.certificate,
             switches: motion.switches.clone(),
             limits: solution.limits.clone(),
+            polish: solution.polish.clone(),
             starts: solution.starts.iter().map(start).collect(),
             options: solution.options.clone(),
             trajectory: Rows::from(&solution.trajectory),
@@ -187,6 +201,8 @@ impl TryFrom<Document> for Solution {
             hamiltonian: document.hamiltonian.unwrap_or(f64::NAN),
             hamiltonian_drift: document.hamiltonian_drift.unwrap_or(f64::INFINITY),
             shooting_defect: document.shooting_defect.unwrap_or(f64::INFINITY),
+            verification: document.verification,
+            conditioning: document.conditioning.unwrap_or(f64::NAN),
             conjugate_time: document.conjugate_time,
             conjugate_multiplicity: document.conjugate_multiplicity,
             certificate: document.certificate,
@@ -205,6 +221,7 @@ impl TryFrom<Document> for Solution {
             trajectory: document.trajectory.into_trajectory(n),
             starts: document.starts.into_iter().map(start).collect(),
             limits: document.limits,
+            polish: document.polish,
             options: document.options,
             robot: RobotNames { robot: document.robot, joints },
         })

@@ -3,6 +3,7 @@
 use crate::options::SolverOptions;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
+use crate::result::polish_report::PolishReport;
 use crate::result::trajectory::Trajectory;
 use crate::status::Status;
 use costate::robot::Robot;
@@ -22,6 +23,9 @@ pub struct Solution {
     pub newton_iterations: usize,
     /// How the motion uses its hard limits; empty without the direct method.
     pub limits: LimitReport,
+    /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
+    /// not asked.
+    pub polish: Option<PolishReport>,
     /// The motion over time.
     pub trajectory: Trajectory,
     /// Each start in its order; the best of them is this solution.
@@ -96,6 +100,7 @@ impl Solution {
             end_defect: f64::INFINITY,
             newton_iterations: 0,
             limits: LimitReport::default(),
+            polish: None,
             trajectory: Trajectory::default(),
             starts: Vec::new(),
             options: SolverOptions::default(),

@@ -2,6 +2,7 @@
 
 use crate::path::cubics::{JointState, cubic};
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
+use crate::result::quintic::{State, quintic};
 
 /// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
 ///
@@ -26,6 +27,8 @@ pub struct Trajectory {
     /// H*; empty for a trajectory that was read from a file.
     pub hamiltonian: Vec<f64>,
     interpolant: Option<Interpolant>,
+    /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
+    accelerations: Option<Vec<Vec<f64>>>,
 }
 
 /// The motion of a robot at one time.
@@ -55,12 +58,26 @@ impl Trajectory {
         let part = |k: usize| nodes.z.iter().map(|z| z[k * n..(k + 1) * n].to_vec()).collect::<Vec<_>>();
         let (q, p, y_q, y_p) = (part(0), part(1), part(2), part(3));
         let Nodes { t, u, hamiltonian, interpolant, .. } = nodes;
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, interpolant }
+        Self { t, q, v, p, u, y_q, y_p, hamiltonian, interpolant, accelerations: None }
     }
 
     /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
     pub(crate) fn from_rows(t: Vec<f64>, [q, v, p, u, y_q, y_p]: [Vec<Vec<f64>>; 6]) -> Self {
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian: Vec::new(), interpolant: None }
+        let (hamiltonian, interpolant, accelerations) = (Vec::new(), None, None);
+        Self { t, q, v, p, u, y_q, y_p, hamiltonian, interpolant, accelerations }
+    }
+
+    /// With accelerations at the nodes: q(t) is the quintic that meets q, v and them.
+    pub(crate) fn with_accelerations(self, accelerations: Vec<Vec<f64>>) -> Self {
+        Self { accelerations: Some(accelerations), ..self }
+    }
+
+    /// Without the first of two rows at the same time, and without polynomials between rows.
+    pub(crate) fn with_each_time_once(&self) -> Self {
+        let kept: Vec<usize> = (0..self.t.len()).filter(|&k| self.t.get(k + 1) != Some(&self.t[k])).collect();
+        let rows = |rows: &[Vec<f64>]| kept.iter().map(|&k| rows[k].clone()).collect();
+        let columns = [&self.q, &self.v, &self.p, &self.u, &self.y_q, &self.y_p].map(|column| rows(column));
+        Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
     }
 
     /// With H* at the nodes.
@@ -72,14 +89,28 @@ impl Trajectory {
     ///
     /// By the collocation polynomial, whose error between the nodes is estimated with the solution: q, p and
     /// the costates are its values, v is its derivative, u the polynomial through the controls at its points.
-    /// A trajectory that was read from a file has its nodes only, as has one of the direct method: then q is
-    /// the cubic that meets q and v at both nodes, v its derivative, and all else is linear.
+    /// In a motion of the direct method q is its own polynomial, v the derivative, and all else is linear. A
+    /// trajectory that was read from a file has its nodes only: then q is the cubic that meets q and v at
+    /// both nodes.
     pub fn at(&self, t: f64) -> Option<TrajectoryPoint> {
         let place = place(&self.t, t)?;
         match &self.interpolant {
             Some(interpolant) => Some(self.on_polynomial(t, interpolant, place)),
             None => Some(self.between_nodes(t, place)),
         }
+    }
+
+    /// The acceleration (rad/s^2, m/s^2) at time t (s), of motions of the direct method.
+    pub(crate) fn acceleration(&self, t: f64) -> Option<Vec<f64>> {
+        let states = self.quintics(place(&self.t, t)?)?;
+        Some(states.map(|[.., a]| a).collect())
+    }
+
+    /// Position, rate and acceleration of each joint on the quintics of a motion that has them.
+    fn quintics(&self, Place { left: k, part, length }: Place) -> Option<impl Iterator<Item = State>> {
+        let accelerations = self.accelerations.as_ref().filter(|_| length > 0.0)?;
+        let state = move |k: usize, i: usize| [self.q[k][i], self.v[k][i], accelerations[k][i]];
+        Some((0..self.q[k].len()).map(move |i| quintic(state(k, i), state(k + 1, i), length, part)))
     }
 
     fn on_polynomial(&self, t: f64, interpolant: &Interpolant, place: Place) -> TrajectoryPoint {
@@ -93,13 +124,17 @@ impl Trajectory {
         TrajectoryPoint { t, q: part(0), v, p: part(1), u, y_q: part(2), y_p: part(3) }
     }
 
-    fn between_nodes(&self, t: f64, Place { left: k, part, length }: Place) -> TrajectoryPoint {
+    fn between_nodes(&self, t: f64, place: Place) -> TrajectoryPoint {
+        let Place { left: k, part, length } = place;
         let linear = |rows: &[Vec<f64>]| -> Vec<f64> {
             rows[k].iter().zip(&rows[k + 1]).map(|(left, right)| left + part * (right - left)).collect()
         };
         let state = |k: usize, i: usize| JointState { q: self.q[k][i], v: self.v[k][i] };
-        let states: Vec<_> =
-            (0..self.q[k].len()).map(|i| cubic(state(k, i), state(k + 1, i), length, part)).collect();
+        let cubics = || (0..self.q[k].len()).map(|i| cubic(state(k, i), state(k + 1, i), length, part));
+        let states: Vec<JointState> = match self.quintics(place) {
+            Some(states) => states.map(|[q, v, _]| JointState { q, v }).collect(),
+            None => cubics().collect(),
+        };
         // Two nodes at one time.
         let v = if length > 0.0 { states.iter().map(|state| state.v).collect() } else { linear(&self.v) };
         TrajectoryPoint {

@@ -1,24 +1,79 @@
-//! The motion integrated again by an adaptive integrator.
+//! Solutions verified: integrated again by an adaptive integrator, or by the factors of their equations.
 
 use crate::bvp::collocation::error::defined;
 use crate::bvp::mesh::Span;
+use crate::bvp::timed::Clock;
+use crate::bvp::{Discretised, Failure, Solvable};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
-use crate::solve::Solved;
+use crate::options::SolverOptions;
+use crate::progress::Phase;
+use crate::solve::{Attempt, Recorder, Solved};
 
-/// Relative tolerance of one integration step.
-const TOLERANCE: f64 = 1e-12;
+/// Tolerance of one integration step, in parts of the tolerance of the motion: the motion is judged, not the
+/// integrator.
+const SHARPER: f64 = 1e-4;
+/// Smallest tolerance of an integration step.
+const SHARPEST: f64 = 1e-12;
+/// Draws of errors for the conditioning.
+const DRAWS: usize = 4;
+
+/// Largest end defect of a verified motion, relative to the size of each component.
+pub(crate) fn verification_bound(tolerance: f64) -> f64 {
+    (100.0 * tolerance).max(1e-6)
+}
+
+/// Relative tolerance of one step when a motion of this tolerance is integrated again.
+pub(crate) fn integration_tolerance(tolerance: f64) -> f64 {
+    (SHARPER * tolerance).max(SHARPEST)
+}
+
+/// Tolerance of a motion that is solved again because its integration missed the end.
+const SHARP: f64 = 1e-9;
 
 impl Solved {
+    /// x(T) of the motion integrated again; `None` where the integration stopped.
+    ///
+    /// The integration amplifies errors along the motion. If it misses the end of a motion with a loose
+    /// tolerance, the motion is solved once more to a sharp one.
+    pub(crate) fn integrated_or_sharper(
+        &mut self,
+        extremal: &mut dyn Extremal,
+        recorder: &mut Recorder<'_>,
+        options: &SolverOptions,
+    ) -> Option<Vec<f64>> {
+        let tolerance = integration_tolerance(options.tolerance);
+        let end = self.integrated_again(extremal, tolerance).ok();
+        let misses = |solved: &Self, end: Option<&[f64]>, extremal: &dyn Extremal| {
+            solved.end_defect(extremal, end) > verification_bound(options.tolerance)
+        };
+        let sharper = self.status.is_converged() && options.tolerance > 10.0 * SHARP;
+        if !sharper || !misses(self, end.as_deref(), extremal) {
+            return end;
+        }
+        let phase = if let Clock::Free = self.found.clock { Phase::FreeTime } else { Phase::FixedTime };
+        let attempt = Attempt { tolerance: SHARP, ..Attempt::new(options, phase) };
+        let sharp = self.found.predicted(extremal, None).solve(extremal, &attempt, recorder);
+        if !sharp.is_converged() {
+            return end;
+        }
+        *self = sharp;
+        self.integrated_again(extremal, integration_tolerance(SHARP)).ok()
+    }
+
     /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the
     /// costates.
-    pub(crate) fn integrated_again(&self, extremal: &mut dyn Extremal) -> Result<Vec<f64>, Stopped> {
+    pub(crate) fn integrated_again(
+        &self,
+        extremal: &mut dyn Extremal,
+        tolerance: f64,
+    ) -> Result<Vec<f64>, Stopped> {
         let (states, m) = (extremal.states(), self.found.equations.m);
         let durations = self.found.durations(2 * states);
         let mut x = self.found.equations.current.nodes[..states].to_vec();
         let (mut w, mut u) = (vec![0.0; m], vec![0.0; extremal.controls()]);
         let mut rate = vec![0.0; 2 * states];
-        let mut integrator = DormandPrince::new(states, TOLERANCE);
+        let mut integrator = DormandPrince::new(states, tolerance);
         for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, length } = *span {
                 let (law, h) = (self.found.arcs.law(arc), length * durations[arc]);
@@ -38,6 +93,35 @@ impl Solved {
             }
         }
         Ok(x)
+    }
+
+    /// How much the equations amplify errors:
+    ///
+    /// $$ \kappa = \max_{draws} \lVert A^{-1} e \rVert_\infty, \qquad e_i = \pm 1 $$
+    ///
+    /// with the matrix A of the equations in scaled variables, factored for the last step of Newton's method,
+    /// and random signs for the equations of all intervals. Rounding errors of the size eps then change a
+    /// component by about kappa eps.
+    pub(crate) fn conditioning(&mut self, extremal: &mut dyn Extremal) -> Result<f64, Failure> {
+        let mut timed = self.found.timed(extremal);
+        let equations = &mut self.found.equations;
+        if !equations.factored {
+            equations.linearise(&mut timed)?;
+        }
+        let mut errors = vec![0.0; equations.mesh.spans.len() * equations.m];
+        let (mut response, mut random, mut largest) = (equations.zeros(), 1_u64, 0.0_f64);
+        for _ in 0..DRAWS {
+            for error in &mut errors {
+                // Marsaglia's generator.
+                random ^= random << 13;
+                random ^= random >> 7;
+                random ^= random << 17;
+                *error = if random >> 63 == 0 { 1.0 } else { -1.0 };
+            }
+            equations.response(&errors, &mut response);
+            largest = response.nodes.iter().fold(largest, |most, &change| most.max(defined(change)));
+        }
+        Ok(largest)
     }
 
     /// Largest difference between x(T) of the mesh and `end`, relative to the size of each component;

@@ -2,14 +2,16 @@
 //!
 //! [`Strategy::Direct`] makes the first attempt only. [`Strategy::Full`] goes through this list:
 //!
-//! 1. *From the guess* ([`Search::try_guess`]): Newton's method from the saved motion or the cubics. If
-//!    there are controls without effort, only a saved motion is tried, on the arcs that it shows
-//!    ([`Search::try_saved_arcs`]). Accepted at once if it converged from a saved motion. Otherwise a
-//!    converged result is kept, and its cost must be undercut from here on.
-//! 2. *From paths of low cost* ([`Search::try_path`]), one for each entry of [`PATHS`]. The loop ends when
-//!    no path is found, or when the path is not noticeably cheaper than the solution that is kept. A result
-//!    is accepted if it converged and costs less than what is kept; if nothing is kept, an almost converged
-//!    one will do ([`Solved::is_nearly_solved`]).
+//! 1. *From the guess*: Newton's method from the saved motion, on the arcs that it shows
+//!    ([`Search::try_saved`]); otherwise, or if that fails, roughly at first from the saved motion or the
+//!    cubics ([`Search::try_guess`]), unless there are controls without effort. Accepted at once if it
+//!    converged from a saved motion. Otherwise a converged result is kept, and its cost must be undercut from
+//!    here on.
+//! 2. *From paths of low cost* ([`Search::try_path`]), one for each entry of [`PATHS`] that differs from
+//!    those before in what this problem has: penalties, controls without effort. The loop ends when no path
+//!    is found, or when the path is not noticeably cheaper than the solution that is kept. A result is
+//!    accepted if it converged and costs less than what is kept; if nothing is kept, an almost converged one
+//!    will do ([`Solved::is_nearly_solved`]).
 //! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if nothing converged so far and the
 //!    problem can be relaxed. The result is returned as it is.
 //!
@@ -19,13 +21,14 @@ use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock};
 use crate::constants::attempts::{FEW_STEPS, NOTICEABLE, PATHS, PathAttempt};
 use crate::constants::path::INTERVALS;
+use crate::constants::polish::SMOOTHING;
 use crate::extremal::Relaxation;
 use crate::options::{SolverOptions, Strategy};
 use crate::problem::FinalTime;
 use crate::progress::Phase;
 use crate::search::Search;
 use crate::search::guess::FoundPath;
-use crate::solve::arcs::solve_arcs;
+use crate::solve::arcs::{solve_arcs, solve_given_arcs};
 use crate::solve::free_time::free_time;
 use crate::solve::homotopy::follow;
 use crate::solve::{Attempt, Discretisation, Layout, Solved};
@@ -41,6 +44,41 @@ impl Search<'_, '_> {
         }
     }
 
+    /// From a saved motion that is nearly optimal: Newton's method, on the arcs that its controls show if
+    /// they jump, and from a smoothed problem if that fails.
+    pub fn polish(mut self, options: &SolverOptions) -> Solved {
+        let attempt = &Attempt::new(options, Phase::Polish);
+        let time = match (self.time, self.guess.saved_duration()) {
+            (FinalTime::Free { .. }, Some(guess)) => FinalTime::Free { guess },
+            _ => self.time,
+        };
+        if let Some(found) = self.try_saved(time, attempt) {
+            return found;
+        }
+        if self.extremal.easiest().effort == 0.0 {
+            return self.try_guess(time, attempt.max_steps.min(FEW_STEPS), attempt);
+        }
+        let ease = Relaxation { effort: SMOOTHING, ..Relaxation::NONE };
+        self.extremal.set_relaxation(ease);
+        let Some(smoothed) = self.saved_discretisation(time, attempt) else {
+            return self.at_fixed_time(time, 1.0, attempt).unsolved(self.extremal);
+        };
+        let few = Attempt { max_steps: FEW_STEPS, ..attempt.loose() };
+        let at = self.solve(smoothed, &few);
+        self.without_smoothing(at, ease, attempt)
+    }
+
+    /// The saved motion on one arc, with the clock of the problem.
+    fn saved_discretisation(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Discretisation> {
+        let fixed = self.at_fixed_time(time, 1.0, attempt).evaluated(self.extremal).ok()?;
+        match time {
+            FinalTime::Fixed(_) => Some(fixed),
+            FinalTime::Free { .. } => {
+                fixed.with_clock(self.extremal, Clock::Free).evaluated(self.extremal).ok()
+            }
+        }
+    }
+
     fn full(&mut self, attempt: &Attempt) -> Solved {
         let easiest = self.extremal.easiest();
         let saved = self.guess.saved_duration();
@@ -51,12 +89,12 @@ impl Search<'_, '_> {
         };
 
         // 1. From the guess.
-        let first = if easiest.effort == 0.0 {
-            Some(self.try_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
-        } else if saved.is_some() {
-            self.try_saved_arcs(begin, attempt)
-        } else {
-            None
+        let from_saved = saved.and_then(|_| self.try_saved(begin, attempt));
+        let first = match from_saved {
+            None if easiest.effort == 0.0 => {
+                Some(self.try_guess(begin, attempt.max_steps.min(FEW_STEPS), attempt))
+            }
+            found => found,
         };
         let mut best = match first {
             Some(found) if saved.is_some() && found.is_converged() => return found,
@@ -66,7 +104,13 @@ impl Search<'_, '_> {
         // 2. From paths of low cost.
         let kept = best.as_ref().filter(|best| best.is_converged());
         let cost = kept.map(|kept| kept.found.total(self.extremal));
+        let mut tried = Vec::new();
         for path in PATHS {
+            let path = path.for_problem(easiest);
+            if tried.contains(&path) {
+                continue;
+            }
+            tried.push(path);
             if self.recorder.interruption().is_some() {
                 break;
             }
@@ -104,24 +148,34 @@ impl Search<'_, '_> {
         self.finish(first, time, attempt)
     }
 
-    /// From a saved motion with controls at their bounds to a solution with the arcs that it shows.
-    fn try_saved_arcs(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
-        let guess = self.at_fixed_time(time, 1.0, attempt);
-        let mut rough = guess.evaluated(self.extremal).ok()?;
-        if let FinalTime::Free { .. } = time {
-            rough = rough.with_clock(self.extremal, Clock::Free).evaluated(self.extremal).ok()?;
+    /// From a saved motion at once to a sharp solution: on the arcs that its controls show, on those that its
+    /// costates show if controls jump, or on its mesh if no control is at a bound. `None` where that fails.
+    fn try_saved(&mut self, time: FinalTime, attempt: &Attempt) -> Option<Solved> {
+        let rough = self.saved_discretisation(time, attempt)?;
+        let crossings = self.guess.saved_crossings();
+        if !crossings.is_empty() {
+            let found = solve_given_arcs(&rough, crossings, self.extremal, attempt, self.recorder);
+            if found.is_some() {
+                return found;
+            }
         }
-        solve_arcs(&rough, self.extremal, attempt, self.recorder)
+        let easiest = self.extremal.easiest();
+        if easiest.effort > 0.0 {
+            return solve_arcs(&rough, self.extremal, attempt, self.recorder);
+        }
+        let sharp = Attempt { max_steps: attempt.max_steps.min(FEW_STEPS), ..*attempt };
+        let bounded = easiest.bounds > 1.0;
+        if bounded && !rough.crossings(self.extremal).is_empty() {
+            return None;
+        }
+        let found = self.solve(rough, &sharp);
+        let inside = !bounded || found.found.crossings(self.extremal).is_empty();
+        (found.is_converged() && inside && found.found.final_time(self.extremal) > 0.0).then_some(found)
     }
 
     /// From a path of low cost to a solution: with the smoothing and the penalties of the path first.
     fn try_path(&mut self, path: PathAttempt, found: FoundPath, attempt: &Attempt) -> Solved {
-        let easiest = self.extremal.easiest();
-        let mut ease = Relaxation {
-            effort: if easiest.effort > 0.0 { path.smoothing } else { 0.0 },
-            penalty: if easiest.penalty < 1.0 { path.penalty } else { 1.0 },
-            ..Relaxation::NONE
-        };
+        let mut ease = Relaxation { effort: path.smoothing, penalty: path.penalty, ..Relaxation::NONE };
         self.extremal.set_relaxation(ease);
         let rough = attempt.in_phase(Phase::FromPath).loose();
         let intervals = (2 * (attempt.nodes - 1)).max(INTERVALS << path.halvings);
@@ -149,6 +203,17 @@ impl Search<'_, '_> {
             ease.penalty = 1.0;
         }
         self.without_smoothing(at, ease, attempt)
+    }
+}
+
+impl PathAttempt {
+    /// Without what makes no difference to a problem with this easiest relaxation.
+    fn for_problem(self, easiest: Relaxation) -> Self {
+        Self {
+            smoothing: if easiest.effort > 0.0 { self.smoothing } else { 0.0 },
+            penalty: if easiest.penalty < 1.0 { self.penalty } else { 1.0 },
+            ..self
+        }
     }
 }
 

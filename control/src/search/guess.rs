@@ -1,11 +1,15 @@
 //! Guesses: where a search begins.
 
+use crate::bvp::timed::Switch;
 use crate::constants::attempts::PathAttempt;
+use crate::constants::direct::ACTIVE as NEAR;
 use crate::extremal::hamiltonian::RobotExtremal;
+use crate::extremal::{BoundSide, SideChange};
 use crate::path::cubics::{Cubics, Disturbance};
-use crate::path::{Path, lowest_path};
+use crate::path::{Path, PathMotion, lowest_path};
 use crate::problem::Problem;
 use crate::solve::Recorder;
+use crate::solve::crossings::Crossing;
 
 /// Where a search begins: z at s = t/T.
 pub(crate) trait Guess {
@@ -15,6 +19,16 @@ pub(crate) trait Guess {
     /// Duration of the saved motion (s), if the simple guess is one.
     fn saved_duration(&self) -> Option<f64> {
         None
+    }
+
+    /// Lengths of the intervals between the nodes of the saved motion, in parts of its duration.
+    fn saved_mesh(&self) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Where the controls of the saved motion jump from bound to bound, in the order of time.
+    fn saved_crossings(&self) -> Vec<Crossing> {
+        Vec::new()
     }
 
     /// Looks for a path of low cost.
@@ -50,12 +64,53 @@ pub(crate) struct SavedMotion<'a> {
     pub t: &'a [f64],
     /// q, p, y_q, y_p.
     pub parts: [&'a [Vec<f64>]; 4],
+    /// Every how many rows are the nodes of its mesh.
+    pub stride: usize,
+    /// Controls.
+    pub u: &'a [Vec<f64>],
 }
 
 impl SavedMotion<'_> {
     /// From the first to the last node (s).
     pub fn duration(&self) -> f64 {
         self.t.last().zip(self.t.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// Where the controls without effort of a problem pass the middle between their bounds, and the others
+    /// reach or leave theirs, in the order of time.
+    pub fn crossings(&self, problem: &Problem) -> Vec<Crossing> {
+        let Some(bounds) = &problem.bounds else { return Vec::new() };
+        let mut found = Vec::new();
+        for (control, &effort) in problem.cost.effort.iter().enumerate() {
+            let (low, high) = (bounds.u_min[control], bounds.u_max[control]);
+            let (middle, near) = (0.5 * (low + high), NEAR * (high - low));
+            // The value that u passes on its way between two sides.
+            let levels = if effort == 0.0 { [middle; 2] } else { [low + near, high - near] };
+            let side = |u: f64| match u {
+                u if u <= levels[0] => BoundSide::Low,
+                u if u >= levels[1] => BoundSide::High,
+                _ => BoundSide::Inside,
+            };
+            for (t, u) in self.t.windows(2).zip(self.u.windows(2)) {
+                let (before, after) = (u[0][control], u[1][control]);
+                let change = SideChange::new(side(before), side(after));
+                if change.before != change.after {
+                    let at = if effort == 0.0 { (middle - before) / (after - before) } else { 0.5 };
+                    let time = t[0] + at.clamp(0.0, 1.0) * (t[1] - t[0]);
+                    found.push(Crossing { time, switch: Switch { control, change } });
+                }
+            }
+        }
+        found.sort_by(|a, b| a.time.total_cmp(&b.time));
+        found
+    }
+
+    /// Lengths of the intervals between its nodes, in parts of its duration.
+    pub fn lengths(&self) -> Vec<f64> {
+        let (duration, last) = (self.duration(), self.t.len() - 1);
+        let nodes = (0..last).step_by(self.stride);
+        let lengths = nodes.map(|k| (self.t[(k + self.stride).min(last)] - self.t[k]) / duration);
+        lengths.filter(|&length| length > 0.0).collect()
     }
 
     /// z at s = t/T, linearly between nodes.
@@ -82,10 +137,17 @@ pub(crate) struct RobotGuess<'a> {
     pub saved: Option<SavedMotion<'a>>,
     /// Evaluates momenta.
     pub momenta: RobotExtremal,
-    pub path: Option<Path>,
+    /// The paths that were found.
+    pub paths: Vec<Path>,
 }
 
 impl RobotGuess<'_> {
+    /// The cheapest of the paths that keep the bounds, as a motion of its own.
+    pub fn path_motion(&mut self) -> Option<PathMotion> {
+        let motions = self.paths.iter_mut().filter_map(|path| path.motion(self.problem).ok().flatten());
+        motions.min_by(|a, b| a.total().total_cmp(&b.total()))
+    }
+
     /// Cubics in the joint coordinates, p = M v, costates zero. Where the mass matrix cannot be evaluated, p
     /// = 0.
     fn cubics(&mut self, goal: f64, s: f64, z: &mut [f64]) {
@@ -116,13 +178,23 @@ impl Guess for RobotGuess<'_> {
         self.saved.as_ref().map(SavedMotion::duration)
     }
 
+    fn saved_mesh(&self) -> Option<Vec<f64>> {
+        self.saved.as_ref().map(SavedMotion::lengths)
+    }
+
+    fn saved_crossings(&self) -> Vec<Crossing> {
+        self.saved.as_ref().map_or_else(Vec::new, |saved| saved.crossings(self.problem))
+    }
+
     fn find_path(&mut self, attempt: PathAttempt, recorder: &mut Recorder<'_>) -> Option<FoundPath> {
-        self.path = lowest_path(self.problem, &self.disturbance, attempt, recorder);
-        self.path.as_ref().map(|path| FoundPath { cost: path.cost(), duration: path.time() })
+        let path = lowest_path(self.problem, &self.disturbance, attempt, recorder)?;
+        let found = FoundPath { cost: path.cost(), duration: path.time() };
+        self.paths.push(path);
+        Some(found)
     }
 
     fn path(&mut self, s: f64, z: &mut [f64]) {
-        if self.path.as_mut().is_none_or(|path| path.sample(s, z).is_err()) {
+        if self.paths.last_mut().is_none_or(|path| path.sample(s, z).is_err()) {
             z.fill(f64::NAN);
         }
     }

@@ -4,13 +4,14 @@ use crate::constants::attempts::PathAttempt;
 use crate::extremal::legendre::{Legendre, OfRobot};
 use crate::search::guess::{FoundPath, Guess, RobotGuess};
 use crate::solve::Recorder;
+use crate::solve::crossings::Crossing;
 use costate::robot::Robot;
 use std::marker::PhantomData;
 
 /// Guesses in the coordinates of E. Where the map fails, z is left in the old ones: that is a bad guess, and
 /// Newton's method reports the error when it evaluates the dynamics at the same pose.
 pub(crate) struct Mapped<'a, E> {
-    guess: RobotGuess<'a>,
+    pub guess: RobotGuess<'a>,
     pub map: Legendre,
     coordinates: PhantomData<E>,
 }
@@ -29,6 +30,14 @@ impl<E: OfRobot> Guess for Mapped<'_, E> {
 
     fn saved_duration(&self) -> Option<f64> {
         self.guess.saved_duration()
+    }
+
+    fn saved_mesh(&self) -> Option<Vec<f64>> {
+        self.guess.saved_mesh()
+    }
+
+    fn saved_crossings(&self) -> Vec<Crossing> {
+        self.guess.saved_crossings()
     }
 
     fn find_path(&mut self, attempt: PathAttempt, recorder: &mut Recorder<'_>) -> Option<FoundPath> {

@@ -25,16 +25,25 @@ pub(crate) struct Search<'s, 'r> {
 
 impl Search<'_, '_> {
     /// The equations of one arc at a fixed time, with the guess of a motion that covers the part `goal` of
-    /// the distance to the end.
+    /// the distance to the end; a saved motion keeps its mesh.
     pub fn at_fixed_time(&mut self, time: FinalTime, goal: f64, attempt: &Attempt) -> Discretisation {
+        let saved =
+            self.guess.saved_mesh().filter(|mesh| goal == 1.0 && mesh.len() <= attempt.max_intervals());
         let layout = Layout {
             clock: Clock::Fixed(time.value()),
             arcs: Arcs::one(),
-            mesh: Mesh::uniform(&[attempt.nodes - 1]),
+            mesh: match &saved {
+                Some(lengths) => Mesh::from_lengths([lengths.clone()]),
+                None => Mesh::uniform(&[attempt.nodes - 1]),
+            },
             points: attempt.points,
         };
         let guess = &mut *self.guess;
-        Discretisation::new(self.extremal, layout, |_, s, z| guess.simple(goal, s, z))
+        let mut found = Discretisation::new(self.extremal, layout, |_, s, z| guess.simple(goal, s, z));
+        if saved.is_some() {
+            found.smooth_between_nodes(self.extremal);
+        }
+        found
     }
 
     /// Solves as the attempt says.

@@ -9,7 +9,7 @@ use crate::progress::Phase;
 use crate::search::Search;
 use crate::solve::arcs::solve_arcs;
 use crate::solve::free_time::free_time;
-use crate::solve::homotopy::follow;
+use crate::solve::homotopy::{follow, follow_from};
 use crate::solve::{Attempt, Solved};
 use crate::status::Status;
 
@@ -22,8 +22,15 @@ impl Search<'_, '_> {
         let mut phase = Phase::WithoutLimits;
         let few = Attempt { max_steps: attempt.max_steps.min(FEW_STEPS), ..attempt.loose() };
         self.extremal.set_relaxation(ease);
-        let guess = self.at_fixed_time(self.time, 1.0, attempt);
-        let mut at = self.solve(guess, &few.in_phase(phase));
+        // Without limits this is where a search from cubics began, and that failed.
+        let unlimited = Relaxation { goal: 1.0, ..easiest } == Relaxation::NONE;
+        let mut at = if unlimited && self.guess.saved_mesh().is_none() {
+            let guess = self.at_fixed_time(self.time, ease.goal, attempt);
+            guess.unsolved(self.extremal)
+        } else {
+            let guess = self.at_fixed_time(self.time, 1.0, attempt);
+            self.solve(guess, &few.in_phase(phase))
+        };
         if !at.is_converged() && easiest.goal < 1.0 {
             phase = Phase::NearerEnd;
             ease.goal = easiest.goal;
@@ -81,14 +88,16 @@ impl Search<'_, '_> {
     }
 
     /// The smoothing of controls without effort is reduced step by step; after each step the arcs of its
-    /// solution are tried.
+    /// solution are tried. The steps end when the cost has settled twice and the same controls change sides
+    /// in the same order: the arcs that failed would be tried again.
     fn reduce_smoothing(&mut self, mut at: Solved, mut ease: Relaxation, attempt: &Attempt) -> Solved {
         let attempt = &attempt.in_phase(Phase::Smoothing);
-        let mut change = f64::INFINITY;
-        for next in SMOOTHINGS {
+        let (mut change, mut settled, mut switches) = (f64::INFINITY, false, Vec::new());
+        let from = ease.effort;
+        for next in SMOOTHINGS.into_iter().filter(|&next| next <= from) {
             let effort = ease.effort;
             let before = at.found.total(self.extremal);
-            at = follow(at, self.extremal, attempt, self.recorder, |extremal, s| {
+            at = follow_from(1.0, at, self.extremal, attempt, self.recorder, |extremal, s| {
                 ease.effort = effort * (next / effort).powf(s);
                 extremal.set_relaxation(ease);
             });
@@ -106,9 +115,14 @@ impl Search<'_, '_> {
                 break;
             }
             change = changed;
-            if change < NEGLIGIBLE_CHANGE && at.found.equations.mesh.nodes() > SMOOTHED_NODES {
+            let before = std::mem::take(&mut switches);
+            switches.extend(at.found.crossings(self.extremal).iter().map(|crossing| crossing.switch));
+            let small = change < NEGLIGIBLE_CHANGE;
+            let no_news = small && settled && switches == before;
+            if no_news || (small && at.found.equations.mesh.nodes() > SMOOTHED_NODES) {
                 break;
             }
+            settled = small;
         }
         // The motion of the smoothed problem; it respects the bounds and meets the end.
         self.extremal.set_relaxation(ease);

@@ -27,8 +27,19 @@ pub(crate) fn solve_arcs(
     attempt: &Attempt,
     recorder: &mut Recorder<'_>,
 ) -> Option<Solved> {
+    let crossings = rough.crossings(extremal);
+    solve_given_arcs(rough, crossings, extremal, attempt, recorder)
+}
+
+/// The same with the arcs between these crossings first.
+pub(crate) fn solve_given_arcs(
+    rough: &Discretisation,
+    mut crossings: Vec<Crossing>,
+    extremal: &mut dyn Extremal,
+    attempt: &Attempt,
+    recorder: &mut Recorder<'_>,
+) -> Option<Solved> {
     let attempt = Attempt { least_damping: LEAST_DAMPING, ..attempt.in_phase(Phase::Switches) };
-    let mut crossings = rough.crossings(extremal);
     let mut last: Option<Discretisation> = None;
     for _ in 0..ROUNDS {
         let from = last.as_ref().unwrap_or(rough);

@@ -49,6 +49,34 @@ impl Discretisation {
         Ok(self)
     }
 
+    /// Replaces the values between the nodes by the cubics that have the slopes of the equations at the
+    /// nodes; leaves them where the equations cannot be evaluated.
+    pub fn smooth_between_nodes(&mut self, extremal: &mut dyn Extremal) {
+        let mut timed = self.timed(extremal);
+        let (m, equations) = (self.equations.m, &mut self.equations);
+        let mut slopes = [vec![0.0; m], vec![0.0; m]];
+        let inner = equations.method.len() - 2;
+        for (k, span) in equations.mesh.spans.iter().enumerate() {
+            let Span::Interval { arc, length } = *span else { continue };
+            let ends = equations.current.nodes[k * m..(k + 2) * m].split_at(m);
+            let evaluated = [(ends.0, 0), (ends.1, 1)]
+                .into_iter()
+                .all(|(w, side)| timed.evaluate(w, arc, &mut slopes[side]).is_ok());
+            if !evaluated {
+                continue;
+            }
+            for j in 0..inner {
+                let c = equations.method.points[j + 1];
+                let at = (k * inner + j) * m;
+                for (i, target) in equations.current.inner[at..at + m].iter_mut().enumerate() {
+                    let chord = ends.1[i] - ends.0[i];
+                    let (left, right) = (length * slopes[0][i] - chord, length * slopes[1][i] - chord);
+                    *target = ends.0[i] + c * chord + c * (1.0 - c) * ((1.0 - c) * left - c * right);
+                }
+            }
+        }
+    }
+
     /// The same polynomials on another mesh.
     pub fn refine<E: Extremal + ?Sized>(&mut self, timed: &Timed<'_, E>, mesh: Mesh) {
         let equations = &self.equations;

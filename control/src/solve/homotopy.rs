@@ -20,6 +20,18 @@ use crate::status::Status;
 /// small, at a turning point most often, the status is [`Status::ContinuationFailed`]; the problem is then
 /// the one that the solution returned belongs to.
 pub(crate) fn follow(
+    at: Solved,
+    extremal: &mut dyn Extremal,
+    attempt: &Attempt,
+    recorder: &mut Recorder<'_>,
+    set: impl FnMut(&mut dyn Extremal, f64),
+) -> Solved {
+    follow_from(FIRST_STEP, at, extremal, attempt, recorder, set)
+}
+
+/// The same with another first step.
+pub(crate) fn follow_from(
+    first: f64,
     mut at: Solved,
     extremal: &mut dyn Extremal,
     attempt: &Attempt,
@@ -30,12 +42,12 @@ pub(crate) fn follow(
         return at;
     }
     let attempt = Attempt {
-        max_steps: MOST_STEPS,
+        max_steps: attempt.max_steps.min(MOST_STEPS),
         least_damping: LEAST_DAMPING,
         max_nodes: attempt.max_nodes.min(MOST_NODES),
         ..attempt.loose()
     };
-    let (mut position, mut step) = (0.0, FIRST_STEP);
+    let (mut position, mut step) = (0.0, first);
     let mut last: Option<Point> = None;
     for point in 0.. {
         if position >= 1.0 {

@@ -65,6 +65,12 @@ impl Discretisation {
         }
     }
 
+    /// The values without an attempt to solve.
+    pub fn unsolved(self, extremal: &dyn Extremal) -> Solved {
+        let (relaxation, status) = (extremal.relaxation(), Status::NewtonFailed);
+        Solved { found: self, status, relaxation, estimate: None, violation: None }
+    }
+
     fn collocate(
         mut self,
         extremal: &mut dyn Extremal,

@@ -8,6 +8,8 @@ use crate::progress::{Cancel, Iteration, Listener, Phase};
 use crate::solve::attempt::Attempt;
 use crate::status::Status;
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Why a search stopped early.
@@ -38,6 +40,8 @@ pub(crate) struct Recorder<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stop {
     cancel: Option<Cancel>,
+    /// Stops all threads of a search, once a listener asks for it.
+    all: Cancel,
     deadline: Option<Instant>,
     interruption: Option<Interruption>,
 }
@@ -47,13 +51,13 @@ impl Stop {
     pub fn new(cancel: Option<Cancel>, time_limit: Option<Duration>) -> Self {
         // A limit beyond the range of the clock is none.
         let deadline = time_limit.and_then(|limit| Instant::now().checked_add(limit));
-        Self { cancel, deadline, interruption: None }
+        Self { cancel, deadline, ..Self::default() }
     }
 
     /// Whether to stop, and why.
     pub fn check(&mut self) -> Option<Interruption> {
         if self.interruption.is_none() {
-            if self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
+            if self.all.is_cancelled() || self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
                 self.interruption = Some(Interruption::Cancelled);
             } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.interruption = Some(Interruption::TimeLimit);
@@ -64,6 +68,7 @@ impl Stop {
 
     /// Stops at the request of a listener.
     pub fn cancel(&mut self) {
+        self.all.cancel();
         self.interruption.get_or_insert(Interruption::Cancelled);
     }
 }
@@ -81,6 +86,42 @@ impl<'a> Recorder<'a> {
     /// Stops the search.
     pub fn cancel(&mut self) {
         self.stop.cancel();
+    }
+
+    /// Runs `work` on so many threads, this one among them, each with a recorder of its own. All of them
+    /// report to the listener of this one, and what stops one stops all.
+    pub fn split(&mut self, threads: usize, work: impl Fn(&mut Recorder<'_>) + Sync) {
+        let listener = Mutex::new(self.listener.take());
+        let stop = self.stop.clone();
+        let on_thread = || {
+            let report = |iteration: &Iteration| {
+                let mut listener = listener.lock().unwrap_or_else(PoisonError::into_inner);
+                listener.as_mut().map_or(ControlFlow::Continue(()), |listener| listener(iteration))
+            };
+            work(&mut Recorder::new(Some(Box::new(report)), stop.clone()));
+        };
+        thread::scope(|scope| {
+            // A thread that cannot be started leaves its part to the others.
+            let start = |_| thread::Builder::new().spawn_scoped(scope, on_thread).ok();
+            let others: Vec<_> = (1..threads).map_while(start).collect();
+            on_thread();
+            drop(others);
+        });
+        self.listener = listener.into_inner().unwrap_or_else(PoisonError::into_inner);
+    }
+
+    /// Runs with a time limit of its own, beside that of the search. Reaching it does not stop the search.
+    pub fn within<T>(&mut self, limit: Duration, run: impl FnOnce(&mut Self) -> T) -> T {
+        let own = self.stop.deadline;
+        let until = Instant::now().checked_add(limit);
+        self.stop.deadline = own.into_iter().chain(until).min();
+        let found = run(self);
+        self.stop.deadline = own;
+        let over = own.is_some_and(|deadline| Instant::now() >= deadline);
+        if self.stop.interruption == Some(Interruption::TimeLimit) && !over {
+            self.stop.interruption = None;
+        }
+        found
     }
 
     /// Adds a step to the log and reports it.
@@ -133,5 +174,26 @@ impl<Q: Solvable<E>, E: Extremal + ?Sized> Observer<Q, E> for Log<'_, '_> {
             final_time: equations.final_time(timed),
             cost: cost + penalty,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Interruption, Recorder, Stop};
+    use std::time::Duration;
+
+    #[test]
+    fn a_limit_of_a_part_does_not_stop_the_whole() {
+        let mut recorder = Recorder::default();
+        let inside = recorder.within(Duration::ZERO, Recorder::interruption);
+        assert_eq!((inside, recorder.interruption()), (Some(Interruption::TimeLimit), None));
+        // The limit of the whole holds inside of a part, and after it.
+        let mut recorder = Recorder::new(None, Stop::new(None, Some(Duration::ZERO)));
+        let inside = recorder.within(Duration::from_secs(60), Recorder::interruption);
+        let limit = Some(Interruption::TimeLimit);
+        assert_eq!((inside, recorder.interruption()), (limit, limit));
+        let mut recorder = Recorder::default();
+        recorder.within(Duration::from_secs(60), Recorder::cancel);
+        assert_eq!(recorder.interruption(), Some(Interruption::Cancelled));
     }
 }

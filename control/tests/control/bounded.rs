@@ -1,11 +1,11 @@
 //! Bounded controls: least time and least effort.
 
-use crate::sledge;
+use crate::{sharp, sledge};
 use costate::robot::Robot;
-use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status};
+use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, Status};
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(problem, sharp()).unwrap().solve();
     assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
     assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-6, "end defect {}", solution.end_defect);
@@ -113,7 +113,7 @@ fn bounds_that_are_not_reached_change_nothing() {
 fn a_time_too_short_for_the_bounds_is_not_converged() {
     let bounds = Bounds::symmetric(vec![3.0]);
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
-    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(&problem, sharp()).unwrap().solve();
     assert!(!solution.motion.status.is_converged());
     assert_eq!(solution.motion.status, Status::BoundsNotReached);
     // A motion that breaks the bounds is no result.
@@ -151,11 +151,7 @@ fn a_saved_least_time_motion_starts_a_search_for_a_similar_one() {
     let saved: Solution = serde_json::from_str(&text).unwrap();
     for to in [[1.0, 0.6], [1.02, 0.58]] {
         let problem = least_time(robot.clone(), &to, 1.0, 9.0);
-        let again = Solver::new(&problem, SolverOptions::default())
-            .unwrap()
-            .with_start(&saved.trajectory)
-            .unwrap()
-            .solve();
+        let again = Solver::new(&problem, sharp()).unwrap().with_start(&saved.trajectory).unwrap().solve();
         let fresh = solve(&problem);
         assert!(
             (again.motion.final_time - fresh.motion.final_time).abs() < 1e-8,
@@ -163,6 +159,6 @@ fn a_saved_least_time_motion_starts_a_search_for_a_similar_one() {
             again.motion.final_time,
             fresh.motion.final_time
         );
-        assert!(3 * again.newton_iterations < fresh.newton_iterations, "{:?}", again.motion.iterations);
+        assert!(2 * again.newton_iterations < fresh.newton_iterations, "{:?}", again.motion.iterations);
     }
 }

@@ -1,10 +1,10 @@
 //! Continuation in a parameter: branches against problems solved directly, and a turning point that exists.
 
+use crate::sharp;
 use costate::robot::{JointSpec, LinkInertia, Robot, RobotError};
 use costate_control::{
     Bounds, Branch, BranchEnd, Continuation, FinalTime, Method, Motion, Objective, Parameter, Penalty,
-    Problem, ProblemError, RobotExtremal, Solution, Solver, SolverOptions, Status, UnknownParameter,
-    solve_extremal,
+    Problem, ProblemError, RobotExtremal, Solution, Solver, Status, UnknownParameter, solve_extremal,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -25,7 +25,7 @@ fn two_link() -> Problem {
 }
 
 fn follow(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch {
-    Continuation::new(problem, parameter, from, to, SolverOptions::default()).unwrap().follow()
+    Continuation::new(problem, parameter, from, to, sharp()).unwrap().follow()
 }
 
 fn reach(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch {
@@ -43,9 +43,8 @@ fn reach(problem: &Problem, parameter: Parameter, from: f64, to: f64) -> Branch 
 /// Newton's method from a motion, without a parameter among the unknowns.
 fn solve_from(start: &Solution, problem: &Problem) -> Motion {
     let trajectory = &start.trajectory;
-    let mut extremal =
-        RobotExtremal::new(problem.check().unwrap(), SolverOptions::default().jacobian).unwrap();
-    solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), |s, z| {
+    let mut extremal = RobotExtremal::new(problem.check().unwrap(), sharp().jacobian).unwrap();
+    solve_extremal(&mut extremal, problem.time, &sharp(), |s, z| {
         let t = s * start.motion.final_time;
         let i = trajectory.t.partition_point(|&node| node < t).clamp(1, trajectory.t.len() - 1);
         let part = (t - trajectory.t[i - 1]) / (trajectory.t[i] - trajectory.t[i - 1]);
@@ -153,7 +152,7 @@ fn bounds_change_the_least_time() {
 /// The extremal of the swing-up in 3 s that first swings in the opposite direction.
 fn with_a_swing_back() -> Solution {
     let solutions = (0..30).map(|seed| {
-        let options = SolverOptions::default().with_starts(2).with_seed(seed);
+        let options = sharp().with_starts(2).with_seed(seed);
         Solver::new(&swing_up(3.0), options).unwrap().solve()
     });
     solutions.into_iter().find(|solution| (solution.motion.cost - 18.320_144_5).abs() < 1e-5).unwrap()
@@ -162,7 +161,7 @@ fn with_a_swing_back() -> Solution {
 #[test]
 fn the_swing_back_has_a_shortest_time() {
     let long = with_a_swing_back();
-    let (problem, options) = (swing_up(3.0), SolverOptions::default());
+    let (problem, options) = (swing_up(3.0), sharp());
     let from = |start: &Solution, to: f64| {
         let continuation =
             Continuation::new(&problem, Parameter::FinalTime, 3.0, to, options.clone()).unwrap();
@@ -207,7 +206,7 @@ fn the_swing_back_has_a_shortest_time() {
 
 #[test]
 fn shooting_can_solve_the_first_problem() {
-    let options = SolverOptions::default().with_method(Method::Shooting);
+    let options = sharp().with_method(Method::Shooting);
     let problem = swing_up(1.0);
     let branch = Continuation::new(&problem, Parameter::Gravity, 0.5, 1.0, options).unwrap().follow();
     assert_eq!(branch.end, BranchEnd::Reached);
@@ -223,7 +222,7 @@ fn a_continuation_that_cannot_start_or_finish_says_so() {
         problem
     };
     // More nodes would only show that there is no solution.
-    let options = SolverOptions::default().with_max_nodes(601);
+    let options = sharp().with_max_nodes(601);
     let follow = |from: f64, to: f64| {
         Continuation::new(&problem, Parameter::Bounds, from, to, options.clone()).unwrap().follow()
     };
@@ -242,7 +241,7 @@ fn a_continuation_that_cannot_start_or_finish_says_so() {
 fn parameters_that_a_problem_does_not_have_are_refused() {
     let problem = swing_up(1.0);
     let refused = |problem: &Problem, parameter, from, to| {
-        let error = Continuation::new(problem, parameter, from, to, SolverOptions::default()).err().unwrap();
+        let error = Continuation::new(problem, parameter, from, to, sharp()).err().unwrap();
         error.to_string()
     };
     let message = refused(&problem, Parameter::PenaltyWeight, 0.0, 1.0);

@@ -1,10 +1,11 @@
 //! The direct method: values that other methods found, with hard limits and without, and problems that cannot
 //! be solved.
 
+use crate::sharp;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Cancel, Continuation, FinalTime, MotionLimits, Objective, Parameter, Phase, Problem,
+    Bounds, Cancel, Continuation, FinalTime, MotionLimits, Objective, Parameter, Phase, Polish, Problem,
     ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -29,7 +30,7 @@ fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::direct())
+    solve_with(problem, SolverOptions::direct().with_polish(Polish::Never))
 }
 
 /// Largest violation at the points among all kinds, each in parts of `ranges`: q, v, a, tau.
@@ -313,7 +314,7 @@ fn motions_that_cost_nothing() {
 #[test]
 fn a_free_end_and_terms_of_the_user() {
     let problem = problem("puma560_free_flange");
-    let extremal = solve_with(&problem, SolverOptions::default());
+    let extremal = solve_with(&problem, sharp());
     let solution = solve(&problem);
     check(&problem, &solution, extremal.total(), 1e-6);
     // The joint that is free ends where the extremal ends, elsewhere than given.
@@ -329,7 +330,7 @@ fn a_free_end_and_terms_of_the_user() {
         }
     }
     let problem = self::problem("two_link").with_term(UserTerm::new(Squares));
-    let extremal = solve_with(&problem, SolverOptions::default());
+    let extremal = solve_with(&problem, sharp());
     let solution = solve(&problem);
     check(&problem, &solution, extremal.total(), 1e-6);
     assert!(solution.total() > 146.0, "{}", solution.total());

@@ -1,14 +1,15 @@
 //! Free components of the start.
 
+use crate::sharp;
 use costate::robot::Robot;
-use costate_control::{BoundaryState, Problem, Solution, Solver, SolverOptions};
+use costate_control::{BoundaryState, Problem, Solution, Solver};
 
 fn two_link() -> Robot {
     Robot::from_file("../robots/two_link.toml").unwrap()
 }
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(problem, sharp()).unwrap().solve();
     assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
     assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-7, "end defect {}", solution.end_defect);

@@ -1,6 +1,6 @@
 //! Robots against values in closed form, published values and identities.
 
-use crate::sledge;
+use crate::{sharp, sledge};
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::{
     Certificate, FinalTime, JacobianRoute, Method, Objective, Problem, Solution, Solver, SolverOptions,
@@ -20,7 +20,7 @@ fn two_link(time: f64) -> Problem {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::default())
+    solve_with(problem, sharp())
 }
 
 fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
@@ -76,8 +76,7 @@ fn the_two_link_arm_moves_at_the_known_cost_in_any_time() {
 fn all_three_matrices_lead_to_the_same_motion() {
     let exact = solve(&two_link(1.0));
     for jacobian in [JacobianRoute::Differences, JacobianRoute::WithoutHessian] {
-        let solution =
-            Solver::new(&two_link(1.0), SolverOptions::default().with_jacobian(jacobian)).unwrap().solve();
+        let solution = Solver::new(&two_link(1.0), sharp().with_jacobian(jacobian)).unwrap().solve();
         if jacobian == JacobianRoute::Differences {
             assert!(solution.motion.status.is_converged());
         }
@@ -102,7 +101,7 @@ fn the_two_link_arm_takes_the_known_time() {
 fn costates_are_the_slopes_of_the_cost() {
     let robot = Robot::from_file("../robots/cart_pole.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.1, 0.3], &[0.8, -0.4], 1.3);
-    let options = || SolverOptions::default().with_tolerance(1e-11);
+    let options = || sharp().with_tolerance(1e-11);
     let solution = solve_with(&problem, options());
     let step = 1e-4;
     let cost = |change: &dyn Fn(&mut Problem, f64)| {
@@ -177,7 +176,7 @@ fn six_joints_take_a_few_steps() {
 fn the_motion_between_nodes_satisfies_the_state_equation() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let problem = Problem::rest_to_rest(robot.clone(), &[0.0, 0.0], &[1.0, -0.5], 1.0);
-    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(&problem, sharp()).unwrap().solve();
     let trajectory = &solution.trajectory;
     let mut hamiltonian = costate::hamiltonian::Hamiltonian::<f64>::new(&robot);
     for k in 0..=200 {
@@ -212,7 +211,7 @@ fn a_motion_that_needs_no_control_costs_nothing() {
         problem.start.v = v;
         (problem.end.q_free, problem.end.v_free) = (all.clone(), all);
         for method in [Method::Collocation, Method::Shooting] {
-            let options = SolverOptions::default().with_method(method);
+            let options = sharp().with_method(method);
             let solution = Solver::new(&problem, options).unwrap().solve();
             assert!(
                 solution.motion.status.is_converged(),
@@ -229,7 +228,7 @@ fn a_motion_that_needs_no_control_costs_nothing() {
 fn a_motion_that_is_not_verified_gets_no_certificate() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[3.0], &[PI], 5.0);
-    let motion = Solver::new(&problem, SolverOptions::default()).unwrap().solve().motion;
+    let motion = Solver::new(&problem, sharp()).unwrap().solve().motion;
     assert_eq!(motion.status, Status::NotVerified);
     assert_eq!((motion.certificate, motion.conjugate_time), (Certificate::NotChecked, None));
 }

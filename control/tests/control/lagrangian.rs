@@ -2,13 +2,13 @@
 
 use crate::equations::{assert_canonical, assert_jacobians_agree};
 use crate::extremals::{point, problems as without_terms};
-use crate::sledge;
+use crate::{sharp, sledge};
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, BoundaryValueProblem, BoundedControls, Bounds, ControlLaw, Coordinates, FinalTime, Homotopy,
     JacobianRoute, LagrangianExtremal, Objective, Problem, Relaxation, RunningCost, SideChange, Solution,
-    Solver, SolverOptions, UserTerm,
+    Solver, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -124,7 +124,7 @@ fn the_switching_function_has_an_exact_gradient() {
 /// The same problem in both coordinates.
 fn both(problem: &Problem) -> [Solution; 2] {
     [Coordinates::Hamiltonian, Coordinates::Lagrangian].map(|coordinates| {
-        let options = SolverOptions::default().with_coordinates(coordinates).with_tolerance(1e-11);
+        let options = sharp().with_coordinates(coordinates).with_tolerance(1e-11);
         let solution = Solver::new(problem, options).unwrap().solve();
         assert!(solution.motion.status.is_converged(), "{coordinates:?}: {}", solution.motion.status);
         assert!(solution.motion.hamiltonian_drift < 1e-8 && solution.end_defect < 1e-6);
@@ -214,7 +214,7 @@ fn a_saved_motion_starts_a_search_in_other_coordinates() {
     let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0);
     let [a, b] = both(&problem);
     for (saved, coordinates) in [(&a, Coordinates::Lagrangian), (&b, Coordinates::Hamiltonian)] {
-        let options = SolverOptions::default().with_coordinates(coordinates);
+        let options = sharp().with_coordinates(coordinates);
         let again = Solver::new(&problem, options).unwrap().with_start(&saved.trajectory).unwrap().solve();
         assert!(
             again.motion.status.is_converged() && again.newton_iterations <= 6,

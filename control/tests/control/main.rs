@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate_control::SolverOptions;
 
 mod bounded;
 mod branch;
@@ -14,17 +15,27 @@ mod free_start;
 mod known;
 mod lagrangian;
 mod linear_algebra;
+#[cfg(feature = "jit")]
+mod machine_code;
 mod one_state;
+mod polish;
 mod problem_file;
 mod problems;
+mod samples;
 mod second_variation;
 mod shooting;
 mod source;
 mod stopping;
 mod user_terms;
+mod verification;
 
 /// A mass of 1 kg that slides along x.
 fn sledge() -> Robot {
     let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
     Robot::builder("sledge").joint(joint).build().unwrap()
+}
+
+/// Default options with the tolerance that values of nine digits need.
+fn sharp() -> SolverOptions {
+    SolverOptions::default().with_tolerance(1e-9)
 }

@@ -1,9 +1,10 @@
 //! A system that is not a robot: `dx/dt = u`, `l = c_t + u^2/2 + k x^2/2`.
 
+use crate::sharp;
 use costate::EvalError;
 use costate_control::{
     BoundaryValueProblem, BoundedControls, Certificate, ControlLaw, ExtremalSolution, FinalTime,
-    HamiltonianTerms, Homotopy, SolverOptions, solve_extremal,
+    HamiltonianTerms, Homotopy, solve_extremal,
 };
 
 /// x from 0 to `to`; `u = y`, `H* = y^2/2 - k x^2/2 - c_t`.
@@ -80,7 +81,7 @@ impl Homotopy for Line {}
 
 fn solve(mut line: Line, time: FinalTime, points: usize) -> ExtremalSolution {
     let to = line.to;
-    let options = SolverOptions::default().with_points(points);
+    let options = sharp().with_points(points);
     let motion = solve_extremal(&mut line, time, &options, |s, z| z[0] = s * to);
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     motion

@@ -2,8 +2,8 @@
 
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, Method, Objective, Penalty,
-    ProblemFile, ProblemFileCause, SolverOptions,
+    BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, MachineCode, Method, Objective,
+    Penalty, Polish, ProblemFile, ProblemFileCause, SolverOptions, Verify,
 };
 
 const LEAST: &str = "robot = \"two_link.toml\"\n[start]\nq = [0, 0]\n[end]\nq = [1, 1]\n[time]\nfinal = 2\n[cost]\n\
@@ -25,7 +25,7 @@ fn every_key_reaches_the_problem() {
                 [bounds]\nu_min = [-inf, -8]\nu_max = [7.5, 8.5]\n\
                 [penalty]\nweight = 9\nq_min = [-10, -11]\nq_max = [10, 11]\nv_max = [12, 13]\n\
                 [start_from]\nfile = \"saved.json\"\n\
-                [solver]\nstarts = 14\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\n\
+                [solver]\nstarts = 14\nthreads = 3\nmachine_code = \"at_once\"\nseed = 15\ntolerance = 1e-6\nnodes = 17\njacobian = \"without_hessian\"\n\
                 method = \"shooting\"\ncoordinates = \"lagrangian\"\n";
     let ProblemFile { problem, options, start_from, .. } = read(text).unwrap();
     let (q, v) = (vec![0.0, 0.1], vec![0.2, 0.3]);
@@ -41,7 +41,8 @@ fn every_key_reaches_the_problem() {
     assert_eq!(problem.penalty, Some(limits.with_v_max(vec![12.0, 13.0])));
     assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (14, 15, 1e-6, 17));
     assert_eq!((options.jacobian, options.method), (JacobianRoute::WithoutHessian, Method::Shooting));
-    assert_eq!(options.coordinates, Coordinates::Lagrangian);
+    assert_eq!((options.coordinates, options.threads), (Coordinates::Lagrangian, Some(3)));
+    assert_eq!(options.machine_code, MachineCode::AtOnce);
     assert_eq!(start_from.unwrap(), std::path::Path::new("../robots/saved.json"));
 }
 
@@ -149,6 +150,18 @@ fn missing_keys_have_their_documented_defaults() {
     assert_eq!((time, problem.gain), ((FinalTime::Fixed(2.0), 0.0), vec![1.0; 2]));
     assert!(problem.bounds.is_none() && problem.penalty.is_none() && start_from.is_none());
     assert_eq!(options, SolverOptions::default());
+}
+
+#[test]
+fn levels_of_verification_and_polish_are_read() {
+    let verified = |text: &str| read(&format!("{LEAST}[solver]\n{text}\n")).unwrap().options;
+    for (name, level) in [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)] {
+        assert_eq!(verified(&format!("verify = \"{name}\"")), SolverOptions::default().with_verify(level));
+    }
+    for (value, polish) in [("true", Polish::Always), ("false", Polish::Never), ("\"auto\"", Polish::Auto)] {
+        let options = verified(&format!("method = \"direct\"\npolish = {value}"));
+        assert_eq!(options, SolverOptions::direct().with_polish(polish));
+    }
 }
 
 #[test]

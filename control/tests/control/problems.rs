@@ -1,7 +1,8 @@
 //! Refused problems, warnings and saved solutions.
 
+use crate::sharp;
 use costate::robot::Robot;
-use costate_control::{Bounds, FinalTime, Penalty, Phase, Problem, Solution, Solver, SolverOptions};
+use costate_control::{Bounds, FinalTime, Penalty, Phase, Problem, Solution, Solver};
 use std::ops::ControlFlow;
 
 fn problem() -> Problem {
@@ -68,7 +69,7 @@ fn errors_name_the_key() {
     held.penalty = limits(-infinite, infinite, infinite);
     assert!(held.check().is_ok());
     assert!(problem().check().is_ok());
-    let options = SolverOptions::default().with_tolerance(0.0);
+    let options = sharp().with_tolerance(0.0);
     assert!(Solver::new(&problem(), options).is_err_and(|error| error.to_string().contains("tolerance")));
 }
 
@@ -87,7 +88,7 @@ fn angles_in_degrees_are_a_warning() {
 
 #[test]
 fn a_saved_solution_saves_newton_steps() {
-    let first = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
+    let first = Solver::new(&problem(), sharp()).unwrap().solve();
     let text = serde_json::to_string(&first).unwrap();
     let saved: Solution = serde_json::from_str(&text).unwrap();
     let rows = |solution: &Solution| {
@@ -101,18 +102,10 @@ fn a_saved_solution_saves_newton_steps() {
     assert_eq!(saved.motion.status, first.motion.status);
     let mut longer = problem();
     longer.time = FinalTime::Fixed(1.1);
-    let again = Solver::new(&longer, SolverOptions::default())
-        .unwrap()
-        .with_start(&saved.trajectory)
-        .unwrap()
-        .solve();
-    let fresh = Solver::new(&longer, SolverOptions::default()).unwrap().solve();
+    let again = Solver::new(&longer, sharp()).unwrap().with_start(&saved.trajectory).unwrap().solve();
+    let fresh = Solver::new(&longer, sharp()).unwrap().solve();
     assert!((again.motion.cost - fresh.motion.cost).abs() < 1e-9 * fresh.motion.cost);
-    let same = Solver::new(&problem(), SolverOptions::default())
-        .unwrap()
-        .with_start(&saved.trajectory)
-        .unwrap()
-        .solve();
+    let same = Solver::new(&problem(), sharp()).unwrap().with_start(&saved.trajectory).unwrap().solve();
     assert!(
         same.newton_iterations < first.newton_iterations,
         "{} {}",
@@ -121,7 +114,7 @@ fn a_saved_solution_saves_newton_steps() {
     );
     let pendulum = Robot::from_file("../robots/pendulum.toml").unwrap();
     let other = Problem::rest_to_rest(pendulum, &[0.0], &[1.0], 1.0);
-    let solver = Solver::new(&other, SolverOptions::default()).unwrap();
+    let solver = Solver::new(&other, sharp()).unwrap();
     let error = solver.with_start(&saved.trajectory).unwrap_err().to_string();
     assert!(error.contains("`q`") && error.contains("needs 1"), "{error}");
 }
@@ -129,28 +122,25 @@ fn a_saved_solution_saves_newton_steps() {
 #[test]
 fn exceeded_joint_limits_are_warnings() {
     let problem = problem();
-    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(&problem, sharp()).unwrap().solve();
     let warnings = problem.limit_warnings(&solution.trajectory);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("effort of joint 'shoulder'"), "{warnings:?}");
     let mut slow = problem.clone();
     slow.time = FinalTime::Fixed(10.0);
-    assert!(
-        slow.limit_warnings(&Solver::new(&slow, SolverOptions::default()).unwrap().solve().trajectory)
-            .is_empty()
-    );
+    assert!(slow.limit_warnings(&Solver::new(&slow, sharp()).unwrap().solve().trajectory).is_empty());
 }
 
 #[test]
 fn penalties_slow_a_motion_and_are_reported_apart_from_the_cost() {
-    let free = Solver::new(&problem(), SolverOptions::default()).unwrap().solve();
+    let free = Solver::new(&problem(), sharp()).unwrap().solve();
     let fastest = |solution: &Solution| {
         solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()))
     };
     let limit = 0.8 * fastest(&free);
     let mut slower = problem();
     slower.penalty = Some(Penalty::new(1e4).with_q_max(vec![0.5; 2]).with_v_max(vec![limit; 2]));
-    let held = Solver::new(&slower, SolverOptions::default()).unwrap().solve();
+    let held = Solver::new(&slower, sharp()).unwrap().solve();
     assert!(held.motion.status.is_converged(), "{} {:?}", held.motion.status, held.motion.iterations);
     assert!(
         fastest(&held) < 1.05 * limit
@@ -171,7 +161,7 @@ fn an_infinite_limit_is_no_limit() {
                 .with_q_max(vec![none, 0.5])
                 .with_v_max(vec![none, 0.6]),
         );
-        Solver::new(&held, SolverOptions::default()).unwrap().solve()
+        Solver::new(&held, sharp()).unwrap().solve()
     };
     let (without, far) = (solve(infinite), solve(1e9));
     assert!(without.motion.status.is_converged() && without.motion.penalty_cost > 0.0);
@@ -182,7 +172,7 @@ fn an_infinite_limit_is_no_limit() {
 fn the_best_of_several_starts_is_kept() {
     let mut steps = 0;
     let problem = problem();
-    let options = SolverOptions::default().with_starts(3).with_seed(7);
+    let options = sharp().with_starts(3).with_seed(7);
     let solution = Solver::new(&problem, options)
         .unwrap()
         .on_iteration(|step| {

@@ -1,10 +1,10 @@
 //! Certificates: early conjugate times, Jacobians without second derivatives, and what is not checked.
 
+use crate::sharp;
 use costate::EvalError;
 use costate_control::{
     BoundaryValueProblem, BoundedControls, Certificate, ControlLaw, ExtremalSolution, FinalTime,
-    HamiltonianTerms, Homotopy, JacobianRoute, LagrangianExtremal, Problem, RobotExtremal, SolverOptions,
-    solve_extremal,
+    HamiltonianTerms, Homotopy, JacobianRoute, LagrangianExtremal, Problem, RobotExtremal, solve_extremal,
 };
 
 /// `x_i' = u_i, l = sum (u_i^2 - k_i x_i^2) / 2` from 0 to `to`: two states that know nothing of each other
@@ -31,7 +31,7 @@ impl Plane {
     /// The motion of a [`strip`](Self::strip).
     fn solve(mut self) -> ExtremalSolution {
         let (time, to) = (FinalTime::Fixed(self.to[0]), self.to[0]);
-        let solution = solve_extremal(&mut self, time, &SolverOptions::default(), |s, z| {
+        let solution = solve_extremal(&mut self, time, &sharp(), |s, z| {
             z.copy_from_slice(&[s * to, 0.0, 1.0, 0.0]);
         });
         assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
@@ -125,7 +125,7 @@ fn conjugate_times_of_even_multiplicity_are_counted() {
     for (time, expected) in [(3.0, None), (4.0, Some(PI)), (7.0, Some(PI)), (40.0, Some(PI))] {
         let guess = |s: f64, z: &mut [f64]| z[..2].copy_from_slice(&[s, 2.0 * s]);
         let mut plane = Plane::new([1.0, 2.0], |_| [1.0, 1.0]);
-        let options = SolverOptions::default();
+        let options = sharp();
         let motion = solve_extremal(&mut plane, FinalTime::Fixed(time), &options, guess).motion;
         assert!(motion.status.is_converged(), "{}", motion.status);
         match (motion.conjugate_time, expected) {
@@ -230,7 +230,7 @@ fn nothing_is_claimed_unless_the_extremal_says_that_its_ends_are_fixed() {
     impl Homotopy for Plain {}
     let mut plain = Plain(Plane::strip(1.0, |_| [0.0, 0.0]));
     let guess = |s: f64, z: &mut [f64]| z.copy_from_slice(&[s, 0.0, 1.0, 0.0]);
-    let options = SolverOptions::default();
+    let options = sharp();
     let motion = solve_extremal(&mut plain, FinalTime::Fixed(1.0), &options, guess).motion;
     assert!(motion.status.is_converged(), "{}", motion.status);
     assert_eq!(motion.certificate, Certificate::NotChecked);

@@ -1,10 +1,8 @@
 //! Multiple shooting against collocation and against known values.
 
-use crate::sledge;
+use crate::{sharp, sledge};
 use costate::robot::Robot;
-use costate_control::{
-    Bounds, FinalTime, Method, Objective, Penalty, Problem, Solution, Solver, SolverOptions, Status,
-};
+use costate_control::{Bounds, FinalTime, Method, Objective, Penalty, Problem, Solution, Solver, Status};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn two_link(time: f64) -> Problem {
@@ -13,7 +11,7 @@ fn two_link(time: f64) -> Problem {
 }
 
 fn solve(problem: &Problem, method: Method) -> Solution {
-    let options = SolverOptions::default().with_method(method);
+    let options = sharp().with_method(method);
     let started = std::time::Instant::now();
     let solution = Solver::new(problem, options).unwrap().solve();
     println!(
@@ -138,7 +136,7 @@ fn bounded_controls_switch_at_the_same_times() {
 fn a_time_too_short_for_the_bounds_is_not_converged() {
     let bounds = Bounds::symmetric(vec![3.0]);
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
-    let options = SolverOptions::default().with_method(Method::Shooting);
+    let options = sharp().with_method(Method::Shooting);
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_ne!(solution.motion.status, Status::Converged);
     assert!(solution.trajectory.t.is_empty() && solution.motion.shooting_defect == f64::INFINITY);
@@ -147,7 +145,7 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
 #[test]
 fn a_looser_tolerance_has_a_larger_shooting_defect() {
     let defect = |tolerance| {
-        let options = SolverOptions::default().with_tolerance(tolerance);
+        let options = sharp().with_tolerance(tolerance);
         Solver::new(&two_link(1.0), options).unwrap().solve().motion.shooting_defect
     };
     let (loose, tight) = (defect(1e-4), defect(1e-10));

@@ -1,12 +1,12 @@
 //! Extremals as generated code.
 
+use crate::sharp;
 use costate::codegen::Program;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
     BoundaryValueProblem, Bounds, ControlLaw, FinalTime, GeneratedExtremal, JacobianRoute, Penalty, Problem,
-    ProgramOf, RobotExtremal, RunningCost, SolverOptions, SourceError, UserTerm, pontryagin_program,
-    solve_extremal,
+    ProgramOf, RobotExtremal, RunningCost, SourceError, UserTerm, pontryagin_program, solve_extremal,
 };
 use std::cell::Cell;
 
@@ -141,7 +141,7 @@ fn the_solver_runs_on_generated_equations() {
         z.fill(0.0);
         z[..2].fill(to * s * s * (3.0 - 2.0 * s));
     };
-    let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &SolverOptions::default(), guess);
+    let motion = solve_extremal(&mut extremal, FinalTime::Fixed(1.0), &sharp(), guess);
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     assert!(calls.get().0 > 100 && calls.get().1 > 100, "{:?}", calls.get());

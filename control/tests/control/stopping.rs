@@ -1,10 +1,10 @@
 //! Solvers that are stopped, and problems that have no solution.
 
-use crate::sledge;
+use crate::{sharp, sledge};
 use costate::robot::Robot;
 use costate_control::{
-    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Objective, Parameter,
-    Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
+    BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Method, MotionLimits,
+    Objective, Parameter, Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
 };
 use std::fmt::Debug;
 use std::ops::ControlFlow;
@@ -24,12 +24,10 @@ fn stopped(solution: &Solution, status: Status) {
 fn solvers_can_be_sent_and_printed() {
     fn both<T: Send + Debug>(_: &T) {}
     let problem = two_link();
-    let solver =
-        Solver::new(&problem, SolverOptions::default()).unwrap().on_iteration(|_| ControlFlow::Continue(()));
+    let solver = Solver::new(&problem, sharp()).unwrap().on_iteration(|_| ControlFlow::Continue(()));
     both(&solver);
     assert!(format!("{solver:?}").contains("two_link"), "{solver:?}");
-    let continuation =
-        Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, SolverOptions::default()).unwrap();
+    let continuation = Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, sharp()).unwrap();
     both(&continuation);
     assert!(format!("{continuation:?}").contains("Gravity"), "{continuation:?}");
     both(&Cancel::new());
@@ -40,7 +38,7 @@ fn solvers_can_be_sent_and_printed() {
 fn a_listener_stops_a_search() {
     let problem = two_link();
     let mut steps = 0;
-    let solver = Solver::new(&problem, SolverOptions::default()).unwrap();
+    let solver = Solver::new(&problem, sharp()).unwrap();
     let solution = solver.on_iteration(|step: &Iteration| {
         steps += 1;
         assert_eq!(step.phase, Phase::FixedTime);
@@ -55,11 +53,11 @@ fn a_token_and_a_time_limit_stop_a_search() {
     let problem = two_link();
     let cancel = Cancel::new();
     cancel.cancel();
-    let solver = || Solver::new(&problem, SolverOptions::default().with_starts(3)).unwrap();
+    let solver = || Solver::new(&problem, sharp().with_starts(3)).unwrap();
     let solution = solver().with_cancel(cancel.clone()).solve();
     stopped(&solution, Status::Cancelled);
     assert!(solution.motion.iterations.is_empty() && solution.starts.len() == 1);
-    let limited = SolverOptions::default().with_time_limit(Duration::from_nanos(1));
+    let limited = sharp().with_time_limit(Duration::from_nanos(1));
     let late = Solver::new(&problem, limited).unwrap().solve();
     stopped(&late, Status::TimeLimit);
     // Controls without effort take the other attempts.
@@ -70,11 +68,8 @@ fn a_token_and_a_time_limit_stop_a_search() {
         problem.bounds = Some(Bounds::symmetric(vec![1.0; 2]));
         problem
     };
-    stopped(
-        &Solver::new(&least, SolverOptions::default()).unwrap().with_cancel(cancel).solve(),
-        Status::Cancelled,
-    );
-    let zero = SolverOptions::default().with_time_limit(Duration::ZERO);
+    stopped(&Solver::new(&least, sharp()).unwrap().with_cancel(cancel).solve(), Status::Cancelled);
+    let zero = sharp().with_time_limit(Duration::ZERO);
     let error = Solver::new(&problem, zero).unwrap_err();
     assert!(error.to_string().contains("time_limit"), "{error}");
 }
@@ -83,8 +78,7 @@ fn a_token_and_a_time_limit_stop_a_search() {
 fn a_continuation_stops_at_a_point() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], 1.0);
-    let follow =
-        || Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, SolverOptions::default()).unwrap();
+    let follow = || Continuation::new(&problem, Parameter::Gravity, 0.0, 1.0, sharp()).unwrap();
     let mut points = 0;
     let branch = follow().on_point(|point| {
         points += 1;
@@ -110,7 +104,7 @@ fn bounds_that_are_too_tight_are_reported() {
         problem.bounds = bounds;
         problem
     };
-    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(&problem, sharp()).unwrap().solve();
     assert_eq!(solution.motion.status, Status::BoundsNotReached);
     let BoundViolation { control, time, u, bound, factor, .. } = solution.motion.bound_violation.unwrap();
     assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{factor}");
@@ -143,4 +137,66 @@ fn phases_have_the_same_names_everywhere() {
     for phase in [Phase::FixedTime, Phase::FromPath, Phase::Path, Phase::WithoutLimits, Phase::Switches] {
         assert_eq!(serde_json::to_value(phase).unwrap(), phase.to_string());
     }
+}
+
+/// With several starts, on so many threads.
+fn several(options: SolverOptions, threads: usize) -> SolverOptions {
+    options.with_starts(5).with_seed(3).with_threads(threads)
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let problem = two_link().with_limits(MotionLimits::none());
+    for options in [SolverOptions::default(), SolverOptions::direct()] {
+        let solve = |threads: usize| {
+            let mut steps = 0;
+            let solver = Solver::new(&problem, several(options.clone(), threads)).unwrap();
+            let solution = solver.on_iteration(|step| {
+                steps += usize::from(step.phase != Phase::Path);
+                ControlFlow::Continue(())
+            });
+            let solution = solution.solve();
+            assert_eq!(solution.starts.len(), 5);
+            if options.method == Method::Collocation {
+                assert_eq!(solution.newton_iterations, steps);
+            }
+            solution
+        };
+        let alone = solve(1);
+        let costs: Vec<f64> = alone.starts.iter().map(|start| start.total).collect();
+        assert!(costs.iter().any(|&cost| cost != costs[0]), "all starts are alike: {costs:?}");
+        for threads in [2, 3, 8] {
+            let together = solve(threads);
+            assert_eq!(together.starts, alone.starts, "{threads}");
+            assert_eq!(together.trajectory, alone.trajectory);
+            assert_eq!(together.motion.iterations, alone.motion.iterations);
+        }
+    }
+}
+
+#[test]
+fn all_threads_stop_together() {
+    let problem = two_link().with_limits(MotionLimits::none());
+    for options in [SolverOptions::default(), SolverOptions::direct()] {
+        let options = several(options, 3).with_starts(1_000_000);
+        let mut steps = 0;
+        let solver = Solver::new(&problem, options.clone()).unwrap();
+        let solver = solver.on_iteration(|_| {
+            steps += 1;
+            if steps < 40 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        let starts = solver.solve().starts.len();
+        // Each thread may finish the step that it is at.
+        assert!((40..=40 + 2 * 3).contains(&steps) && starts < 40, "{steps} steps, {starts} starts");
+        let limited = options.clone().with_time_limit(Duration::from_millis(50));
+        let solution = Solver::new(&problem, limited).unwrap().solve();
+        assert!((1..1_000_000).contains(&solution.starts.len()));
+        let cancel = Cancel::new();
+        cancel.cancel();
+        let solution = Solver::new(&problem, options).unwrap().with_cancel(cancel).solve();
+        stopped(&solution, Status::Cancelled);
+        assert_eq!(solution.starts.len(), 1);
+    }
+    let none = SolverOptions::default().with_threads(0);
+    assert!(Solver::new(&problem, none).unwrap_err().to_string().contains("threads"));
 }

@@ -1,13 +1,13 @@
 //! User terms of the running cost, generic over the scalar.
 
-use crate::sledge;
+use crate::{sharp, sledge};
 use costate::derivative::Function;
 use costate::dynamics::{AutomaticCost, Cost};
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
     BoundaryValueProblem, ControlLaw, FinalTime, JacobianRoute, Problem, RobotExtremal, RunningCost,
-    Solution, Solver, SolverOptions, UserTerm,
+    Solution, Solver, UserTerm,
 };
 use std::convert::Infallible;
 
@@ -36,7 +36,7 @@ impl RunningCost for Hill {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
+    let solution = Solver::new(problem, sharp()).unwrap().solve();
     assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
     assert!(solution.motion.hamiltonian_drift < 1e-8, "drift {}", solution.motion.hamiltonian_drift);
     assert!(solution.end_defect < 1e-7, "end defect {}", solution.end_defect);

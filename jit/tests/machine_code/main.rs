@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
 
 mod contract;
-mod extremals;
 mod programs;
 mod robots;
 mod sides;

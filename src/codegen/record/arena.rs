@@ -18,7 +18,10 @@ impl Hasher for KeyHasher {
         self.0
     }
     fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
+        // Arrays of words come as their bytes.
+        let (words, rest) = bytes.as_chunks::<8>();
+        words.iter().for_each(|&word| self.write_u64(u64::from_le_bytes(word)));
+        rest.iter().for_each(|&byte| self.write_u64(byte.into()));
     }
     fn write_u64(&mut self, word: u64) {
         let product = u128::from(self.0 ^ word) * u128::from(0x9e37_79b9_7f4a_7c15_u64);
@@ -39,6 +42,14 @@ pub(in crate::codegen) struct Arena {
 }
 
 impl Arena {
+    /// With room for so many nodes.
+    pub fn with_capacity(nodes: usize) -> Self {
+        let mut arena = Self::default();
+        arena.nodes.reserve(nodes);
+        arena.places.reserve(nodes);
+        arena
+    }
+
     /// The position of a node, which is added if it is new.
     pub fn intern(&mut self, node: Node) -> Id {
         let next = Id(self.nodes.len() as u32);

@@ -54,20 +54,21 @@ pub enum Node {
 impl Node {
     /// Its operands, in the order in which they are listed above.
     pub fn operands(&self) -> impl Iterator<Item = Id> + Clone {
-        let operands = match *self {
-            Self::Constant(_) | Self::Input(_) => [None; 3],
+        const NONE: Id = Id(0);
+        let (operands, count) = match *self {
+            Self::Constant(_) | Self::Input(_) => ([NONE; 3], 0),
             Self::Neg(a) | Self::Sqrt(a) | Self::Sin(a) | Self::Cos(a) | Self::Exp(a) | Self::ExpM1(a) => {
-                [Some(a), None, None]
+                ([a, NONE, NONE], 1)
             }
             Self::Add(a, b) | Self::Sub(a, b) | Self::Mul(a, b) | Self::Div(a, b) | Self::Less(a, b) => {
-                [Some(a), Some(b), None]
+                ([a, b, NONE], 2)
             }
             Self::MulAdd(a, b, c)
             | Self::MulSub(a, b, c)
             | Self::NegMulAdd(a, b, c)
-            | Self::Select(a, b, c) => [Some(a), Some(b), Some(c)],
+            | Self::Select(a, b, c) => ([a, b, c], 3),
         };
-        operands.into_iter().flatten()
+        operands.into_iter().take(count)
     }
 
     /// The same step on other nodes.

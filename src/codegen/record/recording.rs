@@ -18,6 +18,9 @@ pub const OPERATIONS_PER_STEP: usize = 4;
 /// Most nodes of any recording; they are counted in 32 bits.
 const MOST_NODES: usize = 1 << 31;
 
+/// Most nodes for which there is room from the start.
+const MOST_RESERVED: usize = 1 << 14;
+
 /// The limit of a recording: [`OPERATIONS_PER_STEP`] operations for each step.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::codegen) struct RecordingLimit<'a> {
@@ -70,7 +73,9 @@ pub(in crate::codegen) fn record<R>(
     let RecordingLimit { name, steps } = limit;
     let operations = steps.saturating_mul(OPERATIONS_PER_STEP).min(MOST_NODES);
     let error = CodegenError::LongRecording { name: name.into(), operations, limit: steps };
-    let recording = Recording { number, limit: Some((operations, error)), ..Recording::default() };
+    // Contracted second derivatives of a chain have about 14 nodes for each pair of their inputs.
+    let arena = Arena::with_capacity((8 * inputs * inputs).min(operations).min(MOST_RESERVED));
+    let recording = Recording { number, arena, limit: Some((operations, error)), ..Recording::default() };
     let surroundings = Surroundings(RECORDING.replace(recording));
     let arguments: Vec<Expr> = (0..inputs as u32).map(|k| recorded(|arena| arena.input(k))).collect();
     let (kept, results) = work(&arguments);

@@ -25,7 +25,9 @@ type Offer = (i32, u32, usize);
 /// The state of the scheduling, from the last step to the first.
 struct Steps<'a> {
     nodes: &'a [Node],
-    users: Vec<Vec<usize>>,
+    /// The users of value k are in `users[starts[k]..starts[k + 1]]`.
+    users: Vec<u32>,
+    starts: Vec<u32>,
     /// Users that are not placed yet.
     missing: Vec<usize>,
     /// Whether a user is placed: the value is alive.
@@ -39,17 +41,27 @@ struct Steps<'a> {
 impl<'a> Steps<'a> {
     fn new(graph: &'a Graph, needed: &[bool]) -> Self {
         let count = graph.nodes.len();
-        let mut users = vec![Vec::new(); count];
+        let mut missing = vec![0_usize; count];
         let steps = (0..count).filter(|&k| needed[k] && !graph.nodes[k].is_leaf());
         for k in steps.clone() {
+            distinct_steps(&graph.nodes, k).for_each(|operand| missing[operand] += 1);
+        }
+        let mut starts = vec![0; count + 1];
+        for (k, &users) in missing.iter().enumerate() {
+            starts[k + 1] = starts[k] + users as u32;
+        }
+        let (mut users, mut next) = (vec![0; starts[count] as usize], starts.clone());
+        for k in steps.clone() {
             for operand in distinct_steps(&graph.nodes, k) {
-                users[operand].push(k);
+                users[next[operand] as usize] = k as u32;
+                next[operand] += 1;
             }
         }
         let mut new = Self {
             nodes: &graph.nodes,
-            missing: users.iter().map(Vec::len).collect(),
+            missing,
             users,
+            starts,
             waiting: vec![false; count],
             asked: vec![0; count],
             placed: vec![false; count],
@@ -82,8 +94,8 @@ impl<'a> Steps<'a> {
                 self.missing[operand] -= 1;
                 if !std::mem::replace(&mut self.waiting[operand], true) {
                     // The priority of its other users rises; no priority ever falls.
-                    for user in std::mem::take(&mut self.users[operand]) {
-                        self.offer(user);
+                    for at in self.starts[operand]..self.starts[operand + 1] {
+                        self.offer(self.users[at as usize] as usize);
                     }
                 }
                 self.offer(operand);

@@ -51,7 +51,7 @@ fn carrier(free: &[bool], uses: &[u32], a: Id, b: Id) -> Option<Id> {
 
 /// The same results with the signs of these nodes reversed, and with negations where a sign must change.
 fn signed(nodes: &[Node], results: &[Signed], flipped: &[bool]) -> Graph {
-    let mut arena = Arena::default();
+    let mut arena = Arena::with_capacity(nodes.len());
     let mut values: Vec<Signed> = Vec::with_capacity(nodes.len());
     for (k, node) in nodes.iter().enumerate() {
         let signed = |id: Id| values[id.index()];

@@ -34,9 +34,10 @@ pub(super) fn joined(graph: &Graph) -> Graph {
     }
     let mut sums: Vec<Option<Vec<Term>>> = vec![None; nodes.len()];
     let mut users = vec![Vec::new(); nodes.len()];
+    let mut open = Vec::new();
     for k in 0..nodes.len() {
         if matches!(nodes[k], Node::Add(..) | Node::Sub(..)) && !inner[k] {
-            let terms = terms(nodes, &inner, k);
+            let terms = terms(nodes, &inner, k, &mut open);
             let several = terms.iter().filter(|term| !term.joins && is_product(nodes, term.id));
             several.for_each(|term| users[term.id.index()].push(k));
             sums[k] = Some(terms);
@@ -52,17 +53,17 @@ pub(super) fn joined(graph: &Graph) -> Graph {
             }
         }
     }
-    Chains::new(nodes).graph(&inner, &sums, &graph.results).swept()
+    Chains::new(nodes).graph(&inner, sums, &graph.results).swept()
 }
 
 fn is_product(nodes: &[Node], id: Id) -> bool {
     matches!(nodes[id.index()], Node::Mul(..))
 }
 
-/// The terms of the sum at k, from left to right.
-fn terms(nodes: &[Node], inner: &[bool], k: usize) -> Vec<Term> {
+/// The terms of the sum at k, from left to right; `open` is room for this function.
+fn terms(nodes: &[Node], inner: &[bool], k: usize, open: &mut Vec<(Id, bool)>) -> Vec<Term> {
     let mut terms = Vec::new();
-    let mut open = vec![(Id(k as u32), false)];
+    open.push((Id(k as u32), false));
     while let Some((id, negative)) = open.pop() {
         let joins = inner[id.index()];
         match nodes[id.index()] {
@@ -86,7 +87,8 @@ struct Chains<'a> {
 
 impl<'a> Chains<'a> {
     fn new(old: &'a [Node]) -> Self {
-        Self { old, places: vec![Id(0); old.len()], nodes: Vec::new(), depths: Vec::new() }
+        let (nodes, depths) = (Vec::with_capacity(old.len()), Vec::with_capacity(old.len()));
+        Self { old, places: vec![Id(0); old.len()], nodes, depths }
     }
 
     fn push(&mut self, node: Node) -> Id {
@@ -96,12 +98,12 @@ impl<'a> Chains<'a> {
         Id(self.nodes.len() as u32 - 1)
     }
 
-    fn graph(mut self, inner: &[bool], sums: &[Option<Vec<Term>>], results: &[Id]) -> Graph {
+    fn graph(mut self, inner: &[bool], mut sums: Vec<Option<Vec<Term>>>, results: &[Id]) -> Graph {
         for k in 0..self.old.len() {
             if inner[k] {
                 continue;
             }
-            self.places[k] = match &sums[k] {
+            self.places[k] = match sums[k].take() {
                 Some(terms) => self.chain(terms),
                 None => {
                     let node = self.old[k].map(|id| self.places[id.index()]);
@@ -131,8 +133,7 @@ impl<'a> Chains<'a> {
     }
 
     /// The terms one after the other, those of least depth first.
-    fn chain(&mut self, terms: &[Term]) -> Id {
-        let mut terms = terms.to_vec();
+    fn chain(&mut self, mut terms: Vec<Term>) -> Id {
         terms.sort_by_key(|term| self.depth(term));
         let start = self.start(&mut terms);
         terms.iter().fold(start, |sum, term| {

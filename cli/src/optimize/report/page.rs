@@ -6,6 +6,7 @@ use super::stage_data::{ROTATED, data};
 use super::strobe::Stage;
 use super::svg::{STYLE, escaped};
 use super::views;
+use crate::optimize::figures::figures;
 use crate::optimize::kinematics::{Skeleton, film};
 use crate::optimize::summary;
 
@@ -62,7 +63,7 @@ fn plots(panels: Vec<Panel>) -> String {
 /// Name, status, figures, warnings.
 fn head(motion: &Motion<'_>) -> String {
     let Motion { problem, solution, warnings, .. } = *motion;
-    let figures: String = summary::figures(problem, solution)
+    let figures: String = figures(problem, solution)
         .iter()
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{}</dd></div>", escaped(value)))
         .collect();

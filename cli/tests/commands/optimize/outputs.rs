@@ -1,6 +1,6 @@
 //! The files that are written.
 
-use super::{empty_folder, folder, json, names, robot, two_link};
+use super::{empty_folder, folder, json, names, optimize, robot, two_link};
 use crate::child::{costate, stderr, stdout};
 use serde_json::Value;
 
@@ -21,6 +21,12 @@ fn outputs_are_checked_before_the_problem_is_solved() {
         (&["--save", folder.to_str().unwrap()], "is a folder; give a file"),
         (&["--svg", arm], "is a file; give a folder"),
         (&["-o", page, "--save", page], "both -o and --save"),
+        (&["--save", page, "--sample", "1kHz", "--sample-to", page], "both --save and --sample-to"),
+        (&["--sample", "1kHz", "--sample-to", problem], "is the input file"),
+        (&["--sample", "1kHz"], "--sample-to FILE or --json"),
+        (&["--sample-to", page], "--sample"),
+        (&["--sample", "1MHz", "--sample-to", page], "1kHz"),
+        (&["--json", "--sample", "1kHz", "--sample-to", "-"], "standard output"),
         (&["--json", "-o", "-"], "standard output"),
     ] {
         let output = costate(&[&["optimize", problem], more].concat(), b"");
@@ -87,4 +93,39 @@ fn the_report_is_one_file_and_the_figures_are_well_formed() {
         names.ends_with(&["residuals.svg".into(), "strobe_xy.svg".into(), "strobe_xz.svg".into()]),
         "{names:?}"
     );
+}
+
+/// A motion of either method at a fixed rate, as a table and in the JSON object.
+#[test]
+fn motions_are_sampled_at_a_fixed_rate() {
+    let file = folder("samples").join("samples.csv");
+    let path = file.to_str().unwrap();
+    for method in ["collocation", "direct"] {
+        let text = two_link() + "[limits]\nfrom_robot = false\n[solver]\n";
+        let text = format!("{text}method = \"{method}\"\n");
+        let output = optimize("samples", &text, &["--json", "--sample", "0.4kHz", "--sample-to", path]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let solution = json(&output);
+        let samples = &solution["samples"];
+        assert_eq!(samples["rate"], 400.0);
+        let table = std::fs::read_to_string(&file).unwrap();
+        let lines: Vec<&str> = table.lines().collect();
+        let names = ["q", "v", "a", "tau", "u"].map(|name| format!(",{name}_shoulder,{name}_elbow"));
+        assert_eq!(lines[0], format!("t{}", names.concat()));
+        let rows: Vec<Vec<f64>> =
+            lines[1..].iter().map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+        assert_eq!(rows.len(), 401);
+        for (k, row) in rows.iter().enumerate() {
+            let list = |key: &str| samples[key][k].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+            let lists = ["q", "v", "a", "tau", "u"].into_iter().flat_map(list);
+            let expected: Vec<f64> = samples["t"][k].as_f64().into_iter().chain(lists).collect();
+            assert_eq!(*row, expected);
+            assert!((row[0] - k as f64 / 400.0).abs() < 1e-12);
+        }
+        let end = &rows[400];
+        assert_eq!(end[0], solution["final_time"].as_f64().unwrap());
+        for (found, expected) in end[1..5].iter().zip([1.0, 0.5, 0.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+        }
+    }
 }

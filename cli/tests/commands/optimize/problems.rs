@@ -67,6 +67,12 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         (and("[solver]\ntolerance = 0"), Some(11), &["solver.tolerance"]),
         (and("[solver]\nstarts = 0"), Some(11), &["solver.starts"]),
         (and("[solver]\njacobian = \"none\""), Some(11), &["solver.jacobian", "`none`", "`without_hessian`"]),
+        (and("[solver]\nverify = \"some\""), Some(11), &["solver.verify", "`some`", "`factors`"]),
+        (
+            and("[solver]\npolish = \"often\""),
+            Some(11),
+            &["solver.polish", "true, false or \"auto\"", "often"],
+        ),
         (and("[solver]\ntime_limit = -1"), Some(11), &["solver.time_limit", "positive", "seconds", "-1"]),
         (and("[solver]\ntime_limit = 0"), Some(11), &["solver.time_limit", "positive", "seconds"]),
         (and("[solver]\ntime_limit = inf"), Some(11), &["solver.time_limit", "positive", "seconds"]),

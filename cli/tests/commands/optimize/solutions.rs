@@ -13,6 +13,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
     let keys: Vec<_> = solution.as_object().unwrap().keys().map(String::as_str).collect();
     let expected = [
         "certificate",
+        "conditioning",
         "conjugate_multiplicity",
         "conjugate_time",
         "cost",
@@ -37,6 +38,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "switches",
         "trajectory",
         "units",
+        "verification",
     ];
     assert_eq!(keys, expected);
     assert_eq!(solution["status"], "converged");

@@ -43,6 +43,8 @@ pub(crate) struct Collocation {
     node_jacobians: Vec<f64>,
     condensed: Vec<Condensed>,
     pub(crate) borders: Borders,
+    /// Whether the matrix is factored.
+    pub factored: bool,
     /// Residuals of the inner points.
     pub(crate) inner_residual: Vec<f64>,
 }
@@ -93,6 +95,7 @@ impl Collocation {
             },
             scale: vec![1.0; m],
             node_jacobians: vec![0.0; nodes * m * m],
+            factored: false,
             inner_residual: vec![0.0; inner * m],
             current: values,
             method,
@@ -205,6 +208,7 @@ impl<E: Extremal + ?Sized> Solvable<E> for Collocation {
     }
 
     fn linearise(&mut self, timed: &mut Timed<'_, E>) -> Result<(), Failure> {
+        self.factored = false;
         let (m, inner) = (self.m, self.method.len() - 2);
         for i in 0..self.mesh.nodes() {
             let (arc, range) = (self.mesh.arc_of_node(i), i * m..(i + 1) * m);
@@ -237,7 +241,9 @@ impl<E: Extremal + ?Sized> Solvable<E> for Collocation {
         let set = self.set_residuals(timed, &current, true);
         self.current = current;
         set?;
-        Ok(self.borders.factor()?)
+        self.borders.factor()?;
+        self.factored = true;
+        Ok(())
     }
 }
 

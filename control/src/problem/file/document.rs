@@ -212,7 +212,7 @@ impl<'d> Table<'d> {
         entries.iter().map(entry).collect::<Result<_, _>>().map(Some)
     }
 
-    fn value<T>(
+    pub fn value<T>(
         &self,
         name: &str,
         expected: &'static str,

@@ -1,6 +1,6 @@
 //! The tables and keys of a problem file.
 
-use crate::options::{Coordinates, JacobianRoute, Method, SolverOptions};
+use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Verify};
 use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Fault, Table, string, whole};
 use crate::problem::file::error::ProblemFileCause;
@@ -9,6 +9,7 @@ use crate::problem::key::Key;
 use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
 use costate::robot::Robot;
 use std::time::Duration;
+use toml::de::DeValue;
 
 const ROOT: &[&str] = &[
     "robot",
@@ -31,8 +32,20 @@ const BOUNDS: &[&str] = &["u_min", "u_max"];
 const LIMITS: &[&str] = &["q_min", "q_max", "v_max", "a_max", "torque_max", "from_robot"];
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
-const SOLVER: &[&str] =
-    &["starts", "seed", "tolerance", "nodes", "jacobian", "method", "coordinates", "time_limit"];
+const SOLVER: &[&str] = &[
+    "starts",
+    "threads",
+    "seed",
+    "tolerance",
+    "nodes",
+    "jacobian",
+    "method",
+    "coordinates",
+    "verify",
+    "polish",
+    "machine_code",
+    "time_limit",
+];
 
 const JACOBIANS: [(&str, JacobianRoute); 3] = [
     ("exact", JacobianRoute::Exact),
@@ -41,8 +54,12 @@ const JACOBIANS: [(&str, JacobianRoute); 3] = [
 ];
 const METHODS: [(&str, Method); 3] =
     [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
+const MACHINE_CODE: [(&str, MachineCode); 3] =
+    [("later", MachineCode::Later), ("at_once", MachineCode::AtOnce), ("never", MachineCode::Never)];
 const COORDINATES: [(&str, Coordinates); 2] =
     [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
+const VERIFICATIONS: [(&str, Verify); 3] =
+    [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)];
 
 /// The values of a problem file, before its robot is known.
 pub(super) struct Tables {
@@ -183,14 +200,28 @@ fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fau
     };
     Ok(SolverOptions {
         starts: count("starts", defaults.starts)?,
+        threads: table.whole("threads")?.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
         seed: table.whole("seed")?.unwrap_or(defaults.seed),
         tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
         nodes: count("nodes", defaults.nodes)?,
         jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
         method: method.unwrap_or(defaults.method),
         coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
+        verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
+        polish: polish(table)?.unwrap_or(defaults.polish),
+        machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
         time_limit: time_limit(table)?,
         ..defaults
+    })
+}
+
+/// true, false or "auto".
+fn polish(table: &Table<'_>) -> Result<Option<Polish>, Fault> {
+    table.value("polish", "true, false or \"auto\"", |value| match value {
+        DeValue::Boolean(true) => Some(Polish::Always),
+        DeValue::Boolean(false) => Some(Polish::Never),
+        DeValue::String(text) if text == "auto" => Some(Polish::Auto),
+        _ => None,
     })
 }
 

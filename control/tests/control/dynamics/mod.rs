@@ -2,13 +2,14 @@
 
 mod models;
 
+use crate::sharp;
 use costate::dynamics::{AutomaticCost, Dynamics};
 use costate::robot::Robot;
 use costate::{EvalError, hamiltonian, lagrangian};
 use costate_control::{
     BoundaryValueProblem, Bounds, ControlLaw, DynamicsExtremal, DynamicsProblem, DynamicsProblemError,
     EndState, ExtremalSolution, FinalTime, JacobianRoute, LagrangianExtremal, Method, Objective, Problem,
-    RobotExtremal, SolverOptions, solve_dynamics,
+    RobotExtremal, solve_dynamics,
 };
 use models::{Cart, Quadrotor, Square, Tilt, Unicycle};
 
@@ -116,9 +117,9 @@ fn a_robot_as_a_model_has_the_extremals_of_the_robot() {
 /// By collocation and by multiple shooting; the two agree.
 fn solve<D: Dynamics<f64>>(model: D, problem: &DynamicsProblem) -> ExtremalSolution {
     let mut extremal = DynamicsExtremal::new(model, problem).unwrap();
-    let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
+    let motion = solve_dynamics(&mut extremal, &sharp());
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
-    let options = SolverOptions::default().with_method(Method::Shooting);
+    let options = sharp().with_method(Method::Shooting);
     let shot = solve_dynamics(&mut extremal, &options);
     assert!(shot.motion.status.is_converged(), "{}", shot.motion.status);
     close(motion.motion.cost, shot.motion.cost, 1e-8);
@@ -144,7 +145,7 @@ fn a_cart_has_its_closed_forms() {
         .with_cost(Objective::new(1.0, vec![0.0]))
         .with_bounds(Bounds::symmetric(vec![1.0]));
     let mut extremal = DynamicsExtremal::new(Cart::automatic(), &least).unwrap();
-    let motion = solve_dynamics(&mut extremal, &SolverOptions::default());
+    let motion = solve_dynamics(&mut extremal, &sharp());
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     close(motion.motion.final_time, 2.0, 1e-8);
     assert_eq!(motion.motion.switches.len(), 1);
@@ -190,7 +191,7 @@ fn a_quadrotor_flies_sideways() {
     let bounds = Bounds::new(vec![-10.0; 2], vec![0.8 * most, 10.0]);
     let mut bounded =
         DynamicsExtremal::new(Quadrotor::automatic(), &problem.clone().with_bounds(bounds)).unwrap();
-    let bounded = solve_dynamics(&mut bounded, &SolverOptions::default());
+    let bounded = solve_dynamics(&mut bounded, &sharp());
     assert!(bounded.motion.status.is_converged(), "{}", bounded.motion.status);
     assert!(bounded.motion.cost > motion.motion.cost && !bounded.motion.switches.is_empty());
     assert!(bounded.nodes.u.iter().all(|u| u[0] <= 0.8 * most + 1e-9));

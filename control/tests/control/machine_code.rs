@@ -1,9 +1,7 @@
 //! Optimal motions with machine code in place of the library's equations.
 
 use costate::robot::Robot;
-use costate_control::{
-    GeneratedExtremal, Problem, ProgramOf, SolverOptions, pontryagin_program, solve_extremal,
-};
+use costate_control::{GeneratedExtremal, Problem, ProgramOf, pontryagin_program, solve_extremal};
 use costate_jit::{Compiled, JitError};
 use std::f64::consts::FRAC_PI_2;
 
@@ -36,7 +34,7 @@ fn the_solver_runs_on_machine_code() {
     )
     .unwrap();
     let guess = |s: f64, z: &mut [f64]| z[..2].fill(FRAC_PI_2 * s * s * (3.0 - 2.0 * s));
-    let motion = solve_extremal(&mut extremal, problem.time, &SolverOptions::default(), guess);
+    let motion = solve_extremal(&mut extremal, problem.time, &crate::sharp(), guess);
     assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
     assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
     assert!(calls > 100, "{calls}");

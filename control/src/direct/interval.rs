@@ -1,0 +1,128 @@
+//! From derivatives in z = (q, v, a) at the points of an interval to those in the unknowns of a spline.
+
+use super::basis::{COEFFICIENTS, POINTS};
+use super::spline::Spline;
+use crate::numerics::chain::ChainMatrix;
+
+/// Pairs (a, b) of coefficients with b >= a.
+const PAIRS: usize = COEFFICIENTS * (COEFFICIENTS + 1) / 2;
+
+/// The Hessians of the points of an interval on their way into a matrix.
+///
+/// All derivatives of z in the coefficients are numbers times the identity. So Hessians are kept as
+/// blocks, n x n for each pair of derivatives or of coefficients, and whole blocks are combined.
+#[derive(Clone, Debug, Default)]
+pub(super) struct IntervalHessian {
+    /// The blocks of a Hessian in z: 3 x 3.
+    blocks: Vec<f64>,
+    /// B'H of each point: 5 x 3 blocks.
+    products: Vec<f64>,
+    /// B'H B: a block for each pair of coefficients.
+    sums: Vec<f64>,
+    /// B of each point: derivatives of q, v, a in the coefficients.
+    factors: [[[f64; COEFFICIENTS]; 3]; POINTS],
+}
+
+impl IntervalHessian {
+    /// Room for n joints.
+    pub fn new(n: usize) -> Self {
+        Self {
+            blocks: vec![0.0; 9 * n * n],
+            products: vec![0.0; POINTS * COEFFICIENTS * 3 * n * n],
+            sums: vec![0.0; PAIRS * n * n],
+            ..Self::default()
+        }
+    }
+
+    /// Takes the Hessian of point `j`, 3n x 3n.
+    #[inline(always)]
+    pub fn take(&mut self, j: usize, n: usize, factors: [[f64; COEFFICIENTS]; 3], hessian: &[f64]) {
+        self.factors[j] = factors;
+        let square = n * n;
+        for (row, entries) in hessian.chunks_exact(3 * n).enumerate() {
+            for (t, entries) in entries.chunks_exact(n).enumerate() {
+                self.blocks[(3 * (row / n) + t) * square + row % n * n..][..n].copy_from_slice(entries);
+            }
+        }
+        let size = COEFFICIENTS * 3 * square;
+        let (of_q, rest) = self.blocks.split_at(3 * square);
+        let (of_v, of_a) = rest.split_at(3 * square);
+        let products = self.products[size * j..size * (j + 1)].chunks_exact_mut(3 * square);
+        for (a, product) in products.enumerate() {
+            let [f, g, h] = [factors[0][a], factors[1][a], factors[2][a]];
+            for (to, (q, (v, a))) in product.iter_mut().zip(of_q.iter().zip(of_v.iter().zip(of_a))) {
+                *to = f * q + (g * v + h * a);
+            }
+        }
+    }
+
+    /// Adds B'H B of all points to the rows of interval `k` and of its ends.
+    #[inline(always)]
+    pub fn add_to(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize) {
+        let square = n * n;
+        let size = COEFFICIENTS * 3 * square;
+        let pairs = (0..COEFFICIENTS).flat_map(|a| (a..COEFFICIENTS).map(move |b| (a, b)));
+        for ((a, b), sum) in pairs.zip(self.sums.chunks_exact_mut(square)) {
+            let mut overwrite = true;
+            for (factors, products) in self.factors.iter().zip(self.products.chunks_exact(size)) {
+                let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
+                let row = &products[3 * square * a..3 * square * (a + 1)];
+                let (of_q, rest) = row.split_at(square);
+                let (of_v, of_a) = rest.split_at(square);
+                let entries = of_q.iter().zip(of_v.iter().zip(of_a));
+                if overwrite {
+                    for (to, (q, (v, a))) in sum.iter_mut().zip(entries) {
+                        *to = f * q + (g * v + h * a);
+                    }
+                } else {
+                    for (to, (q, (v, a))) in sum.iter_mut().zip(entries) {
+                        *to += f * q + (g * v + h * a);
+                    }
+                }
+                overwrite = false;
+            }
+        }
+        self.scatter(matrix, k, n);
+    }
+
+    /// Adds the blocks to the rows of a matrix.
+    #[inline(always)]
+    fn scatter(&self, matrix: &mut ChainMatrix, k: usize, n: usize) {
+        let (inner, left, right) = matrix.interval(k);
+        let [inner_width, node_width] = [COEFFICIENTS * n, 4 * n];
+        let pairs = (0..COEFFICIENTS).flat_map(|a| (a..COEFFICIENTS).map(move |b| (a, b)));
+        for ((a, b), block) in pairs.zip(self.sums.chunks_exact(n * n)) {
+            let (rows, width, first) = match a {
+                0 => (&mut inner[..], inner_width, b * n),
+                1 | 2 => (&mut left[node_width * (a - 1) * n..], node_width, (b - 1) * n),
+                _ => (&mut right[node_width * (a - 3) * n..], node_width, (b - 3) * n),
+            };
+            for (row, block) in rows.chunks_exact_mut(width).zip(block.chunks_exact(n)) {
+                row[first..first + n].iter_mut().zip(block).for_each(|(to, entry)| *to += entry);
+            }
+        }
+    }
+}
+
+/// Adds a gradient in z at a point of interval `k` to one in the unknowns.
+#[inline(always)]
+pub(super) fn add_gradient(
+    spline: &Spline,
+    k: usize,
+    factors: &[[f64; COEFFICIENTS]; 3],
+    from: &[f64],
+    to: &mut [f64],
+) {
+    let n = spline.dof;
+    let (nodes, inner) = to.split_at_mut(2 * n * spline.mesh.nodes.len());
+    let blocks = inner[n * k..n * (k + 1)]
+        .chunks_exact_mut(n)
+        .chain(nodes[2 * n * k..2 * n * (k + 2)].chunks_exact_mut(n));
+    for (b, to) in blocks.enumerate() {
+        let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
+        let [of_q, of_v, of_a] = [0, 1, 2].map(|s| &from[s * n..][..n]);
+        for (i, to) in to.iter_mut().enumerate() {
+            *to += f * of_q[i] + (g * of_v[i] + h * of_a[i]);
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Cholesky factorisation of the symmetric matrix of a chain: nodes, and between two of them inner unknowns.
+
+use super::tiles::{
+    BadPivot, ROWS, factorise_rows, substitute_backward, substitute_forward, subtract_square, with_rows,
+};
+use super::widest::widest_fused;
+use std::fmt;
+
+/// A pivot was not positive: the matrix is not positive definite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotPositiveDefinite {
+    /// The node or interval with the pivot.
+    pub block: usize,
+}
+
+impl fmt::Display for NotPositiveDefinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the matrix is not positive definite at node {}", self.block)
+    }
+}
+
+/// A symmetric matrix of a chain, then its factor U, A = U'U with inner unknowns first.
+///
+/// A node has `node` unknowns and meets the next one and the inner unknowns of both intervals beside it; an
+/// interval has `inner` ones. The order of unknowns in vectors: all nodes, then all intervals. Rows of
+/// an interval are `[inner | left node | right node]`, those of a node `[node | next node]`. Only upper
+/// triangles of diagonal blocks are read. Rows are combined as wholes, so that loops run over contiguous
+/// numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct ChainMatrix {
+    node: usize,
+    inner: usize,
+    intervals: usize,
+    inner_rows: Vec<f64>,
+    node_rows: Vec<f64>,
+    /// The part of a vector that belongs to an interval.
+    part: Vec<f64>,
+}
+
+impl ChainMatrix {
+    /// A matrix without intervals.
+    pub fn new(node: usize, inner: usize) -> Self {
+        Self {
+            node,
+            inner,
+            intervals: 0,
+            inner_rows: Vec::new(),
+            node_rows: Vec::new(),
+            part: vec![0.0; inner + 2 * node],
+        }
+    }
+
+    /// Sets the number of intervals, and all entries to zero. Allocates only if it is larger than ever
+    /// before.
+    pub fn reset(&mut self, intervals: usize) {
+        self.intervals = intervals;
+        self.inner_rows.clear();
+        self.inner_rows.resize(intervals * self.inner * self.inner_width(), 0.0);
+        self.node_rows.clear();
+        self.node_rows.resize((intervals + 1) * self.node * 2 * self.node, 0.0);
+    }
+
+    /// Length of the rows of an interval.
+    pub fn inner_width(&self) -> usize {
+        self.inner + 2 * self.node
+    }
+
+    /// Number of unknowns.
+    #[cfg(test)]
+    pub fn size(&self) -> usize {
+        self.node * (self.intervals + 1) + self.inner * self.intervals
+    }
+
+    /// The rows of an interval and those of the nodes at its ends.
+    pub fn interval(&mut self, k: usize) -> (&mut [f64], &mut [f64], &mut [f64]) {
+        let (inner, node) = (self.inner * self.inner_width(), 2 * self.node * self.node);
+        let (left, right) = self.node_rows[k * node..(k + 2) * node].split_at_mut(node);
+        (&mut self.inner_rows[k * inner..(k + 1) * inner], left, right)
+    }
+
+    /// The rows of a node.
+    pub fn node_rows(&mut self, k: usize) -> &mut [f64] {
+        let length = 2 * self.node * self.node;
+        &mut self.node_rows[k * length..(k + 1) * length]
+    }
+
+    /// Takes the entries of another matrix.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.intervals = other.intervals;
+        self.inner_rows.clone_from(&other.inner_rows);
+        self.node_rows.clone_from(&other.node_rows);
+    }
+
+    /// A += factor B.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        let pairs = [(&mut self.inner_rows, &other.inner_rows), (&mut self.node_rows, &other.node_rows)];
+        for (to, from) in pairs {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+        }
+    }
+
+    /// An entry, of any two unknowns.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.min(j), i.max(j));
+        let nodes = self.node * (self.intervals + 1);
+        if j < nodes {
+            let (k, column) = (i / self.node, j - i / self.node * self.node);
+            return if column < 2 * self.node {
+                self.node_rows[2 * self.node * (self.node * k + i % self.node) + column]
+            } else {
+                0.0
+            };
+        }
+        let (k, row) = ((j - nodes) / self.inner, (j - nodes) % self.inner);
+        if i >= nodes {
+            let (other, first) = ((i - nodes) / self.inner, (i - nodes) % self.inner);
+            let at = self.inner_width() * (self.inner * k + first) + row;
+            return if other == k { self.inner_rows[at] } else { 0.0 };
+        }
+        if !(self.node * k..self.node * (k + 2)).contains(&i) {
+            return 0.0;
+        }
+        self.inner_rows[self.inner_width() * (self.inner * k + row) + self.inner + i - self.node * k]
+    }
+
+    /// The unknowns that the unknown `i` of node `k` meets.
+    fn neighbours(&self, k: usize) -> impl Iterator<Item = usize> {
+        let (first, last) = (k.saturating_sub(1), (k + 1).min(self.intervals));
+        let nodes = self.node * (self.intervals + 1);
+        (self.node * first..self.node * (last + 1))
+            .chain(nodes + self.inner * first..nodes + self.inner * last)
+    }
+
+    /// `to += factor` times the column of the unknown `i` of node `k`.
+    pub fn add_column(&self, k: usize, i: usize, factor: f64, to: &mut [f64]) {
+        let at = self.node * k + i;
+        self.neighbours(k).for_each(|row| to[row] += factor * self.entry(row, at));
+    }
+
+    /// Makes row and column of the unknown `i` of node `k` those of the identity.
+    pub fn remove(&mut self, k: usize, i: usize) {
+        let (node, width, stride) = (self.node, self.inner_width(), 2 * self.node);
+        for interval in k.saturating_sub(1)..(k + 1).min(self.intervals) {
+            let column = self.inner + if interval == k { i } else { node + i };
+            let rows = &mut self.inner_rows[interval * self.inner * width..][..self.inner * width];
+            rows.chunks_exact_mut(width).for_each(|row| row[column] = 0.0);
+        }
+        let rows = self.node_rows(k);
+        rows[stride * i..][..stride].fill(0.0);
+        (0..i).for_each(|l| rows[stride * l + i] = 0.0);
+        rows[stride * i + i] = 1.0;
+        if k > 0 {
+            self.node_rows(k - 1).chunks_exact_mut(stride).for_each(|row| row[node + i] = 0.0);
+        }
+    }
+
+    /// A = U'U in place; the diagonal of U is replaced by its reciprocals.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]; the matrix is lost then.
+    pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
+        widest_fused(
+            #[inline(always)]
+            |fused| if fused { self.eliminate::<true>() } else { self.eliminate::<false>() },
+        )
+    }
+
+    #[inline(always)]
+    fn eliminate<const FUSED: bool>(&mut self) -> Result<(), NotPositiveDefinite> {
+        let (node, inner, width, stride) = (self.node, self.inner, self.inner_width(), 2 * self.node);
+        for k in 0..self.intervals {
+            let failed = |BadPivot| NotPositiveDefinite { block: k };
+            let (rows, left, right) = self.interval(k);
+            factorise_rows::<FUSED>(rows, width, inner, width).map_err(failed)?;
+            subtract_square::<FUSED>((rows, width), inner, (left, stride), node, stride);
+            subtract_square::<FUSED>((rows, width), inner + node, (right, stride), node, node);
+            factorise_rows::<FUSED>(left, stride, node, stride).map_err(failed)?;
+            subtract_square::<FUSED>((left, stride), node, (right, stride), node, node);
+        }
+        let last = self.intervals;
+        factorise_rows::<FUSED>(self.node_rows(last), stride, node, node)
+            .map_err(|BadPivot| NotPositiveDefinite { block: last })
+    }
+
+    /// x = A^-1 r in place, after [`factorise`](Self::factorise).
+    pub fn solve(&mut self, r: &mut [f64]) {
+        widest_fused(
+            #[inline(always)]
+            |fused| if fused { self.substitute::<true>(r) } else { self.substitute::<false>(r) },
+        );
+    }
+
+    #[inline(always)]
+    fn substitute<const FUSED: bool>(&mut self, r: &mut [f64]) {
+        let (node, inner, width) = (self.node, self.inner, self.inner_width());
+        let (nodes, inners) = r.split_at_mut(node * (self.intervals + 1));
+        let inner_rows = |k: usize| inner * width * k..inner * width * (k + 1);
+        let node_rows = |k: usize| 2 * node * node * k..2 * node * node * (k + 1);
+        let ends = |k: usize| node * k..(node * (k + 2)).min(node * (self.intervals + 1));
+        for k in 0..=self.intervals {
+            if k < self.intervals {
+                self.part[..inner].copy_from_slice(&inners[inner * k..][..inner]);
+                self.part[inner..].copy_from_slice(&nodes[ends(k)]);
+                forward::<FUSED>(&self.inner_rows[inner_rows(k)], width, &mut self.part);
+                inners[inner * k..][..inner].copy_from_slice(&self.part[..inner]);
+                nodes[ends(k)].copy_from_slice(&self.part[inner..]);
+            }
+            forward::<FUSED>(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
+        }
+        for k in (0..=self.intervals).rev() {
+            backward::<FUSED>(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
+            if k < self.intervals {
+                self.part[..inner].copy_from_slice(&inners[inner * k..][..inner]);
+                self.part[inner..].copy_from_slice(&nodes[ends(k)]);
+                backward::<FUSED>(&self.inner_rows[inner_rows(k)], width, &mut self.part);
+                inners[inner * k..][..inner].copy_from_slice(&self.part[..inner]);
+            }
+        }
+    }
+}
+
+/// y of U'y = r for the rows of a block, in place, and the rest of r without their part.
+#[inline(always)]
+fn forward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
+    let size = rows.len() / stride;
+    for i in (0..size).step_by(ROWS) {
+        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+        with_rows!(i of size, R => substitute_forward::<FUSED, R>(rows, stride, i, r));
+    }
+}
+
+/// x of U x = y for the rows of a block, in place, where the rest of x is known.
+#[inline(always)]
+fn backward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
+    let size = rows.len() / stride;
+    for i in (0..size).step_by(ROWS).rev() {
+        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+        with_rows!(i of size, R => substitute_backward::<FUSED, R>(rows, stride, i, r));
+    }
+}
+
+/// x.y over the shorter of the two, in four sums.
+#[inline(always)]
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let length = x.len().min(y.len());
+    let (x, y) = (x[..length].chunks_exact(4), y[..length].chunks_exact(4));
+    let rest: f64 = x.remainder().iter().zip(y.remainder()).map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; 4];
+    for (x, y) in x.zip(y) {
+        sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(test)]
+#[path = "chain_tests.rs"]
+mod tests;

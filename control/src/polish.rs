@@ -1,0 +1,209 @@
+//! The motion of the direct method as the first guess of an extremal.
+//!
+//! Where nothing but controls is at its limits, the optimal motion is an extremal of the problem with these
+//! limits as bounds on u. Newton's method finds it from the motion, its costates and its mesh in a few steps,
+//! with switching times as unknowns. What the direct method found is kept if that fails or costs more.
+
+use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
+use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SLACK, SLACK_UNSOLVED, STRIDE};
+use crate::extremal::hamiltonian::RobotExtremal;
+use crate::options::{Method, Polish, SolverOptions};
+use crate::path::cubics::Disturbance;
+use crate::problem::limits::JointLimits;
+use crate::problem::{Bounds, MotionLimits, Problem};
+use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse};
+use crate::result::polish_report::{PolishOutcome, PolishReport};
+use crate::result::solution::Solution;
+use crate::result::trajectory::Trajectory;
+use crate::search::Search;
+use crate::search::guess::{RobotGuess, SavedMotion};
+use crate::solve::Recorder;
+use crate::starts::{saved, solution};
+use crate::status::Status;
+use std::time::Duration;
+
+/// Polishes what the direct method found in `taken`, as the options say.
+pub(crate) fn polish(
+    problem: &Problem,
+    options: &SolverOptions,
+    found: Solution,
+    taken: Duration,
+    recorder: &mut Recorder<'_>,
+) -> Solution {
+    if options.polish == Polish::Never || found.motion.status.is_interruption() {
+        return found;
+    }
+    let limits = problem.joint_limits();
+    let begin =
+        if can_begin(&found) { as_bounds(problem, &limits, &found) } else { Err(PolishOutcome::NoMotion) };
+    let problem = match begin {
+        Ok(problem) => problem,
+        Err(outcome) => return with_report(found, outcome, None),
+    };
+    let options = SolverOptions { method: Method::Collocation, ..options.clone() };
+    let polished = match options.polish {
+        Polish::Always => extremal_near(&problem, &options, &found.trajectory, recorder),
+        _ => {
+            let most = (SHARE * taken).max(LEAST_TIME);
+            recorder.within(most, |recorder| extremal_near(&problem, &options, &found.trajectory, recorder))
+        }
+    };
+    let Some(polished) = polished else { return with_report(found, PolishOutcome::Failed, None) };
+    let solved = found.motion.status.is_solved();
+    let slack = if solved { SLACK * options.tolerance } else { SLACK_UNSOLVED };
+    let outcome = match &polished.motion.status {
+        status if status.is_interruption() => PolishOutcome::OutOfTime,
+        // Solved equations are more than a motion that is not solved either.
+        status if !(status.is_solved() || (*status == Status::NotVerified && !solved)) => {
+            PolishOutcome::Failed
+        }
+        _ if polished.total() > found.total() + slack * found.total().abs() => PolishOutcome::CostsMore,
+        _ if !keeps(&limits, &polished.trajectory) => PolishOutcome::BeyondLimits,
+        _ => PolishOutcome::Polished,
+    };
+    let usage = usage(&found.limits, &problem, &polished.trajectory);
+    with_report(found, outcome, Some((polished, usage)))
+}
+
+/// Whether there is a motion near which an extremal may be.
+fn can_begin(found: &Solution) -> bool {
+    let status = &found.motion.status;
+    let hopeless = matches!(status, Status::LimitsNotKept | Status::EvaluationFailed(_));
+    !hopeless && found.trajectory.t.len() > 1 && found.total().is_finite()
+}
+
+/// The problem with its limits on torques as bounds on u and without the others, if none of them matters.
+fn as_bounds(problem: &Problem, limits: &[JointLimits], found: &Solution) -> Result<Problem, PolishOutcome> {
+    let LimitReport { position, rate, .. } = &found.limits;
+    let active = [position, rate].into_iter().flatten().any(|usage| !usage.active.is_empty());
+    if active || limits.iter().any(|limits| limits.a.is_finite()) {
+        return Err(PolishOutcome::Limited);
+    }
+    let of = |side: usize| {
+        let ends = limits.iter().zip(&problem.gain);
+        ends.map(|(limits, gain)| limits.torque[if *gain > 0.0 { side } else { 1 - side }] / gain).collect()
+    };
+    let bounded = limits.iter().any(|limits| limits.torque.iter().any(|torque| torque.is_finite()));
+    let bounds = bounded.then(|| Bounds::new(of(0), of(1)));
+    Ok(Problem { bounds, limits: MotionLimits::none(), ..problem.clone() })
+}
+
+/// The extremal to which Newton's method leads from a motion; `None` where it cannot begin.
+fn extremal_near(
+    problem: &Problem,
+    options: &SolverOptions,
+    motion: &Trajectory,
+    recorder: &mut Recorder<'_>,
+) -> Option<Solution> {
+    let checked = problem.check().ok()?;
+    let motion = &motion.with_each_time_once();
+    let mut extremal = RobotExtremal::new(checked, options.jacobian).ok()?;
+    let mut momenta = extremal.clone();
+    let mut guess = RobotGuess {
+        problem,
+        disturbance: Disturbance::default(),
+        saved: Some(SavedMotion { stride: STRIDE, ..saved(motion) }),
+        momenta: extremal.clone(),
+        paths: Vec::new(),
+    };
+    let search = Search { extremal: &mut extremal, time: problem.time, guess: &mut guess, recorder };
+    let found = search.polish(options);
+    let found = found.into_solution(&mut extremal, recorder, options);
+    Some(solution(problem, options, found, &mut momenta))
+}
+
+/// The one of the two that `outcome` says, with a report and the steps of both.
+fn with_report(
+    direct: Solution,
+    outcome: PolishOutcome,
+    polished: Option<(Solution, LimitReport)>,
+) -> Solution {
+    let finite = |total: f64| total.is_finite().then_some(total);
+    let report = PolishReport {
+        outcome,
+        direct_total: finite(direct.total()),
+        polished_total: polished.as_ref().and_then(|(polished, _)| finite(polished.total())),
+        status: polished.as_ref().map(|(polished, _)| polished.motion.status.clone()),
+    };
+    let mut iterations = direct.motion.iterations.clone();
+    let mut steps = direct.newton_iterations;
+    if let Some((polished, _)) = &polished {
+        iterations.extend(polished.motion.iterations.iter().cloned());
+        steps += polished.newton_iterations;
+    }
+    let mut shown = match polished.filter(|_| outcome.is_polished()) {
+        Some((polished, limits)) => {
+            Solution { limits, starts: direct.starts, options: direct.options, ..polished }
+        }
+        None => direct,
+    };
+    shown.motion.iterations = iterations;
+    Solution { newton_iterations: steps, polish: Some(report), ..shown }
+}
+
+/// Positions and rates at the nodes of a motion and between them.
+fn states(motion: &Trajectory) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
+    let between =
+        motion.t.windows(2).filter(|pair| pair[1] > pair[0]).flat_map(|pair| {
+            PLACES.iter().filter_map(|part| motion.at(pair[0] + part * (pair[1] - pair[0])))
+        });
+    let nodes = motion.q.iter().cloned().zip(motion.v.iter().cloned());
+    nodes.chain(between.map(|point| (point.q, point.v)))
+}
+
+/// Whether a motion keeps the limits on positions and rates.
+fn keeps(limits: &[JointLimits], motion: &Trajectory) -> bool {
+    let within = |x: f64, [low, high]: [f64; 2]| {
+        let slack = VIOLATION_ACCEPTED * (1.0 + x.abs());
+        x >= low - slack && x <= high + slack
+    };
+    states(motion).all(|(q, v)| {
+        let joints = limits.iter().zip(q.iter().zip(&v));
+        joints.into_iter().all(|(limits, (&q, &v))| within(q, limits.q) && within(v, [-limits.v, limits.v]))
+    })
+}
+
+/// How a polished motion uses the limits that `direct` lists: those on torques, which are its bounds, and
+/// none of the others.
+fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitReport {
+    let none = |usage: &Option<LimitUse>| usage.as_ref().map(|_| LimitUse::default());
+    let mut limits = LimitReport {
+        position: none(&direct.position),
+        rate: none(&direct.rate),
+        acceleration: None,
+        torque: none(&direct.torque),
+    };
+    let (Some(torque), Some(bounds)) = (&mut limits.torque, &problem.bounds) else { return limits };
+    for (i, joint) in problem.robot.independent_joints().enumerate() {
+        let (low, high) = (bounds.u_min[i], bounds.u_max[i]);
+        let near = ACTIVE * if (high - low).is_finite() { high - low } else { low.abs().min(high.abs()) };
+        // A negative gain exchanges the sides.
+        let sides = [("min", "max"), ("max", "min")][usize::from(problem.gain[i] < 0.0)];
+        let at_low = |u: f64| u <= low + near;
+        let at_high = |u: f64| u >= high - near;
+        torque.active.extend(spans(motion, i, &joint.name, sides.0, at_low));
+        torque.active.extend(spans(motion, i, &joint.name, sides.1, at_high));
+    }
+    limits
+}
+
+/// The spans of time in which a control is at a bound.
+fn spans(
+    motion: &Trajectory,
+    control: usize,
+    joint: &str,
+    side: &str,
+    active: impl Fn(f64) -> bool,
+) -> Vec<ActiveLimit> {
+    let (mut spans, mut open): (Vec<ActiveLimit>, bool) = (Vec::new(), false);
+    for (&t, u) in motion.t.iter().zip(&motion.u) {
+        let at = active(u[control]);
+        match spans.last_mut().filter(|_| open && at) {
+            Some(span) => span.to = t,
+            None if at => spans.push(ActiveLimit { joint: joint.into(), side: side.into(), from: t, to: t }),
+            None => {}
+        }
+        open = at;
+    }
+    spans
+}

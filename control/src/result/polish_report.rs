@@ -1,0 +1,63 @@
+//! What became of the polish of a motion that the direct method found.
+
+use crate::status::Status;
+use serde::{Deserialize, Serialize};
+
+/// Which motion a solution shows, that of the direct method or its polished form, and why.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct PolishReport {
+    /// Why this one is shown.
+    pub outcome: PolishOutcome,
+    /// Cost and penalties of the motion of the direct method; `None` where they are not finite.
+    #[serde(default)]
+    pub direct_total: Option<f64>,
+    /// Cost and penalties of the polished motion, if there is one.
+    #[serde(default)]
+    pub polished_total: Option<f64>,
+    /// How the polish ended, if it was tried.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub status: Option<Status>,
+}
+
+/// What became of a polish.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum PolishOutcome {
+    /// The polished motion is shown: it is solved, or neither of the two is.
+    Polished,
+    /// Not tried: accelerations are limited, or a limit on positions or rates is active. An extremal keeps
+    /// the limits of controls only.
+    Limited,
+    /// Not tried: the direct method found no motion to begin with.
+    NoMotion,
+    /// The polish found no extremal.
+    Failed,
+    /// The polish was stopped, or took its share of the time, ten times that of the direct method.
+    OutOfTime,
+    /// The extremal costs more than the motion of the direct method.
+    CostsMore,
+    /// The extremal exceeds a limit on positions or rates.
+    BeyondLimits,
+}
+
+impl PolishOutcome {
+    /// Whether the polished motion is shown.
+    pub fn is_polished(self) -> bool {
+        self == Self::Polished
+    }
+
+    /// In words, as a reason.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Polished => "polished",
+            Self::Limited => "direct: a limit other than on torques is active",
+            Self::NoMotion => "direct: no motion to begin with",
+            Self::Failed => "direct: the polish found no extremal",
+            Self::OutOfTime => "direct: the polish was stopped or took too long",
+            Self::CostsMore => "direct: the extremal costs more",
+            Self::BeyondLimits => "direct: the extremal exceeds a limit",
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Motions at a fixed rate, as controllers take them.
+
+use crate::problem::Problem;
+use crate::result::solution::Solution;
+use crate::result::trajectory::{Trajectory, TrajectoryPoint};
+use costate::EvalError;
+use costate::lagrangian::Lagrangian;
+use serde::Serialize;
+
+/// Most samples of a motion.
+const MOST: usize = 1_000_000;
+
+/// A part of a period that counts as rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// A motion at a fixed rate: rows are samples, entries of a row are joints in the order of the robot.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Samples {
+    /// Samples in a second (Hz).
+    pub rate: f64,
+    /// Times (s): `k / rate`, and T, the last one.
+    pub t: Vec<f64>,
+    /// Positions (rad, m).
+    pub q: Vec<Vec<f64>>,
+    /// Velocities (rad/s, m/s).
+    pub v: Vec<Vec<f64>>,
+    /// Accelerations (rad/s^2, m/s^2).
+    pub a: Vec<Vec<f64>>,
+    /// Torques and forces of the actuators at the joints, after the gain (N m, N).
+    pub tau: Vec<Vec<f64>>,
+    /// Controls, before the gain (N m, N).
+    pub u: Vec<Vec<f64>>,
+}
+
+/// Why a motion cannot be sampled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SampleError {
+    /// The rate is not a positive number.
+    #[error("a rate of {rate} Hz; give a positive number of samples in a second")]
+    Rate {
+        /// The rate (Hz).
+        rate: f64,
+    },
+    /// The solution has no motion.
+    #[error("the solution has no motion; its status says why")]
+    NoMotion,
+    /// The motion is of another robot.
+    #[error("the motion has {found} joints and the robot of the problem {expected}; give its own problem")]
+    OtherRobot {
+        /// Joints of the motion.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// Too many samples.
+    #[error("{samples:.0} samples, and at most {MOST} are possible; choose a lower rate")]
+    TooMany {
+        /// Their number.
+        samples: f64,
+    },
+    /// The dynamics cannot be evaluated at a sample.
+    #[error(transparent)]
+    Evaluation(#[from] EvalError),
+}
+
+impl Solution {
+    /// The motion at a fixed rate (Hz), with torques; `problem` is the one that was solved.
+    ///
+    /// Samples are at `k / rate`, k = 0, 1, 2, ... before T, and the last one at T exactly: the last period
+    /// is shorter unless T is a multiple of the period.
+    ///
+    /// A motion of the direct method is sampled from its polynomials; its torques are those of inverse
+    /// dynamics, cut to the limits of the problem as when the motion is verified. They are exact at the
+    /// points of the mesh; where an acceleration jumps within an interval the polynomial overshoots. Of other
+    /// motions q, v and u are those of [`Trajectory::at`], the torque is u times the gain, and the
+    /// acceleration that of forward dynamics.
+    ///
+    /// # Errors
+    /// [`SampleError`].
+    pub fn sample(&self, problem: &Problem, rate: f64) -> Result<Samples, SampleError> {
+        if !(rate > 0.0 && rate.is_finite()) {
+            return Err(SampleError::Rate { rate });
+        }
+        let trajectory = &self.trajectory;
+        let (Some(&start), Some(&last)) = (trajectory.t.first(), trajectory.t.last()) else {
+            return Err(SampleError::NoMotion);
+        };
+        // Times are sums of widths: the last one is T but for rounding.
+        let exact = start + self.motion.final_time;
+        let end = if (last - exact).abs() <= 1e-12 * exact.abs() { exact } else { last };
+        let (found, expected) = (trajectory.q[0].len(), problem.robot.dof());
+        if found != expected {
+            return Err(SampleError::OtherRobot { found, expected });
+        }
+        let count = ((end - start) * rate - ROUNDING).ceil().max(0.0);
+        if count >= MOST as f64 {
+            return Err(SampleError::TooMany { samples: count + 1.0 });
+        }
+        let regular = (0..count as usize).map(|k| start + k as f64 / rate);
+        let mut samples = Samples { rate, t: regular.chain([end]).collect(), ..Samples::default() };
+        let mut actuation = Actuation::new(problem);
+        for t in samples.t.iter().map(|t| t.min(last)) {
+            let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
+            let (a, tau) = actuation.at(trajectory, &point)?;
+            let mut u: Vec<f64> = match trajectory.acceleration(t) {
+                Some(_) => tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect(),
+                None => point.u,
+            };
+            // Rounding is no reason to exceed a bound.
+            if let Some(bounds) = &problem.bounds {
+                for (u, (least, most)) in u.iter_mut().zip(bounds.u_min.iter().zip(&bounds.u_max)) {
+                    *u = u.clamp(*least, *most);
+                }
+            }
+            let rows = [&mut samples.q, &mut samples.v, &mut samples.a, &mut samples.tau, &mut samples.u];
+            for (rows, row) in rows.into_iter().zip([point.q, point.v, a, tau, u]) {
+                rows.push(row);
+            }
+        }
+        Ok(samples)
+    }
+}
+
+/// What moves a robot along a motion.
+struct Actuation<'a> {
+    problem: &'a Problem,
+    model: Lagrangian<f64>,
+    /// Least and largest torque of each joint.
+    limits: Vec<[f64; 2]>,
+}
+
+impl<'a> Actuation<'a> {
+    fn new(problem: &'a Problem) -> Self {
+        let limits = problem.joint_limits().iter().map(|limits| limits.torque).collect();
+        Self { problem, model: Lagrangian::new(&problem.robot), limits }
+    }
+
+    /// Acceleration and torque.
+    fn at(
+        &mut self,
+        trajectory: &Trajectory,
+        point: &TrajectoryPoint,
+    ) -> Result<(Vec<f64>, Vec<f64>), EvalError> {
+        let TrajectoryPoint { q, v, u, .. } = point;
+        if let Some(a) = trajectory.acceleration(point.t) {
+            let tau = self.model.inverse_dynamics(q, v, &a)?.iter().zip(&self.limits);
+            let tau = tau.map(|(tau, limit)| tau.clamp(limit[0], limit[1])).collect();
+            return Ok((a, tau));
+        }
+        let tau: Vec<f64> = u.iter().zip(&self.problem.gain).map(|(u, gain)| gain * u).collect();
+        Ok((self.model.forward_dynamics(q, v, &tau)?.to_vec(), tau))
+    }
+}

@@ -1,0 +1,112 @@
+//! Levels of verification, and what is given when there is nothing to verify.
+
+use crate::sharp;
+use costate::lagrangian::Lagrangian;
+use costate::robot::Robot;
+use costate_control::{
+    Bounds, Certificate, FinalTime, Method, MotionLimits, Objective, Phase, Polish, Problem, Solution,
+    Solver, SolverOptions, Status, Verify,
+};
+use std::f64::consts::FRAC_PI_2;
+
+fn two_link() -> Problem {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    Problem::rest_to_rest(robot, &[0.0, 0.0], &[FRAC_PI_2, FRAC_PI_2], 1.0).with_limits(MotionLimits::none())
+}
+
+fn solve(problem: &Problem, options: SolverOptions) -> Solution {
+    Solver::new(problem, options).unwrap().solve()
+}
+
+#[test]
+fn each_level_does_what_it_says() {
+    for method in [Method::Collocation, Method::Shooting] {
+        let of = |verify| solve(&two_link(), sharp().with_method(method).with_verify(verify)).motion;
+        let full = of(Verify::Full);
+        assert_eq!((&full.status, full.verification), (&Status::Converged, Verify::Full));
+        assert!(full.end_state.is_some() && full.shooting_defect < 1e-6 && full.conditioning.is_nan());
+        assert_eq!(full.certificate, Certificate::LocalMinimum);
+        let factors = of(Verify::Factors);
+        assert_eq!((&factors.status, factors.verification), (&Status::Converged, Verify::Factors));
+        assert!(factors.end_state.is_none() && factors.shooting_defect == f64::INFINITY);
+        assert!((1.0..1e4).contains(&factors.conditioning), "{}", factors.conditioning);
+        assert_eq!(factors.certificate, Certificate::NotChecked);
+        let none = of(Verify::None);
+        assert_eq!((&none.status, none.verification), (&Status::NotVerified, Verify::None));
+        assert!(none.end_state.is_none() && none.conditioning.is_nan());
+        assert_eq!([full.cost, full.cost], [factors.cost, none.cost]);
+    }
+    let of = |verify| solve(&two_link(), direct(verify));
+    let (full, factors, none) = (of(Verify::Full), of(Verify::Factors), of(Verify::None));
+    assert_eq!(factors.motion.status, Status::Converged);
+    assert_eq!(none.motion.status, Status::NotVerified);
+    assert!(full.end_defect < 1e-6 && factors.end_defect == f64::INFINITY);
+    assert_eq!([full.motion.cost, full.motion.cost], [factors.motion.cost, none.motion.cost]);
+    let saved: Solution = serde_json::from_str(&serde_json::to_string(&factors).unwrap()).unwrap();
+    assert_eq!(saved.motion.verification, Verify::Factors);
+}
+
+/// The direct method alone.
+fn direct(verify: Verify) -> SolverOptions {
+    SolverOptions::direct().with_polish(Polish::Never).with_verify(verify)
+}
+
+/// A light wrist on a heavy arm with equal weights: hard for Newton's method.
+#[test]
+fn a_failed_search_gives_the_motion_of_its_path() {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let (from, to) =
+        ([-0.596, -1.953, 1.097, -0.818, 0.156, 0.758], [0.642, -0.618, -0.315, 0.002, -0.666, 0.871]);
+    let problem = Problem::rest_to_rest(robot.clone(), &from, &to, 1.0);
+    let solution = solve(&problem, SolverOptions::default());
+    assert_eq!(solution.motion.status, Status::PathOnly);
+    assert!(!solution.motion.status.is_solved() && solution.motion.verification == Verify::None);
+    let trajectory = &solution.trajectory;
+    let ends = [(trajectory.q.first(), from), (trajectory.q.last(), to)];
+    for (q, given) in ends {
+        assert!(q.unwrap().iter().zip(given).all(|(q, given)| (q - given).abs() < 1e-12), "{q:?}");
+    }
+    assert!(trajectory.v.last().unwrap().iter().all(|v| v.abs() < 1e-12));
+    // Its torques cost what it says, by the trapezoidal rule.
+    let squares = |k: usize| 0.5 * trajectory.u[k].iter().map(|u| u * u).sum::<f64>();
+    let pieces = trajectory.t.windows(2).enumerate();
+    let sum: f64 = pieces.map(|(k, t)| 0.5 * (t[1] - t[0]) * (squares(k) + squares(k + 1))).sum();
+    assert!((sum / solution.motion.cost - 1.0).abs() < 1e-2, "{sum} {}", solution.motion.cost);
+    // They are those of the path.
+    let mut dynamics = Lagrangian::<f64>::new(&robot);
+    let (k, mut a) = (100, vec![0.0; 6]);
+    let step = trajectory.t[k + 1] - trajectory.t[k - 1];
+    a.iter_mut().enumerate().for_each(|(i, a)| {
+        *a = (trajectory.v[k + 1][i] - trajectory.v[k - 1][i]) / step;
+    });
+    let tau = dynamics.inverse_dynamics(&trajectory.q[k], &trajectory.v[k], &a).unwrap();
+    for (tau, u) in tau.iter().zip(&trajectory.u[k]) {
+        assert!((tau - u).abs() < 0.02 * (1.0 + u.abs()), "{tau} {u}");
+    }
+    // Splines of three kinds are tried, each on twice as many intervals as the one before: 1 + 2 + 3
+    // descents.
+    let descents = solution.motion.iterations.iter().filter(|step| step.phase == Phase::Path);
+    assert_eq!(descents.filter(|step| step.number == 1).count(), 6);
+}
+
+#[test]
+fn a_saved_motion_keeps_its_mesh() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let free =
+        two_link().with_time(FinalTime::Free { guess: 2.0 }).with_cost(Objective::new(1.0, vec![1.0; 2]));
+    let least = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, 0.6], 4.0)
+        .with_time(FinalTime::Free { guess: 4.0 })
+        .with_cost(Objective::new(1.0, vec![0.0; 2]))
+        .with_bounds(Bounds::symmetric(vec![1.0; 2]));
+    for (problem, same_mesh) in [(two_link(), true), (free, true), (least, false)] {
+        let first = solve(&problem, sharp());
+        let text = serde_json::to_string(&first).unwrap();
+        let saved: Solution = serde_json::from_str(&text).unwrap();
+        let solver = Solver::new(&problem, sharp()).unwrap();
+        let again = solver.with_start(&saved.trajectory).unwrap().solve();
+        assert_eq!(again.motion.status, Status::Converged);
+        assert!((again.total() - first.total()).abs() < 1e-9 * first.total(), "{}", again.total());
+        assert!(again.newton_iterations <= if same_mesh { 2 } else { 6 }, "{:?}", again.motion.iterations);
+        assert!(!same_mesh || again.nodes() == first.nodes(), "{} {}", again.nodes(), first.nodes());
+    }
+}
