@@ -1,10 +1,12 @@
 //! The constants that steer the search, all in one place.
 //!
-//! Numbers that decide *whether and how* something is tried stand here, grouped by the part that uses them.
-//! Lengths of Newton corrections and errors are relative: component `i` in units of the largest value that it
-//! takes along the motion. Times are in s where nothing else is said. None of these numbers changes what a
-//! converged solution is, except `NEGLIGIBLE_CHANGE` and `SMOOTHED_TOLERANCE`, which define
-//! `ConvergedSmoothed`; they change how soon, and from which of several local minima, one is found.
+//! Numbers that decide *whether and how* something is tried stand here, grouped by the part that uses
+//! them. Lengths of Newton corrections and errors are relative: component `i` in units of the largest
+//! value that it takes along the motion. Times are in s where nothing else is said. Most of them change
+//! how soon, and from which of several local minima, a solution is found. What a converged solution is
+//! depends on `NEGLIGIBLE_CHANGE` and `SMOOTHED_TOLERANCE`, which define `ConvergedSmoothed`; in the
+//! direct method on `VERIFIED` and the names that begin with `VIOLATION`; and which of two motions is
+//! shown on the slack of the polish.
 
 /// Damped Newton steps ([`crate::bvp::newton`]).
 pub(crate) mod newton {
@@ -317,6 +319,10 @@ pub(crate) mod direct {
     /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
     /// optimal motion is stationary, so its error is about the square of that of the states.
     pub const VERIFIED: f64 = 0.3;
+    /// .. where values of a joint are at least this part of those of all joints..
+    pub const LEAST_SCALE: f64 = 0.01;
+    /// .. and this (rad, rad/s, m, m/s): what the integration resolves.
+    pub const REST: f64 = 1e-6;
     /// The problem on the first mesh is solved to this part of the cost.
     pub const FIRST_PRECISION: f64 = 1e-3;
     /// Those on later meshes to this part of the estimated error before.
@@ -327,8 +333,9 @@ pub(crate) mod direct {
     pub const ENOUGH: f64 = 0.1;
     /// Most parts into which an interval is divided at once.
     pub const MOST_PARTS: f64 = 4.0;
-    /// Nodes are no closer than this part of the whole.
-    pub const NARROWEST: f64 = 1e-7;
+    /// Intervals below this part of the whole are not divided: rounding of positions would be large in their
+    /// accelerations.
+    pub const NARROWEST: f64 = 1e-5;
     /// Torques and accelerations that change by less than this part of their range over an interval do
     /// not jump in it.
     pub const LEAST_JUMP: f64 = 0.01;

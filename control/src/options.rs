@@ -64,9 +64,9 @@ pub enum Verify {
     None,
     /// By what solving has computed. Of collocation and shooting: the estimated error, and the rounding
     /// errors that the factored matrix makes of those of the equations
-    /// ([`Motion::conditioning`](crate::Motion::conditioning)), are both below the tolerance. Of the direct
-    /// method: the estimated error of the cost and all limits. Nothing is integrated, so there are no end
-    /// defect, shooting defect and conjugate times.
+    /// ([`Motion::conditioning`](crate::Motion::conditioning)), are both below the tolerance. Of the
+    /// direct method: the estimated error of the cost, all limits, and what they cut off torques between
+    /// points. Nothing is integrated, so there are no end defect, shooting defect and conjugate times.
     Factors,
     /// An adaptive integrator repeats the motion from its start with the control that was found, and looks
     /// for conjugate times.

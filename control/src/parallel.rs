@@ -4,6 +4,7 @@ use crate::options::SolverOptions;
 use crate::result::motion::Motion;
 use crate::result::solution::{Solution, StartResult};
 use crate::solve::Recorder;
+use crate::status::Status;
 use std::cmp::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -73,10 +74,16 @@ impl Shared {
     }
 }
 
-/// Solved motions come first, then those that keep the limits; among them the cheapest one.
+/// Solved motions come first, then those whose equations are solved, then motions that are none, and
+/// those that exceed limits last; among them the cheapest one.
 fn compare(a: &Motion, b: &Motion) -> Ordering {
-    use crate::status::Status::LimitsNotKept;
-    let class = |motion: &Motion| (!motion.status.is_solved(), motion.status == LimitsNotKept);
+    let class = |motion: &Motion| match &motion.status {
+        status if status.is_solved() => 0,
+        Status::NotVerified | Status::SwitchesNotRefined => 1,
+        Status::MeshLimit | Status::PathOnly => 2,
+        Status::LimitsNotKept => 4,
+        _ => 3,
+    };
     let cost = |motion: &Motion| if motion.total().is_nan() { f64::INFINITY } else { motion.total() };
     class(a).cmp(&class(b)).then(cost(a).total_cmp(&cost(b)))
 }

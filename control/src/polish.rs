@@ -7,7 +7,7 @@
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SLACK, SLACK_UNSOLVED, STRIDE};
 use crate::extremal::hamiltonian::RobotExtremal;
-use crate::options::{Method, Polish, SolverOptions};
+use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::path::cubics::Disturbance;
 use crate::problem::limits::JointLimits;
 use crate::problem::{Bounds, MotionLimits, Problem};
@@ -49,12 +49,15 @@ pub(crate) fn polish(
         }
     };
     let Some(polished) = polished else { return with_report(found, PolishOutcome::Failed, None) };
-    let solved = found.motion.status.is_solved();
+    let unverified = |status: &Status| *status == Status::NotVerified && options.verify == Verify::None;
+    let solved = found.motion.status.is_solved() || unverified(&found.motion.status);
     let slack = if solved { SLACK * options.tolerance } else { SLACK_UNSOLVED };
     let outcome = match &polished.motion.status {
         status if status.is_interruption() => PolishOutcome::OutOfTime,
         // Solved equations are more than a motion that is not solved either.
-        status if !(status.is_solved() || (*status == Status::NotVerified && !solved)) => {
+        status
+            if !(status.is_solved() || unverified(status) || (*status == Status::NotVerified && !solved)) =>
+        {
             PolishOutcome::Failed
         }
         _ if polished.total() > found.total() + slack * found.total().abs() => PolishOutcome::CostsMore,

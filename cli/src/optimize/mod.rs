@@ -64,8 +64,15 @@ pub fn run(arguments: &Arguments) -> Outcome {
     warnings.iter().for_each(terminal::warning);
     let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
     let sampled = |rate| samples::sample(problem, &solution, rate);
-    let samples = arguments.sample.map(sampled).transpose()?;
+    // A motion that cannot be sampled is written all the same; the error comes after it.
+    let (samples, unsampled) = match arguments.sample.map(sampled).transpose() {
+        Ok(samples) => (samples, None),
+        Err(error) => (None, Some(error)),
+    };
     outputs.write(&motion, samples.as_ref())?;
+    if let Some(error) = unsampled {
+        return Err(error.into());
+    }
     if interrupted {
         terminal::note("interrupted; the best motion so far was kept");
     }

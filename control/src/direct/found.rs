@@ -12,7 +12,7 @@ use costate::lagrangian::{Lagrangian, LegendreTransform};
 
 /// The trajectory at the nodes and at the points between them, with H*.
 ///
-/// Torques and accelerations may jump at a node. So it stands there twice, with the values before it and
+/// Torques and accelerations may jump at a node. So it stands there twice, with those before it and
 /// after it.
 pub(super) fn trajectory<D: PointDynamics>(
     problem: &Problem,

@@ -245,7 +245,7 @@ impl<D: PointDynamics> Interior<D> {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }
-                    taken = self.search()?;
+                    taken = self.search();
                     if taken.is_some() {
                         break;
                     }

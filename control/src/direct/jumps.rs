@@ -89,10 +89,15 @@ impl Jumps {
     }
 
     /// The mean square of the jumps of torque i at both ends of an interval; without that of an end at which
-    /// the exact motion jumps, as is likely if one is large and much larger than the other.
+    /// the exact motion jumps, as is likely if one is large and much larger than the other. The first and the
+    /// last interval have one jump, which counts.
     pub fn mean_square(&self, k: usize, i: usize) -> f64 {
-        let both = [self.at_node(k, i), self.at_node(k + 1, i)].map(|jump| jump.unwrap_or(0.0).powi(2));
-        let (least, most) = (both[0].min(both[1]), both[0].max(both[1]));
+        let [left, right] =
+            [self.at_node(k, i), self.at_node(k + 1, i)].map(|jump| jump.map(|jump| jump * jump));
+        let (Some(left), Some(right)) = (left, right) else {
+            return left.or(right).unwrap_or(0.0);
+        };
+        let (least, most) = (left.min(right), left.max(right));
         let exact = constants::EXACT_JUMP.powi(2);
         let is_exact = most > exact * self.range[i] * self.range[i] && least < exact * most;
         if is_exact { least } else { 0.5 * (least + most) }
@@ -199,5 +204,11 @@ mod tests {
         let jumps = jumps(&[[2.0; 3], [2.0; 3], [-1.0; 3], [-1.0; 3]].concat());
         assert!((0..4).all(|k| jumps.cuts(k).is_empty()));
         assert!((0..4).all(|k| jumps.mean_square(k, 0) < 1e-24));
+    }
+
+    #[test]
+    fn the_only_jump_of_an_end_counts() {
+        let jumps = jumps(&[[2.0; 3], [-1.0; 3]].concat());
+        assert!((0..2).all(|k| (jumps.mean_square(k, 0) - 9.0).abs() < 1e-12));
     }
 }

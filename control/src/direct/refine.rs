@@ -91,6 +91,11 @@ impl Resolution {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
         self.jumps.measure(&interior.points, widths);
+        if self.errors.len() == 1 {
+            // Nothing to compare with.
+            self.errors[0] = f64::INFINITY;
+            return;
+        }
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
             *error = (0..n)
@@ -195,6 +200,9 @@ impl Resolution {
         let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
         for k in (0..chosen.len()).filter(|&k| chosen[k]) {
             let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
+            if width < constants::NARROWEST {
+                continue;
+            }
             let cuts = self.jumps.cuts(k);
             for cut in &cuts {
                 let place = left + width * cut.place;
@@ -215,7 +223,11 @@ impl Resolution {
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
         let mut nodes: Vec<f64> = kept.chain(added).collect();
         nodes.sort_by(f64::total_cmp);
-        nodes.dedup_by(|b, a| *b - *a < constants::NARROWEST);
+        nodes.dedup_by(|b, a| *b - *a < 0.1 * constants::NARROWEST);
+        // The last node is the end, whatever was close to it.
+        if let Some(last) = nodes.last_mut() {
+            *last = 1.0;
+        }
         self.moves = moves;
         nodes
     }

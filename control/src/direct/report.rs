@@ -29,6 +29,7 @@ fn usage<D>(
     let (spline, barrier) = (&interior.spline, &interior.barrier);
     let sides = barrier.sides();
     let mut found: Option<LimitUse> = None;
+    let mut worst = VIOLATION_ACCEPTED;
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == limited) {
         let usage = found.get_or_insert_default();
         let between = resolution.distances().iter().skip(i).step_by(sides.len());
@@ -36,11 +37,13 @@ fn usage<D>(
         // The given ends are within the limits; the problem was checked.
         for at in (0..barrier.count()).filter(|&at| barrier.side_index(at) == i) {
             let distance = barrier.distance[at];
-            if barrier.slack[at].is_infinite() || -distance <= usage.at_points {
+            if barrier.slack[at].is_infinite() {
                 continue;
             }
-            usage.at_points = -distance;
-            if -distance > VIOLATION_ACCEPTED * side.range {
+            usage.at_points = usage.at_points.max(-distance);
+            let part = -distance / side.range;
+            if part > worst {
+                worst = part;
                 usage.worst = Some(LimitViolation {
                     joint: names[side.joint].clone(),
                     time: barrier.place(at, spline) * spline.time,

@@ -3,11 +3,10 @@
 use super::interior::Interior;
 use super::points::PointDynamics;
 use crate::constants::direct as constants;
-use costate::EvalError;
 
 impl<D: PointDynamics> Interior<D> {
     /// Tries shorter and shorter steps. The part that was taken.
-    pub(super) fn search(&mut self) -> Result<Option<f64>, EvalError> {
+    pub(super) fn search(&mut self) -> Option<f64> {
         let mu = self.mu;
         let (primal, dual) = self.steps_of(mu);
         // Slope of cost and barrier.
@@ -30,46 +29,56 @@ impl<D: PointDynamics> Interior<D> {
         let value = self.figures.cost + self.logarithms(&self.barrier.slack);
         let mut alpha = primal;
         loop {
-            self.evaluate_trial(alpha)?;
-            let trial = &self.trial;
-            let cost = self.running.cost(&trial.spline, &trial.points);
-            let new_theta = self.infeasibility(&trial.distance, &trial.slack);
-            let new_value = cost + self.logarithms(&trial.slack);
-            let rounding = constants::ROUNDING * value.abs();
-            let feasible = theta <= constants::FEASIBLE;
-            let fine = if feasible && slope < 0.0 {
-                new_value <= value + constants::ARMIJO * alpha * slope + rounding
-                    && new_theta <= constants::STAYS_FEASIBLE
-            } else {
-                new_theta <= (1.0 - constants::DECREASE) * theta
-                    || new_value <= value - constants::DECREASE * theta + rounding
-            };
-            let sane = trial.spline.time > 0.0
-                && cost.is_finite()
-                && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
-            if fine && sane {
-                self.take(dual);
-                return Ok(Some(alpha));
+            if self.evaluate_trial(alpha) {
+                let trial = &self.trial;
+                let cost = self.running.cost(&trial.spline, &trial.points);
+                let new_theta = self.infeasibility(&trial.distance, &trial.slack);
+                let new_value = cost + self.logarithms(&trial.slack);
+                let rounding = constants::ROUNDING * value.abs();
+                let feasible = theta <= constants::FEASIBLE;
+                let fine = if feasible && slope < 0.0 {
+                    new_value <= value + constants::ARMIJO * alpha * slope + rounding
+                        && new_theta <= constants::STAYS_FEASIBLE
+                } else {
+                    new_theta <= (1.0 - constants::DECREASE) * theta
+                        || new_value <= value - constants::DECREASE * theta + rounding
+                };
+                let sane = cost.is_finite() && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
+                if fine && sane {
+                    self.take(dual);
+                    return Some(alpha);
+                }
             }
             alpha *= 0.5;
-            if alpha < constants::SHORTEST * primal {
-                return Ok(None);
+            let long_enough = alpha >= constants::SHORTEST * primal && alpha > 0.0;
+            if !long_enough {
+                return None;
             }
         }
     }
 
-    /// Spline, points, distances and slacks after the part `alpha` of the step.
-    fn evaluate_trial(&mut self, alpha: f64) -> Result<(), EvalError> {
+    /// Spline, points, distances and slacks after the part `alpha` of the step. Whether it is a motion:
+    /// one that goes forward in time and can be evaluated.
+    fn evaluate_trial(&mut self, alpha: f64) -> bool {
         let mu = self.mu;
         let trial = &mut self.trial;
-        trial.spline.clone_from(&self.spline);
+        trial.spline.dof = self.spline.dof;
+        trial.spline.mesh.clone_from(&self.spline.mesh);
+        trial.spline.unknowns.clone_from(&self.spline.unknowns);
+        trial.spline.time = self.spline.time;
         for (i, unknown) in trial.spline.unknowns.iter_mut().enumerate() {
             *unknown += alpha * (self.steps[0][i] + mu * self.steps[1][i]);
         }
         trial.spline.time += alpha * (self.time_steps[0] + mu * self.time_steps[1]);
+        let forward = trial.spline.time > 0.0;
+        if !forward {
+            return false;
+        }
         trial.points.resize(self.spline.dof, self.spline.mesh.points());
         trial.spline.evaluate(&mut trial.points.z);
-        self.dynamics.evaluate(&mut trial.points)?;
+        if self.dynamics.evaluate(&mut trial.points).is_err() {
+            return false;
+        }
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
@@ -78,7 +87,7 @@ impl<D: PointDynamics> Interior<D> {
                 *slack = (*slack + alpha * step).max(distance);
             }
         }
-        Ok(())
+        true
     }
 
     /// Makes the trial the iterate.

@@ -86,7 +86,8 @@ impl Direct<'_> {
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
         let mut precision = least.max(constants::FIRST_PRECISION);
-        for mesh in 0..constants::MESHES {
+        let mut mesh = 0;
+        while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let watch = |iterate: &Interior<FastPoints>, step: f64| {
                 let figures = &iterate.figures;
@@ -117,7 +118,7 @@ impl Direct<'_> {
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
                 End::Solved if accurate && precision <= least => {
-                    let found = again.insert(self.integrate_again(interior));
+                    let found = again.insert(self.integrate_again(interior, resolution));
                     let bound = constants::VERIFIED * tolerance.sqrt();
                     if found.relative <= bound { Status::Converged } else { Status::NotVerified }
                 }
@@ -148,6 +149,7 @@ impl Direct<'_> {
                 break;
             }
             interior.move_to(nodes)?;
+            mesh += 1;
         }
         Ok(refined)
     }
@@ -162,7 +164,10 @@ impl Direct<'_> {
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let trajectory = trajectory(problem, interior)?;
-        let again = again.unwrap_or_else(|| self.integrate_again(interior));
+        let again = again.unwrap_or_else(|| match status.is_interruption() {
+            true => Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY },
+            false => self.integrate_again(interior, resolution),
+        });
         let values = &trajectory.hamiltonian;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let far = values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max);
@@ -197,12 +202,16 @@ impl Direct<'_> {
     }
 
     /// The motion integrated again with its torques.
-    fn integrate_again(&self, interior: &Interior<FastPoints>) -> Again {
+    fn integrate_again(&self, interior: &Interior<FastPoints>, resolution: &Resolution) -> Again {
         let (problem, spline) = (self.problem.problem(), &interior.spline);
         let (n, end) = (spline.dof, &problem.end);
+        let cut: f64 = resolution.cut.iter().sum();
         match self.options.verify {
             Verify::Full => {}
-            Verify::Factors => return Again { state: None, defect: f64::INFINITY, relative: 0.0 },
+            // What is cut off torques moves the end by about as much, in parts of what moves the robot.
+            Verify::Factors => {
+                return Again { state: None, defect: f64::INFINITY, relative: cut / spline.time };
+            }
             Verify::None => return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY },
         }
         let Ok(state) = integrate(problem, spline) else {
@@ -211,9 +220,15 @@ impl Direct<'_> {
         let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
         let mut last = vec![0.0; 3 * n];
         spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
-        for i in 0..2 * n {
+        let largest = |i: usize| {
             let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
-            let size = values.fold(f64::MIN_POSITIVE, f64::max);
+            values.fold(f64::MIN_POSITIVE, f64::max)
+        };
+        // A joint that hardly moves is measured by the others.
+        let of_all = |group: usize| (group * n..(group + 1) * n).map(largest).fold(0.0, f64::max);
+        let least = [0, 1].map(|group| (constants::LEAST_SCALE * of_all(group)).max(constants::REST));
+        for i in 0..2 * n {
+            let size = largest(i).max(least[i / n]);
             relative = relative.max(defined((state[i] - last[i]).abs() / size));
             let (free, given) = if i < n { (&end.q_free, end.q[i]) } else { (&end.v_free, end.v[i - n]) };
             if !free.contains(&(i % n)) {
@@ -243,10 +258,13 @@ struct Again {
     relative: f64,
 }
 
-/// All intervals in two.
+/// All intervals in two that are not too narrow.
 fn halved(nodes: &[f64]) -> Vec<f64> {
-    let halves = nodes.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]);
-    std::iter::once(nodes[0]).chain(halves).collect()
+    let parts = nodes.windows(2).flat_map(|ends| {
+        let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
+        middle.into_iter().chain([ends[1]])
+    });
+    std::iter::once(nodes[0]).chain(parts).collect()
 }
 
 /// All limits of a problem.

@@ -94,7 +94,7 @@ impl Solution {
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });
         }
-        let count = ((end - start) * rate - ROUNDING).ceil().max(0.0);
+        let count = ((end - start) * rate - ROUNDING).ceil().max(if end > start { 1.0 } else { 0.0 });
         if count >= MOST as f64 {
             return Err(SampleError::TooMany { samples: count + 1.0 });
         }
