@@ -298,3 +298,38 @@ pub(crate) mod direct {
     /// Meshes after which a motion that exceeds limits is given up.
     pub const MESHES_WITHOUT_MOTION: usize = 2;
 }
+
+/// Functions of tools and clearances ([`crate::task`]).
+pub(crate) mod task {
+    /// One more than the least cosine between an axis and its direction at which the derivatives are formed:
+    /// 1.4e-3 rad from opposite. They are infinite at opposite.
+    pub const NEARLY_OPPOSITE: f64 = 1e-6;
+    /// What makes the closest places of parallel segments unique, in squares of the sum of radii: the clearance
+    /// is lowered by at most a quarter of this, in radii. With less its second derivatives at parallel segments
+    /// become large.
+    pub const PARALLEL: f64 = 4e-3;
+    /// Points of a segment whose depths inside of a box count, its ends among them.
+    pub const DEPTHS: usize = 5;
+    /// Segments that are not longer than this are points (m).
+    pub const SHORTEST_LINK: f64 = 1e-6;
+    /// An end that is given may be off an equation that holds along the motion by so much (m, rad).
+    pub const OFF: f64 = 1e-6;
+    /// The same for an inequality, in parts of its range.
+    pub const CLOSE: f64 = 1e-9;
+
+    /// The search for positions of given poses ([`crate::task::reach`]).
+    pub mod reach {
+        /// A pose is reached to this (m, rad).
+        pub const REACHED: f64 = 1e-9;
+        /// Positions that the search begins at.
+        pub const STARTS: usize = 60;
+        /// Most steps from each of them.
+        pub const STEPS: usize = 60;
+        /// First damping, in squares of m or rad per rad.
+        pub const DAMPING: f64 = 1e-3;
+        /// With more damping than this there is no progress.
+        pub const MOST_DAMPING: f64 = 1e6;
+        /// Derivatives that are not larger are rounding.
+        pub const STILL: f64 = 1e-13;
+    }
+}

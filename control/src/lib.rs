@@ -37,6 +37,7 @@ mod solve_extremal;
 mod solver;
 mod starts;
 mod status;
+mod task;
 
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
@@ -62,7 +63,10 @@ pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
-pub use problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
+pub use problem::{
+    BodyPairs, BoundaryState, Bounds, Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective,
+    Obstacle, Penalty, Problem, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+};
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};

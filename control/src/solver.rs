@@ -5,6 +5,7 @@ use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
+use crate::problem::task_error::TaskError;
 use crate::progress::{Cancel, Iteration, Listener};
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
@@ -50,6 +51,9 @@ impl<'a> Solver<'a> {
     pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
         let problem = problem.check_for(options.method)?;
         options.check()?;
+        if let Some(key) = problem.task.first_key() {
+            return Err(ProblemError::Task { key, cause: TaskError::NotTaken });
+        }
         Ok(Self { problem, options, start: None, listener: None, cancel: None })
     }
 

@@ -21,6 +21,7 @@ mod second_variation;
 mod shooting;
 mod source;
 mod stopping;
+mod task_file;
 mod user_terms;
 
 /// A mass of 1 kg that slides along x.
