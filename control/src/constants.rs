@@ -301,9 +301,9 @@ pub(crate) mod direct {
 
 /// Functions of tools and clearances ([`crate::task`]).
 pub(crate) mod task {
-    /// One more than the least cosine between an axis and its direction at which the derivatives are formed:
-    /// 1.4e-3 rad from opposite. They are infinite at opposite.
-    pub const NEARLY_OPPOSITE: f64 = 1e-6;
+    /// Least square of the sine between an axis and the direction that it shall have, beyond a right angle: at
+    /// opposite the rotation between the two is not unique, and its derivatives are infinite.
+    pub const OPPOSITE: f64 = 1e-24;
     /// What makes the closest places of parallel segments unique, in squares of the sum of radii: the clearance
     /// is lowered by at most a quarter of this, in radii. With less its second derivatives at parallel segments
     /// become large.

@@ -67,7 +67,7 @@ pub struct LinkCapsule {
     pub from: [f64; 3],
     /// The other end (m); `None` for a sphere.
     pub to: Option<[f64; 3]>,
-    /// Its radius (m).
+    /// Its radius (m); 0 for a point or a segment, which need obstacles with a radius, half-spaces, or a margin.
     pub radius: f64,
 }
 

@@ -67,6 +67,11 @@ pub enum TaskError {
         /// The bodies.
         names: [String; 2],
     },
+    /// Two bodies without radius and margin: their distance has no derivatives where they touch.
+    NoRadius {
+        /// The bodies.
+        names: [String; 2],
+    },
     /// A name that two of the bodies and obstacles have.
     DuplicateName {
         /// The name.
@@ -132,6 +137,12 @@ impl fmt::Display for TaskError {
             Self::FixedPair { names: [a, b] } => write!(
                 f,
                 "the robot does not move '{}' and '{}' against each other; remove the pair",
+                printable(a),
+                printable(b)
+            ),
+            Self::NoRadius { names: [a, b] } => write!(
+                f,
+                "'{}' and '{}' have neither a radius nor a margin between them; give one of the three",
                 printable(a),
                 printable(b)
             ),

@@ -1,7 +1,7 @@
 //! The bodies that links carry.
 
 use super::clearance::Body;
-use super::given::{Given, finite, frame_of, length};
+use super::given::{Given, finite, frame_of, length, positive_or_zero};
 use super::placed::Carried;
 use crate::constants::task::SHORTEST_LINK;
 use crate::problem::error::ProblemError;
@@ -35,7 +35,7 @@ pub(super) fn links(robot: &Robot, collision: &Collision) -> Result<Vec<Link>, P
 fn listed(robot: &Robot, at: Given, capsule: &LinkCapsule) -> Result<Link, ProblemError> {
     let frame = frame_of(robot, at.key("frame"), &capsule.frame)?;
     finite(at.key("from"), &capsule.from)?;
-    length(at.key("radius"), capsule.radius)?;
+    positive_or_zero(at.key("radius"), capsule.radius)?;
     let from = Vector3::from(capsule.from);
     if let Some(to) = &capsule.to {
         finite(at.key("to"), to)?;

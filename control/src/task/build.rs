@@ -262,3 +262,7 @@ fn box_rows(
     }
     Ok((ToolFunction { tool, quantity: Quantity::Position(directions) }, rows))
 }
+
+#[cfg(test)]
+#[path = "build_tests.rs"]
+mod tests;

@@ -2,7 +2,7 @@
 
 use super::build::TaskRows;
 use super::functions::{PathFunction, Row, TaskFunctions};
-use super::reach::reach;
+use super::reach::{immovable, reach};
 use crate::constants::task::{CLOSE, OFF};
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
@@ -38,9 +38,9 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
             continue;
         }
         let found = reach(functions, &state.q, &state.q_free, &limits);
+        let immovable = immovable(functions, &found.q, &state.q_free);
         let name = |row: usize| functions.bounds()[row].name.clone();
-        let cause = match found.immovable {
-            // Where the rows hold, or not at all: nothing can be done about this one.
+        let cause = match immovable {
             Some(row) => TaskError::Immovable { what: name(row) },
             None if !found.is_there() => TaskError::OutOfReach { what: name(found.worst), by: found.miss },
             None => continue,

@@ -53,8 +53,14 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
     let mut rows = Vec::new();
     for (pair, other) in pairs {
         let [a, b] = pair.map(|k| names.of(k));
+        let is_flat = matches!(other, Other::HalfSpace { .. });
         match clearances.push(pair[0], other, collision.margin, functions.placed()) {
-            Some((count, range)) => {
+            Some((_, 0.0)) if !is_flat => {
+                let names = [a, b].map(str::to_owned);
+                return Err(TaskError::NoRadius { names }.at(key("margin")));
+            }
+            Some((count, radius)) => {
+                let range = if radius > 0.0 { radius } else { 1.0 };
                 let name = format!("clearance of '{a}' from '{b}'");
                 let row = Row { lower: 0.0, upper: f64::INFINITY, range, name };
                 rows.extend(std::iter::repeat_n(row, count));

@@ -12,8 +12,6 @@ pub(crate) struct Reached {
     /// The row that is farthest off, and by how much (m, rad).
     pub worst: usize,
     pub miss: f64,
-    /// A row that no free coordinate changes, if there is one.
-    pub immovable: Option<usize>,
 }
 
 impl Reached {
@@ -69,6 +67,24 @@ pub(crate) fn reach(
     best
 }
 
+/// A row that no free coordinate changes, neither at q nor at a position beside it, if there is one.
+pub(crate) fn immovable(functions: &mut TaskFunctions, q: &[f64], free: &[usize]) -> Option<usize> {
+    let (rows, width) = (functions.rows(), 2 * q.len());
+    let (still, none) = (vec![0.0; q.len()], vec![0.0; rows]);
+    let mut beside = q.to_vec();
+    free.iter().zip(1..).for_each(|(&i, k)| beside[i] += 0.3 * f64::from(k).sqrt());
+    let mut moved = vec![false; rows];
+    for q in [q, &beside] {
+        let (mut g, mut jacobian) = (vec![0.0; rows], vec![0.0; rows * width]);
+        let mut hessian = vec![0.0; width * width];
+        functions.contract(q, &still, &none, &mut g, &mut jacobian, &mut hessian).ok()?;
+        for (moved, row) in moved.iter_mut().zip(jacobian.chunks_exact(width)) {
+            *moved |= free.iter().any(|&i| row[i].abs() > STILL);
+        }
+    }
+    moved.iter().position(|moved| !moved)
+}
+
 /// A position between limits, or within a half turn where there are none: multiples of the golden ratio, which
 /// cover the range evenly.
 fn seeded(start: usize, coordinate: usize, [low, high]: [f64; 2], near: f64) -> f64 {
@@ -106,10 +122,7 @@ impl Search<'_> {
             .map(|r| r.abs())
             .enumerate()
             .fold((0, 0.0), |worst, (i, r)| if r > worst.1 || r.is_nan() { (i, r) } else { worst });
-        let width = 2 * q.len();
-        let is_still = |row: &&[f64]| self.free.iter().all(|&i| row[i].abs() < STILL);
-        let immovable = self.jacobian.chunks_exact(width).position(|row| is_still(&row));
-        Reached { q, worst, miss: if miss.is_nan() { f64::INFINITY } else { miss }, immovable }
+        Reached { q, worst, miss: if miss.is_nan() { f64::INFINITY } else { miss } }
     }
 
     /// `dq = -J' (J J' + damping)^-1 r` over the coordinates that may move: not those at a limit that the step

@@ -1,7 +1,7 @@
 //! Functions of the pose and of the velocity of a tool.
 
 use super::placed::{Carried, Hessian, Placed};
-use crate::constants::task::NEARLY_OPPOSITE;
+use crate::constants::task::OPPOSITE;
 use costate::EvalError;
 use costate::kinematics::ReferenceFrame;
 use costate::spatial::{Force, Vec3};
@@ -90,7 +90,7 @@ impl ToolFunction {
             }
             Quantity::Direction { axis, along, across } => {
                 let a = rotation * axis;
-                let [f, ..] = angle_over_sine(a.dot(along));
+                let [f, ..] = over_sine(&a, along, across);
                 g.iter_mut().zip(across).for_each(|(g, across)| *g = f * across.dot(&a));
             }
             Quantity::Aligned { pairs, most, scale } => {
@@ -139,7 +139,7 @@ impl ToolFunction {
             Quantity::Direction { axis, along, across } => {
                 let a = rotation * axis;
                 placed.see_direction(path, &a);
-                let [f, slope, bend] = angle_over_sine(a.dot(along));
+                let [f, slope, bend] = over_sine(&a, along, across);
                 let mut t = Vector3::zeros();
                 for ((across, &w), row) in across.iter().zip(w).zip(jacobian.chunks_exact_mut(width)) {
                     placed.add_gradient(path, &(along * (slope * across.dot(&a)) + across * f), row);
@@ -221,11 +221,11 @@ impl ToolFunction {
     }
 }
 
-/// `f = angle / sin angle` as a function of `c = cos angle`, with df/dc and its derivative.
+/// `f = angle / sin angle` as a function of `c = cos angle`, with df/dc and its derivative; the square of the
+/// sine is given too, since it is not known from c near a half turn.
 ///
 /// f obeys `(1 - c^2) f' = c f - 1`, so its Taylor coefficients at c = 1 are `a_k = -k/(2 k + 1) a_(k-1)`.
-/// Close to a half turn, where f is infinite, it is that of an angle at a small distance from it.
-fn angle_over_sine(c: f64) -> [f64; 3] {
+fn angle_over_sine(c: f64, sine_square: f64) -> [f64; 3] {
     // Terms of the series; (0.1 / 2)^TERMS is below rounding.
     const TERMS: usize = 14;
     let x = c - 1.0;
@@ -238,11 +238,16 @@ fn angle_over_sine(c: f64) -> [f64; 3] {
         let [f, slope, half_bend] = coefficients.iter().rev().fold([0.0; 3], horner);
         return [f, slope, 2.0 * half_bend];
     }
-    let c = c.max(NEARLY_OPPOSITE - 1.0);
-    let square = 1.0 - c * c;
-    let f = c.acos() / square.sqrt();
+    let square = sine_square.max(OPPOSITE);
+    let f = square.sqrt().atan2(c) / square.sqrt();
     let slope = (c * f - 1.0) / square;
     [f, slope, (3.0 * c * slope + f) / square]
+}
+
+/// The angle of an axis over its sine, from the components across and along the direction.
+fn over_sine(a: &Vector3<f64>, along: &Vector3<f64>, across: &[Vector3<f64>; 2]) -> [f64; 3] {
+    let sine_square = across.iter().map(|across| across.dot(a).powi(2)).sum();
+    angle_over_sine(a.dot(along), sine_square)
 }
 
 #[cfg(test)]

@@ -116,18 +116,23 @@ fn the_angle_over_its_sine_is_smooth() {
         [f, slope, (3.0 * c * slope + f) / square]
     };
     for c in [0.9 + 1e-9, 0.95, 0.99] {
-        for (series, closed) in angle_over_sine(c).into_iter().zip(closed(c)) {
+        for (series, closed) in angle_over_sine(c, 1.0 - c * c).into_iter().zip(closed(c)) {
             assert!((series - closed).abs() < 1e-11, "{c}: {series} {closed}");
         }
     }
-    assert_eq!(angle_over_sine(1.0), [1.0, -1.0 / 3.0, 4.0 / 15.0]);
-    assert!(angle_over_sine(1.0 + 1e-15)[0].is_finite());
+    assert_eq!(angle_over_sine(1.0, 0.0), [1.0, -1.0 / 3.0, 4.0 / 15.0]);
+    assert!(angle_over_sine(1.0 + 1e-15, 0.0)[0].is_finite());
     let arm = Robot::from_file("../robots/pendulum.toml").unwrap();
     let tool = Carried::new(&arm, 1);
     let mut placed = Placed::new(&arm);
     placed.place(&[0.4], &[0.0]).unwrap();
     let a = placed.frame(1).unwrap().0 * Vector3::x();
     let mut functions = functions(&arm, &tool, Quantity::direction(Vector3::x(), -a));
+    for off in [1e-3, 1e-6, 1e-9] {
+        let (g, ..) = contracted(&mut functions, &[0.4 + off, 0.0], &[1.0, 1.0]);
+        let angle = g[0].hypot(g[1]);
+        assert!((angle - (std::f64::consts::PI - off)).abs() < 1e-6, "{angle}: not small near opposite");
+    }
     let (g, jacobian, hessian) = contracted(&mut functions, &[0.4, 0.0], &[1.0, 1.0]);
     assert!(g.iter().chain(&jacobian).chain(&hessian).all(|entry| entry.is_finite()), "{g:?} {jacobian:?}");
 }

@@ -46,8 +46,8 @@ fn every_key_of_tools_reaches_the_problem() {
     assert_eq!(file.options.method, Method::Direct);
     let without = read(&with_tool(lines).replace("q = [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]\n", "")).unwrap();
     assert_eq!(without.problem.end.q, START);
-    let some = with_tool(lines).replace("[end]\n", "[end]\nq_free = [0, 1, 2, \"wrist_1_joint\"]\n");
-    assert_eq!(read(&some).unwrap().problem.end.q_free, [0, 1, 2, 3]);
+    let some = with_tool(lines).replace("[end]\n", "[end]\nq_free = [0, 1, 2, \"wrist_1_joint\", 4]\n");
+    assert_eq!(read(&some).unwrap().problem.end.q_free, [0, 1, 2, 3, 4]);
 
     let keep = "[[keep]]\nkind = \"plane\"\nframe = \"tool0\"\nthrough = [0, 0, 0.1]\nnormal = [0, 0, 1]\ndistance = 9\n\
                 [[keep]]\nkind = \"line\"\nframe = \"tool0\"\nthrough = [0, 0, 0.1]\nalong = [1, 0, 0]\ndistance = 8\n\
@@ -86,7 +86,7 @@ fn every_key_of_obstacles_reaches_the_problem() {
                 [collision]\ncapsules = \"auto\"\nradius = 0.05\nmargin = 0.01\nexcept = [[\"floor\", \"gripper\"]]\n\
                 pairs = [[\"gripper\", \"upper_arm_link\"]]\n\
                 [[collision.capsule]]\nname = \"gripper\"\nframe = \"tool0\"\nto = [0, 0, 0.1]\nradius = 0.04\n\
-                [[collision.capsule]]\nframe = \"ee_link\"\nfrom = [0, 0, 0.1]\nradius = 0.03\n";
+                [[collision.capsule]]\nframe = \"joint:wrist_3_joint\"\nfrom = [0, 0, 0.1]\nradius = 0.03\n";
     let task = read(&format!("{TOP}{text}")).unwrap().problem.task;
     let shapes = [
         ("obstacle 1", Shape::Sphere { centre: [0.0, 0.0, 3.0], radius: 0.2 }),
@@ -107,7 +107,7 @@ fn every_key_of_obstacles_reaches_the_problem() {
         .with_pairs(BodyPairs::These(vec![["gripper".into(), "upper_arm_link".into()]]));
     collision.capsules = vec![
         LinkCapsule::new("tool0", [0.0; 3], [0.0, 0.0, 0.1], 0.04).with_name("gripper"),
-        LinkCapsule::sphere("ee_link", 0.03).with_from([0.0, 0.0, 0.1]),
+        LinkCapsule::sphere("joint:wrist_3_joint", 0.03).with_from([0.0, 0.0, 0.1]),
     ];
     assert_eq!(task.collision, Some(collision));
 }
@@ -270,6 +270,12 @@ fn wrong_keys_of_obstacles_are_named() {
         (
             format!("{auto}[[collision.capsule]]\nframe = \"tool\"\nradius = 0.1\n"),
             "problem:14: collision.capsule.frame: there is no frame 'tool'; did you mean 'tool0'",
+        ),
+        (
+            "[[obstacle]]\nname = \"shelf\"\nkind = \"box\"\nxyz = [0, 0, 5]\nsize = [1, 1, 1]\n\
+             [[collision.capsule]]\nframe = \"tool0\"\nradius = 0\n"
+                .into(),
+            "problem:15: collision.margin: 'tool0' and 'shelf' have neither a radius nor a margin",
         ),
         // In the way at the start.
         (
