@@ -301,12 +301,12 @@ pub(crate) mod direct {
 
 /// Functions of tools and clearances ([`crate::task`]).
 pub(crate) mod task {
-    /// Least square of the sine between an axis and the direction that it shall have, beyond a right angle: at
-    /// opposite the rotation between the two is not unique, and its derivatives are infinite.
+    /// Least square of the sine between an axis and the direction that it shall have, beyond a right angle:
+    /// at opposite the rotation between the two is not unique, and its derivatives are infinite.
     pub const OPPOSITE: f64 = 1e-24;
-    /// What makes the closest places of parallel segments unique, in squares of the sum of radii: the clearance
-    /// is lowered by at most a quarter of this, in radii. With less its second derivatives at parallel segments
-    /// become large.
+    /// What makes the closest places of parallel segments unique, in squares of the sum of radii: the
+    /// clearance is lowered by at most a quarter of this, in radii. With less its second derivatives at
+    /// parallel segments become large.
     pub const PARALLEL: f64 = 4e-3;
     /// Points of a segment whose depths inside of a box count, its ends among them.
     pub const DEPTHS: usize = 5;

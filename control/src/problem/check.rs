@@ -40,8 +40,9 @@ impl Problem {
         })
     }
 
-    /// Checks what [`check`](Self::check) checks, the [limits](crate::MotionLimits) and the [task](crate::Task).
-    /// The [direct method](Method::Direct) keeps them, so limits may bound a control that costs nothing.
+    /// Checks what [`check`](Self::check) checks, the [limits](crate::MotionLimits) and the
+    /// [task](crate::Task). The [direct method](Method::Direct) keeps them, so limits may bound a control
+    /// that costs nothing.
     ///
     /// # Errors
     /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`] and

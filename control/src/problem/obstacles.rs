@@ -67,7 +67,8 @@ pub struct LinkCapsule {
     pub from: [f64; 3],
     /// The other end (m); `None` for a sphere.
     pub to: Option<[f64; 3]>,
-    /// Its radius (m); 0 for a point or a segment, which need obstacles with a radius, half-spaces, or a margin.
+    /// Its radius (m); 0 for a point or a segment, which need obstacles with a radius, half-spaces, or a
+    /// margin.
     pub radius: f64,
 }
 
@@ -102,9 +103,9 @@ impl LinkCapsule {
 pub struct Collision {
     /// Spheres and capsules on links.
     pub capsules: Vec<LinkCapsule>,
-    /// The radius (m) of capsules that are laid along the links by themselves, `None` for no such capsules: from
-    /// each joint to each joint that its link carries, or to the farthest frame of a link that carries none.
-    /// They have the names of the links; the second one of a link ends in ` 2`.
+    /// The radius (m) of capsules that are laid along the links by themselves, `None` for no such capsules:
+    /// from each joint to each joint that its link carries, or to the farthest frame of a link that carries
+    /// none. They have the names of the links; the second one of a link ends in ` 2`.
     pub along_links: Option<f64>,
     /// The distance that is kept beyond the surfaces (m).
     pub margin: f64,

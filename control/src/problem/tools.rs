@@ -162,8 +162,8 @@ pub enum Kept {
     },
 }
 
-/// A running cost of a tool: half a weight times the square of its distance from a position, plus half a weight
-/// times the square of its angle (rad) from an orientation.
+/// A running cost of a tool: half a weight times the square of its distance from a position, plus half a
+/// weight times the square of its angle (rad) from an orientation.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ToolCost {

@@ -23,10 +23,8 @@ pub(crate) struct TaskRows {
     /// All along the motion, at both ends too.
     pub along: TaskFunctions,
     /// Running costs: `1/2 weight (g - lower)^2` for each row.
-    #[allow(dead_code, reason = "for the direct method")]
     pub costs: TaskFunctions,
     /// The weights of these rows.
-    #[allow(dead_code, reason = "for the direct method")]
     pub weights: Vec<f64>,
 }
 

@@ -139,8 +139,8 @@ fn capsules_are_laid_along_links() {
     let rows = rows(arm, Task::default().with_obstacle(floor).with_collision(collision));
     let names =
         rows.along.bounds().iter().map(|row| row.name.replace("clearance of ", "").replace("_link", ""));
-    // The joints of the shoulder meet in one point, so it has no body; the last link has no length. Both ends of a
-    // capsule stay above the floor.
+    // The joints of the shoulder meet in one point, so it has no body; the last link has no length. Both ends
+    // of a capsule stay above the floor.
     let expected = [
         "'upper_arm' from 'floor'",
         "'upper_arm' from 'floor'",

@@ -28,8 +28,8 @@ fn values(functions: &mut TaskFunctions, x: &[f64]) -> Vec<f64> {
     g
 }
 
-/// Of rows with a weight: largest differences of the Jacobian and of the Hessian from those by differences of g and of `w'g_x`, each
-/// relative to the largest entry or 1, and of the Hessian from its transpose.
+/// Of rows with a weight: largest differences of the Jacobian and of the Hessian from those by differences of
+/// g and of `w'g_x`, each relative to the largest entry or 1, and of the Hessian from its transpose.
 pub(super) fn errors(functions: &mut TaskFunctions, q: &[f64], v: &[f64], w: &[f64]) -> [f64; 3] {
     let x = [q, v].concat();
     let (rows, width) = (functions.rows(), x.len());

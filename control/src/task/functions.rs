@@ -17,8 +17,8 @@ pub(crate) trait PathFunction {
     /// A q or v that is not finite or has another length than n.
     fn values(&mut self, q: &[f64], v: &[f64], g: &mut [f64]) -> Result<(), EvalError>;
 
-    /// g, its Jacobian by x = (q, v) (rows x 2n, row by row), and `w'g_xx` added to `hessian` (2n x 2n, row by
-    /// row, symmetric).
+    /// g, its Jacobian by x = (q, v) (rows x 2n, row by row), and `w'g_xx` added to `hessian` (2n x 2n, row
+    /// by row, symmetric).
     ///
     /// # Errors
     /// As [`values`](Self::values).

@@ -1,15 +1,18 @@
-//! Functions of (q, v) that a task asks for: poses and speeds of tools, clearances, with exact first and second
-//! derivatives.
+//! Functions of (q, v) that a task asks for: poses and speeds of tools, clearances, with exact first and
+//! second derivatives.
 //!
-//! [`PathFunction`](functions::PathFunction) is what a solver sees; [`TaskFunctions`](functions::TaskFunctions)
-//! are those of one place of a motion (its start, its end, or all of it), with the bounds between which they must
-//! lie. [`build`] makes them from a problem, [`check`] finds tasks that cannot be done.
+//! [`PathFunction`](functions::PathFunction) is what a solver sees;
+//! [`TaskFunctions`](functions::TaskFunctions) are those of one place of a motion (its start, its end, or all
+//! of it), with the bounds between which they must lie. [`build`] makes them from a problem, [`check`] finds
+//! tasks that cannot be done.
 
 mod bodies;
 pub(crate) mod build;
 pub(crate) mod check;
 mod clearance;
 mod collision;
+#[allow(dead_code, reason = "for the direct method")]
+pub(crate) mod costs;
 pub(crate) mod functions;
 mod given;
 mod placed;

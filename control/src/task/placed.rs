@@ -1,13 +1,13 @@
 //! A robot that is placed at (q, v): frames, and how joints move points that are fixed to links.
 //!
-//! Joint i with the axis $\omega\_i$ moves a point x of a link beyond it by the column $c\_i$. With i equal to
-//! j or nearer to the base than j,
+//! Joint i with the axis $\omega\_i$ moves a point x of a link beyond it by the column $c\_i$. With i equal
+//! to j or nearer to the base than j,
 //!
 //! $$ x\_{,i} = c\_i = \nu\_i + \omega\_i \times x, \qquad x\_{,ij} = \omega\_i \times c\_j $$
 //!
-//! ($\nu\_i = o\_i \times \omega\_i$ for a revolute joint through $o\_i$; $\omega\_i = 0$ and $\nu\_i$ the axis
-//! for a prismatic one). A direction that is fixed to a link obeys the same rule with
-//! $c\_i = \omega\_i \times a$.
+//! ($\nu\_i = o\_i \times \omega\_i$ for a revolute joint through $o\_i$; $\omega\_i = 0$ and $\nu\_i$ the
+//! axis for a prismatic one). A direction that is fixed to a link obeys the same rule with $c\_i = \omega\_i
+//! \times a$.
 
 use costate::EvalError;
 use costate::kinematics::Kinematics;

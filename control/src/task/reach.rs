@@ -32,8 +32,8 @@ struct Search<'a> {
     hessian: Vec<f64>,
 }
 
-/// Looks for a position in the limits at which all rows have their values: from q first, then from seeded ones.
-/// What comes closest, if there is none.
+/// Looks for a position in the limits at which all rows have their values: from q first, then from seeded
+/// ones. What comes closest, if there is none.
 pub(crate) fn reach(
     functions: &mut TaskFunctions,
     q: &[f64],
@@ -85,8 +85,8 @@ pub(crate) fn immovable(functions: &mut TaskFunctions, q: &[f64], free: &[usize]
     moved.iter().position(|moved| !moved)
 }
 
-/// A position between limits, or within a half turn where there are none: multiples of the golden ratio, which
-/// cover the range evenly.
+/// A position between limits, or within a half turn where there are none: multiples of the golden ratio,
+/// which cover the range evenly.
 fn seeded(start: usize, coordinate: usize, [low, high]: [f64; 2], near: f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_8;
     let part = ((start * (2 * coordinate + 1)) as f64 * RATIO + 0.37 * coordinate as f64).fract();
@@ -112,7 +112,7 @@ impl Search<'_> {
             if found.norm() < residuals.norm() {
                 q = trial;
                 residuals = self.linearise(&q);
-                damping = 0.1 * damping;
+                damping *= 0.1;
             } else {
                 damping = 10.0 * damping.max(DAMPING);
             }
@@ -125,8 +125,8 @@ impl Search<'_> {
         Reached { q, worst, miss: if miss.is_nan() { f64::INFINITY } else { miss } }
     }
 
-    /// `dq = -J' (J J' + damping)^-1 r` over the coordinates that may move: not those at a limit that the step
-    /// would leave.
+    /// `dq = -J' (J J' + damping)^-1 r` over the coordinates that may move: not those at a limit that the
+    /// step would leave.
     fn step(&self, q: &[f64], residuals: &DVector<f64>, damping: f64) -> Option<Vec<f64>> {
         let (rows, width) = (residuals.len(), 2 * q.len());
         let mut moving = self.free.to_vec();

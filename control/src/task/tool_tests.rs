@@ -105,8 +105,8 @@ fn functions_have_their_meaning() {
     assert!((value(Quantity::Speed(speed))[0] - 0.5 * speed).abs() < 1e-15);
 }
 
-/// Both formulas of the angle over its sine, and their derivatives, agree where one takes over from the other,
-/// and nothing is infinite at a half turn.
+/// Both formulas of the angle over its sine, and their derivatives, agree where one takes over from the
+/// other, and nothing is infinite at a half turn.
 #[test]
 fn the_angle_over_its_sine_is_smooth() {
     let closed = |c: f64| {
@@ -135,4 +135,29 @@ fn the_angle_over_its_sine_is_smooth() {
     }
     let (g, jacobian, hessian) = contracted(&mut functions, &[0.4, 0.0], &[1.0, 1.0]);
     assert!(g.iter().chain(&jacobian).chain(&hessian).all(|entry| entry.is_finite()), "{g:?} {jacobian:?}");
+}
+
+/// States that are not finite are refused; angles of many turns are those of the rest.
+#[test]
+fn edges_of_the_states_are_refused_or_exact() {
+    let arm = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let tool = Carried::new(&arm, arm.frame_index("tool0").unwrap());
+    for quantity in quantities() {
+        let mut functions = functions(&arm, &tool, quantity);
+        let mut g = vec![0.0; functions.rows()];
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(functions.values(&[0.0, 0.0, bad, 0.0, 0.0, 0.0], &[0.0; 6], &mut g).is_err());
+        }
+        assert!(functions.values(&[0.0; 5], &[0.0; 6], &mut g).is_err());
+        let (q, turns) = ([0.3, -1.2, 0.8, 0.1, 0.5, 0.2], 1e6 * std::f64::consts::TAU);
+        let w = vec![1.0; g.len()];
+        let near = contracted(&mut functions, &[q, [0.1; 6]].concat(), &w);
+        let far = contracted(&mut functions, &[q.map(|q| q + turns), [0.1; 6]].concat(), &w);
+        for (near, far) in [(near.0, far.0), (near.1, far.1), (near.2, far.2)] {
+            assert!(
+                near.iter().zip(&far).all(|(a, b)| (a - b).abs() < 1e-7 * a.abs().max(1.0)),
+                "{near:?} {far:?}"
+            );
+        }
+    }
 }

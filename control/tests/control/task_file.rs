@@ -2,8 +2,8 @@
 
 use costate::robot::{LoadOptions, Placement, Robot};
 use costate_control::{
-    BodyPairs, BoundaryState, Collision, Keep, Kept, LinkCapsule, Method, Obstacle, Problem, ProblemError,
-    ProblemFile, Shape, Solver, SolverOptions, Task, TaskError, Tool, ToolCost, ToolPose,
+    BodyPairs, BoundaryState, Collision, Keep, Kept, LinkCapsule, Method, Obstacle, Parameter, Problem,
+    ProblemError, ProblemFile, Shape, Solver, SolverOptions, Task, TaskError, Tool, ToolCost, ToolPose,
 };
 use nalgebra::Rotation3;
 
@@ -305,6 +305,8 @@ fn errors_of_tasks_in_rust_name_the_entry() {
     let error = valid.check_for(Method::Shooting).unwrap_err();
     assert!(matches!(error, ProblemError::TaskNeedsDirect { .. }), "{error}");
     assert!(Solver::new(&valid, SolverOptions::default()).is_err());
+    let refused = Parameter::FinalTime.apply(&valid, 2.0).unwrap_err();
+    assert!(refused.to_string().ends_with("takes neither tools nor obstacles; remove them"), "{refused}");
     let mut over =
         problem(Task::default().with_end_tool(ToolPose::of("tool0").with_position([0.4, 0.1, 0.3])));
     over.end = BoundaryState::fixed(&START, &[0.0; 6]).with_q_free(&[0, 1]);

@@ -123,11 +123,10 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
 
 fn state(table: &Table<'_>) -> Result<StateTable, Fault> {
     let joints = |name: &str| {
-        let found = table.list(name, "a list of joints, by name or by index from 0", |value| {
+        table.list(name, "a list of joints, by name or by index from 0", |value| {
             let index = || whole(value).and_then(|index| usize::try_from(index).ok()).map(JointName::Index);
             string(value).map(JointName::Name).or_else(index)
-        });
-        found
+        })
     };
     let has_tools = table.has("tool");
     let q = table.numbers("q")?;

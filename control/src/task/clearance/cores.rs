@@ -1,13 +1,13 @@
 //! Closest places of the cores of two bodies: a point, a segment, a box.
 //!
-//! A sphere is a point with a radius, a capsule a segment with a radius. Half the squared distance of two cores
-//! is an extremal value,
+//! A sphere is a point with a radius, a capsule a segment with a radius. Half the squared distance of two
+//! cores is an extremal value,
 //!
 //! $$ \varphi = \min\_{0 \le s, t \le 1} \tfrac12 |p(s) - r(t)|^2 + \tfrac{\rho}{2} \left[ (s - \tfrac12)^2 +
 //!    (t - \tfrac12)^2 \right] - \tfrac{\rho}{4} $$
 //!
-//! Without $\rho$ the closest places of two parallel segments are not unique, and the distance has a kink there.
-//! With it the minimum is unique, continuous in the poses, and the distance is never overestimated.
+//! Without $\rho$ the closest places of two parallel segments are not unique, and the distance has a kink
+//! there. With it the minimum is unique, continuous in the poses, and the distance is never overestimated.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -120,8 +120,8 @@ impl Closest {
     }
 }
 
-/// Where an increasing, piecewise linear slope vanishes in [0, 1], or the end where it comes closest to that. Its
-/// corners are where a coordinate `y_k + s u_k` passes `+-h_k`.
+/// Where an increasing, piecewise linear slope vanishes in [0, 1], or the end where it comes closest to that.
+/// Its corners are where a coordinate `y_k + s u_k` passes `+-h_k`.
 fn root(slope: impl Fn(f64) -> f64, y: &V, u: &V, half: &V) -> f64 {
     let (mut low, mut high) = ([0.0, slope(0.0)], [1.0, slope(1.0)]);
     if low[1] >= 0.0 {

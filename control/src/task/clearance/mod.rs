@@ -1,22 +1,23 @@
 //! Clearances of spheres and capsules on links from obstacles in the world and from each other.
 //!
-//! Bodies are cores with a radius ([`cores`]). With the distance D of two cores and the sum R of their radii and
-//! the margin, the clearance is
+//! Bodies are cores with a radius ([`cores`]). With the distance D of two cores and the sum R of their radii
+//! and the margin, the clearance is
 //!
 //! $$ c = \sqrt 2 \sqrt{D^2 + R^2} - 2 R $$
 //!
-//! It is zero where the surfaces touch, grows there as the distance does, farther off up to $\sqrt 2$ times as
-//! fast, and is analytic in $D^2$, also where the cores meet (D = 0, c = -0.59 R). How smooth $D^2$ is:
+//! It is zero where the surfaces touch, grows there as the distance does, farther off up to $\sqrt 2$ times
+//! as fast, and is analytic in $D^2$, also where the cores meet (D = 0, c = -0.59 R). How smooth $D^2$ is:
 //!
 //! - point and point: analytic;
-//! - a segment or a box: twice differentiable except where the closest place reaches an end of the segment, an
-//!   edge or a corner of the box. There the first derivatives are continuous and the second ones jump: those of
-//!   one side are given. The closest place of a segment moves with the poses: its part of the second
+//! - a segment or a box: twice differentiable except where the closest place reaches an end of the segment,
+//!   an edge or a corner of the box. There the first derivatives are continuous and the second ones jump:
+//!   those of one side are given. The closest place of a segment moves with the poses: its part of the second
 //!   derivatives comes from the conditions for the minimum;
-//! - two segments, a segment and a box: the closest place is made unique, so that this holds for parallel ones
-//!   too. That lowers c by at most a thousandth of R;
+//! - two segments, a segment and a box: the closest place is made unique, so that this holds for parallel
+//!   ones too. That lowers c by at most a thousandth of R;
 //! - inside of a box D = 0 has no slope: the mean depth of some points of the core is subtracted. First
-//!   derivatives jump where such a point enters the box, or comes as close to another face; by then c < -0.58 R.
+//!   derivatives jump where such a point enters the box, or comes as close to another face; by then c < -0.58
+//!   R.
 //!
 //! Two segments that cross have D = 0 and, if the robot cannot move them out of their plane, no slope. The
 //! clearance from a half-space is that of each end of the core, one row each: linear in the position.
@@ -44,8 +45,8 @@ pub(super) struct Clearances {
     pairs: Vec<Pair>,
     /// The cores in the world.
     cores: Vec<Core>,
-    /// For each coordinate what it changes of the vector between the closest places (3), and of the conditions
-    /// for them (2); then of phi.
+    /// For each coordinate what it changes of the vector between the closest places (3), and of the
+    /// conditions for them (2); then of phi.
     moved: Vec<[f64; 6]>,
 }
 
@@ -58,8 +59,8 @@ impl Clearances {
         Self { cores: cores.collect(), bodies, pairs: Vec::new(), moved: vec![[0.0; 6]; placed.dof()] }
     }
 
-    /// Adds a pair that keeps this distance beyond the surfaces, unless the robot does not move the two against
-    /// each other. The number of its rows, and R.
+    /// Adds a pair that keeps this distance beyond the surfaces, unless the robot does not move the two
+    /// against each other. The number of its rows, and R.
     pub fn push(&mut self, body: usize, other: Other, margin: f64, placed: &Placed) -> Option<(usize, f64)> {
         let path = |body: usize| self.bodies[body].carried.as_ref().map_or(&[][..], |carried| &carried.path);
         let (own, others, radius) = match other {

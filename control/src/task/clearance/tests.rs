@@ -132,8 +132,8 @@ fn clearances_vanish_where_surfaces_touch_and_grow_as_distances() {
     }
 }
 
-/// Where cores meet or are parallel, at corners of boxes and inside of them, everything is finite; inside a box
-/// the clearance leads out.
+/// Where cores meet or are parallel, at corners of boxes and inside of them, everything is finite; inside a
+/// box the clearance leads out.
 #[test]
 fn nothing_is_infinite() {
     let robot = gantry();
