@@ -178,3 +178,7 @@ fn all_pairs(robot: &Robot, own: &[Link]) -> Vec<[usize; 2]> {
     let pairs = (0..own.len()).flat_map(|a| (a + 1..own.len()).map(move |b| [a, b]));
     pairs.filter(|&[a, b]| !near(own[a].joint, own[b].joint)).collect()
 }
+
+#[cfg(test)]
+#[path = "collision_tests.rs"]
+mod tests;
