@@ -1,9 +1,10 @@
 //! The functions that a problem asks for.
 
 use super::collision;
-use super::functions::{Part, Row, TaskFunctions};
+use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, frame_of, positive_or_zero};
 use super::placed::Carried;
+use super::row::{Measure, Row};
 use super::tool::{Quantity, ToolFunction};
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
@@ -164,7 +165,13 @@ impl Tools {
                 positive_or_zero(distance_key, *distance)?;
                 let (height, range) = (n.dot(&x), if *distance > 0.0 { *distance } else { 1.0 });
                 let (lower, upper) = (height - distance, height + distance);
-                let row = Row { lower, upper, range, name: name("distance from the plane") };
+                let row = Row {
+                    lower,
+                    upper,
+                    range,
+                    name: name("distance from the plane"),
+                    measure: Measure::Plain,
+                };
                 (ToolFunction { tool, quantity: Quantity::Position(vec![n]) }, vec![row])
             }
             Kept::Line { through, along, distance } => {
@@ -174,7 +181,7 @@ impl Tools {
                 if *distance > 0.0 {
                     let projector = Matrix3::identity() - d * d.transpose();
                     let quantity = Quantity::Distance { from: x, projector, radius: *distance };
-                    (ToolFunction { tool, quantity }, vec![Row::at_most(0.5 * distance, *distance, label)])
+                    (ToolFunction { tool, quantity }, vec![Row::at_most(Measure::Square(*distance), label)])
                 } else {
                     let across = Quantity::across(d);
                     let rows = across.iter().map(|n| Row::equal(n.dot(&x), 1.0, label.clone())).collect();
@@ -205,7 +212,7 @@ impl Tools {
                 if !(*max > 0.0 && max.is_finite()) {
                     return Err(TaskError::OutOfRange { value: *max, remedy }.at(at.key("speed")));
                 }
-                let row = Row::at_most(0.5 * max, *max, name("speed"));
+                let row = Row::at_most(Measure::Square(*max), name("speed"));
                 (ToolFunction { tool, quantity: Quantity::Speed(*max) }, vec![row])
             }
         })
@@ -221,7 +228,7 @@ fn zero(tool: Carried, quantity: Quantity, name: String) -> (ToolFunction, Vec<R
 
 /// At most this angle: `(1 - cos angle) / sin limit <= tan(limit / 2)`.
 fn leaning(tool: Carried, quantity: Quantity, limit: f64, name: String) -> (ToolFunction, Vec<Row>) {
-    (ToolFunction { tool, quantity }, vec![Row::at_most((0.5 * limit).tan(), limit, name)])
+    (ToolFunction { tool, quantity }, vec![Row::at_most(Measure::Angle(limit), name)])
 }
 
 /// The largest angle, `None` for zero.
@@ -252,7 +259,8 @@ fn box_rows(
             let room = upper - lower;
             let range = if room > 0.0 && room.is_finite() { room } else { 1.0 };
             directions.push(Vector3::ith(k, 1.0));
-            rows.push(Row { lower, upper, range, name: format!("{axis} of the tool '{name}'") });
+            let name = format!("{axis} of the tool '{name}'");
+            rows.push(Row { lower, upper, range, name, measure: Measure::Plain });
         }
     }
     if rows.is_empty() {

@@ -1,8 +1,9 @@
 //! Whether a task can be done at all.
 
 use super::build::TaskRows;
-use super::functions::{PathFunction, Row, TaskFunctions};
+use super::functions::{PathFunction, TaskFunctions};
 use super::reach::{immovable, reach};
+use super::row::Row;
 use crate::constants::task::{CLOSE, OFF};
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
@@ -69,6 +70,6 @@ fn kept_at(along: &mut TaskFunctions, state: &BoundaryState, key: Key) -> Result
 fn worst<'a>(functions: &'a mut TaskFunctions, q: &[f64], v: &[f64]) -> Option<(&'a Row, f64)> {
     let mut g = vec![0.0; functions.rows()];
     functions.values(q, v, &mut g).ok()?;
-    let violations = functions.bounds().iter().zip(g).map(|(row, g)| (row, row.violation(g)));
+    let violations = functions.bounds().iter().zip(g).map(|(row, g)| (row, row.excess(g)));
     violations.filter(|&(_, by)| by > 0.0).max_by(|(a, x), (b, y)| (x / a.range).total_cmp(&(y / b.range)))
 }

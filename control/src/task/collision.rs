@@ -2,8 +2,9 @@
 
 use super::bodies::{Link, links, segment};
 use super::clearance::{Body, Clearances, CoreBox, Other};
-use super::functions::{Part, Row, TaskFunctions};
+use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, length, positive_or_zero};
+use super::row::Row;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::obstacles::{BodyPairs, Obstacle, Shape};
@@ -60,9 +61,7 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
                 return Err(TaskError::NoRadius { names }.at(key("margin")));
             }
             Some((count, radius)) => {
-                let range = if radius > 0.0 { radius } else { 1.0 };
-                let name = format!("clearance of '{a}' from '{b}'");
-                let row = Row { lower: 0.0, upper: f64::INFINITY, range, name };
+                let row = Row::clearance(radius, is_flat, format!("clearance of '{a}' from '{b}'"));
                 rows.extend(std::iter::repeat_n(row, count));
             }
             None if matches!(collision.pairs, BodyPairs::These(_)) && pair[1] < own.len() => {

@@ -2,6 +2,7 @@
 
 use super::clearance::Clearances;
 use super::placed::{Hessian, Placed};
+use super::row::Row;
 use super::tool::ToolFunction;
 use costate::EvalError;
 use costate::robot::Robot;
@@ -31,39 +32,6 @@ pub(crate) trait PathFunction {
         jacobian: &mut [f64],
         hessian: &mut [f64],
     ) -> Result<(), EvalError>;
-}
-
-/// What holds for a row: `lower <= g <= upper`, an equation where both are one number.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Row {
-    pub lower: f64,
-    pub upper: f64,
-    /// The unit of violations: a length, an angle or a speed at which the row matters.
-    pub range: f64,
-    /// What it is, for messages: "clearance of link 'forearm' from obstacle 'post'".
-    pub name: String,
-}
-
-impl Row {
-    /// The same number on both sides.
-    pub fn equal(value: f64, range: f64, name: String) -> Self {
-        Self { lower: value, upper: value, range, name }
-    }
-
-    /// At most this number.
-    pub fn at_most(upper: f64, range: f64, name: String) -> Self {
-        Self { lower: f64::NEG_INFINITY, upper, range, name }
-    }
-
-    /// How far a value is outside, in units of g; 0 inside.
-    pub fn violation(&self, g: f64) -> f64 {
-        (self.lower - g).max(g - self.upper).max(0.0)
-    }
-
-    /// Whether both bounds are one number.
-    pub fn is_equation(&self) -> bool {
-        self.lower == self.upper
-    }
 }
 
 /// One or several rows that are computed together.

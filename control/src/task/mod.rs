@@ -16,7 +16,8 @@ pub(crate) mod costs;
 pub(crate) mod functions;
 mod given;
 mod placed;
-mod reach;
+pub(crate) mod reach;
+pub(crate) mod row;
 mod tool;
 
 #[cfg(test)]

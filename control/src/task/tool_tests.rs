@@ -1,5 +1,6 @@
 use super::super::differences::{contracted, errors};
-use super::super::functions::{Part, PathFunction, Row, TaskFunctions};
+use super::super::functions::{Part, PathFunction, TaskFunctions};
+use super::super::row::Row;
 use super::*;
 use costate::robot::{FrameSpec, Placement, Robot};
 use costate_test_support::properties;

@@ -1,8 +1,9 @@
 use super::cores::CoreBox;
 use super::{Body, Clearances, Other};
 use crate::task::differences::{contracted, errors};
-use crate::task::functions::{Part, PathFunction, Row, TaskFunctions};
+use crate::task::functions::{Part, PathFunction, TaskFunctions};
 use crate::task::placed::{Carried, Placed};
+use crate::task::row::Row;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate_test_support::properties;
 use costate_test_support::proptest::prelude::*;
@@ -19,7 +20,7 @@ fn functions(robot: &Robot, bodies: Vec<Body>, pairs: Vec<(usize, Other)>, margi
     for (body, other) in pairs {
         rows += clearances.push(body, other, margin, functions.placed()).unwrap().0;
     }
-    let row = Row { lower: 0.0, upper: f64::INFINITY, range: 1.0, name: String::new() };
+    let row = Row::clearance(1.0, false, String::new());
     functions.push(Part::Clearances(clearances), vec![row; rows]);
     functions
 }
