@@ -1,6 +1,5 @@
 //! Running costs of tools.
 
-use super::build::TaskRows;
 use super::functions::{PathFunction, TaskFunctions};
 use costate::EvalError;
 
@@ -22,9 +21,9 @@ pub(crate) struct ToolCosts {
 }
 
 impl ToolCosts {
-    /// The costs among the functions of a task of a robot with n coordinates.
-    pub fn new(rows: &TaskRows, n: usize) -> Self {
-        let (functions, weights) = (rows.costs.clone(), rows.weights.clone());
+    /// The costs of these functions and weights, those of [`TaskRows`](super::build::TaskRows), of a robot with
+    /// n coordinates.
+    pub fn new(functions: TaskFunctions, weights: Vec<f64>, n: usize) -> Self {
         let count = functions.rows();
         Self {
             functions,
@@ -89,6 +88,7 @@ mod tests {
     use super::*;
     use crate::problem::tools::{Tool, ToolCost, ToolPose};
     use crate::problem::{Problem, Task};
+    use crate::task::build::TaskRows;
     use costate::robot::Robot;
     use nalgebra::Rotation3;
 
@@ -103,7 +103,8 @@ mod tests {
             .with_tool_cost(ToolCost::new(pose, 3.0, 2.0))
             .with_tool_cost(ToolCost::new(axis, 0.0, 5.0));
         let problem = Problem::rest_to_rest(arm, &[0.0; 6], &[1.0; 6], 1.0).with_task(task);
-        let mut costs = ToolCosts::new(&TaskRows::new(&problem).unwrap(), 6);
+        let rows = TaskRows::new(&problem).unwrap();
+        let mut costs = ToolCosts::new(rows.costs, rows.weights, 6);
         assert!(costs.any());
         let (q, v) = ([0.3, -1.2, 0.8, 0.1, 0.5, 0.2], [0.0; 6]);
         costs.contract(&q, &v).unwrap();

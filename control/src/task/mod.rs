@@ -21,4 +21,7 @@ pub(crate) mod row;
 mod tool;
 
 #[cfg(test)]
+#[path = "allocation_tests.rs"]
+mod allocation;
+#[cfg(test)]
 mod differences;
