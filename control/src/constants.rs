@@ -312,6 +312,10 @@ pub(crate) mod task {
     pub const DEPTHS: usize = 5;
     /// Segments that are not longer than this are points (m).
     pub const SHORTEST_LINK: f64 = 1e-6;
+    /// Most entries of each list of a task.
+    pub const MOST_ENTRIES: usize = 1000;
+    /// Most pairs of bodies and obstacles.
+    pub const MOST_PAIRS: usize = 10_000;
     /// An end that is given may be off an equation that holds along the motion by so much (m, rad).
     pub const OFF: f64 = 1e-6;
     /// The same for an inequality, in parts of its range.

@@ -72,6 +72,13 @@ pub enum TaskError {
         /// The bodies.
         names: [String; 2],
     },
+    /// More entries, or more pairs of bodies and obstacles, than a task may have.
+    TooMany {
+        /// Their number.
+        found: usize,
+        /// The most.
+        most: usize,
+    },
     /// A name that two of the bodies and obstacles have.
     DuplicateName {
         /// The name.
@@ -146,6 +153,9 @@ impl fmt::Display for TaskError {
                 printable(a),
                 printable(b)
             ),
+            Self::TooMany { found, most } => {
+                write!(f, "the task has {found} of these or of their pairs, the most is {most}; leave some out")
+            }
             Self::DuplicateName { name } => {
                 write!(f, "two bodies or obstacles are called '{}'; rename one", printable(name))
             }

@@ -6,6 +6,7 @@ use super::given::{Given, direction, finite, frame_of, positive_or_zero};
 use super::placed::Carried;
 use super::row::{Measure, Row};
 use super::tool::{Quantity, ToolFunction};
+use crate::constants::task::MOST_ENTRIES;
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
 use crate::problem::task_error::TaskError;
@@ -24,8 +25,10 @@ pub(crate) struct TaskRows {
     /// All along the motion, at both ends too.
     pub along: TaskFunctions,
     /// Running costs: `1/2 weight (g - lower)^2` for each row.
+    #[allow(dead_code, reason = "for the direct method")]
     pub costs: TaskFunctions,
     /// The weights of these rows.
+    #[allow(dead_code, reason = "for the direct method")]
     pub weights: Vec<f64>,
 }
 
@@ -45,6 +48,18 @@ impl TaskRows {
     /// bodies.
     pub fn new(problem: &Problem) -> Result<Self, ProblemError> {
         let task = &problem.task;
+        let counts = [
+            ("start.tool", task.start_tools.len()),
+            ("end.tool", task.end_tools.len()),
+            ("keep", task.keep.len()),
+            ("cost.tool", task.tool_costs.len()),
+            ("obstacle", task.obstacles.len()),
+            ("collision.capsule", task.collision.as_ref().map_or(0, |collision| collision.capsules.len())),
+        ];
+        if let Some((table, found)) = counts.into_iter().find(|&(_, count)| count > MOST_ENTRIES) {
+            let error = TaskError::TooMany { found, most: MOST_ENTRIES };
+            return Err(error.at(Given { table, entry: MOST_ENTRIES }.key("frame")));
+        }
         let mut tools = Tools { robot: problem.robot.clone() };
         let mut poses = |table: &'static str, poses: &[ToolPose]| -> Result<Functions, ProblemError> {
             let mut functions = Vec::new();

@@ -5,6 +5,7 @@ use super::clearance::{Body, Clearances, CoreBox, Other};
 use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, length, positive_or_zero};
 use super::row::Row;
+use crate::constants::task::MOST_PAIRS;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::obstacles::{BodyPairs, Obstacle, Shape};
@@ -13,7 +14,7 @@ use crate::problem::task_error::TaskError;
 use crate::problem::tools;
 use costate::robot::Robot;
 use nalgebra::Vector3;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Adds the clearances of a task.
 pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) -> Result<(), ProblemError> {
@@ -33,6 +34,7 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
     }
     let names = Names::new(&own, &task.obstacles)?;
     let except: HashSet<[usize; 2]> = names.pairs(key("except"), &collision.except)?.into_iter().collect();
+    few(own.len() * others.len())?;
     let mut pairs = Vec::new();
     for body in 0..own.len() {
         pairs.extend(others.iter().enumerate().map(|(k, other)| ([body, own.len() + k], other.clone())));
@@ -50,6 +52,7 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
         pairs.push(([a, b], Other::Body(b)));
     }
     pairs.retain(|(pair, _)| !except.contains(pair));
+    few(pairs.len())?;
     let mut clearances = Clearances::new(bodies, functions.placed());
     let mut rows = Vec::new();
     for (pair, other) in pairs {
@@ -80,6 +83,15 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
 
 fn key(name: &'static str) -> Key {
     Key::entry("collision", name, 0)
+}
+
+/// Not more pairs than there may be.
+fn few(found: usize) -> Result<(), ProblemError> {
+    if found <= MOST_PAIRS {
+        Ok(())
+    } else {
+        Err(TaskError::TooMany { found, most: MOST_PAIRS }.at(key("pairs")))
+    }
 }
 
 /// An obstacle; spheres and capsules join the bodies.
@@ -121,21 +133,23 @@ fn other(at: Given, obstacle: &Obstacle, bodies: &mut Vec<Body>) -> Result<Other
 /// The names of bodies, then of obstacles.
 struct Names {
     names: Vec<String>,
+    numbers: HashMap<String, usize>,
 }
 
 impl Names {
     fn new(own: &[Link], obstacles: &[Obstacle]) -> Result<Self, ProblemError> {
-        let mut names: Vec<String> = Vec::new();
+        let (mut names, mut numbers) = (Vec::new(), HashMap::new());
         let all = own.iter().map(|link| (&link.name, "collision.capsule"));
         for (name, table) in all.chain(obstacles.iter().map(|obstacle| (&obstacle.name, "obstacle"))) {
-            if names.contains(name) {
-                let entry = if table == "obstacle" { names.len() - own.len() } else { names.len() };
+            let number = names.len();
+            if numbers.insert(name.clone(), number).is_some() {
+                let entry = if table == "obstacle" { number - own.len() } else { number };
                 let error = TaskError::DuplicateName { name: name.clone() };
                 return Err(error.at(Key::entry(table, "name", entry)));
             }
             names.push(name.clone());
         }
-        Ok(Self { names })
+        Ok(Self { names, numbers })
     }
 
     fn of(&self, k: usize) -> &str {
@@ -145,17 +159,15 @@ impl Names {
     /// Pairs by their numbers, the smaller one first.
     fn pairs(&self, key: Key, pairs: &[[String; 2]]) -> Result<Vec<[usize; 2]>, ProblemError> {
         let number = |name: &String| {
-            let found = self.names.iter().position(|known| known == name);
-            found.ok_or_else(|| {
+            self.numbers.get(name).copied().ok_or_else(|| {
                 TaskError::UnknownBody { name: name.clone(), known: self.names.clone() }.at(key)
             })
         };
         let pair = |[a, b]: &[String; 2]| {
             let (a, b) = (number(a)?, number(b)?);
             if a == b {
-                return Err(
-                    TaskError::FixedPair { names: [self.names[a].clone(), self.names[b].clone()] }.at(key)
-                );
+                let names = [a, b].map(|k| self.names[k].clone());
+                return Err(TaskError::FixedPair { names }.at(key));
             }
             Ok([a.min(b), a.max(b)])
         };
@@ -165,15 +177,18 @@ impl Names {
 
 /// All pairs on links that are no neighbours: between neighbours there is no link with a body of its own.
 fn all_pairs(robot: &Robot, own: &[Link]) -> Vec<[usize; 2]> {
-    let has_body = |joint: usize| own.iter().any(|link| link.joint == Some(joint));
-    // The link with a body that carries this one.
-    let inner = |joint: usize| {
-        let mut links = std::iter::successors(robot.joints()[joint].parent, |&j| robot.joints()[j].parent);
-        links.find(|&j| has_body(j))
-    };
-    let near = |a: Option<usize>, b: Option<usize>| {
-        a == b || a.is_some_and(|a| inner(a) == b) || b.is_some_and(|b| inner(b) == a)
-    };
+    let joints = robot.joints();
+    let mut has_body = vec![false; joints.len()];
+    own.iter().filter_map(|link| link.joint).for_each(|joint| has_body[joint] = true);
+    // The nearest link with a body that carries each link; parents come before children.
+    let mut inner: Vec<Option<usize>> = Vec::with_capacity(joints.len());
+    for joint in joints {
+        inner.push(
+            joint.parent.and_then(|parent| if has_body[parent] { Some(parent) } else { inner[parent] }),
+        );
+    }
+    let carries = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| inner[b] == a);
+    let near = |a, b| a == b || carries(a, b) || carries(b, a);
     let pairs = (0..own.len()).flat_map(|a| (a + 1..own.len()).map(move |b| [a, b]));
     pairs.filter(|&[a, b]| !near(own[a].joint, own[b].joint)).collect()
 }
