@@ -21,8 +21,8 @@ pub(crate) struct ToolCosts {
 }
 
 impl ToolCosts {
-    /// The costs of these functions and weights, those of [`TaskRows`](super::build::TaskRows), of a robot with
-    /// n coordinates.
+    /// The costs of these functions and weights, those of [`TaskRows`](super::build::TaskRows), of a robot
+    /// with n coordinates.
     pub fn new(functions: TaskFunctions, weights: Vec<f64>, n: usize) -> Self {
         let count = functions.rows();
         Self {

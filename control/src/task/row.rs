@@ -14,7 +14,8 @@ pub(crate) struct Row {
     pub measure: Measure,
 }
 
-/// How g is made from what a user means, a length, an angle or a speed x; close to its bound both change alike.
+/// How g is made from what a user means, a length, an angle or a speed x; close to its bound both change
+/// alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Measure {
     /// x.
