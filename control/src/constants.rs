@@ -276,6 +276,10 @@ pub(crate) mod direct {
     pub const LEAST_CURVATURE: f64 = 1e-14;
     /// Costs are not resolved below that of a motion by so much (rad, m).
     pub const SMALL_MOTION: f64 = 1e-3;
+    /// What an equation of weight one that is off by its range costs in Newton's matrix, in parts of the cost
+    /// of the guess. With more of it multipliers settle in fewer steps, and rounding of what it does not
+    /// touch grows.
+    pub const STIFFNESS: f64 = 1e8;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
@@ -374,4 +378,43 @@ pub(crate) mod programs {
     pub const STEPS: usize = 16_000;
     /// Most joints, so that no robot is recorded for long in vain.
     pub const JOINTS: usize = 14;
+}
+
+/// Functions of tools and clearances ([`crate::task`]).
+pub(crate) mod task {
+    /// Least square of the sine between an axis and the direction that it shall have, beyond a right angle:
+    /// at opposite the rotation between the two is not unique, and its derivatives are infinite.
+    pub const OPPOSITE: f64 = 1e-24;
+    /// What makes the closest places of parallel segments unique, in squares of the sum of radii: the
+    /// clearance is lowered by at most a quarter of this, in radii. With less its second derivatives at
+    /// parallel segments become large.
+    pub const PARALLEL: f64 = 4e-3;
+    /// Points of a segment whose depths inside of a box count, its ends among them.
+    pub const DEPTHS: usize = 5;
+    /// Segments that are not longer than this are points (m).
+    pub const SHORTEST_LINK: f64 = 1e-6;
+    /// Most entries of each list of a task.
+    pub const MOST_ENTRIES: usize = 1000;
+    /// Most pairs of bodies and obstacles.
+    pub const MOST_PAIRS: usize = 10_000;
+    /// An end that is given may be off an equation that holds along the motion by so much (m, rad).
+    pub const OFF: f64 = 1e-6;
+    /// The same for an inequality, in parts of its range.
+    pub const CLOSE: f64 = 1e-9;
+
+    /// The search for positions of given poses ([`crate::task::reach`]).
+    pub mod reach {
+        /// A pose is reached to this (m, rad).
+        pub const REACHED: f64 = 1e-9;
+        /// Positions that the search begins at.
+        pub const STARTS: usize = 60;
+        /// Most steps from each of them.
+        pub const STEPS: usize = 60;
+        /// First damping, in squares of m or rad per rad.
+        pub const DAMPING: f64 = 1e-3;
+        /// With more damping than this there is no progress.
+        pub const MOST_DAMPING: f64 = 1e6;
+        /// Derivatives that are not larger are rounding.
+        pub const STILL: f64 = 1e-13;
+    }
 }

@@ -39,6 +39,7 @@ mod solve_extremal;
 mod solver;
 mod starts;
 mod status;
+mod task;
 
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
@@ -64,7 +65,10 @@ pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
-pub use problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
+pub use problem::{
+    BodyPairs, BoundaryState, Bounds, Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective,
+    Obstacle, Penalty, Problem, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+};
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
@@ -77,3 +81,7 @@ pub use result::trajectory_error::TrajectoryError;
 pub use solve_extremal::{solve_dynamics, solve_extremal};
 pub use solver::Solver;
 pub use status::{BoundViolation, EvaluationFailure, Status, UnknownStatus};
+
+#[cfg(test)]
+#[global_allocator]
+static ALLOCATOR: costate_test_support::allocations::Counting = costate_test_support::allocations::Counting;

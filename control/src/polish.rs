@@ -79,7 +79,7 @@ fn can_begin(found: &Solution) -> bool {
 fn as_bounds(problem: &Problem, limits: &[JointLimits], found: &Solution) -> Result<Problem, PolishOutcome> {
     let LimitReport { position, rate, .. } = &found.limits;
     let active = [position, rate].into_iter().flatten().any(|usage| !usage.active.is_empty());
-    if active || limits.iter().any(|limits| limits.a.is_finite()) {
+    if active || !problem.task.is_empty() || limits.iter().any(|limits| limits.a.is_finite()) {
         return Err(PolishOutcome::Limited);
     }
     let of = |side: usize| {
@@ -175,6 +175,7 @@ fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitR
         rate: none(&direct.rate),
         acceleration: None,
         torque: none(&direct.torque),
+        task: None,
     };
     let (Some(torque), Some(bounds)) = (&mut limits.torque, &problem.bounds) else { return limits };
     for (i, joint) in problem.robot.independent_joints().enumerate() {
@@ -203,7 +204,7 @@ fn spans(
         let at = active(u[control]);
         match spans.last_mut().filter(|_| open && at) {
             Some(span) => span.to = t,
-            None if at => spans.push(ActiveLimit { joint: joint.into(), side: side.into(), from: t, to: t }),
+            None if at => spans.push(ActiveLimit { name: joint.into(), side: side.into(), from: t, to: t }),
             None => {}
         }
         open = at;

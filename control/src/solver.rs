@@ -13,6 +13,7 @@ use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::Recorder;
 use crate::solve::recorder::Stop;
 use crate::starts::{Starts, saved};
+use crate::task::build::TaskRows;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -39,6 +40,8 @@ use std::time::Instant;
 #[must_use = "a solver does nothing until `solve` is called"]
 pub struct Solver<'a> {
     problem: CheckedProblem<'a>,
+    /// The functions of its task, for the direct method.
+    rows: Option<TaskRows>,
     options: SolverOptions,
     start: Option<Trajectory>,
     listener: Option<Listener<'a>>,
@@ -51,9 +54,13 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// [`ProblemError`]: the first key of the problem or option that is out of range.
     pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
+        let rows = match options.method {
+            Method::Direct => Some(TaskRows::new(problem)?),
+            _ => None,
+        };
         let problem = problem.check_for(options.method)?;
         options.check()?;
-        Ok(Self { problem, options, start: None, listener: None, cancel: None })
+        Ok(Self { problem, rows, options, start: None, listener: None, cancel: None })
     }
 
     /// Begins the first start with a saved motion, stretched to the final time of the problem.
@@ -84,11 +91,12 @@ impl<'a> Solver<'a> {
     /// Solves. Never fails: [`Motion::status`](crate::Motion::status) says how it ended, and the best iterate
     /// is kept.
     pub fn solve(self) -> Solution {
-        let Self { problem, options, start, listener, cancel } = self;
+        let Self { problem, rows, options, start, listener, cancel } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
-        if options.method == Method::Direct {
+        if let Some(rows) = rows {
             let began = Instant::now();
-            let found = Direct { problem, options: &options, saved: start.as_ref() }.solve(&mut recorder);
+            let direct = Direct { problem, rows: &rows, options: &options, saved: start.as_ref() };
+            let found = direct.solve(&mut recorder);
             return polish(&problem, &options, found, began.elapsed(), &mut recorder);
         }
         let starts = Starts { problem, options: &options, saved: start.as_ref().map(saved) };

@@ -2,6 +2,9 @@
 
 import numpy
 
+import obstacles
+from model import Model
+
 
 def number(value):
     return "inf" if value == numpy.inf else "-inf" if value == -numpy.inf else repr(float(value))
@@ -40,9 +43,7 @@ def text(task, understands_limits):
         rows += table("limits", f"from_robot = {str(task.from_robot).lower()}", *limits)
     if understands_limits:
         rows += table("solver", 'method = "direct"', "polish = false")
-    for centre, radius in task.obstacles:
-        rows += ["[[obstacle]]", f"sphere = {{ centre = {numbers(centre)}, radius = {radius!r} }}", ""]
-    return "\n".join(rows)
+    return "\n".join(rows + obstacles_of(task))
 
 
 def end(task):
@@ -52,10 +53,25 @@ def end(task):
     names = ", ".join(f'"{row["name"]}"' for row in task.robot.joints)
     position = numbers(numpy.inf if value is None else value for value in task.tool.position)
     rows = table("end", f"q = {numbers(task.q_guess)}", f"q_free = [{names}]")
-    tool = [f'frame = "{joint}"', f"offset = {numbers(point)}", f"position = {position}"]
+    tool = [f'frame = "joint:{joint}"', f"offset = {numbers(point)}", f"xyz = {position}"]
     if task.tool.rotation is not None:
         tool.append(f"rotation = {matrix(task.tool.rotation)}")
     return rows + table("end.tool", *tool)
+
+
+def obstacles_of(task):
+    """Spheres in space, and the robot's own ones."""
+    rows = []
+    for centre, radius in task.obstacles:
+        rows += table("[obstacle]", 'kind = "sphere"', f"xyz = {numbers(centre)}", f"radius = {radius!r}")
+    if not task.obstacles:
+        return rows
+    own = obstacles.spheres_of(Model(task.robot))
+    for k, (joint, point) in enumerate(own):
+        name = task.robot.joints[joint]["name"]
+        rows += table("[collision.capsule]", f'name = "{name} {k}"', f'frame = "joint:{name}"',
+                      f"from = {numbers(point)}", f"radius = {task.own_radius!r}")
+    return rows
 
 
 def limits_of(task):

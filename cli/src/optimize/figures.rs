@@ -143,16 +143,17 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "position" => "beyond position limits",
             "rate" => "beyond rate limits",
             "acceleration" => "beyond acceleration limits",
+            "task" => "beyond tools and clearances",
             _ => "beyond torque limits",
         };
-        let unit = unit(limit_units(kind));
+        let unit = if kind == "task" { "m, rad or m/s" } else { unit(limit_units(kind)) };
         // Torques are cut to their limits.
         let between = match kind {
             "torque" => String::new(),
             _ => format!(", {} between points", scientific(usage.between)),
         };
         figures.push((name, format!("{} {unit}{between}", scientific(usage.at_points))));
-        let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.joint, &span.side)).collect();
+        let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.name, &span.side)).collect();
         sides.sort();
         sides.dedup();
         active += sides.len();

@@ -56,7 +56,7 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
             None => status.to_string(),
         },
         Status::LimitsNotKept => {
-            let exceeded: Vec<_> = exceeded(problem, solution).collect();
+            let exceeded: Vec<_> = exceeded(solution).collect();
             match exceeded.is_empty() {
                 true => status.to_string(),
                 false => format!(
@@ -76,18 +76,15 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
     })
 }
 
-/// For each kind of limits that is exceeded: which joint, where, by how much.
-fn exceeded(problem: &Problem, solution: &Solution) -> impl Iterator<Item = String> {
+/// For each kind of limits that is exceeded: which joint, tool or body, where, by how much.
+fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
     solution.limits.violations().map(|(kind, worst)| {
-        let joint = problem.robot.independent_joints().find(|joint| joint.name == worst.joint);
-        let unit = joint.map_or("", |joint| units::of_joint(joint.kind, limit_units(kind)));
-        format!(
-            "the {kind} of joint '{}' would have to be {} {unit} instead of {} {unit} at t = {} s",
-            worst.joint,
-            short(worst.value, 4),
-            short(worst.limit, 4),
-            short(worst.time, 4)
-        )
+        let (name, unit, time) = (&worst.name, &worst.unit, short(worst.time, 4));
+        if kind == "task" {
+            return format!("the {name} is off by {} {unit} at t = {time} s", short(worst.excess, 4));
+        }
+        let (value, limit) = (short(worst.value, 4), short(worst.limit, 4));
+        format!("the {kind} of joint '{name}' would have to be {value} {unit} instead of {limit} {unit} at t = {time} s")
     })
 }
 

@@ -62,6 +62,9 @@ impl Parameter {
         if problem.limits.any_given() {
             return refuse(ContinuationCause::Limits);
         }
+        if !problem.task.is_empty() {
+            return refuse(ContinuationCause::Task);
+        }
         let mut changed = problem.clone();
         match (self, &mut changed) {
             (Self::PenaltyWeight, Problem { penalty: Some(penalty), .. }) => penalty.weight = value,

@@ -3,9 +3,9 @@
 use super::basis::{COEFFICIENTS, PLACES, POINTS};
 use super::interior::Interior;
 use super::interval::add_gradient;
-use super::limits::Limited;
 use super::point_terms::Work;
 use super::points::PointDynamics;
+use super::side::Limited;
 
 /// Costates of (q, v), 2n a row, and H*.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub(super) struct Costates {
 ///
 /// $$ \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt}(M y_p) $$
 ///
-/// where l contains the limits on v with their multipliers; the derivative is that of the polynomial through
+/// where l contains the limits on v and rows of tasks with their multipliers; the derivative is that of the polynomial through
 /// points and nodes of an interval.
 pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
@@ -36,7 +36,7 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         at_points: vec![vec![0.0; 2 * n]; mesh.points()],
         hamiltonian: vec![0.0; mesh.points()],
     };
-    let mut work = Work::new(n);
+    let mut work = Work::new(n, interior.points.rows);
     let mut gradient = vec![0.0; spline.unknowns.len()];
     for k in 0..mesh.intervals() {
         gradient.fill(0.0);
@@ -78,8 +78,14 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
     let scale = 1.0 / (spline.mesh.point(p).1 * spline.time);
     let multipliers = &interior.barrier.multiplier[interior.barrier.at_point(p)];
     for (side, eta) in interior.barrier.sides().iter().zip(multipliers) {
-        if side.limited == Limited::Rate {
-            costate[side.joint] -= side.sign * eta * scale;
+        match side.limited {
+            Limited::Rate => costate[side.joint] -= side.sign * eta * scale,
+            Limited::Task => {
+                let slopes = &points.g_x(p)[2 * n * side.joint + n..][..n];
+                let costate = costate.iter_mut().zip(slopes);
+                costate.for_each(|(costate, slope)| *costate -= side.sign * eta * scale * slope);
+            }
+            _ => {}
         }
     }
     let (y_p, factors) = (torque_costate(interior, p), slopes(j + 1));

@@ -1,6 +1,7 @@
 //! Start and end of a motion among the unknowns.
 
-use crate::problem::{BoundaryState, FinalTime, Problem};
+use super::side::Side;
+use crate::problem::{BoundaryState, FinalTime, Problem, ToolPose};
 
 /// For each unknown (q, dq/ds) of the first and of the last node: `None` if it is free, else its
 /// derivative in T: dq/ds = T v.
@@ -10,6 +11,13 @@ pub(crate) struct Ends {
     pub given: [Vec<Option<f64>>; 2],
     /// Whether T is an unknown.
     pub free_time: bool,
+    /// Whether an end has given rates and a given place: all positions, or those of tools.
+    keeps: [bool; 2],
+}
+
+/// Whether rates are given, and a place by joints or by tools.
+fn keeps(state: &BoundaryState, tools: &[ToolPose]) -> bool {
+    state.v_free.is_empty() && (state.q_free.is_empty() || !tools.is_empty())
 }
 
 impl Ends {
@@ -23,7 +31,22 @@ impl Ends {
         Self {
             given: [given(&problem.start), given(&problem.end)],
             free_time: matches!(problem.time, FinalTime::Free { .. }),
+            keeps: [
+                keeps(&problem.start, &problem.task.start_tools),
+                keeps(&problem.end, &problem.task.end_tools),
+            ],
         }
+    }
+
+    /// Whether what holds along the motion holds at an end (0 or 1) with its rate, whatever the motion is.
+    pub fn keeps(&self, end: usize) -> bool {
+        self.keeps[end]
+    }
+
+    /// Whether the position or rate of a side is given at an end.
+    pub fn is_given(&self, end: usize, side: &Side) -> bool {
+        let n = self.given[end].len() / 2;
+        self.given[end][side.index(n)].is_some()
     }
 
     /// All given unknowns among those of a mesh: node, place in its state, derivative in T.

@@ -4,6 +4,9 @@ use super::spline::{Mesh, Spline};
 use crate::path::cubics::{Cubics, Disturbance};
 use crate::problem::Problem;
 use crate::result::trajectory::Trajectory;
+use crate::task::build::TaskRows;
+use crate::task::reach::reach;
+use std::borrow::Cow;
 
 /// Cubics from start to end with a disturbance, or a saved motion, on equal intervals.
 pub(super) fn guess(
@@ -56,4 +59,25 @@ fn meet_ends(problem: &Problem, spline: &mut Spline) {
             }
         }
     }
+}
+
+/// The problem with positions at its ends at which tools are where they shall be. Later starts look for other
+/// ones.
+pub(super) fn with_tools_reached<'a>(
+    problem: &'a Problem,
+    rows: &TaskRows,
+    number: usize,
+) -> Cow<'a, Problem> {
+    let mut found = Cow::Borrowed(problem);
+    let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
+    for (end, rows) in [&rows.start, &rows.end].into_iter().enumerate() {
+        if rows.is_empty() {
+            continue;
+        }
+        let state = if end == 0 { &problem.start } else { &problem.end };
+        let reached = reach(&mut rows.clone(), &state.q, &state.q_free, &limits, number);
+        let problem = found.to_mut();
+        (if end == 0 { &mut problem.start } else { &mut problem.end }).q = reached.q;
+    }
+    found
 }

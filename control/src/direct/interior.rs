@@ -1,12 +1,15 @@
 //! A primal-dual interior-point method for motions with hard limits.
 
 use super::ends::Ends;
-use super::limits::{Barrier, Limited, Multipliers, Side};
+use super::limits::Barrier;
+use super::multipliers::Multipliers;
 use super::point_terms::weigh;
 use super::points::{PointDynamics, Points};
 use super::running::Running;
+use super::side::{Limited, Side};
 use super::spline::Spline;
 use super::system::System;
+use super::tasks::Tasks;
 use crate::constants::direct as constants;
 use crate::solve::recorder::Interruption;
 use costate::EvalError;
@@ -44,6 +47,7 @@ pub(crate) struct Interior<D> {
     pub running: Running,
     pub ends: Ends,
     pub dynamics: D,
+    pub tasks: Tasks,
     pub figures: Figures,
     /// Least size of the cost.
     least_size: f64,
@@ -73,18 +77,28 @@ pub(super) struct Trial {
 }
 
 impl<D: PointDynamics> Interior<D> {
-    pub fn new(spline: Spline, sides: Vec<Side>, running: Running, ends: Ends, dynamics: D) -> Self {
+    /// `sides` are the limits of joints and torques.
+    pub fn new(
+        spline: Spline,
+        mut sides: Vec<Side>,
+        tasks: Tasks,
+        running: Running,
+        ends: Ends,
+        dynamics: D,
+    ) -> Self {
         let n = spline.dof;
+        sides.extend(tasks.sides());
         Self {
             spline,
             points: Points::default(),
-            barrier: Barrier::new(sides),
+            barrier: Barrier::new(sides, tasks.end_sides()),
             running,
             ends,
             dynamics,
             figures: Figures::default(),
             least_size: 0.0,
-            system: System::new(n),
+            system: System::new(n, tasks.rows()),
+            tasks,
             damping: 0.0,
             mu: 0.0,
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
@@ -99,30 +113,34 @@ impl<D: PointDynamics> Interior<D> {
     /// it.
     pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
         let n = self.spline.dof;
-        self.points.resize(n, self.spline.mesh.points());
+        self.points.resize(n, self.tasks.rows(), self.spline.mesh.points());
+        self.points.ends.resize(n, self.tasks.end_rows());
         self.spline.evaluate(&mut self.points.z);
         if self.least_size == 0.0 {
             self.dynamics.contract(&mut self.points)?;
             self.least_size = self.small_cost();
         }
         self.dynamics.evaluate(&mut self.points)?;
-        let given = &self.ends.given;
-        self.barrier.resize(&self.spline.mesh, |end, side| given[end][side.index(n)].is_some());
+        self.tasks.evaluate(&mut self.points)?;
+        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
+        self.barrier.resize(&self.spline.mesh, &self.ends);
         let mut distance = std::mem::take(&mut self.barrier.distance);
         self.barrier.measure(&self.spline, &self.points, &mut distance);
         self.barrier.distance = distance;
         self.measure_cost();
+        self.barrier.stiffness = constants::STIFFNESS * self.figures.size;
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
         self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / total);
         for at in 0..self.barrier.count() {
             let weight = self.barrier.weight[at];
-            let slack = if weight > 0.0 {
-                self.barrier.distance[at].max(constants::FIRST_SLACK * self.barrier.side(at).range)
-            } else {
-                f64::INFINITY
+            let side = self.barrier.side(at);
+            let slack = match weight > 0.0 {
+                true if side.is_equation => 0.0,
+                true => self.barrier.distance[at].max(constants::FIRST_SLACK * side.range),
+                false => f64::INFINITY,
             };
             self.barrier.slack[at] = slack;
-            self.barrier.multiplier[at] = self.mu * weight / slack;
+            self.barrier.multiplier[at] = if slack > 0.0 { self.mu * weight / slack } else { 0.0 };
         }
         self.damping = 0.0;
         self.measure_figures();
@@ -132,6 +150,7 @@ impl<D: PointDynamics> Interior<D> {
     /// Takes the motion over to other nodes, with multipliers in proportion to the weights of the points.
     pub fn move_to(&mut self, nodes: Vec<f64>) -> Result<(), EvalError> {
         let old = Multipliers::of(&self.spline, &self.barrier);
+        let at_ends: Vec<f64> = self.barrier.at_ends().map(|at| self.barrier.multiplier[at]).collect();
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
         let mu = self.figures.gap.max(constants::WARM * self.figures.size) / total;
         self.spline = self.spline.on_nodes(nodes);
@@ -142,7 +161,15 @@ impl<D: PointDynamics> Interior<D> {
                 continue;
             }
             let side = self.barrier.side(at);
-            let density = old.density(self.barrier.place(at, &self.spline), self.barrier.side_index(at));
+            let Some(index) = self.barrier.side_index(at) else {
+                self.barrier.multiplier[at] = at_ends[at - self.barrier.at_ends().start];
+                continue;
+            };
+            let density = old.density(self.barrier.place(at, &self.spline), index);
+            if side.is_equation {
+                self.barrier.multiplier[at] = weight * density;
+                continue;
+            }
             let distance = self.barrier.distance[at];
             let most = distance.max(constants::FIRST_SLACK * side.range);
             let slack = distance
@@ -197,8 +224,11 @@ impl<D: PointDynamics> Interior<D> {
     /// Largest violation of a limit, in parts of its range.
     fn violation(&self) -> f64 {
         let barrier = &self.barrier;
-        let on = (0..barrier.count()).filter(|&at| barrier.slack[at].is_finite());
-        on.fold(0.0, |most: f64, at| most.max(-barrier.distance[at] * barrier.unit[at]))
+        let on = (0..barrier.count()).filter(|&at| barrier.is_on(at));
+        on.fold(0.0, |most: f64, at| {
+            let d = barrier.distance[at];
+            most.max(barrier.unit[at] * if barrier.slack[at] > 0.0 { -d } else { d.abs() })
+        })
     }
 
     /// Sum of |d - s| in parts of ranges, weighted.
@@ -211,14 +241,16 @@ impl<D: PointDynamics> Interior<D> {
 
     /// The barrier -mu sum w log s.
     pub(super) fn logarithms(&self, slack: &[f64]) -> f64 {
-        let on = slack.iter().zip(&self.barrier.weight).filter(|(slack, _)| slack.is_finite());
+        let pairs = slack.iter().zip(&self.barrier.weight);
+        let on = pairs.filter(|(slack, _)| **slack > 0.0 && slack.is_finite());
         -self.mu * on.map(|(slack, weight)| weight * slack.ln()).sum::<f64>()
     }
 
     /// Weights and derivatives at the points of this iterate.
     pub fn refresh(&mut self) -> Result<(), EvalError> {
         weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
-        self.dynamics.contract(&mut self.points)
+        self.dynamics.contract(&mut self.points)?;
+        self.tasks.contract(&self.spline, &mut self.points)
     }
 
     /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with

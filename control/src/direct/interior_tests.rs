@@ -2,12 +2,15 @@
 
 use super::super::ends::Ends;
 use super::super::guess::guess;
-use super::super::limits::{Limited, Side};
 use super::super::points::{PointDynamics, RobotPoints};
 use super::super::running::Running;
+use super::super::side::{Limited, Side};
+use super::super::tasks::Tasks;
 use super::Interior;
 use crate::path::cubics::Disturbance;
-use crate::problem::{FinalTime, Objective, Problem};
+use crate::problem::{FinalTime, Keep, Kept, Objective, Problem, Task, Tool, ToolPose};
+use crate::task::build::TaskRows;
+use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
@@ -22,8 +25,17 @@ fn started() -> Interior<RobotPoints> {
     let sides = kinds.into_iter().flat_map(pair).collect();
     let spline = guess(&problem, None, &Disturbance::default(), 3);
     let dynamics = RobotPoints::new(&problem.robot);
-    let (running, ends) = (Running::new(&problem), Ends::new(&problem));
-    let mut interior = Interior::new(spline, sides, running, ends, dynamics);
+    let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
+    let through = [0.1; 3];
+    problem.end.q_free = vec![0, 1];
+    problem.task = Task::default()
+        .with_end_tool(ToolPose::of(tool()).with_position([f64::INFINITY, 0.3, f64::INFINITY]))
+        .with_keep(Keep::new(tool(), Kept::Plane { through, normal: [1.0, 0.5, 0.0], distance: 0.0 }))
+        .with_keep(Keep::new(tool(), Kept::Speed { max: 1.0 }));
+    let rows = TaskRows::new(&problem).unwrap();
+    let running = Running::new(&problem, ToolCosts::new(rows.costs.clone(), rows.weights.clone(), 2));
+    let (tasks, ends) = (Tasks::new(&rows, 2), Ends::new(&problem));
+    let mut interior = Interior::new(spline, sides, tasks, running, ends, dynamics);
     interior.start(None).unwrap();
     interior
 }
@@ -34,18 +46,29 @@ fn slacks_and_multipliers_begin_on_the_central_path() {
     let barrier = &interior.barrier;
     assert!(interior.figures.violation > 0.1, "the guess exceeds a limit");
     let nodes = interior.spline.mesh.nodes.len();
-    let given: Vec<usize> = [0, nodes - 1].into_iter().flat_map(|k| barrier.at_node(k)).collect();
+    // What is given at the ends, and the equations beside them, which hold there.
+    let ends = &interior.ends;
+    let of_nodes = [(0, 0), (nodes - 1, 1)]
+        .into_iter()
+        .flat_map(|(k, end)| barrier.at_node(k).filter(move |&at| ends.is_given(end, barrier.side(at))));
+    let of_points = [0, barrier.points() - 1].into_iter().flat_map(|p| barrier.at_point(p));
+    let given: Vec<usize> = of_nodes.chain(of_points.filter(|&at| barrier.side(at).is_equation)).collect();
+    assert_eq!(given.len(), 8 + 4 + 2);
+    let mut equations = 0;
     for at in 0..barrier.count() {
         let (slack, multiplier) = (barrier.slack[at], barrier.multiplier[at]);
         assert_eq!(slack.is_infinite(), given.contains(&at), "{at}");
-        if slack.is_infinite() {
+        if slack.is_infinite() || slack == 0.0 {
             assert_eq!(multiplier, 0.0);
+            assert_eq!(slack == 0.0, barrier.is_on(at) && barrier.side(at).is_equation);
+            equations += usize::from(slack == 0.0);
             continue;
         }
         assert!(slack > 0.0 && slack >= barrier.distance[at]);
         let product = interior.mu * barrier.weight[at];
         assert!((slack * multiplier / product - 1.0).abs() < 1e-12);
     }
+    assert_eq!(equations, barrier.points() - 2 + 1);
 }
 
 #[test]
@@ -73,6 +96,8 @@ fn steps_are_those_of_the_linearised_conditions() {
             spline.time += factor * interior.time_steps[part];
             spline.evaluate(&mut interior.points.z);
             interior.dynamics.evaluate(&mut interior.points).unwrap();
+            interior.tasks.evaluate(&mut interior.points).unwrap();
+            interior.tasks.evaluate_ends(&spline, &mut interior.points).unwrap();
             let mut distance = vec![0.0; interior.barrier.count()];
             interior.barrier.measure(&spline, &interior.points, &mut distance);
             distance
@@ -95,6 +120,12 @@ fn steps_are_those_of_the_linearised_conditions() {
             continue;
         }
         let (ds, deta) = (interior.trial.slack_step[at], interior.trial.multiplier_step[at]);
+        if s == 0.0 {
+            // The multiplier goes up with what is left of the equation.
+            let left = interior.barrier.distance[at] + interior.changes[0][at] + mu * interior.changes[1][at];
+            assert!(ds == 0.0 && (deta + interior.barrier.curvature(at) * left).abs() < 1e-12 * deta.abs());
+            continue;
+        }
         let weight = interior.barrier.weight[at];
         let terms = [s * deta, eta * ds, -mu * weight, eta * s];
         let size: f64 = terms.iter().map(|term| term.abs()).sum();

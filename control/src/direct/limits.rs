@@ -1,7 +1,8 @@
-//! Hard limits at the points and nodes of a motion, one side at a time.
+//! Hard limits at the points, nodes and ends of a motion, one side at a time.
 
-use super::basis::POINTS;
+use super::ends::Ends;
 use super::points::Points;
+use super::side::{Limited, Side};
 use super::spline::{Mesh, Spline};
 use std::ops::Range;
 
@@ -9,62 +10,29 @@ use std::ops::Range;
 /// rates are limited; without it rates could swing between the points.
 const NODE_WEIGHT: f64 = 0.1;
 
-/// What is limited. The order is that of the values of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Limited {
-    Position,
-    Rate,
-    Acceleration,
-    Torque,
-}
-
-/// A limit on one side: `sign (value - bound) >= 0`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Side {
-    pub limited: Limited,
-    pub joint: usize,
-    /// 1 for a lower bound, -1 for an upper one.
-    pub sign: f64,
-    pub bound: f64,
-    /// Distance to the bound on the other side, or the size of values, if there is none: the unit of
-    /// violations.
-    pub range: f64,
-}
-
-impl Side {
-    /// Both sides of a limit; an infinite bound is none.
-    pub fn pair(limited: Limited, joint: usize, lower: f64, upper: f64) -> impl Iterator<Item = Self> {
-        let range = if (upper - lower).is_finite() {
-            upper - lower
-        } else {
-            [lower, upper]
-                .into_iter()
-                .filter(|bound| bound.is_finite())
-                .fold(1.0, |range: f64, b| range.max(b.abs()))
-        };
-        [(1.0, lower), (-1.0, upper)]
-            .into_iter()
-            .filter(|(_, bound)| bound.is_finite())
-            .map(move |(sign, bound)| Self { limited, joint, sign, bound, range })
-    }
-
-    /// Where its value stands among those of a point: q, v, a, tau.
-    pub fn index(&self, n: usize) -> usize {
-        self.limited as usize * n + self.joint
-    }
-}
-
 /// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
-/// point p; then those of positions and rates at the nodes.
+/// point p; then those of positions and rates at the nodes; then the rows of tasks at both ends.
 ///
 /// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a solution. A
-/// side that is off (that of an end that is given) has an infinite slack and neither multiplier nor weight.
+/// side that is off (that of an end that is given) has an infinite slack and neither multiplier nor weight. An
+/// equation has no slack, s = 0, and a multiplier of either sign; `d^2 stiffness weight / (2 range^2)` is
+/// added to the cost, so that Newton's matrix stays positive definite (the proximal method of multipliers:
+/// each step takes d to what the change of the multiplier over that stiffness leaves).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Barrier {
     sides: Vec<Side>,
     /// Number of sides of positions and rates, which come first.
     states: usize,
+    /// Rows of tasks at the start, then at the end.
+    at_ends: Vec<Side>,
+    /// How many of them are at the start.
+    at_start: usize,
     points: usize,
+    intervals: usize,
+    /// Sum of the weights of all limits without the equations.
+    total_weight: f64,
+    /// What the square of an equation costs, of weight and range one.
+    pub stiffness: f64,
     /// Weight of an entry in the barrier.
     pub weight: Vec<f64>,
     /// One over the range of an entry.
@@ -75,21 +43,25 @@ pub(crate) struct Barrier {
 }
 
 impl Barrier {
-    /// Without entries.
-    pub fn new(mut sides: Vec<Side>) -> Self {
+    /// Without entries; `at_ends` has the sides at the start and at the end.
+    pub fn new(mut sides: Vec<Side>, at_ends: [Vec<Side>; 2]) -> Self {
         sides.sort_by_key(|side| side.limited);
         let states = sides.partition_point(|side| side.limited < Limited::Acceleration);
-        Self { sides, states, ..Self::default() }
+        Self { sides, states, at_start: at_ends[0].len(), at_ends: at_ends.concat(), ..Self::default() }
     }
 
-    /// Room for the entries of a mesh, with their weights; `is_off` says which sides of the first (0) or last
-    /// (1) node are off.
-    pub fn resize(&mut self, mesh: &Mesh, is_off: impl Fn(usize, &Side) -> bool) {
+    /// Room for the entries of a mesh, with their weights.
+    pub fn resize(&mut self, mesh: &Mesh, ends: &Ends) {
         self.points = mesh.points();
+        self.intervals = mesh.intervals();
         self.weight.clear();
         for p in 0..mesh.points() {
             let weight = mesh.point(p).1;
-            self.weight.extend(self.sides.iter().map(|_| weight));
+            // The end holds equations already; with a point beside it there would be one too many.
+            let is_given =
+                [(0, 0), (mesh.points() - 1, 1)].iter().any(|&(at, end)| p == at && ends.keeps(end));
+            let on = |side: &Side| !(side.is_equation && is_given);
+            self.weight.extend(self.sides.iter().map(|side| if on(side) { weight } else { 0.0 }));
         }
         let last = mesh.intervals();
         for k in 0..=last {
@@ -97,10 +69,13 @@ impl Barrier {
             let right = if k < last { mesh.width(k) } else { 0.0 };
             let end = [(0, 0), (last, 1)].into_iter().find(|(node, _)| *node == k).map(|(_, end)| end);
             self.weight.extend(self.sides[..self.states].iter().map(|side| match end {
-                Some(end) if is_off(end, side) => 0.0,
+                Some(end) if ends.is_given(end, side) => 0.0,
                 _ => NODE_WEIGHT * (left + right),
             }));
         }
+        self.weight.extend(self.at_ends.iter().map(|_| 1.0));
+        let limits = (0..self.weight.len()).filter(|&at| !self.side(at).is_equation);
+        self.total_weight = limits.map(|at| self.weight[at]).sum();
         self.unit.clear();
         for at in 0..self.weight.len() {
             self.unit.push(1.0 / self.side(at).range);
@@ -132,15 +107,41 @@ impl Barrier {
         first..first + self.states
     }
 
-    /// The number of the side of an entry.
-    pub fn side_index(&self, at: usize) -> usize {
+    /// The entries of the rows at both ends: equations, one side a row.
+    pub fn at_ends(&self) -> Range<usize> {
+        self.first_at_ends()..self.weight.len()
+    }
+
+    /// The end at which a row is, by its entry.
+    pub fn end_of(&self, at: usize) -> usize {
+        usize::from(at >= self.first_at_ends() + self.at_start)
+    }
+
+    fn first_at_ends(&self) -> usize {
+        self.sides.len() * self.points + self.states * (self.intervals + 1)
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// The number of the side of an entry; `None` for a row at an end.
+    pub fn side_index(&self, at: usize) -> Option<usize> {
         let nodes = self.sides.len() * self.points;
-        if at < nodes { at % self.sides.len() } else { (at - nodes) % self.states }
+        if at < nodes {
+            Some(at % self.sides.len())
+        } else {
+            (at < self.first_at_ends()).then(|| (at - nodes) % self.states)
+        }
     }
 
     /// The side of an entry.
     pub fn side(&self, at: usize) -> &Side {
-        &self.sides[self.side_index(at)]
+        match self.side_index(at) {
+            Some(index) => &self.sides[index],
+            None => &self.at_ends[at - self.first_at_ends()],
+        }
     }
 
     /// s of an entry.
@@ -148,18 +149,47 @@ impl Barrier {
         let nodes = self.sides.len() * self.points;
         if at < nodes {
             spline.mesh.point(at / self.sides.len()).0
-        } else {
+        } else if at < self.first_at_ends() {
             spline.mesh.nodes[(at - nodes) / self.states]
+        } else {
+            self.end_of(at) as f64
         }
+    }
+
+    /// Whether an entry counts and is no equation.
+    #[inline(always)]
+    pub fn is_limit(&self, at: usize) -> bool {
+        let slack = self.slack[at];
+        slack > 0.0 && slack.is_finite()
+    }
+
+    /// Whether an entry counts.
+    #[inline(always)]
+    pub fn is_on(&self, at: usize) -> bool {
+        self.slack[at].is_finite()
+    }
+
+    /// Second derivative by the distance of an entry that counts, whose slack and multiplier are eliminated.
+    #[inline(always)]
+    pub fn curvature(&self, at: usize) -> f64 {
+        let slack = self.slack[at];
+        if slack > 0.0 {
+            return self.multiplier[at] / slack;
+        }
+        self.stiffness * self.weight[at] * self.unit[at] * self.unit[at]
     }
 
     /// d from the values at the points and nodes.
     pub fn measure(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
+        let (others, at_ends) = distance.split_at_mut(self.first_at_ends());
+        for ((distance, side), g) in at_ends.iter_mut().zip(&self.at_ends).zip(&points.ends.g) {
+            *distance = side.sign * (g - side.bound);
+        }
         if self.sides.is_empty() {
             return;
         }
         let n = points.dof;
-        let (at_points, at_nodes) = distance.split_at_mut(self.sides.len() * points.count());
+        let (at_points, at_nodes) = others.split_at_mut(self.sides.len() * points.count());
         measure(&self.sides, points, at_points);
         if self.states == 0 {
             return;
@@ -179,9 +209,9 @@ impl Barrier {
         on.map(|(slack, multiplier)| slack * multiplier).sum()
     }
 
-    /// Sum of all weights.
+    /// Sum of the weights of all limits without the equations.
     pub fn total_weight(&self) -> f64 {
-        self.weight.iter().sum()
+        self.total_weight
     }
 }
 
@@ -189,55 +219,14 @@ impl Barrier {
 pub(super) fn measure(sides: &[Side], points: &Points, distance: &mut [f64]) {
     let n = points.dof;
     for (p, distance) in distance.chunks_exact_mut(sides.len()).enumerate() {
-        let (z, tau) = (points.z(p), points.tau(p));
+        let (z, tau, g) = (points.z(p), points.tau(p), points.g(p));
         for (distance, side) in distance.iter_mut().zip(sides) {
-            let index = side.index(n);
-            let value = if index < 3 * n { z[index] } else { tau[index - 3 * n] };
+            let value = match side.limited {
+                Limited::Torque => tau[side.joint],
+                Limited::Task => g[side.joint],
+                _ => z[side.index(n)],
+            };
             *distance = side.sign * (value - side.bound);
         }
-    }
-}
-
-/// The multipliers of a motion over its weights, at the points.
-#[derive(Clone, Debug)]
-pub(super) struct Multipliers {
-    places: Vec<f64>,
-    sides: usize,
-    /// All sides of a point, one point after the other.
-    densities: Vec<f64>,
-}
-
-impl Multipliers {
-    /// Those of a motion. A node shares its multipliers between the points beside it.
-    pub fn of(spline: &Spline, barrier: &Barrier) -> Self {
-        let (sides, points) = (barrier.sides.len(), barrier.points);
-        let mut densities = barrier.multiplier[..sides * points].to_vec();
-        for k in 0..spline.mesh.nodes.len() {
-            for (i, at) in barrier.at_node(k).enumerate() {
-                let beside =
-                    [(k > 0).then(|| POINTS * k - 1), (k < spline.mesh.intervals()).then_some(POINTS * k)];
-                let count = beside.iter().flatten().count() as f64;
-                for p in beside.into_iter().flatten() {
-                    densities[sides * p + i] += barrier.multiplier[at] / count;
-                }
-            }
-        }
-        densities.iter_mut().zip(&barrier.weight).for_each(|(density, weight)| *density /= weight);
-        Self { places: (0..points).map(|p| spline.mesh.point(p).0).collect(), sides, densities }
-    }
-
-    /// At a point.
-    pub fn at_point(&self, p: usize, side: usize) -> f64 {
-        self.densities[self.sides * p + side]
-    }
-
-    /// Linear between the points.
-    pub fn density(&self, s: f64, side: usize) -> f64 {
-        let last = self.places.len() - 1;
-        let right = self.places.partition_point(|&place| place < s).clamp(1, last);
-        let (a, b) = (self.places[right - 1], self.places[right]);
-        let part = ((s - a) / (b - a)).clamp(0.0, 1.0);
-        let of = |p: usize| self.at_point(p, side);
-        (1.0 - part) * of(right - 1) + part * of(right)
     }
 }

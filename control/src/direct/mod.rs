@@ -6,7 +6,7 @@
 //! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits hold;
 //! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
 //! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the
-//! multipliers ([`system`]). The bubbles are eliminated interval by interval, and what remains is block
+//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 
@@ -20,6 +20,7 @@ mod interval;
 mod jumps;
 mod limits;
 mod metric;
+mod multipliers;
 mod point_terms;
 mod points;
 #[cfg(feature = "jit")]
@@ -30,10 +31,12 @@ mod refine;
 mod report;
 mod running;
 mod search;
+mod side;
 mod solve;
 mod spline;
 mod step;
 mod system;
+mod tasks;
 mod verify;
 
 pub(crate) use solve::Direct;

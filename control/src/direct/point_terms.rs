@@ -1,13 +1,19 @@
 //! First and second derivatives of the Lagrangian of the barrier problem at one point, in z = (q, v, a).
 
-use super::limits::{Barrier, Limited};
+use super::limits::Barrier;
 use super::points::Points;
 use super::running::Running;
+use super::side::Limited;
 use super::spline::Spline;
 
-/// Weights of the torques in the Lagrangian: those for [`Points::weights`].
+/// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`] and
+/// [`Points::g_weights`], and of the rows at the ends.
 pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, running: &Running) {
-    let n = points.dof;
+    let (n, rows) = (points.dof, points.rows);
+    points.g_weights.fill(0.0);
+    for (weight, at) in points.ends.weights.iter_mut().zip(barrier.at_ends()) {
+        *weight = -barrier.side(at).sign * barrier.multiplier[at];
+    }
     for p in 0..points.count() {
         let weight = spline.mesh.point(p).1 * spline.time;
         let weights = &mut points.weights[n * p..][..n];
@@ -15,8 +21,10 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
             *w = weight * r * tau;
         }
         for (side, multiplier) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
-            if side.limited == Limited::Torque {
-                weights[side.joint] -= side.sign * multiplier;
+            match side.limited {
+                Limited::Torque => weights[side.joint] -= side.sign * multiplier,
+                Limited::Task => points.g_weights[rows * p + side.joint] -= side.sign * multiplier,
+                _ => {}
             }
         }
     }
@@ -29,14 +37,16 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
 ///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
 ///
 /// Derivatives by the value with the multipliers, at mu = 0, and the factor of mu; and the second derivative.
+/// The same holds for an equation, with its own sigma and without mu.
 #[inline(always)]
 pub(super) fn side_terms(barrier: &Barrier, at: usize, sign: f64) -> ([f64; 3], f64) {
     let (s, eta, d) = (barrier.slack[at], barrier.multiplier[at], barrier.distance[at]);
     if s.is_infinite() {
         return ([0.0; 3], 0.0);
     }
-    let sigma = eta / s;
-    ([-sign * eta, -sign * (eta - sigma * d), -sign * barrier.weight[at] / s], sigma)
+    let sigma = barrier.curvature(at);
+    let of_mu = if s > 0.0 { -sign * barrier.weight[at] / s } else { 0.0 };
+    ([-sign * eta, -sign * (eta - sigma * d), of_mu], sigma)
 }
 
 /// Arrays of one point.
@@ -49,6 +59,9 @@ pub(super) struct Work {
     /// Second derivatives by limits of z, 3n, and of tau with the effort, n.
     curvature: Vec<f64>,
     tau_curvature: Vec<f64>,
+    /// The same for the rows of tasks.
+    g: [Vec<f64>; 3],
+    g_curvature: Vec<f64>,
     /// 3n x 3n: with the limits and the squares of the torques.
     pub hessian: Vec<f64>,
     /// dz/dT at constant unknowns, and the second derivative.
@@ -57,14 +70,16 @@ pub(super) struct Work {
 }
 
 impl Work {
-    /// Room for n joints.
-    pub fn new(n: usize) -> Self {
+    /// Room for n joints and so many rows of tasks.
+    pub fn new(n: usize, rows: usize) -> Self {
         let zeros = || vec![0.0; 3 * n];
         Self {
             z: [zeros(), zeros(), zeros(), zeros()],
             tau: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
             curvature: zeros(),
             tau_curvature: vec![0.0; n],
+            g: [vec![0.0; rows], vec![0.0; rows], vec![0.0; rows]],
+            g_curvature: vec![0.0; rows],
             hessian: vec![0.0; 9 * n * n],
             z_t: zeros(),
             z_tt: zeros(),
@@ -84,8 +99,9 @@ impl Work {
         let (n, time) = (points.dof, spline.time);
         let (_, weight) = spline.mesh.point(p);
         let (z, tau, tau_z) = (points.z(p), points.tau(p), points.tau_z(p));
-        self.z.iter_mut().chain(&mut self.tau).for_each(|vector| vector.fill(0.0));
+        self.z.iter_mut().chain(&mut self.tau).chain(&mut self.g).for_each(|vector| vector.fill(0.0));
         self.curvature.fill(0.0);
+        self.g_curvature.fill(0.0);
         // The running cost, then its effort.
         self.hessian.copy_from_slice(points.hessian(p));
         let [gradient, _, _, slope] = &mut self.z;
@@ -104,12 +120,15 @@ impl Work {
         let [gradient, at_zero, _] = &mut self.tau;
         at_zero.copy_from_slice(gradient);
         self.add_sides(p, n, barrier);
-        for (tau, z) in self.tau.iter().zip(&mut self.z) {
-            for (&factor, row) in tau.iter().zip(tau_z.chunks_exact(3 * n)) {
+        let g_x = points.g_x(p);
+        for ((tau, g), z) in self.tau.iter().zip(&self.g).zip(&mut self.z) {
+            let of_tau = tau.iter().zip(tau_z.chunks_exact(3 * n));
+            for (&factor, row) in of_tau.chain(g.iter().zip(g_x.chunks_exact(2 * n))) {
                 z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
             }
         }
-        self.add_torque_square(n, tau_z);
+        add_squares(&mut self.hessian, 3 * n, &self.tau_curvature, tau_z.chunks_exact(3 * n));
+        add_squares(&mut self.hessian, 3 * n, &self.g_curvature, g_x.chunks_exact(2 * n));
         for i in 0..3 * n {
             self.hessian[3 * n * i + i] += self.curvature[i];
         }
@@ -121,14 +140,13 @@ impl Work {
     fn add_sides(&mut self, p: usize, n: usize, barrier: &Barrier) {
         for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
             let (parts, sigma) = side_terms(barrier, at, side.sign);
-            if side.limited == Limited::Torque {
-                self.tau.iter_mut().zip(parts).for_each(|(to, part)| to[side.joint] += part);
-                self.tau_curvature[side.joint] += sigma;
-            } else {
-                let index = side.index(n);
-                self.z.iter_mut().zip(parts).for_each(|(to, part)| to[index] += part);
-                self.curvature[index] += sigma;
-            }
+            let (gradients, curvatures, index) = match side.limited {
+                Limited::Torque => (&mut self.tau[..], &mut self.tau_curvature, side.joint),
+                Limited::Task => (&mut self.g[..], &mut self.g_curvature, side.joint),
+                _ => (&mut self.z[..], &mut self.curvature, side.index(n)),
+            };
+            gradients.iter_mut().zip(parts).for_each(|(to, part)| to[index] += part);
+            curvatures[index] += sigma;
         }
     }
 
@@ -143,19 +161,20 @@ impl Work {
                 (0.0, 2.0 * square * v, 6.0 * square * a);
         }
     }
+}
 
-    /// H += tau_z' C tau_z.
-    #[inline(always)]
-    fn add_torque_square(&mut self, n: usize, tau_z: &[f64]) {
-        let width = 3 * n;
-        for (row, &curvature) in tau_z.chunks_exact(width).zip(&self.tau_curvature) {
-            if curvature == 0.0 {
-                continue;
-            }
-            for (i, to) in self.hessian.chunks_exact_mut(width).enumerate() {
-                let factor = curvature * row[i];
-                to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
-            }
+/// `H += J' C J` with the rows of J, which may be shorter than those of H.
+#[inline(always)]
+pub(super) fn add_squares<'a>(
+    hessian: &mut [f64],
+    width: usize,
+    curvatures: &[f64],
+    rows: impl Iterator<Item = &'a [f64]>,
+) {
+    for (row, &curvature) in rows.zip(curvatures).filter(|(_, curvature)| **curvature != 0.0) {
+        for (to, entry) in hessian.chunks_exact_mut(width).zip(row) {
+            let factor = curvature * entry;
+            to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
         }
     }
 }

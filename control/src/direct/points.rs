@@ -1,13 +1,16 @@
-//! Torques with their derivatives at the points of a motion.
+//! Torques, and what tools and clearances are, with their derivatives at the points of a motion.
 
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 
-/// What is known at each point: z = (q, v, a), tau, tau_z, and the Hessian of w.tau.
+/// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v), and the
+/// Hessian of w.tau and of the weighted rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Points {
     pub dof: usize,
+    /// Number of rows g.
+    pub rows: usize,
     pub z: Vec<f64>,
     pub tau: Vec<f64>,
     /// n x 3n a point, row by row.
@@ -16,17 +19,31 @@ pub(crate) struct Points {
     pub hessian: Vec<f64>,
     /// Weights w of the torques in the Hessian, n a point.
     pub weights: Vec<f64>,
+    pub g: Vec<f64>,
+    /// rows x 2n a point, row by row.
+    pub g_x: Vec<f64>,
+    /// Weights of the rows in the Hessian.
+    pub g_weights: Vec<f64>,
+    pub ends: EndRows,
 }
 
 impl Points {
-    /// Room for so many points of n joints.
-    pub fn resize(&mut self, n: usize, count: usize) {
-        self.dof = n;
+    /// Room for values at so many points of n joints.
+    pub fn resize_values(&mut self, n: usize, rows: usize, count: usize) {
+        (self.dof, self.rows) = (n, rows);
         self.z.resize(3 * n * count, 0.0);
         self.tau.resize(n * count, 0.0);
+        self.g.resize(rows * count, 0.0);
+    }
+
+    /// Room for values and derivatives.
+    pub fn resize(&mut self, n: usize, rows: usize, count: usize) {
+        self.resize_values(n, rows, count);
         self.tau_z.resize(3 * n * n * count, 0.0);
         self.hessian.resize(9 * n * n * count, 0.0);
         self.weights.resize(n * count, 0.0);
+        self.g_x.resize(2 * n * rows * count, 0.0);
+        self.g_weights.resize(rows * count, 0.0);
     }
 
     /// Number of points.
@@ -50,10 +67,42 @@ impl Points {
         &self.tau_z[size * p..][..size]
     }
 
+    /// The rows of tasks at a point.
+    pub fn g(&self, p: usize) -> &[f64] {
+        &self.g[self.rows * p..][..self.rows]
+    }
+
+    /// Their Jacobian, rows x 2n.
+    pub fn g_x(&self, p: usize) -> &[f64] {
+        let size = 2 * self.dof * self.rows;
+        &self.g_x[size * p..][..size]
+    }
+
     /// The Hessian of w.tau, 3n x 3n.
     pub fn hessian(&self, p: usize) -> &[f64] {
         let size = 9 * self.dof * self.dof;
         &self.hessian[size * p..][..size]
+    }
+}
+
+/// Rows g(q) of tasks at the ends: those at the start, then those at the end.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EndRows {
+    pub g: Vec<f64>,
+    /// rows x 2n; a pose does not depend on v.
+    pub g_x: Vec<f64>,
+    /// 2n x 2n of the weighted rows, for start and end.
+    pub hessian: [Vec<f64>; 2],
+    pub weights: Vec<f64>,
+}
+
+impl EndRows {
+    /// Room for so many rows of n joints.
+    pub fn resize(&mut self, n: usize, rows: usize) {
+        self.g.resize(rows, 0.0);
+        self.g_x.resize(2 * n * rows, 0.0);
+        self.weights.resize(rows, 0.0);
+        self.hessian.iter_mut().for_each(|hessian| hessian.resize(4 * n * n, 0.0));
     }
 }
 

@@ -5,18 +5,15 @@ use super::{LANES, ProgramPoints};
 use crate::options::MachineCode;
 use costate::EvalError;
 use costate::robot::Robot;
-use costate_test_support::allocations::{Counting, allocations};
+use costate_test_support::allocations::allocations;
 use costate_test_support::properties;
 use costate_test_support::random_robot::cases;
 use costate_test_support::robots::file;
 
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
 /// Points of a robot around z = (q, v, a), and weights.
 fn points(n: usize, count: usize, z: &[f64], weights: &[f64]) -> Points {
     let mut points = Points::default();
-    points.resize(n, count);
+    points.resize(n, 0, count);
     let mut random = fastrand::Rng::with_seed(5);
     for (to, given) in [(&mut points.z, z), (&mut points.weights, weights)] {
         for (p, row) in to.chunks_exact_mut(given.len()).enumerate() {

@@ -3,8 +3,10 @@
 use super::basis::{PLACES, POINTS, WEIGHTS as PART};
 use super::interior::Interior;
 use super::jumps::Jumps;
-use super::limits::{Limited, Multipliers, Side, measure};
+use super::limits::measure;
+use super::multipliers::Multipliers;
 use super::points::{PointDynamics, Points};
+use super::side::{Limited, Side};
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
@@ -110,24 +112,26 @@ impl Resolution {
     /// Evaluates the motion between the points.
     fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let (spline, n) = (&interior.spline, interior.spline.dof);
-        self.points.resize(n, BETWEEN.len() * spline.mesh.intervals());
+        self.points.resize_values(n, interior.tasks.rows(), BETWEEN.len() * spline.mesh.intervals());
         for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
             spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
         }
-        interior.dynamics.evaluate(&mut self.points)
+        interior.dynamics.evaluate(&mut self.points)?;
+        interior.tasks.evaluate(&mut self.points)
     }
 
     /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
-    fn compare_costs<D>(&mut self, interior: &Interior<D>) {
-        let (spline, running) = (&interior.spline, &interior.running);
+    fn compare_costs<D>(&mut self, interior: &mut Interior<D>) {
+        let Interior { spline, running, points, .. } = interior;
         self.cost = 0.0;
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
-            let rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
-            let coarse = |j: usize| PART[j] * rate(&interior.points, POINTS * k + j);
-            let fine = |at: usize| weight(at) * rate(&self.points, BETWEEN.len() * k + at);
-            let fine = length * (0..BETWEEN.len()).map(fine).sum::<f64>();
-            *error += (fine - length * (0..POINTS).map(coarse).sum::<f64>()).abs();
+            let mut rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
+            let coarse: f64 = (0..POINTS).map(|j| PART[j] * rate(points, POINTS * k + j)).sum();
+            let places = 0..BETWEEN.len();
+            let fine: f64 = places.map(|at| weight(at) * rate(&self.points, BETWEEN.len() * k + at)).sum();
+            let fine = length * fine;
+            *error += (fine - length * coarse).abs();
             self.cost += fine;
         }
     }
@@ -143,8 +147,8 @@ impl Resolution {
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
             let most = &mut self.violations[at / BETWEEN.len()];
             // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
-            let kept = distance.iter().zip(sides).filter(|(_, side)| side.limited < Limited::Acceleration);
-            *most = kept.fold(*most, |most, (d, side)| most.max(-d / side.range));
+            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps());
+            *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
             let (k, part) = (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.time);
             let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
             let over = torques.map(|(d, side)| (-d / side.range).max(0.0)).sum::<f64>();
@@ -166,11 +170,12 @@ impl Resolution {
                 let (mut signed, mut unsigned) = (0.0, 0.0);
                 for (at, &x) in BETWEEN.iter().enumerate() {
                     let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
-                    let product = weight(at) * density.max(0.0) * distances[sides.len() * at + i];
+                    let density = if side.is_equation { density } else { density.max(0.0) };
+                    let product = weight(at) * density * distances[sides.len() * at + i];
                     signed += product;
                     unsigned += product.abs();
                 }
-                let smooth = side.limited >= Limited::Acceleration;
+                let smooth = side.limited.jumps() || side.is_equation;
                 *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
             }
         }

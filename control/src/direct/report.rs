@@ -1,66 +1,102 @@
 //! How the motion that was found uses its limits.
 
 use super::interior::Interior;
-use super::limits::{Limited, Side};
 use super::refine::Resolution;
+use super::side::{Limited, Side};
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::problem::Problem;
 use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 use crate::result::solution::RobotNames;
+use costate::robot::JointKind;
 
 /// The use of all limits, from distances at and between the points.
 pub(super) fn report<D>(problem: &Problem, interior: &Interior<D>, resolution: &Resolution) -> LimitReport {
     let names = RobotNames::of(&problem.robot).joints;
-    let usage = |limited: Limited| usage(limited, &names, interior, resolution);
+    let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
+    let usage = |limited: Limited| usage(limited, &names, &kinds, interior, resolution);
     LimitReport {
         position: usage(Limited::Position),
         rate: usage(Limited::Rate),
         acceleration: usage(Limited::Acceleration),
         torque: usage(Limited::Torque),
+        task: usage(Limited::Task),
     }
 }
 
 fn usage<D>(
     limited: Limited,
     names: &[String],
+    kinds: &[JointKind],
     interior: &Interior<D>,
     resolution: &Resolution,
 ) -> Option<LimitUse> {
     let (spline, barrier) = (&interior.spline, &interior.barrier);
     let sides = barrier.sides();
     let mut found: Option<LimitUse> = None;
-    let mut worst = VIOLATION_ACCEPTED;
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == limited) {
         let usage = found.get_or_insert_default();
         let between = resolution.distances().iter().skip(i).step_by(sides.len());
-        usage.between = between.fold(usage.between, |most, d| most.max(-d));
-        // The given ends are within the limits; the problem was checked.
-        for at in (0..barrier.count()).filter(|&at| barrier.side_index(at) == i) {
-            let distance = barrier.distance[at];
-            if barrier.slack[at].is_infinite() {
-                continue;
-            }
-            usage.at_points = usage.at_points.max(-distance);
-            let part = -distance / side.range;
-            if part > worst {
-                worst = part;
-                usage.worst = Some(LimitViolation {
-                    joint: names[side.joint].clone(),
-                    time: barrier.place(at, spline) * spline.time,
-                    value: side.bound + side.sign * distance,
-                    limit: side.bound,
-                });
-            }
+        usage.between = between.fold(usage.between, |most, &d| most.max(excess(interior, side, None, d)));
+        if !side.is_equation {
+            usage.active.extend(spans(interior, i, side, name(interior, side, None, names)));
         }
-        usage.active.extend(spans(interior, i, side, &names[side.joint]));
+    }
+    let mut worst = VIOLATION_ACCEPTED;
+    // The given ends are within the limits; the problem was checked.
+    for at in (0..barrier.count()).filter(|&at| barrier.is_on(at) && barrier.side(at).limited == limited) {
+        let (side, distance) = (barrier.side(at), barrier.distance[at]);
+        let end = barrier.side_index(at).is_none().then(|| barrier.end_of(at));
+        let usage = found.get_or_insert_default();
+        usage.at_points = usage.at_points.max(excess(interior, side, end, distance));
+        let part = side.violation(distance);
+        if part > worst {
+            worst = part;
+            usage.worst = Some(LimitViolation {
+                name: name(interior, side, end, names).into(),
+                time: barrier.place(at, spline) * spline.time,
+                excess: excess(interior, side, end, distance),
+                unit: unit(interior, side, end, kinds).into(),
+                value: side.bound + side.sign * distance,
+                limit: side.bound,
+            });
+        }
     }
     found
 }
 
+/// The name of a joint, or of a row at an end or along the motion.
+fn name<'a, D>(interior: &'a Interior<D>, side: &Side, end: Option<usize>, names: &'a [String]) -> &'a str {
+    if side.limited == Limited::Task { &interior.tasks.row(end, side).name } else { &names[side.joint] }
+}
+
+/// The unit of a limit.
+fn unit<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, kinds: &[JointKind]) -> &'static str {
+    let of = |[rotation, translation]: [&'static str; 2]| match kinds[side.joint] {
+        JointKind::Revolute => rotation,
+        JointKind::Prismatic => translation,
+    };
+    match side.limited {
+        Limited::Position => of(["rad", "m"]),
+        Limited::Rate => of(["rad/s", "m/s"]),
+        Limited::Acceleration => of(["rad/s^2", "m/s^2"]),
+        Limited::Torque => of(["N m", "N"]),
+        Limited::Task => interior.tasks.row(end, side).unit,
+    }
+}
+
+/// By how much a limit is exceeded at a distance, in its unit.
+fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, distance: f64) -> f64 {
+    if side.limited == Limited::Task {
+        interior.tasks.row(end, side).excess(side.bound + side.sign * distance)
+    } else {
+        (-distance).max(0.0)
+    }
+}
+
 /// The spans in which a side is active.
-fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, joint: &str) -> Vec<ActiveLimit> {
+fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, name: &str) -> Vec<ActiveLimit> {
     let (spline, barrier) = (&interior.spline, &interior.barrier);
-    let name = if side.sign > 0.0 { "min" } else { "max" };
+    let bound = if side.sign > 0.0 { "min" } else { "max" };
     let mut spans: Vec<ActiveLimit> = Vec::new();
     let mut open = false;
     for p in 0..spline.mesh.points() {
@@ -69,7 +105,7 @@ fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, joint: &str) -> Vec<A
         match spans.last_mut().filter(|_| open && active) {
             Some(span) => span.to = t,
             None if active => {
-                spans.push(ActiveLimit { joint: joint.into(), side: name.into(), from: t, to: t })
+                spans.push(ActiveLimit { name: name.into(), side: bound.into(), from: t, to: t })
             }
             None => {}
         }

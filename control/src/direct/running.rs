@@ -1,12 +1,13 @@
-//! The running cost of a motion: time, effort, penalties, user terms.
+//! The running cost of a motion: time, effort, penalties, user terms, tools.
 
 use super::points::Points;
 use super::spline::Spline;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
 use crate::problem::Problem;
+use crate::task::costs::ToolCosts;
 
-/// `c_t + 1/2 sum r_i tau_i^2 + penalties + terms`, per second.
+/// `c_t + 1/2 sum r_i tau_i^2 + penalties + terms + tools`, per second.
 #[derive(Debug)]
 pub(crate) struct Running {
     /// c_t.
@@ -15,28 +16,31 @@ pub(crate) struct Running {
     pub effort: Vec<f64>,
     penalties: Penalties,
     terms: UserTerms<f64>,
+    tools: ToolCosts,
 }
 
 impl Running {
-    pub fn new(problem: &Problem) -> Self {
+    pub fn new(problem: &Problem, tools: ToolCosts) -> Self {
         let effort =
             problem.cost.effort.iter().zip(&problem.gain).map(|(r, gain)| r / (gain * gain)).collect();
         let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
         let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
-        Self { time: problem.cost.time, effort, penalties, terms }
+        Self { time: problem.cost.time, effort, penalties, terms, tools }
     }
 
     /// The cost of a motion.
-    pub fn cost(&self, spline: &Spline, points: &Points) -> f64 {
+    pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
         let rate = |p: usize| spline.mesh.point(p).1 * self.rate(points.z(p), points.tau(p));
         spline.time * (0..points.count()).map(rate).sum::<f64>()
     }
 
-    /// l at a point.
-    pub fn rate(&self, z: &[f64], tau: &[f64]) -> f64 {
+    /// l at a point; infinite where tools cannot be evaluated.
+    pub fn rate(&mut self, z: &[f64], tau: &[f64]) -> f64 {
         let n = tau.len();
+        let (q, v) = (&z[..n], &z[n..2 * n]);
         let effort: f64 = tau.iter().zip(&self.effort).map(|(tau, r)| 0.5 * r * tau * tau).sum();
-        self.time + effort + self.terms.at(&z[..n], &z[n..2 * n]) + self.penalty_rate(z)
+        let tools = if self.tools.any() { self.tools.evaluate(q, v).unwrap_or(f64::INFINITY) } else { 0.0 };
+        self.time + effort + self.terms.at(q, v) + self.penalty_rate(z) + tools
     }
 
     /// The penalties at a point.
@@ -61,6 +65,7 @@ impl Running {
         if self.penalties.any() {
             (0..n).for_each(|i| gradient[i] += self.penalties.rate(i, z[n + i]).first);
         }
+        // Poses of tools do not depend on rates.
         if !self.terms.any() {
             return;
         }
@@ -92,10 +97,12 @@ impl Running {
                 }
             }
         }
+        let (q, v) = (&z[..n], &z[n..2 * n]);
+        let tools = self.add_tools([q, v], [weight, time], gradient, slope, hessian);
         if !self.terms.any() {
-            return penalty;
+            return penalty + tools;
         }
-        self.terms.second(&z[..n], &z[n..2 * n]);
+        self.terms.second(q, v);
         for i in 0..2 * n {
             gradient[i] += time * weight * self.terms.gradient[i];
             slope[i] += weight * self.terms.gradient[i];
@@ -103,6 +110,33 @@ impl Running {
                 hessian[width * i + j] += time * weight * self.terms.hessian[(i, j)];
             }
         }
-        penalty + self.terms.value
+        penalty + tools + self.terms.value
+    }
+
+    /// The same of the tools.
+    fn add_tools(
+        &mut self,
+        [q, v]: [&[f64]; 2],
+        [weight, time]: [f64; 2],
+        gradient: &mut [f64],
+        slope: &mut [f64],
+        hessian: &mut [f64],
+    ) -> f64 {
+        if !self.tools.any() {
+            return 0.0;
+        }
+        if self.tools.contract(q, v).is_err() {
+            return f64::INFINITY;
+        }
+        let size = self.tools.gradient.len();
+        for (i, from) in self.tools.gradient.iter().enumerate() {
+            gradient[i] += time * weight * from;
+            slope[i] += weight * from;
+        }
+        let rows = hessian.chunks_exact_mut(gradient.len()).zip(self.tools.hessian.chunks_exact(size));
+        for (to, from) in rows {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += time * weight * from);
+        }
+        self.tools.value
     }
 }

@@ -17,12 +17,15 @@ impl<D: PointDynamics> Interior<D> {
         let dt = self.time_steps[0] + mu * self.time_steps[1];
         slope += self.system.time_gradient[0] * dt;
         for at in 0..self.barrier.slack.len() {
+            if !self.barrier.is_on(at) {
+                continue;
+            }
             let (s, eta, d) =
                 (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
-            if s.is_finite() {
-                let change = self.changes[0][at] + mu * self.changes[1][at];
-                slope += eta * (1.0 - d / s) * change
-                    - mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;
+            let change = self.changes[0][at] + mu * self.changes[1][at];
+            slope += (eta - self.barrier.curvature(at) * d) * change;
+            if s > 0.0 {
+                slope -= mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;
             }
         }
         let theta = self.infeasibility(&self.barrier.distance, &self.barrier.slack);
@@ -45,7 +48,7 @@ impl<D: PointDynamics> Interior<D> {
                 };
                 let sane = cost.is_finite() && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
                 if fine && sane {
-                    self.take(dual);
+                    self.take(alpha, dual);
                     return Some(alpha);
                 }
             }
@@ -74,31 +77,44 @@ impl<D: PointDynamics> Interior<D> {
         if !forward {
             return false;
         }
-        trial.points.resize(self.spline.dof, self.spline.mesh.points());
+        trial.points.resize_values(self.spline.dof, self.tasks.rows(), self.spline.mesh.points());
+        trial.points.ends.resize(self.spline.dof, self.tasks.end_rows());
         trial.spline.evaluate(&mut trial.points.z);
-        if self.dynamics.evaluate(&mut trial.points).is_err() {
+        let evaluated = self
+            .dynamics
+            .evaluate(&mut trial.points)
+            .and_then(|()| self.tasks.evaluate(&mut trial.points))
+            .and_then(|()| self.tasks.evaluate_ends(&trial.spline, &mut trial.points));
+        if evaluated.is_err() {
             return false;
         }
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
         for ((slack, step), &distance) in trial.slack.iter_mut().zip(&trial.slack_step).zip(&trial.distance) {
-            if slack.is_finite() {
+            if *slack > 0.0 && slack.is_finite() {
                 *slack = (*slack + alpha * step).max(distance);
             }
         }
         true
     }
 
-    /// Makes the trial the iterate.
-    fn take(&mut self, dual: f64) {
+    /// Makes the trial the iterate; multipliers of equations go as far as the motion, the others this part.
+    fn take(&mut self, alpha: f64, dual: f64) {
         std::mem::swap(&mut self.spline, &mut self.trial.spline);
         std::mem::swap(&mut self.points.z, &mut self.trial.points.z);
         std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
+        std::mem::swap(&mut self.points.g, &mut self.trial.points.g);
+        std::mem::swap(&mut self.points.ends.g, &mut self.trial.points.ends.g);
         std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);
         for at in 0..self.barrier.multiplier.len() {
-            if self.barrier.slack[at].is_finite() {
+            if !self.barrier.is_on(at) {
+                continue;
+            }
+            if !self.barrier.is_limit(at) {
+                self.barrier.multiplier[at] += alpha * self.trial.multiplier_step[at];
+            } else {
                 let eta = self.barrier.multiplier[at] + dual * self.trial.multiplier_step[at];
                 let central = self.mu * self.barrier.weight[at] / self.barrier.slack[at];
                 self.barrier.multiplier[at] = eta.clamp(central / constants::FAR, constants::FAR * central);

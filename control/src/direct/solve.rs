@@ -2,9 +2,8 @@
 
 use super::ends::Ends;
 use super::found::trajectory;
-use super::guess::guess;
+use super::guess::{guess, with_tools_reached};
 use super::interior::{End, Interior};
-use super::limits::{Limited, Side};
 #[cfg(not(feature = "jit"))]
 use super::points::RobotPoints as FastPoints;
 #[cfg(feature = "jit")]
@@ -12,6 +11,8 @@ use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
 use super::running::Running;
+use super::side::{Limited, Side};
+use super::tasks::Tasks;
 use super::verify::integrate;
 use crate::bvp::collocation::error::defined;
 use crate::constants::direct as constants;
@@ -20,12 +21,15 @@ use crate::parallel::best_of_starts;
 use crate::path::cubics::Disturbance;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
+use crate::problem::limits::JointLimits;
 use crate::progress::{Iteration, Phase};
 use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution};
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
 use crate::status::Status;
+use crate::task::build::TaskRows;
+use crate::task::costs::ToolCosts;
 use costate::EvalError;
 
 /// Points of an interval in the count of nodes.
@@ -34,6 +38,8 @@ const POINTS: usize = super::basis::POINTS;
 /// A problem that the direct method solves from one or several guesses.
 pub(crate) struct Direct<'a> {
     pub problem: CheckedProblem<'a>,
+    /// The functions of its task.
+    pub rows: &'a TaskRows,
     pub options: &'a SolverOptions,
     /// Where the first start begins.
     pub saved: Option<&'a Trajectory>,
@@ -53,16 +59,19 @@ impl Direct<'_> {
     /// One start.
     fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
-        let disturbance = Disturbance::draw(problem, self.options.seed, number);
         let intervals = ((self.options.nodes - 1) / POINTS).max(1);
         let saved = self.saved.filter(|_| number == 0);
-        let spline = guess(problem, saved, &disturbance, intervals);
+        let reached = with_tools_reached(problem, self.rows, number);
+        let disturbance = Disturbance::draw(&reached, self.options.seed, number);
+        let spline = guess(&reached, saved, &disturbance, intervals);
         #[cfg(feature = "jit")]
         let dynamics = FastPoints::new(&problem.robot, self.options.machine_code);
         #[cfg(not(feature = "jit"))]
         let dynamics = FastPoints::new(&problem.robot);
-        let mut interior =
-            Interior::new(spline, sides(problem), Running::new(problem), Ends::new(problem), dynamics);
+        let costs = ToolCosts::new(self.rows.costs.clone(), self.rows.weights.clone(), problem.robot.dof());
+        let tasks = Tasks::new(self.rows, problem.robot.dof());
+        let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
+        let mut interior = Interior::new(spline, sides(problem), tasks, running, ends, dynamics);
         let mut resolution = Resolution::default();
         let refined = self.refine(&mut interior, &mut resolution, recorder)?;
         self.finish(&mut interior, &resolution, refined, recorder)
@@ -202,7 +211,7 @@ impl Direct<'_> {
     }
 
     /// The motion integrated again with its torques.
-    fn integrate_again(&self, interior: &Interior<FastPoints>, resolution: &Resolution) -> Again {
+    fn integrate_again(&self, interior: &mut Interior<FastPoints>, resolution: &Resolution) -> Again {
         let (problem, spline) = (self.problem.problem(), &interior.spline);
         let (n, end) = (spline.dof, &problem.end);
         let cut: f64 = resolution.cut.iter().sum();
@@ -235,6 +244,7 @@ impl Direct<'_> {
                 defect = defect.max(defined((state[i] - given).abs()));
             }
         }
+        defect = defect.max(interior.tasks.miss(&state));
         Again { state: Some(state), defect, relative }
     }
 }
@@ -252,7 +262,7 @@ struct Refined {
 struct Again {
     /// (q, v) at the end.
     state: Option<Vec<f64>>,
-    /// Largest miss of a given position or rate at the end.
+    /// Largest miss of a given position, rate or pose of a tool at the end.
     defect: f64,
     /// Largest distance from the end of the motion, in parts of the largest values along it.
     relative: f64,
@@ -267,22 +277,19 @@ fn halved(nodes: &[f64]) -> Vec<f64> {
     std::iter::once(nodes[0]).chain(parts).collect()
 }
 
-/// All limits of a problem.
+/// All limits of the joints of a problem.
 fn sides(problem: &Problem) -> Vec<Side> {
     let limits = problem.joint_limits();
-    let of = |limited: Limited| {
-        limits.iter().enumerate().flat_map(move |(i, limits)| {
-            let [lower, upper] = match limited {
-                Limited::Position => limits.q,
-                Limited::Rate => [-limits.v, limits.v],
-                Limited::Acceleration => [-limits.a, limits.a],
-                Limited::Torque => limits.torque,
-            };
+    let of = |limited: Limited, range: fn(&JointLimits) -> [f64; 2]| {
+        let each = limits.iter().enumerate();
+        each.flat_map(move |(i, limits)| {
+            let [lower, upper] = range(limits);
             Side::pair(limited, i, lower, upper)
         })
     };
-    [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque]
-        .into_iter()
-        .flat_map(of)
+    of(Limited::Position, |limits| limits.q)
+        .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
+        .chain(of(Limited::Acceleration, |limits| [-limits.a, limits.a]))
+        .chain(of(Limited::Torque, |limits| limits.torque))
         .collect()
 }

@@ -73,6 +73,15 @@ impl Spline {
         (&inner[n * k..n * (k + 1)], &ends[2 * n * k..2 * n * (k + 2)])
     }
 
+    /// q and v at the start (0) or end (1), 2n numbers.
+    pub fn end(&self, end: usize, state: &mut [f64]) {
+        let n = self.dof;
+        let first = 2 * n * end * self.mesh.intervals();
+        state.copy_from_slice(&self.unknowns[first..first + 2 * n]);
+        let rate = 1.0 / self.time;
+        state[n..].iter_mut().for_each(|v| *v *= rate);
+    }
+
     /// q, v, a at all points, 3n numbers a point.
     pub fn evaluate(&self, z: &mut [f64]) {
         for (p, (z, basis)) in z.chunks_exact_mut(3 * self.dof).zip(&self.mesh.basis).enumerate() {

@@ -2,8 +2,8 @@
 
 use super::basis::POINTS;
 use super::interior::Interior;
-use super::limits::Limited;
 use super::points::PointDynamics;
+use super::side::Limited;
 use crate::constants::direct as constants;
 use crate::numerics::chain::dot;
 
@@ -21,6 +21,7 @@ impl<D: PointDynamics> Interior<D> {
             if count > 0 {
                 self.change_at_points(part);
                 self.change_at_nodes(part);
+                self.change_at_ends(part);
             }
         }
     }
@@ -37,13 +38,13 @@ impl<D: PointDynamics> Interior<D> {
                 dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
                 dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
             }
-            let tau_z = self.points.tau_z(p);
+            let (tau_z, g_x) = (self.points.tau_z(p), self.points.g_x(p));
             let changes = &mut self.changes[part][self.barrier.at_point(p)];
             for (change, side) in changes.iter_mut().zip(self.barrier.sides()) {
-                let value = if side.limited == Limited::Torque {
-                    dot(&tau_z[3 * n * side.joint..][..3 * n], dz)
-                } else {
-                    dz[side.index(n)]
+                let value = match side.limited {
+                    Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
+                    Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
+                    _ => dz[side.index(n)],
                 };
                 *change = side.sign * value;
             }
@@ -68,6 +69,17 @@ impl<D: PointDynamics> Interior<D> {
         }
     }
 
+    /// Change of the rows at the ends by a part of the step.
+    fn change_at_ends(&mut self, part: usize) {
+        let n = self.spline.dof;
+        let rows = self.points.ends.g_x.chunks_exact(2 * n);
+        for (at, row) in self.barrier.at_ends().zip(rows) {
+            let k = self.barrier.end_of(at) * self.spline.mesh.intervals();
+            let step = &self.steps[part][2 * n * k..][..n];
+            self.changes[part][at] = self.barrier.side(at).sign * dot(&row[..n], step);
+        }
+    }
+
     /// Steps of slacks and multipliers for a barrier, and how far they may go.
     pub(super) fn steps_of(&mut self, mu: f64) -> (f64, f64) {
         let count = self.barrier.count();
@@ -83,6 +95,11 @@ impl<D: PointDynamics> Interior<D> {
             }
             let weight = self.barrier.weight[at];
             let change = self.changes[0][at] + mu * self.changes[1][at];
+            if s == 0.0 {
+                let sigma = self.barrier.curvature(at);
+                (self.trial.slack_step[at], self.trial.multiplier_step[at]) = (0.0, -sigma * (d + change));
+                continue;
+            }
             let ds = change + d - s;
             let deta = (mu * weight - eta * d - eta * change) / s;
             if ds < 0.0 {
@@ -109,7 +126,7 @@ impl<D: PointDynamics> Interior<D> {
         let mut left = 0.0;
         for at in 0..self.barrier.slack.len() {
             let (s, eta) = (self.barrier.slack[at], self.barrier.multiplier[at]);
-            if s.is_finite() {
+            if self.barrier.is_limit(at) {
                 left +=
                     (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
             }

@@ -3,11 +3,12 @@
 use super::basis::POINTS;
 use super::ends::Ends;
 use super::interval::{IntervalHessian, add_gradient};
-use super::limits::{Barrier, Limited};
+use super::limits::Barrier;
 use super::metric::Metric;
-use super::point_terms::{Work, side_terms};
+use super::point_terms::{Work, add_squares, side_terms};
 use super::points::Points;
 use super::running::Running;
+use super::side::Limited;
 use super::spline::Spline;
 use crate::constants::direct::LEAST_CURVATURE;
 use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite, dot};
@@ -37,7 +38,7 @@ pub(crate) struct System {
 }
 
 impl System {
-    pub fn new(n: usize) -> Self {
+    pub fn new(n: usize, rows: usize) -> Self {
         let empty = || ChainMatrix::new(2 * n, n);
         Self {
             matrix: empty(),
@@ -51,7 +52,7 @@ impl System {
             time_gradient: [0.0; 2],
             border_solved: Vec::new(),
             schur: 1.0,
-            work: Work::new(n),
+            work: Work::new(n, rows),
             interval: IntervalHessian::new(n),
             metric: Metric::new(n),
         }
@@ -94,6 +95,7 @@ impl System {
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
+        self.add_ends(spline, points, barrier);
         self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
         self.fix(ends, spline);
     }
@@ -153,6 +155,29 @@ impl System {
                 self.time_gradient[1] += slope * of_mu;
                 self.corner += slope * slope * sigma + 2.0 * inverse * inverse * v * gradient;
                 self.border[first + i] += scale * slope * sigma - inverse * inverse * gradient;
+            }
+        }
+    }
+
+    /// Adds the rows of tasks at both ends, which depend on positions.
+    #[inline(always)]
+    fn add_ends(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
+        let (n, mut done) = (spline.dof, [false; 2]);
+        for (at, g_x) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)) {
+            let (end, row) = (barrier.end_of(at), &g_x[..n]);
+            let k = end * spline.mesh.intervals();
+            let (parts, sigma) = side_terms(barrier, at, barrier.side(at).sign);
+            for (gradient, part) in self.gradient.iter_mut().zip([parts[1], parts[2]]) {
+                let gradient = gradient[2 * n * k..].iter_mut().zip(row);
+                gradient.for_each(|(to, entry)| *to += part * entry);
+            }
+            let rows = self.matrix.node_rows(k);
+            add_squares(rows, 4 * n, &[sigma], std::iter::once(row));
+            if !std::mem::replace(&mut done[end], true) {
+                let hessian = points.ends.hessian[end].chunks_exact(2 * n).take(n);
+                for (to, from) in rows.chunks_exact_mut(4 * n).zip(hessian) {
+                    to.iter_mut().zip(&from[..n]).for_each(|(to, from)| *to += from);
+                }
             }
         }
     }

@@ -1,14 +1,18 @@
 //! The assembled gradient and Hessian against central differences.
 
 use super::super::ends::Ends;
-use super::super::limits::{Barrier, Limited, Side};
+use super::super::limits::Barrier;
 use super::super::point_terms::weigh;
 use super::super::points::{PointDynamics, Points, RobotPoints};
 use super::super::running::Running;
+use super::super::side::{Limited, Side};
 use super::super::spline::{Mesh, Spline};
+use super::super::tasks::Tasks;
 use super::System;
 use crate::problem::running_cost::{RunningCost, UserTerm};
-use crate::problem::{FinalTime, Objective, Penalty, Problem};
+use crate::problem::{FinalTime, Keep, Kept, Objective, Penalty, Problem, Task, Tool, ToolCost, ToolPose};
+use crate::task::build::TaskRows;
+use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 
@@ -21,6 +25,20 @@ impl RunningCost for Coupled {
     }
 }
 
+/// Rows of all kinds: an equation and limits along the motion, one of them on the speed; equations at the end;
+/// a cost.
+fn task() -> Task {
+    let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
+    let keep = |kept| Keep::new(tool(), kept);
+    let free = f64::INFINITY;
+    Task::default()
+        .with_end_tool(ToolPose::of(tool()).with_position([free, 0.3, free]))
+        .with_tool_cost(ToolCost::new(ToolPose::of(tool()).with_position([0.1, 0.2, free]), 1.5, 1.0))
+        .with_keep(keep(Kept::Plane { through: [0.1; 3], normal: [1.0, 0.5, 0.0], distance: 0.0 }))
+        .with_keep(keep(Kept::Box { min: [-0.1, -0.2, -free], max: [0.3, 0.4, free] }))
+        .with_keep(keep(Kept::Speed { max: 1.0 }))
+}
+
 /// A random motion with random slacks and multipliers.
 struct Case {
     spline: Spline,
@@ -30,6 +48,7 @@ struct Case {
     running: Running,
     ends: Ends,
     dynamics: RobotPoints,
+    tasks: Tasks,
     points: Points,
     system: System,
 }
@@ -54,23 +73,34 @@ impl Case {
         let mesh = Mesh::new(vec![0.0, 0.3, 0.55, 1.0]);
         let unknowns = (0..Spline::size(2, 3)).map(|_| random.f64() - 0.5).collect();
         let spline = Spline { dof: 2, mesh, unknowns, time: 1.3 };
+        problem.task = task();
         let ends = Ends::new(&problem);
-        let mut barrier = Barrier::new(sides);
-        barrier.resize(&spline.mesh, |end, side| ends.given[end][side.index(2)].is_some());
+        let rows = TaskRows::new(&problem).unwrap();
+        let tasks = Tasks::new(&rows, 2);
+        let mut barrier = Barrier::new(sides.into_iter().chain(tasks.sides()).collect(), tasks.end_sides());
+        barrier.stiffness = 3.0;
+        barrier.resize(&spline.mesh, &ends);
         let count = barrier.count();
         for at in 0..count {
             let on = barrier.weight[at] > 0.0;
-            barrier.slack[at] = if on { 0.2 + random.f64() } else { f64::INFINITY };
+            let is_equation = barrier.side(at).is_equation;
+            barrier.slack[at] = match on {
+                true if is_equation => 0.0,
+                true => 0.2 + random.f64(),
+                false => f64::INFINITY,
+            };
             barrier.multiplier[at] = if on { 0.2 + random.f64() } else { 0.0 };
         }
         let mut points = Points::default();
-        points.resize(2, spline.mesh.points());
+        points.resize(2, tasks.rows(), spline.mesh.points());
+        points.ends.resize(2, tasks.end_rows());
         Self {
             dynamics: RobotPoints::new(&problem.robot),
-            running: Running::new(&problem),
+            running: Running::new(&problem, ToolCosts::new(rows.costs, rows.weights, 2)),
             ends,
             shift: vec![0.0; count],
-            system: System::new(2),
+            system: System::new(2, tasks.rows()),
+            tasks,
             spline,
             barrier,
             points,
@@ -99,6 +129,8 @@ impl Case {
     fn evaluate(&mut self) {
         self.spline.evaluate(&mut self.points.z);
         self.dynamics.evaluate(&mut self.points).unwrap();
+        self.tasks.evaluate(&mut self.points).unwrap();
+        self.tasks.evaluate_ends(&self.spline, &mut self.points).unwrap();
         let mut distance = std::mem::take(&mut self.barrier.distance);
         self.barrier.measure(&self.spline, &self.points, &mut distance);
         self.barrier.distance = distance;
@@ -112,8 +144,8 @@ impl Case {
         for (at, (d, s)) in self.barrier.distance.iter().zip(&self.barrier.slack).enumerate() {
             if s.is_finite() {
                 let eta = self.barrier.multiplier[at];
-                values[0] += -eta * d + 0.5 * eta / s * d * d;
-                values[1] -= self.barrier.weight[at] / s * d;
+                values[0] += -eta * d + 0.5 * self.barrier.curvature(at) * d * d;
+                values[1] -= if *s > 0.0 { self.barrier.weight[at] / s * d } else { 0.0 };
             }
         }
         values
@@ -123,6 +155,7 @@ impl Case {
         self.evaluate();
         weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
         self.dynamics.contract(&mut self.points).unwrap();
+        self.tasks.contract(&self.spline, &mut self.points).unwrap();
         self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
     }
 

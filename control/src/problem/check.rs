@@ -4,6 +4,7 @@ use crate::options::Method;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::{Bounds, FinalTime, Penalty, Problem};
+use crate::task::check::check_task;
 use std::ops::Deref;
 
 /// A problem whose fields fit together, from [`Problem::check`]. Dereferences to the problem.
@@ -39,14 +40,19 @@ impl Problem {
         })
     }
 
-    /// Checks what [`check`](Self::check) checks, and the [limits](crate::MotionLimits). The
-    /// [direct method](Method::Direct) keeps them, so they may bound a control that costs nothing.
+    /// Checks what [`check`](Self::check) checks, the [limits](crate::MotionLimits) and the
+    /// [task](crate::Task). The [direct method](Method::Direct) keeps them, so limits may bound a control
+    /// that costs nothing.
     ///
     /// # Errors
-    /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`] for limits with another method.
+    /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`] and
+    /// [`ProblemError::TaskNeedsDirect`] for limits and tasks with another method.
     pub fn check_for(&self, method: Method) -> Result<CheckedProblem<'_>, ProblemError> {
         if method != Method::Direct {
             let checked = self.check()?;
+            if let Some(key) = self.task.first_key() {
+                return Err(ProblemError::TaskNeedsDirect { key });
+            }
             return if self.limits.any_given() { Err(ProblemError::LimitsNeedDirect) } else { Ok(checked) };
         }
         let checked = self.check_lists(|j| {
@@ -54,6 +60,7 @@ impl Problem {
             limits[j].torque.iter().all(|torque| torque.is_finite())
         })?;
         self.check_limits()?;
+        check_task(self)?;
         Ok(checked)
     }
 

@@ -24,6 +24,8 @@ pub enum ContinuationCause {
     FreeTime,
     /// Hard limits, which a continuation does not keep.
     Limits,
+    /// Tools or obstacles, which a continuation does not take.
+    Task,
     /// The robot that would have this value is refused.
     Robot(Arc<RobotError>),
 }
@@ -41,6 +43,7 @@ impl fmt::Display for ContinuationCause {
             Self::Limits => {
                 "a continuation keeps no hard limits; remove [limits], or use [bounds] and [penalty]"
             }
+            Self::Task => "a continuation takes neither tools nor obstacles; remove them",
             Self::Robot(error) => return error.fmt(f),
         })
     }

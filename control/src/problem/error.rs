@@ -2,6 +2,7 @@
 
 use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::key::Key;
+use crate::problem::task_error::TaskError;
 use costate::EvalError;
 use costate::codegen::CodegenError;
 use costate::robot::{printable, printable_number as number};
@@ -120,6 +121,18 @@ pub enum ProblemError {
     },
     /// Hard limits with a method that does not keep them.
     LimitsNeedDirect,
+    /// A part of the [`Task`](crate::Task).
+    Task {
+        /// The field.
+        key: Key,
+        /// What is wrong.
+        cause: TaskError,
+    },
+    /// A task with a method that does not take it.
+    TaskNeedsDirect {
+        /// Its first part.
+        key: Key,
+    },
     /// A control that costs nothing and is not bounded on both sides.
     UnboundedEffort {
         /// The joint.
@@ -159,7 +172,9 @@ impl ProblemError {
             | Self::Negative { key, .. }
             | Self::NoRoom { key, .. }
             | Self::EmptyLimits { key, .. }
-            | Self::OutsideLimits { key, .. } => key,
+            | Self::OutsideLimits { key, .. }
+            | Self::Task { key, .. }
+            | Self::TaskNeedsDirect { key } => key,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::FreeTimeWithoutCost => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
@@ -216,6 +231,8 @@ impl ProblemError {
                  limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
                 joint = printable(joint)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
+            Self::Task { cause, .. } => cause.to_string(),
+            Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
                  or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
@@ -235,7 +252,11 @@ impl ProblemError {
 impl fmt::Display for ProblemError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(key) = self.key() {
-            write!(f, "{}: ", key.field())?;
+            match self {
+                // A task has lists: their entries are counted from 0, as in Rust.
+                Self::Task { .. } => write!(f, "task: {}[{}].{}: ", key.table(), key.number(), key.name())?,
+                _ => write!(f, "{}: ", key.field())?,
+            }
         }
         f.write_str(&self.reason())
     }
@@ -246,6 +267,7 @@ impl std::error::Error for ProblemError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
+            Self::Task { cause, .. } => Some(cause),
             _ => None,
         }
     }

@@ -9,6 +9,8 @@ pub struct Key {
     table: &'static str,
     name: &'static str,
     field: &'static str,
+    /// Number of the entry in a list of tables, from 0.
+    entry: usize,
 }
 
 impl Key {
@@ -41,7 +43,17 @@ impl Key {
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 
     const fn new(table: &'static str, name: &'static str, field: &'static str) -> Self {
-        Self { table, name, field }
+        Self { table, name, field, entry: 0 }
+    }
+
+    /// A key of an entry of a list of tables, or of a table with one entry, of the task.
+    pub(crate) const fn entry(table: &'static str, name: &'static str, entry: usize) -> Self {
+        Self { table, name, field: "task", entry }
+    }
+
+    /// The number of the entry in the list of tables, from 0.
+    pub(crate) fn number(self) -> usize {
+        self.entry
     }
 
     /// A field of [`SolverOptions`](crate::SolverOptions).

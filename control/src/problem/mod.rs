@@ -8,12 +8,20 @@ pub(crate) mod file;
 mod joint_limits;
 pub(crate) mod key;
 pub(crate) mod limits;
+pub(crate) mod obstacles;
 pub(crate) mod parts;
 pub(crate) mod running_cost;
+pub(crate) mod task;
+pub(crate) mod task_error;
+pub(crate) mod tools;
 pub(crate) mod warning;
 
 pub use limits::MotionLimits;
+pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
+pub use task::Task;
+pub use task_error::TaskError;
+pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 
 use crate::problem::running_cost::UserTerm;
 use costate::robot::Robot;
@@ -62,6 +70,8 @@ pub struct Problem {
     pub penalty: Option<Penalty>,
     /// Hard limits, which [`Method::Direct`](crate::Method::Direct) keeps.
     pub limits: MotionLimits,
+    /// Tools and obstacles, which [`Method::Direct`](crate::Method::Direct) takes.
+    pub task: Task,
 }
 
 impl Problem {
@@ -80,6 +90,7 @@ impl Problem {
             bounds: None,
             penalty: None,
             limits: MotionLimits::default(),
+            task: Task::default(),
         }
     }
 
@@ -136,6 +147,12 @@ impl Problem {
     #[must_use]
     pub fn with_limits(self, limits: MotionLimits) -> Self {
         Self { limits, ..self }
+    }
+
+    /// With these tools and obstacles.
+    #[must_use]
+    pub fn with_task(self, task: Task) -> Self {
+        Self { task, ..self }
     }
 
     /// Whether a relaxed problem may weaken the user terms. Not where they are the only cost of time.

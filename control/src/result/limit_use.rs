@@ -19,6 +19,9 @@ pub struct LimitReport {
     /// tau (N m, N).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque: Option<LimitUse>,
+    /// Tools (m, rad, m/s) and clearances (m), at the ends too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub task: Option<LimitUse>,
 }
 
 /// How a motion uses the limits of one kind.
@@ -43,22 +46,26 @@ pub struct LimitUse {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LimitViolation {
-    /// Name of the joint.
-    pub joint: String,
+    /// Name of the joint, or of what a tool or a body does not keep.
+    pub name: String,
     /// When (s).
     pub time: f64,
-    /// The value there, in the unit of the limit.
+    /// By how much it is exceeded.
+    pub excess: f64,
+    /// The unit of `excess`, and of the other two where joints are limited.
+    pub unit: String,
+    /// The value there; of a tool or a clearance that of the function that is limited.
     pub value: f64,
     /// The limit.
     pub limit: f64,
 }
 
-/// A span of time in which a joint is at a limit.
+/// A span of time in which a joint, a tool or a body is at a limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ActiveLimit {
-    /// Name of the joint.
-    pub joint: String,
+    /// Name of the joint, or of what a tool or a body keeps.
+    pub name: String,
     /// "min" or "max".
     pub side: String,
     /// Start (s).
@@ -85,6 +92,7 @@ impl LimitReport {
             ("rate", &self.rate),
             ("acceleration", &self.acceleration),
             ("torque", &self.torque),
+            ("task", &self.task),
         ];
         kinds.into_iter().map(|(name, usage)| (name, usage.as_ref()))
     }

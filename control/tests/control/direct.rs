@@ -99,7 +99,7 @@ fn limits_of_rates() {
     // Not at rest, and of the second joint: it turns at full speed.
     assert!(!rate.active.is_empty(), "{rate:?}");
     for span in &rate.active {
-        assert_eq!(span.joint, problem.robot.joints()[1].name);
+        assert_eq!(span.name, problem.robot.joints()[1].name);
         assert!(span.from > 0.01 && span.to > span.from && span.to < 0.99, "{span:?}");
     }
     assert!(solution.limits.position.is_none() && solution.limits.torque.is_none());
@@ -243,9 +243,9 @@ fn a_time_that_is_too_short_is_told() {
     let rate = solution.limits.rate.as_ref().unwrap();
     // On average it moves at pi/2.
     assert!(rate.at_points > FRAC_PI_2 - 1.0 - 1e-6, "{rate:?}");
-    assert!(rate.active.iter().any(|span| span.joint == "shoulder"), "{rate:?}");
+    assert!(rate.active.iter().any(|span| span.name == "shoulder"), "{rate:?}");
     let worst = rate.worst.as_ref().unwrap();
-    assert!(worst.joint == "shoulder" && worst.limit == 1.0 && worst.time > 0.0, "{worst:?}");
+    assert!(worst.name == "shoulder" && worst.limit == 1.0 && worst.time > 0.0, "{worst:?}");
     assert!((worst.value - 1.0 - rate.at_points).abs() < 1e-12, "{worst:?}");
     assert_eq!(solution.limits.violations().count(), 1);
     let saved: Solution = serde_json::from_value(serde_json::to_value(&solution).unwrap()).unwrap();

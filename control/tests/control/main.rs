@@ -26,6 +26,7 @@ mod second_variation;
 mod shooting;
 mod source;
 mod stopping;
+mod task_file;
 mod user_terms;
 mod verification;
 

@@ -67,7 +67,7 @@ fn controls_that_jump_or_stay_at_bounds_get_their_switching_times() {
         // The same sides of the same joints as the direct method reports.
         let sides = |solution: &Solution| {
             let active = solution.limits.torque.clone().unwrap().active;
-            let mut sides: Vec<_> = active.into_iter().map(|span| (span.joint, span.side)).collect();
+            let mut sides: Vec<_> = active.into_iter().map(|span| (span.name, span.side)).collect();
             sides.sort();
             sides.dedup();
             sides

@@ -85,8 +85,11 @@ impl<'t> Document<'t> {
 
     /// Line of a key, or of its table where the key is missing.
     pub fn line_of(&self, key: Key) -> Option<usize> {
-        let root = self.root();
-        let Ok(Some(table)) = root.table(key.table()) else { return root.line_of(key.table()) };
+        let mut table = self.root();
+        for name in key.table().split('.') {
+            let Some(inner) = table.inner(name, key.number()) else { return table.line_of(name) };
+            table = inner;
+        }
         table.line_of(key.name()).or(table.start.map(|start| table.line_at(start)))
     }
 

@@ -5,6 +5,7 @@ pub(crate) mod error;
 mod nested;
 mod robot;
 mod tables;
+mod task;
 
 pub use error::{ProblemFileCause, ProblemFileError};
 

@@ -10,6 +10,30 @@ impl<'d> Table<'d> {
         matches!(self.values.get(name).map(|value| value.get_ref()), Some(DeValue::Table(_)))
     }
 
+    /// Whether a key is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.values.get(name).is_some()
+    }
+
+    /// Whether a key is there and holds a string.
+    pub fn has_string(&self, name: &str) -> bool {
+        matches!(self.values.get(name).map(|value| value.get_ref()), Some(DeValue::String(_)))
+    }
+
+    /// A table called `name`, or the entry of this number of a list of tables.
+    pub fn inner(&self, name: &str, number: usize) -> Option<Table<'d>> {
+        let (values, start) = match self.values.get(name)?.get_ref() {
+            DeValue::Table(values) => (values, self.start_of(name)),
+            DeValue::Array(entries) => {
+                let entry = entries.get(number)?;
+                let DeValue::Table(values) = entry.get_ref() else { return None };
+                (values, Some(entry.span().start))
+            }
+            _ => return None,
+        };
+        Some(Table { text: self.text, path: Some(self.key(name)), start, values })
+    }
+
     /// A table called `name` whose keys are any names: numbers.
     pub fn numbers_by_name(&self, name: &'static str) -> Result<Vec<(String, f64)>, Fault> {
         let Some(table) = self.table(name)? else { return Ok(Vec::new()) };

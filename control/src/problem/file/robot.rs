@@ -137,7 +137,8 @@ fn payload(table: &Table<'_>) -> Result<LinkInertia, Fault> {
     Ok(LinkInertia::from_entries(mass, com, entries))
 }
 
-fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, Fault> {
+/// Three numbers.
+pub(super) fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, Fault> {
     let Some(numbers) = table.numbers(name)? else { return Ok(None) };
     let count = numbers.len();
     let wrong = |_| {

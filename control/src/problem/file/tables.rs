@@ -5,8 +5,9 @@ use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Fault, Table, string, whole};
 use crate::problem::file::error::ProblemFileCause;
 use crate::problem::file::robot::{self, RobotTable};
+use crate::problem::file::task;
 use crate::problem::key::Key;
-use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem};
+use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem, Task};
 use costate::robot::Robot;
 use std::time::Duration;
 use toml::de::DeValue;
@@ -21,12 +22,15 @@ const ROOT: &[&str] = &[
     "bounds",
     "limits",
     "penalty",
+    "keep",
+    "obstacle",
+    "collision",
     "start_from",
     "solver",
 ];
-const STATE: &[&str] = &["q", "v", "q_free", "v_free"];
+const STATE: &[&str] = &["q", "v", "q_free", "v_free", "tool"];
 const TIME: &[&str] = &["final", "free", "guess"];
-const COST: &[&str] = &["time", "effort"];
+const COST: &[&str] = &["time", "effort", "tool"];
 const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
 const LIMITS: &[&str] = &["q_min", "q_max", "v_max", "a_max", "torque_max", "from_robot"];
@@ -73,15 +77,19 @@ pub(super) struct Tables {
     bounds: Option<Bounds>,
     penalty: Option<Penalty>,
     limits: Option<MotionLimits>,
+    task: Task,
     pub start_from: Option<String>,
     pub options: SolverOptions,
 }
 
 struct StateTable {
-    q: Vec<f64>,
+    /// `None`: those of the start, as a first guess.
+    q: Option<Vec<f64>>,
     v: Option<Vec<f64>>,
-    q_free: Vec<JointName>,
+    /// `None`: no joint, or all of them where tools are given.
+    q_free: Option<Vec<JointName>>,
     v_free: Vec<JointName>,
+    has_tools: bool,
 }
 
 /// A joint by its name, or by its index from 0.
@@ -102,14 +110,17 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     };
     let needed = |name, keys| root.need(name, optional(name, keys)?);
     let robot = robot::read(root)?;
-    let (start, end) = (state(&needed("start", STATE)?)?, state(&needed("end", STATE)?)?);
+    let start = needed("start", STATE)?;
+    start.need("q", start.numbers("q")?)?;
+    let (start, end) = (state(&start)?, state(&needed("end", STATE)?)?);
     let time = time(&needed("time", TIME)?)?;
     let cost = optional("cost", COST)?;
     let cost = cost.as_ref();
     let actuation = optional("actuation", ACTUATION)?;
     let start_from = optional("start_from", START_FROM)?;
     let limits = optional("limits", LIMITS)?.as_ref().map(limits).transpose()?;
-    let direct = limits.as_ref().is_some_and(MotionLimits::any_given);
+    let task = task::read(root)?;
+    let direct = limits.as_ref().is_some_and(MotionLimits::any_given) || !task.is_empty();
     Ok(Tables {
         robot,
         start,
@@ -121,6 +132,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
         limits,
+        task,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
         options: options(optional("solver", SOLVER)?.as_ref(), direct)?,
     })
@@ -128,17 +140,19 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
 
 fn state(table: &Table<'_>) -> Result<StateTable, Fault> {
     let joints = |name: &str| {
-        let found = table.list(name, "a list of joints, by name or by index from 0", |value| {
+        table.list(name, "a list of joints, by name or by index from 0", |value| {
             let index = || whole(value).and_then(|index| usize::try_from(index).ok()).map(JointName::Index);
             string(value).map(JointName::Name).or_else(index)
-        });
-        found.map(Option::unwrap_or_default)
+        })
     };
+    let has_tools = table.has("tool");
+    let q = table.numbers("q")?;
     Ok(StateTable {
-        q: table.need("q", table.numbers("q")?)?,
+        q: if has_tools { q } else { Some(table.need("q", q)?) },
         v: table.numbers("v")?,
         q_free: joints("q_free")?,
-        v_free: joints("v_free")?,
+        v_free: joints("v_free")?.unwrap_or_default(),
+        has_tools,
     })
 }
 
@@ -240,7 +254,10 @@ impl Tables {
     pub fn problem(&self, robot: Robot) -> Result<Problem, ProblemError> {
         let n = robot.dof();
         let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
-        let fixed = |table: &StateTable| BoundaryState::fixed(&table.q, &fill(&table.v, 0.0));
+        let from = self.start.q.as_deref().unwrap_or_default();
+        let fixed = |table: &StateTable| {
+            BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
+        };
         let (start, end) = (fixed(&self.start), fixed(&self.end));
         let effort = fill(&self.effort, 0.0);
         let mut problem = Problem {
@@ -253,13 +270,25 @@ impl Tables {
             bounds: self.bounds.clone(),
             penalty: self.penalty.clone(),
             limits: self.limits.clone().unwrap_or_default(),
+            task: self.task.clone(),
             robot,
         };
-        problem.start.q_free = indices(&problem, Key::START_Q_FREE, &self.start.q_free)?;
+        problem.start.q_free = self.start.free(&problem, Key::START_Q_FREE)?;
         problem.start.v_free = indices(&problem, Key::START_V_FREE, &self.start.v_free)?;
-        problem.end.q_free = indices(&problem, Key::END_Q_FREE, &self.end.q_free)?;
+        problem.end.q_free = self.end.free(&problem, Key::END_Q_FREE)?;
         problem.end.v_free = indices(&problem, Key::END_V_FREE, &self.end.v_free)?;
         Ok(problem)
+    }
+}
+
+impl StateTable {
+    /// The joints whose positions are free.
+    fn free(&self, problem: &Problem, key: Key) -> Result<Vec<usize>, ProblemError> {
+        match &self.q_free {
+            Some(joints) => indices(problem, key, joints),
+            None if self.has_tools => Ok((0..problem.robot.dof()).collect()),
+            None => Ok(Vec::new()),
+        }
     }
 }
 

@@ -1,0 +1,72 @@
+//! One side of a limit.
+
+use crate::task::row::Row;
+
+/// What is limited. The order is that of the values of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Limited {
+    Position,
+    Rate,
+    Acceleration,
+    Torque,
+    /// A row of a task.
+    Task,
+}
+
+impl Limited {
+    /// Whether it jumps where torques do: only its values at points are those of the motion that is meant.
+    pub fn jumps(self) -> bool {
+        matches!(self, Self::Acceleration | Self::Torque)
+    }
+}
+
+/// A limit on one side: `sign (value - bound) >= 0`; or an equation, with zero on the right and sign 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Side {
+    pub limited: Limited,
+    /// The joint, or the row of a task.
+    pub joint: usize,
+    /// 1 for a lower bound, -1 for an upper one.
+    pub sign: f64,
+    pub bound: f64,
+    /// Distance to the bound on the other side, or the size of values, if there is none: the unit of
+    /// violations.
+    pub range: f64,
+    pub is_equation: bool,
+}
+
+impl Side {
+    /// Both sides of a limit; an infinite bound is none.
+    pub fn pair(limited: Limited, joint: usize, lower: f64, upper: f64) -> impl Iterator<Item = Self> {
+        let range = if (upper - lower).is_finite() {
+            upper - lower
+        } else {
+            [lower, upper]
+                .into_iter()
+                .filter(|bound| bound.is_finite())
+                .fold(1.0, |range: f64, b| range.max(b.abs()))
+        };
+        [(1.0, lower), (-1.0, upper)]
+            .into_iter()
+            .filter(|(_, bound)| bound.is_finite())
+            .map(move |(sign, bound)| Self { limited, joint, sign, bound, range, is_equation: false })
+    }
+
+    /// The sides of a row of a task.
+    pub fn of_row(index: usize, row: &Row) -> impl Iterator<Item = Self> {
+        let is_equation = row.is_equation();
+        Self::pair(Limited::Task, index, row.lower, row.upper)
+            .take(if is_equation { 1 } else { 2 })
+            .map(move |side| Self { range: row.range, is_equation, ..side })
+    }
+
+    /// How far it is exceeded at a distance, in parts of its range.
+    pub fn violation(&self, distance: f64) -> f64 {
+        (if self.is_equation { distance.abs() } else { -distance }) / self.range
+    }
+
+    /// Where its value stands among those of a point: q, v, a, tau, rows.
+    pub fn index(&self, n: usize) -> usize {
+        self.limited as usize * n + self.joint
+    }
+}

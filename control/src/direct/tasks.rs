@@ -1,0 +1,153 @@
+//! Rows of tasks along a motion and at its ends.
+
+use super::points::Points;
+use super::side::Side;
+use super::spline::Spline;
+use crate::task::build::TaskRows;
+use crate::task::functions::{PathFunction, TaskFunctions};
+use crate::task::row::Row;
+use costate::EvalError;
+
+/// The functions of a task, and room for one point.
+#[derive(Clone, Debug)]
+pub(crate) struct Tasks {
+    along: TaskFunctions,
+    ends: [TaskFunctions; 2],
+    /// 2n x 2n.
+    hessian: Vec<f64>,
+    /// q and v at an end.
+    state: Vec<f64>,
+}
+
+impl Tasks {
+    /// Those of a robot with n joints.
+    pub fn new(rows: &TaskRows, n: usize) -> Self {
+        let TaskRows { start, end, along, .. } = rows.clone();
+        Self { along, ends: [start, end], hessian: vec![0.0; 4 * n * n], state: vec![0.0; 2 * n] }
+    }
+
+    /// Number of rows along the motion.
+    pub fn rows(&self) -> usize {
+        self.along.rows()
+    }
+
+    /// Number of rows at both ends.
+    pub fn end_rows(&self) -> usize {
+        self.ends.iter().map(PathFunction::rows).sum()
+    }
+
+    /// What holds along the motion.
+    pub fn sides(&self) -> impl Iterator<Item = Side> {
+        self.along.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row))
+    }
+
+    /// What holds at the start and at the end.
+    pub fn end_sides(&self) -> [Vec<Side>; 2] {
+        self.ends.each_ref().map(|functions| {
+            functions.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row)).collect()
+        })
+    }
+
+    /// The rows along the motion at all points.
+    ///
+    /// # Errors
+    /// Positions or rates that are not finite.
+    pub fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        if self.along.is_empty() {
+            return Ok(());
+        }
+        let n = points.dof;
+        for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(points.rows)) {
+            self.along.values(&z[..n], &z[n..2 * n], g)?;
+        }
+        Ok(())
+    }
+
+    /// The rows at the ends.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn evaluate_ends(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+        let (n, mut first) = (spline.dof, 0);
+        for (end, functions) in self.ends.iter_mut().enumerate() {
+            if functions.is_empty() {
+                continue;
+            }
+            let g = &mut points.ends.g[first..first + functions.rows()];
+            spline.end(end, &mut self.state);
+            functions.values(&self.state[..n], &self.state[n..], g)?;
+            first += functions.rows();
+        }
+        Ok(())
+    }
+
+    /// All rows with their Jacobians; their weighted second derivatives are added to the Hessian at the
+    /// points.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn contract(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+        self.contract_points(points)?;
+        let (n, mut first) = (spline.dof, 0);
+        for (end, functions) in self.ends.iter_mut().enumerate() {
+            if functions.is_empty() {
+                continue;
+            }
+            let rows = first..first + functions.rows();
+            first = rows.end;
+            spline.end(end, &mut self.state);
+            let all = &mut points.ends;
+            all.hessian[end].fill(0.0);
+            functions.contract(
+                &self.state[..n],
+                &self.state[n..],
+                &all.weights[rows.clone()],
+                &mut all.g[rows.clone()],
+                &mut all.g_x[2 * n * rows.start..2 * n * rows.end],
+                &mut all.hessian[end],
+            )?;
+        }
+        Ok(())
+    }
+
+    fn contract_points(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        if self.along.is_empty() {
+            return Ok(());
+        }
+        let (n, rows) = (points.dof, points.rows);
+        for p in 0..points.count() {
+            let z = &points.z[3 * n * p..][..3 * n];
+            self.hessian.fill(0.0);
+            self.along.contract(
+                &z[..n],
+                &z[n..2 * n],
+                &points.g_weights[rows * p..][..rows],
+                &mut points.g[rows * p..][..rows],
+                &mut points.g_x[2 * n * rows * p..][..2 * n * rows],
+                &mut self.hessian,
+            )?;
+            let hessian = &mut points.hessian[9 * n * n * p..][..9 * n * n];
+            for (to, from) in hessian.chunks_exact_mut(3 * n).zip(self.hessian.chunks_exact(2 * n)) {
+                to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+            }
+        }
+        Ok(())
+    }
+
+    /// How far tools are off at the end in a state (q, v), in m and rad; the largest.
+    pub fn miss(&mut self, state: &[f64]) -> f64 {
+        let (q, v) = state.split_at(state.len() / 2);
+        let end = &mut self.ends[1];
+        let mut g = vec![0.0; end.rows()];
+        if end.values(q, v, &mut g).is_err() {
+            return f64::INFINITY;
+        }
+        end.bounds().iter().zip(g).fold(0.0, |most, (row, g)| most.max(row.excess(g)))
+    }
+
+    /// What holds on a side, along the motion (`None`) or at an end.
+    pub fn row(&self, end: Option<usize>, side: &Side) -> &Row {
+        let functions = end.map_or(&self.along, |end| &self.ends[end]);
+        &functions.bounds()[side.joint]
+    }
+}

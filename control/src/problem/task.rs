@@ -1,0 +1,84 @@
+//! What a problem asks beside joints, torques and time.
+
+use super::key::Key;
+use super::obstacles::{Collision, Obstacle};
+use super::tools::{Keep, ToolCost, ToolPose};
+
+/// Poses of tools at the ends, what tools keep along the motion, what they cost, and obstacles.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Task {
+    /// Where tools are at the start.
+    pub start_tools: Vec<ToolPose>,
+    /// Where tools are at the end.
+    pub end_tools: Vec<ToolPose>,
+    /// What tools keep all along the motion.
+    pub keep: Vec<Keep>,
+    /// Running costs of tools.
+    pub tool_costs: Vec<ToolCost>,
+    /// What the robot does not touch.
+    pub obstacles: Vec<Obstacle>,
+    /// With what it does not touch them.
+    pub collision: Option<Collision>,
+}
+
+impl Task {
+    /// Whether anything is asked.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The key of its first part.
+    pub(crate) fn first_key(&self) -> Option<Key> {
+        let parts = [
+            (self.start_tools.is_empty(), "start.tool", "frame"),
+            (self.end_tools.is_empty(), "end.tool", "frame"),
+            (self.keep.is_empty(), "keep", "kind"),
+            (self.tool_costs.is_empty(), "cost.tool", "frame"),
+            (self.obstacles.is_empty(), "obstacle", "kind"),
+            (self.collision.is_none(), "collision", "capsules"),
+        ];
+        parts.into_iter().find(|(is_empty, ..)| !is_empty).map(|(_, table, name)| Key::entry(table, name, 0))
+    }
+
+    /// With a tool here at the start. The start must leave joints free for it.
+    #[must_use]
+    pub fn with_start_tool(mut self, pose: ToolPose) -> Self {
+        self.start_tools.push(pose);
+        self
+    }
+
+    /// With a tool here at the end. The end must leave joints free for it.
+    #[must_use]
+    pub fn with_end_tool(mut self, pose: ToolPose) -> Self {
+        self.end_tools.push(pose);
+        self
+    }
+
+    /// With something that a tool keeps.
+    #[must_use]
+    pub fn with_keep(mut self, keep: Keep) -> Self {
+        self.keep.push(keep);
+        self
+    }
+
+    /// With a running cost of a tool.
+    #[must_use]
+    pub fn with_tool_cost(mut self, cost: ToolCost) -> Self {
+        self.tool_costs.push(cost);
+        self
+    }
+
+    /// With an obstacle.
+    #[must_use]
+    pub fn with_obstacle(mut self, obstacle: Obstacle) -> Self {
+        self.obstacles.push(obstacle);
+        self
+    }
+
+    /// With these bodies of the robot.
+    #[must_use]
+    pub fn with_collision(self, collision: Collision) -> Self {
+        Self { collision: Some(collision), ..self }
+    }
+}

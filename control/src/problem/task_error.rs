@@ -1,0 +1,184 @@
+//! What is wrong with a task.
+
+use costate::robot::{printable, printable_number as number};
+use std::fmt;
+
+/// Why a part of a [`Task`](crate::Task) was refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TaskError {
+    /// A frame that the robot does not have.
+    UnknownFrame {
+        /// The name that was given.
+        frame: String,
+        /// Names of frames that resemble it.
+        nearest: Vec<String>,
+    },
+    /// A frame that no joint moves.
+    FixedFrame {
+        /// The frame.
+        frame: String,
+    },
+    /// A number that is not finite.
+    NotFinite,
+    /// A direction of length zero, or one that is not finite.
+    NoDirection,
+    /// A matrix that is not orthonormal and right-handed to 1e-6.
+    NotARotation,
+    /// A number out of its range.
+    OutOfRange {
+        /// The number.
+        value: f64,
+        /// The range.
+        remedy: &'static str,
+    },
+    /// A pose without position and orientation.
+    NothingAsked {
+        /// The frame.
+        frame: String,
+    },
+    /// Tools at an end that fix more than the joints which are free there.
+    TooManyConditions {
+        /// Number of conditions.
+        asked: usize,
+        /// Number of joints whose position is free.
+        free: usize,
+        /// The key that frees joints.
+        remedy: &'static str,
+    },
+    /// A condition that no free joint changes.
+    Immovable {
+        /// The condition.
+        what: String,
+    },
+    /// Obstacles or pairs, but no bodies of the robot that could touch them.
+    NoBodies,
+    /// A name that no body and no obstacle has.
+    UnknownBody {
+        /// The name that was given.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// A pair of two bodies that the robot does not move against each other.
+    FixedPair {
+        /// The bodies.
+        names: [String; 2],
+    },
+    /// Two bodies without radius and margin: their distance has no derivatives where they touch.
+    NoRadius {
+        /// The bodies.
+        names: [String; 2],
+    },
+    /// More entries, or more pairs of bodies and obstacles, than a task may have.
+    TooMany {
+        /// Their number.
+        found: usize,
+        /// The most.
+        most: usize,
+    },
+    /// A name that two of the bodies and obstacles have.
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A start or end that does not keep what must hold along the motion.
+    NotKept {
+        /// What does not hold.
+        what: String,
+        /// By how much (m, rad, m/s).
+        by: f64,
+    },
+    /// Poses of tools that no position of the free joints within their limits was found for.
+    OutOfReach {
+        /// What comes least close.
+        what: String,
+        /// By how much at the nearest position that was found (m, rad).
+        by: f64,
+    },
+}
+
+impl fmt::Display for TaskError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownFrame { frame, nearest } => {
+                write!(f, "there is no frame '{}'", printable(frame))?;
+                match &nearest[..] {
+                    [] => write!(f, "; `costate info ROBOT --frames` lists them"),
+                    nearest => write!(f, "; did you mean {}?", quoted(nearest, " or ")),
+                }
+            }
+            Self::FixedFrame { frame } => {
+                write!(f, "no joint moves the frame '{}'; name one on a link that moves", printable(frame))
+            }
+            Self::NotFinite => f.write_str("must be finite"),
+            Self::NoDirection => f.write_str("gives no direction: it must be finite and not zero"),
+            Self::NotARotation => f.write_str("is no rotation: its rows must be orthonormal and right-handed to 1e-6"),
+            Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
+            Self::NothingAsked { frame } => {
+                write!(f, "nothing is asked of the tool '{}': give its position or orientation", printable(frame))
+            }
+            Self::TooManyConditions { asked, free, remedy } => write!(
+                f,
+                "the tools here fix {asked} quantities, but the number of joints with free positions is {free}; free more in \
+                 {remedy}, or ask for less"
+            ),
+            Self::Immovable { what } => write!(
+                f,
+                "no free joint changes the {}; leave it out (a coordinate that is inf is free), or free other joints",
+                printable(what)
+            ),
+            Self::NoBodies => f.write_str(
+                "the robot has no bodies that could touch anything; give [collision] with capsules = \"auto\" and a radius, \
+                 or [[collision.capsule]]",
+            ),
+            Self::UnknownBody { name, known } => write!(
+                f,
+                "nothing is called '{}'; the bodies and obstacles are {}",
+                printable(name),
+                quoted(known, ", ")
+            ),
+            Self::FixedPair { names: [a, b] } => write!(
+                f,
+                "the robot does not move '{}' and '{}' against each other; remove the pair",
+                printable(a),
+                printable(b)
+            ),
+            Self::NoRadius { names: [a, b] } => write!(
+                f,
+                "'{}' and '{}' have neither a radius nor a margin between them; give one of the three",
+                printable(a),
+                printable(b)
+            ),
+            Self::TooMany { found, most } => {
+                write!(f, "the task has {found} of these or of their pairs, the most is {most}; leave some out")
+            }
+            Self::DuplicateName { name } => {
+                write!(f, "two bodies or obstacles are called '{}'; rename one", printable(name))
+            }
+            Self::NotKept { what, by } => write!(
+                f,
+                "the {} is off by {}; move it, or ask for less",
+                printable(what),
+                number(*by)
+            ),
+            Self::OutOfReach { what, by } => write!(
+                f,
+                "no position of the free joints within their limits was found: at best the {} is off by {}; move the \
+                 tool, free more joints, or give a better first guess of q",
+                printable(what),
+                number(*by)
+            ),
+        }
+    }
+}
+
+impl std::error::Error for TaskError {}
+
+/// The first names, each in quotes.
+fn quoted(names: &[String], between: &str) -> String {
+    const MOST: usize = 12;
+    let shown: Vec<String> = names.iter().take(MOST).map(|name| format!("'{}'", printable(name))).collect();
+    let more = names.len().saturating_sub(MOST);
+    shown.join(between) + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}

@@ -1,0 +1,75 @@
+//! Whether a task can be done at all.
+
+use super::build::TaskRows;
+use super::functions::{PathFunction, TaskFunctions};
+use super::reach::{immovable, reach};
+use super::row::Row;
+use crate::constants::task::{CLOSE, OFF};
+use crate::problem::error::ProblemError;
+use crate::problem::key::Key;
+use crate::problem::task_error::TaskError;
+use crate::problem::{BoundaryState, Problem};
+
+/// Checks the task of a problem whose other fields are valid.
+///
+/// # Errors
+/// [`ProblemError::Task`]: what [`TaskRows::new`] refuses; tools that fix more than what is free, or that
+/// no position reaches; a given start
+/// or end that does not keep what must hold along the motion.
+pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
+    if problem.task.is_empty() {
+        return Ok(());
+    }
+    let mut rows = TaskRows::new(problem)?;
+    let ends = [(&problem.start, &rows.start, "start"), (&problem.end, &rows.end, "end")];
+    for (state, functions, name) in ends {
+        let (asked, free) = (functions.rows(), state.q_free.len());
+        if asked > free {
+            let (table, remedy) =
+                if name == "start" { ("start.tool", "start.q_free") } else { ("end.tool", "end.q_free") };
+            let cause = TaskError::TooManyConditions { asked, free, remedy };
+            return Err(ProblemError::Task { key: Key::entry(table, "frame", 0), cause });
+        }
+    }
+    let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
+    for (state, functions, table) in
+        [(&problem.start, &mut rows.start, "start.tool"), (&problem.end, &mut rows.end, "end.tool")]
+    {
+        if functions.is_empty() {
+            continue;
+        }
+        let found = reach(functions, &state.q, &state.q_free, &limits, 0);
+        let immovable = immovable(functions, &found.q, &state.q_free);
+        let name = |row: usize| functions.bounds()[row].name.clone();
+        let cause = match immovable {
+            Some(row) => TaskError::Immovable { what: name(row) },
+            None if !found.is_there() => TaskError::OutOfReach { what: name(found.worst), by: found.miss },
+            None => continue,
+        };
+        return Err(ProblemError::Task { key: Key::entry(table, "frame", 0), cause });
+    }
+    kept_at(&mut rows.along, &problem.start, Key::START_Q)?;
+    kept_at(&mut rows.along, &problem.end, Key::END_Q)
+}
+
+/// The rows hold at an end that is given.
+fn kept_at(along: &mut TaskFunctions, state: &BoundaryState, key: Key) -> Result<(), ProblemError> {
+    let is_given = state.q_free.is_empty() && (state.v_free.is_empty() || !along.depends_on_rates());
+    if !is_given || along.is_empty() {
+        return Ok(());
+    }
+    match worst(along, &state.q, &state.v) {
+        Some((row, by)) if by > if row.is_equation() { OFF } else { CLOSE * row.range } => {
+            Err(ProblemError::Task { key, cause: TaskError::NotKept { what: row.name.clone(), by } })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The row that is farthest outside of its bounds, in parts of its range, and by how much; `None` if none is.
+fn worst<'a>(functions: &'a mut TaskFunctions, q: &[f64], v: &[f64]) -> Option<(&'a Row, f64)> {
+    let mut g = vec![0.0; functions.rows()];
+    functions.values(q, v, &mut g).ok()?;
+    let violations = functions.bounds().iter().zip(g).map(|(row, g)| (row, row.excess(g)));
+    violations.filter(|&(_, by)| by > 0.0).max_by(|(a, x), (b, y)| (x / a.range).total_cmp(&(y / b.range)))
+}

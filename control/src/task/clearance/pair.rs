@@ -1,0 +1,41 @@
+//! Bodies, and what they keep away from.
+
+use super::cores::CoreBox;
+use crate::task::placed::Carried;
+use nalgebra::Vector3;
+
+/// A sphere or a capsule: its core in the frame that carries it, or in the world.
+#[derive(Clone, Debug)]
+pub(in crate::task) struct Body {
+    pub carried: Option<Carried>,
+    pub from: Vector3<f64>,
+    /// The end of a capsule.
+    pub to: Option<Vector3<f64>>,
+    pub radius: f64,
+}
+
+/// What a body keeps away from.
+#[derive(Clone, Debug)]
+pub(in crate::task) enum Other {
+    /// Another body of the list.
+    Body(usize),
+    Box(CoreBox),
+    /// Where `normal . x <= height`; the normal has length one.
+    HalfSpace {
+        normal: Vector3<f64>,
+        height: f64,
+    },
+}
+
+/// A body and what it keeps away from.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    pub body: usize,
+    pub other: Other,
+    /// R.
+    pub radius: f64,
+    /// The joints that move one of the two against the other, for each: joints that move both do not count.
+    pub paths: [Vec<usize>; 2],
+    /// The coordinates of these joints.
+    pub coordinates: Vec<usize>,
+}

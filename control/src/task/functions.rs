@@ -1,0 +1,146 @@
+//! Rows g(q, v) with their bounds and derivatives.
+
+use super::clearance::Clearances;
+use super::placed::{Hessian, Placed};
+use super::row::Row;
+use super::tool::ToolFunction;
+use costate::EvalError;
+use costate::robot::Robot;
+
+/// Rows g(q, v) of a robot with n coordinates; no call allocates.
+pub(crate) trait PathFunction {
+    /// Number of rows.
+    fn rows(&self) -> usize;
+
+    /// g; `g` has an entry for each row.
+    ///
+    /// # Errors
+    /// A q or v that is not finite or has another length than n.
+    fn values(&mut self, q: &[f64], v: &[f64], g: &mut [f64]) -> Result<(), EvalError>;
+
+    /// g, its Jacobian by x = (q, v) (rows x 2n, row by row), and `w'g_xx` added to `hessian` (2n x 2n, row
+    /// by row, symmetric).
+    ///
+    /// # Errors
+    /// As [`values`](Self::values).
+    fn contract(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        w: &[f64],
+        g: &mut [f64],
+        jacobian: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Result<(), EvalError>;
+}
+
+/// One or several rows that are computed together.
+#[derive(Clone, Debug)]
+pub(super) enum Part {
+    Tool(ToolFunction),
+    Clearances(Clearances),
+}
+
+/// All rows of one place of a motion.
+#[derive(Clone, Debug)]
+pub(crate) struct TaskFunctions {
+    placed: Placed,
+    parts: Vec<Part>,
+    rows: Vec<Row>,
+    moves: bool,
+}
+
+impl Part {
+    fn rows(&self) -> usize {
+        match self {
+            Self::Tool(function) => function.rows(),
+            Self::Clearances(clearances) => clearances.rows(),
+        }
+    }
+}
+
+impl TaskFunctions {
+    /// No rows yet.
+    pub(super) fn new(robot: &Robot) -> Self {
+        Self { placed: Placed::new(robot), parts: Vec::new(), rows: Vec::new(), moves: false }
+    }
+
+    /// Adds a part with what holds for its rows.
+    pub(super) fn push(&mut self, part: Part, rows: impl IntoIterator<Item = Row>) {
+        self.moves |= matches!(&part, Part::Tool(tool) if tool.moves());
+        self.rows.extend(rows);
+        self.parts.push(part);
+        debug_assert_eq!(self.rows.len(), self.parts.iter().map(Part::rows).sum::<usize>());
+    }
+
+    /// The robot's workspace, for those who build parts.
+    pub(super) fn placed(&self) -> &Placed {
+        &self.placed
+    }
+
+    /// What holds for each row.
+    pub fn bounds(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Whether any row depends on v.
+    pub fn depends_on_rates(&self) -> bool {
+        self.moves
+    }
+
+    /// Whether there is nothing to evaluate.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+}
+
+impl PathFunction for TaskFunctions {
+    fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    fn values(&mut self, q: &[f64], v: &[f64], g: &mut [f64]) -> Result<(), EvalError> {
+        self.placed.place(q, v)?;
+        let mut first = 0;
+        for part in &mut self.parts {
+            let count = part.rows();
+            let g = &mut g[first..first + count];
+            match part {
+                Part::Tool(function) => function.values(&self.placed, g)?,
+                Part::Clearances(clearances) => clearances.values(&self.placed, g)?,
+            }
+            first += count;
+        }
+        Ok(())
+    }
+
+    fn contract(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        w: &[f64],
+        g: &mut [f64],
+        jacobian: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Result<(), EvalError> {
+        self.placed.place(q, v)?;
+        self.placed.fill_screws()?;
+        let width = 2 * self.placed.dof();
+        jacobian.fill(0.0);
+        let mut hessian = Hessian { entries: hessian, width };
+        let mut first = 0;
+        for part in &mut self.parts {
+            let rows = first..first + part.rows();
+            let jacobian = &mut jacobian[width * rows.start..width * rows.end];
+            let (w, g) = (&w[rows.clone()], &mut g[rows.clone()]);
+            match part {
+                Part::Tool(function) => function.contract(&mut self.placed, w, g, jacobian, &mut hessian)?,
+                Part::Clearances(clearances) => {
+                    clearances.contract(&mut self.placed, w, g, jacobian, &mut hessian)?;
+                }
+            }
+            first = rows.end;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,318 @@
+//! Tools and obstacles: every key of a problem file, the same in Rust, and errors.
+
+use costate::robot::{LoadOptions, Placement, Robot};
+use costate_control::{
+    BodyPairs, BoundaryState, Collision, Keep, Kept, LinkCapsule, Method, Obstacle, Parameter, Problem,
+    ProblemError, ProblemFile, Shape, Solver, SolverOptions, Task, TaskError, Tool, ToolCost, ToolPose,
+};
+use nalgebra::Rotation3;
+
+const INF: f64 = f64::INFINITY;
+const START: [f64; 6] = [0.0, -1.6, 1.8, -1.8, -1.57, 0.0];
+
+const TOP: &str = "robot = \"ur5.urdf\"\n[start]\nq = [0.0, -1.6, 1.8, -1.8, -1.57, 0.0]\n[end]\n\
+                   q = [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]\n[time]\nfinal = 1\n[cost]\neffort = [1, 1, 1, 1, 1, 1]\n";
+
+/// The end of [`TOP`] is a pose instead.
+fn with_tool(lines: &str) -> String {
+    TOP.replace("[time]", &format!("[end.tool]\n{lines}[time]"))
+}
+
+fn read(text: &str) -> Result<ProblemFile, String> {
+    ProblemFile::from_text(text, "../robots", LoadOptions::default()).map_err(|error| error.to_string())
+}
+
+fn arm() -> Robot {
+    Robot::from_file("../robots/ur5.urdf").unwrap()
+}
+
+/// The problem of [`TOP`] with this task.
+fn problem(task: Task) -> Problem {
+    Problem::rest_to_rest(arm(), &START, &[1.5, -1.0, 1.2, -1.5, -1.57, 0.5], 1.0).with_task(task)
+}
+
+#[test]
+fn every_key_of_tools_reaches_the_problem() {
+    let lines = "frame = \"tool0\"\noffset = [0, 0, 0.1]\nxyz = [0.4, inf, 0.3]\naxis = [0, 0, 2]\nalong = [0, 0, -1]\n";
+    let file = read(&with_tool(lines)).unwrap();
+    let tool = Tool::new("tool0").with_offset([0.0, 0.0, 0.1]);
+    let pose = ToolPose::of(tool.clone())
+        .with_position([0.4, INF, 0.3])
+        .with_axis([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]);
+    assert_eq!(file.problem.task, Task::default().with_end_tool(pose));
+    // All joints are free; q is a first guess, by default that of the start.
+    assert_eq!(file.problem.end.q_free, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(file.problem.end.q[0], 1.5);
+    assert_eq!(file.options.method, Method::Direct);
+    let without = read(&with_tool(lines).replace("q = [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]\n", "")).unwrap();
+    assert_eq!(without.problem.end.q, START);
+    let some = with_tool(lines).replace("[end]\n", "[end]\nq_free = [0, 1, 2, \"wrist_1_joint\", 4]\n");
+    assert_eq!(read(&some).unwrap().problem.end.q_free, [0, 1, 2, 3, 4]);
+
+    let keep = "[[keep]]\nkind = \"plane\"\nframe = \"tool0\"\nthrough = [0, 0, 0.1]\nnormal = [0, 0, 1]\ndistance = 9\n\
+                [[keep]]\nkind = \"line\"\nframe = \"tool0\"\nthrough = [0, 0, 0.1]\nalong = [1, 0, 0]\ndistance = 8\n\
+                [[keep]]\nkind = \"box\"\nframe = \"tool0\"\noffset = [0, 0, 0.1]\nmin = [-3, -inf, -3]\nmax = [inf, 4, 4]\n\
+                [[keep]]\nkind = \"axis\"\nframe = \"tool0\"\nalong = [0, 1, 1]\nangle = 3\n\
+                [[keep]]\nkind = \"orientation\"\nframe = \"tool0\"\nrpy = [0.1, 0.2, 0.3]\nangle = 3.1\n\
+                [[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = 0.5\n\
+                [[cost.tool]]\nframe = \"tool0\"\nrotation = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]\nxyz = [1, 2, 3]\n\
+                position_weight = 7\n";
+    let file = read(&format!("{TOP}{keep}")).unwrap();
+    let through = [0.0, 0.0, 0.1];
+    let turn = Rotation3::from_matrix_unchecked(Placement::from_xyz_rpy([0.0; 3], [0.1, 0.2, 0.3]).rotation);
+    let quarter = file.problem.task.tool_costs[0].pose.orientation.clone();
+    let mut cost = ToolPose::of("tool0").with_position([1.0, 2.0, 3.0]);
+    cost.orientation = quarter;
+    let expected = Task::default()
+        .with_keep(Keep::new("tool0", Kept::Plane { through, normal: [0.0, 0.0, 1.0], distance: 9.0 }))
+        .with_keep(Keep::new("tool0", Kept::Line { through, along: [1.0, 0.0, 0.0], distance: 8.0 }))
+        .with_keep(Keep::new(tool, Kept::Box { min: [-3.0, -INF, -3.0], max: [INF, 4.0, 4.0] }))
+        .with_keep(Keep::new(
+            "tool0",
+            Kept::Axis { axis: [0.0, 0.0, 1.0], along: [0.0, 1.0, 1.0], angle: 3.0 },
+        ))
+        .with_keep(Keep::new("tool0", Kept::Orientation { rotation: turn, angle: 3.1 }))
+        .with_keep(Keep::new("tool0", Kept::Speed { max: 0.5 }))
+        .with_tool_cost(ToolCost::new(cost, 7.0, 1.0));
+    assert_eq!(file.problem.task, expected);
+}
+
+#[test]
+fn every_key_of_obstacles_reaches_the_problem() {
+    let text = "[[obstacle]]\nkind = \"sphere\"\nxyz = [0, 0, 3]\nradius = 0.2\n\
+                [[obstacle]]\nname = \"post\"\nkind = \"capsule\"\nfrom = [2, 2, 0]\nto = [2, 2, 1]\nradius = 0.1\n\
+                [[obstacle]]\nkind = \"box\"\nxyz = [-2, 0, 0]\nrpy = [0, 0, 0.5]\nsize = [0.3, 0.2, 0.1]\n\
+                [[obstacle]]\nname = \"floor\"\nkind = \"half_space\"\nxyz = [0, 0, -1]\nnormal = [0, 0, 2]\n\
+                [collision]\ncapsules = \"auto\"\nradius = 0.05\nmargin = 0.01\nexcept = [[\"floor\", \"gripper\"]]\n\
+                pairs = [[\"gripper\", \"upper_arm_link\"]]\n\
+                [[collision.capsule]]\nname = \"gripper\"\nframe = \"tool0\"\nto = [0, 0, 0.1]\nradius = 0.04\n\
+                [[collision.capsule]]\nframe = \"joint:wrist_3_joint\"\nfrom = [0, 0, 0.1]\nradius = 0.03\n";
+    let task = read(&format!("{TOP}{text}")).unwrap().problem.task;
+    let shapes = [
+        ("obstacle 1", Shape::Sphere { centre: [0.0, 0.0, 3.0], radius: 0.2 }),
+        ("post", Shape::Capsule { from: [2.0, 2.0, 0.0], to: [2.0, 2.0, 1.0], radius: 0.1 }),
+        (
+            "obstacle 3",
+            Shape::Box {
+                placement: Placement::from_xyz_rpy([-2.0, 0.0, 0.0], [0.0, 0.0, 0.5]),
+                size: [0.3, 0.2, 0.1],
+            },
+        ),
+        ("floor", Shape::HalfSpace { through: [0.0, 0.0, -1.0], normal: [0.0, 0.0, 2.0] }),
+    ];
+    assert_eq!(task.obstacles, shapes.map(|(name, shape)| Obstacle::new(name, shape)));
+    let mut collision = Collision::along_links(0.05)
+        .with_margin(0.01)
+        .with_exception("floor", "gripper")
+        .with_pairs(BodyPairs::These(vec![["gripper".into(), "upper_arm_link".into()]]));
+    collision.capsules = vec![
+        LinkCapsule::new("tool0", [0.0; 3], [0.0, 0.0, 0.1], 0.04).with_name("gripper"),
+        LinkCapsule::sphere("joint:wrist_3_joint", 0.03).with_from([0.0, 0.0, 0.1]),
+    ];
+    assert_eq!(task.collision, Some(collision));
+}
+
+#[test]
+fn wrong_keys_of_tools_are_named() {
+    let tool = "frame = \"tool0\"\nxyz = [0.4, 0.1, 0.3]\n";
+    for (lines, message) in [
+        (
+            "frame = \"tol0\"\nxyz = [0, 0, 1]\n",
+            "problem:7: end.tool.frame: there is no frame 'tol0'; did you mean 'tool0'",
+        ),
+        (
+            "frame = \"base_link\"\nxyz = [0, 0, 1]\n",
+            "problem:7: end.tool.frame: no joint moves the frame 'base_link'",
+        ),
+        ("xyz = [0, 0, 1]\n", "problem:6: end.tool.frame: missing; add it"),
+        ("frame = \"tool0\"\n", "problem:7: end.tool.frame: nothing is asked of the tool 'tool0'"),
+        ("frame = \"tool0\"\nxyz = [inf, inf, inf]\n", "problem:7: end.tool.frame: nothing is asked"),
+        (
+            "frame = \"tool0\"\nxyz = [0, 1]\n",
+            "problem:8: end.tool.xyz: give a list of 3 numbers, not a list of 2",
+        ),
+        ("frame = \"tool0\"\nxyz = [0, nan, 1]\n", "problem:8: end.tool.xyz: must be finite"),
+        (
+            "frame = \"tool0\"\noffset = [0, inf, 1]\nalong = [1, 0, 0]\n",
+            "problem:8: end.tool.offset: must be finite",
+        ),
+        ("frame = \"tool0\"\nalong = [0, 0, 0]\n", "problem:8: end.tool.along: gives no direction"),
+        ("frame = \"tool0\"\naxis = [0, 0, 1]\n", "problem:8: end.tool.axis: needs `along`"),
+        (
+            "frame = \"tool0\"\nrpy = [0, 0, 1]\nalong = [0, 0, 1]\n",
+            "problem:9: end.tool.along: the orientation is given",
+        ),
+        (
+            "frame = \"tool0\"\nrotation = [[1, 0], [0, 1]]\n",
+            "problem:8: end.tool.rotation: give three lists",
+        ),
+        (
+            "frame = \"tool0\"\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n",
+            "problem:8: end.tool.rotation: give three rows that are orthonormal",
+        ),
+        (
+            "frame = \"tool0\"\nposition = [0, 0, 0]\n",
+            "problem:8: end.tool.position: unknown key; the keys here are `frame`",
+        ),
+        ("frame = \"tool0\"\nxyz = [0, 0, 5]\n", "problem:7: end.tool.frame: no position of the free joints"),
+    ] {
+        let error = read(&with_tool(lines)).unwrap_err();
+        assert!(error.starts_with(message), "{error}\n{message}");
+    }
+    let few = with_tool(tool).replace("[end]\n", "[end]\nq_free = [0, 1]\n");
+    let error = read(&few).unwrap_err();
+    assert!(error.contains("fix 3 quantities, but the number of joints with free positions is 2"), "{error}");
+    let collocation = with_tool(tool) + "[solver]\nmethod = \"collocation\"\n";
+    let error = read(&collocation).unwrap_err();
+    assert!(
+        error.starts_with(
+            "problem:7: end.tool.frame: tools and obstacles are taken by method = \"direct\" only"
+        ),
+        "{error}"
+    );
+    // The second of two tools has its own line.
+    let second = with_tool(tool).replace("[end.tool]", "[[end.tool]]")
+        + "[[end.tool]]\nframe = \"tol1\"\nxyz = [0, 0, 1]\n";
+    let error = read(&second).unwrap_err();
+    assert!(error.starts_with("problem:14: end.tool.frame: there is no frame 'tol1'"), "{error}");
+}
+
+#[test]
+fn wrong_keys_of_what_is_kept_are_named() {
+    for (lines, message) in [
+        ("frame = \"tool0\"\n", "problem:10: keep.kind: missing"),
+        ("kind = \"cup\"\n", "problem:11: keep.kind: `cup` is unknown; give `plane`, `line`, `box`"),
+        (
+            "kind = \"plane\"\nspeed = 1\n",
+            "problem:12: keep.speed: unknown key; the keys here are `kind`, `frame`",
+        ),
+        ("kind = \"plane\"\nframe = \"tool0\"\nthrough = [0, 0, 1]\n", "problem:10: keep.normal: missing"),
+        (
+            "kind = \"axis\"\nframe = \"tool0\"\nalong = [0, 0, 1]\nangle = 4\n",
+            "problem:14: keep.angle: must be at least 0 and less than a half turn",
+        ),
+        (
+            "kind = \"line\"\nframe = \"tool0\"\nthrough = [0, 0, 1]\nalong = [0, 0, 1]\ndistance = -1\n",
+            "problem:15: keep.distance: must be neither negative nor infinite, but is -1",
+        ),
+        (
+            "kind = \"speed\"\nframe = \"tool0\"\nspeed = 0\n",
+            "problem:13: keep.speed: must be positive and finite, but is 0",
+        ),
+        (
+            "kind = \"box\"\nframe = \"tool0\"\nmin = [0, 0, 2]\nmax = [1, 1, 1]\n",
+            "problem:14: keep.max: must not be less than the entry of min, but is 1",
+        ),
+        // The arm starts elsewhere.
+        (
+            "kind = \"plane\"\nframe = \"tool0\"\nthrough = [0, 0, -1]\nnormal = [0, 0, 1]\n",
+            "problem:3: start.q: the distance from the plane of the tool 'tool0' is off by 1.",
+        ),
+    ] {
+        let error = read(&format!("{TOP}[[keep]]\n{lines}")).unwrap_err();
+        assert!(error.starts_with(message), "{error}\n{message}");
+    }
+}
+
+#[test]
+fn wrong_keys_of_obstacles_are_named() {
+    let sphere = "[[obstacle]]\nkind = \"sphere\"\nxyz = [0, 0, 3]\nradius = 0.2\n";
+    let auto = "[collision]\ncapsules = \"auto\"\nradius = 0.05\n";
+    for (text, message) in [
+        (sphere.into(), "problem:11: obstacle.kind: the robot has no bodies that could touch anything"),
+        (sphere.replace("sphere", "cone"), "problem:11: obstacle.kind: `cone` is unknown; give `sphere`"),
+        (sphere.replace("xyz", "centre") + auto, "problem:12: obstacle.centre: unknown key"),
+        (
+            sphere.replace("0.2", "-0.2") + auto,
+            "problem:13: obstacle.radius: must be positive and finite, but is -0.2",
+        ),
+        (sphere.replace("0, 0, 3", "0, nan, 3") + auto, "problem:12: obstacle.xyz: must be finite"),
+        (
+            format!(
+                "{sphere}[[obstacle]]\nkind = \"half_space\"\nxyz = [0, 0, 0]\nnormal = [0, 0, 0]\n{auto}"
+            ),
+            "problem:17: obstacle.normal: gives no direction",
+        ),
+        (
+            format!("{sphere}[[obstacle]]\nkind = \"box\"\nxyz = [0, 0, 5]\nsize = [1, 0, 1]\n{auto}"),
+            "problem:17: obstacle.size: must be positive and finite, but is 0",
+        ),
+        (
+            format!(
+                "{sphere}[[obstacle]]\nname = \"obstacle 1\"\nkind = \"sphere\"\nxyz = [0, 0, 5]\nradius = 1\n{auto}"
+            ),
+            "problem:15: obstacle.name: two bodies or obstacles are called 'obstacle 1'",
+        ),
+        ("[collision]\nmargin = 0.1\n".into(), "problem:10: collision.capsules: the robot has no bodies"),
+        (
+            "[collision]\nradius = 0.1\n".into(),
+            "problem:11: collision.radius: only for `capsules = \"auto\"`",
+        ),
+        (auto.replace("radius = 0.05\n", ""), "problem:10: collision.radius: missing"),
+        (auto.replace("auto", "all"), "problem:11: collision.capsules: `all` is unknown; give `auto`"),
+        (
+            format!("{auto}margin = -1\n"),
+            "problem:13: collision.margin: must be neither negative nor infinite",
+        ),
+        (format!("{auto}pairs = \"some\"\n"), "problem:13: collision.pairs: `some` is unknown; give `all`"),
+        (
+            format!("{auto}pairs = [\"a\", \"b\"]\n"),
+            "problem:13: collision.pairs: give a list of pairs of names",
+        ),
+        (
+            format!("{auto}pairs = [[\"forearm_link\", \"hand\"]]\n"),
+            "problem:13: collision.pairs: nothing is called 'hand'; the bodies and obstacles are ",
+        ),
+        (
+            format!("{auto}except = [[\"forearm_link\", \"forearm_link\"]]\n"),
+            "problem:13: collision.except: the robot does not move 'forearm_link' and 'forearm_link'",
+        ),
+        (
+            format!("{auto}[[collision.capsule]]\nframe = \"tool\"\nradius = 0.1\n"),
+            "problem:14: collision.capsule.frame: there is no frame 'tool'; did you mean 'tool0'",
+        ),
+        (
+            "[[obstacle]]\nname = \"shelf\"\nkind = \"box\"\nxyz = [0, 0, 5]\nsize = [1, 1, 1]\n\
+             [[collision.capsule]]\nframe = \"tool0\"\nradius = 0\n"
+                .into(),
+            "problem:15: collision.margin: 'tool0' and 'shelf' have neither a radius nor a margin",
+        ),
+        // In the way at the start.
+        (
+            format!(
+                "[[obstacle]]\nname = \"wall\"\nkind = \"half_space\"\nxyz = [0, 0, 9]\nnormal = [0, 0, 1]\n{auto}"
+            ),
+            "problem:3: start.q: the clearance of '",
+        ),
+    ] {
+        let error = read(&format!("{TOP}{text}")).unwrap_err();
+        assert!(error.starts_with(message), "{error}\n{message}");
+    }
+}
+
+#[test]
+fn errors_of_tasks_in_rust_name_the_entry() {
+    let keep = |frame: &str| Keep::new(frame, Kept::Speed { max: 1.0 });
+    let unknown = problem(Task::default().with_keep(keep("tool0")).with_keep(keep("tool1")));
+    let error = unknown.check_for(Method::Direct).unwrap_err();
+    let ProblemError::Task { cause: TaskError::UnknownFrame { frame, nearest }, .. } = &error else {
+        panic!("{error}")
+    };
+    assert!(frame == "tool1" && nearest.contains(&"tool0".into()));
+    assert!(error.to_string().starts_with("task: keep[1].frame: there is no frame 'tool1'"), "{error}");
+    let valid = problem(Task::default().with_keep(keep("tool0")));
+    assert!(valid.check_for(Method::Direct).is_ok());
+    let error = valid.check_for(Method::Shooting).unwrap_err();
+    assert!(matches!(error, ProblemError::TaskNeedsDirect { .. }), "{error}");
+    assert!(Solver::new(&valid, SolverOptions::default()).is_err());
+    let refused = Parameter::FinalTime.apply(&valid, 2.0).unwrap_err();
+    assert!(refused.to_string().ends_with("takes neither tools nor obstacles; remove them"), "{refused}");
+    let mut over =
+        problem(Task::default().with_end_tool(ToolPose::of("tool0").with_position([0.4, 0.1, 0.3])));
+    over.end = BoundaryState::fixed(&START, &[0.0; 6]).with_q_free(&[0, 1]);
+    let error = over.check_for(Method::Direct).unwrap_err();
+    let ProblemError::Task { cause: TaskError::TooManyConditions { asked: 3, free: 2, .. }, .. } = error
+    else {
+        panic!("{error}")
+    };
+}
