@@ -291,6 +291,10 @@ pub(crate) mod direct {
     pub const FAR: f64 = 1e10;
     /// Part of the predicted decrease of cost and barrier that a step must reach.
     pub const ARMIJO: f64 = 1e-4;
+    /// Iterates that a trial is compared with.
+    pub const FILTER: usize = 40;
+    /// Times that they are forgotten because no step is better than all of them.
+    pub const RESETS: usize = 5;
     /// Part of the infeasibility by which a step must reduce it, or cost and barrier.
     pub const DECREASE: f64 = 1e-5;
     /// Infeasibility, in parts of ranges, below which cost and barrier must decrease.

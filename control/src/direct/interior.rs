@@ -1,6 +1,7 @@
 //! A primal-dual interior-point method for motions with hard limits.
 
 use super::ends::Ends;
+use super::filter::Filter;
 use super::limits::Barrier;
 use super::multipliers::Multipliers;
 use super::point_terms::weigh;
@@ -52,6 +53,7 @@ pub(crate) struct Interior<D> {
     /// Least size of the cost.
     least_size: f64,
     pub(super) system: System,
+    pub(super) filter: Filter,
     pub(super) damping: f64,
     pub(super) mu: f64,
     pub(super) trial: Trial,
@@ -99,6 +101,7 @@ impl<D: PointDynamics> Interior<D> {
             least_size: 0.0,
             system: System::new(n, tasks.rows()),
             tasks,
+            filter: Filter::default(),
             damping: 0.0,
             mu: 0.0,
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
@@ -239,11 +242,11 @@ impl<D: PointDynamics> Interior<D> {
         on.map(|((distance, slack), (weight, unit))| weight * unit * (distance - slack).abs()).sum()
     }
 
-    /// The barrier -mu sum w log s.
+    /// The sum of w log s.
     pub(super) fn logarithms(&self, slack: &[f64]) -> f64 {
         let pairs = slack.iter().zip(&self.barrier.weight);
         let on = pairs.filter(|(slack, _)| **slack > 0.0 && slack.is_finite());
-        -self.mu * on.map(|(slack, weight)| weight * slack.ln()).sum::<f64>()
+        on.map(|(slack, weight)| weight * slack.ln()).sum()
     }
 
     /// Weights and derivatives at the points of this iterate.
@@ -261,6 +264,8 @@ impl<D: PointDynamics> Interior<D> {
         most: usize,
         mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
+        self.filter.clear();
+        let mut resets = 0;
         for _ in 0..most {
             self.figures.iterations += 1;
             self.refresh()?;
@@ -284,7 +289,14 @@ impl<D: PointDynamics> Interior<D> {
                 }
                 damping = (damping * constants::DAMPING_UP).max(again);
             }
-            let Some(part) = taken else { return Ok(End::NoProgress) };
+            let Some(part) = taken else {
+                if self.filter.is_empty() || resets == constants::RESETS {
+                    return Ok(End::NoProgress);
+                }
+                resets += 1;
+                self.filter.clear();
+                continue;
+            };
             if let Some(interruption) = watch(self, part) {
                 return Ok(End::Interrupted(interruption));
             }

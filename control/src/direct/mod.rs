@@ -13,6 +13,7 @@
 mod basis;
 mod costates;
 mod ends;
+mod filter;
 mod found;
 mod guess;
 mod interior;

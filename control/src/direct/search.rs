@@ -1,5 +1,6 @@
 //! How far to go along a direction.
 
+use super::filter::{Figure, is_better};
 use super::interior::Interior;
 use super::points::PointDynamics;
 use crate::constants::direct as constants;
@@ -28,26 +29,36 @@ impl<D: PointDynamics> Interior<D> {
                 slope -= mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;
             }
         }
-        let theta = self.infeasibility(&self.barrier.distance, &self.barrier.slack);
-        let value = self.figures.cost + self.logarithms(&self.barrier.slack);
+        let now = Figure {
+            theta: self.infeasibility(&self.barrier.distance, &self.barrier.slack),
+            cost: self.figures.cost,
+            logarithms: self.logarithms(&self.barrier.slack),
+        };
+        let value = now.value(mu);
+        let rounding = constants::ROUNDING * value.abs();
         let mut alpha = primal;
         loop {
             if self.evaluate_trial(alpha) {
                 let trial = &self.trial;
                 let cost = self.running.cost(&trial.spline, &trial.points);
-                let new_theta = self.infeasibility(&trial.distance, &trial.slack);
-                let new_value = cost + self.logarithms(&trial.slack);
-                let rounding = constants::ROUNDING * value.abs();
-                let feasible = theta <= constants::FEASIBLE;
-                let fine = if feasible && slope < 0.0 {
-                    new_value <= value + constants::ARMIJO * alpha * slope + rounding
-                        && new_theta <= constants::STAYS_FEASIBLE
-                } else {
-                    new_theta <= (1.0 - constants::DECREASE) * theta
-                        || new_value <= value - constants::DECREASE * theta + rounding
+                let new = Figure {
+                    theta: self.infeasibility(&trial.distance, &trial.slack),
+                    cost,
+                    logarithms: self.logarithms(&trial.slack),
                 };
-                let sane = cost.is_finite() && new_theta <= constants::MOST_INFEASIBLE * theta.max(1.0);
-                if fine && sane {
+                let promised = (-alpha * slope / self.figures.size).max(0.0);
+                let descends = promised.powf(2.3) > now.theta.powf(1.1);
+                let fine = if descends {
+                    new.value(mu) <= value + constants::ARMIJO * alpha * slope + rounding
+                } else {
+                    is_better(&new, &now, mu, rounding)
+                };
+                let sane =
+                    cost.is_finite() && new.theta <= constants::MOST_INFEASIBLE * now.theta.max(1.0);
+                if fine && sane && self.filter.accepts(&new, mu, rounding) {
+                    if !descends {
+                        self.filter.add(now);
+                    }
                     self.take(alpha, dual);
                     return Some(alpha);
                 }
