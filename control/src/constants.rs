@@ -260,6 +260,8 @@ pub(crate) mod direct {
     pub const BOUNDARY: f64 = 0.005;
     /// First damping where the matrix is not positive definite or no step is accepted.
     pub const DAMPING: f64 = 1e-6;
+    /// With this damping, that of the effort itself, a step still tells whether there is anything to gain.
+    pub const SOLVED_DAMPING: f64 = 1.0;
     /// Factor from one damping to the next larger one.
     pub const DAMPING_UP: f64 = 10.0;
     /// Factor from the damping of one step to the first one of the next.
@@ -304,7 +306,7 @@ pub(crate) mod direct {
     /// Factor by which infeasibility may grow in a step.
     pub const MOST_INFEASIBLE: f64 = 10.0;
     /// Rounding of cost and barrier.
-    pub const ROUNDING: f64 = 1e-13;
+    pub const ROUNDING: f64 = 1e-12;
     /// Gap that is aimed at, as a part of the tolerance.
     pub const LEAST_GAP: f64 = 0.1;
     /// The gap is not made smaller than this part of the Newton decrement.

@@ -155,9 +155,12 @@ impl<D: PointDynamics> Interior<D> {
         let old = Multipliers::of(&self.spline, &self.barrier);
         let at_ends: Vec<f64> = self.barrier.at_ends().map(|at| self.barrier.multiplier[at]).collect();
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        let mu = self.figures.gap.max(constants::WARM * self.figures.size) / total;
+        let gap = self.figures.gap.max(constants::WARM * self.figures.size);
         self.spline = self.spline.on_nodes(nodes);
-        self.start(Some(mu))?;
+        self.start(Some(gap / total))?;
+        let rough = self.figures.violation.min(1.0);
+        let mu = gap.max(rough * self.figures.size) / total;
+        self.mu = mu;
         for at in 0..self.barrier.count() {
             let weight = self.barrier.weight[at];
             if weight == 0.0 {
@@ -176,7 +179,7 @@ impl<D: PointDynamics> Interior<D> {
             let distance = self.barrier.distance[at];
             let most = distance.max(constants::FIRST_SLACK * side.range);
             let slack = distance
-                .max(constants::LEAST_SLACK * side.range)
+                .max(constants::LEAST_SLACK.max(constants::FIRST_SLACK * rough) * side.range)
                 .max(mu / density.max(f64::MIN_POSITIVE))
                 .min(most);
             let central = mu / slack;
@@ -278,7 +281,7 @@ impl<D: PointDynamics> Interior<D> {
                     self.solve();
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
-                    if damping == 0.0 && self.is_solved(tolerance) {
+                    if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }

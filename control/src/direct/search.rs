@@ -30,7 +30,7 @@ impl<D: PointDynamics> Interior<D> {
             }
         }
         let now = Figure {
-            theta: self.infeasibility(&self.barrier.distance, &self.barrier.slack),
+            theta: noticed(self.infeasibility(&self.barrier.distance, &self.barrier.slack)),
             cost: self.figures.cost,
             logarithms: self.logarithms(&self.barrier.slack),
         };
@@ -42,7 +42,7 @@ impl<D: PointDynamics> Interior<D> {
                 let trial = &self.trial;
                 let cost = self.running.cost(&trial.spline, &trial.points);
                 let new = Figure {
-                    theta: self.infeasibility(&trial.distance, &trial.slack),
+                    theta: noticed(self.infeasibility(&trial.distance, &trial.slack)),
                     cost,
                     logarithms: self.logarithms(&trial.slack),
                 };
@@ -53,8 +53,7 @@ impl<D: PointDynamics> Interior<D> {
                 } else {
                     is_better(&new, &now, mu, rounding)
                 };
-                let sane =
-                    cost.is_finite() && new.theta <= constants::MOST_INFEASIBLE * now.theta.max(1.0);
+                let sane = cost.is_finite() && new.theta <= constants::MOST_INFEASIBLE * now.theta.max(1.0);
                 if fine && sane && self.filter.accepts(&new, mu, rounding) {
                     if !descends {
                         self.filter.add(now);
@@ -133,4 +132,9 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.measure_figures();
     }
+}
+
+/// An infeasibility, or zero where it is rounding.
+fn noticed(theta: f64) -> f64 {
+    if theta <= constants::VIOLATION_AT_POINTS { 0.0 } else { theta }
 }

@@ -137,9 +137,11 @@ impl<D: PointDynamics> Interior<D> {
         // No smaller than the tolerance needs, nor than the distance from stationary points allows.
         let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;
         let centre = constants::CENTRING * self.decrement().abs() / active;
+        let most = constants::FIRST_GAP * self.figures.size / active;
         self.mu = (now * (part * part * part).max(constants::MOST_DECREASE))
             .max(floor)
-            .max(centre.min(now * constants::MOST_INCREASE));
+            .max(centre.min(now * constants::MOST_INCREASE))
+            .min(most);
     }
 
     /// -(g dx) for the step.
