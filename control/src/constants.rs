@@ -299,6 +299,11 @@ pub(crate) mod direct {
     pub const OFF_CENTRE: f64 = 10.0;
     /// Multipliers are always within this factor of it.
     pub const FAR: f64 = 1e10;
+    /// Cost and barrier must decrease by a part of what a step promises where this power of the promise, in
+    /// parts of the cost, ..
+    pub const OF_DESCENT: f64 = 2.3;
+    /// .. is more than this power of the infeasibility.
+    pub const OF_INFEASIBILITY: f64 = 1.1;
     /// Part of the predicted decrease of cost and barrier that a step must reach.
     pub const ARMIJO: f64 = 1e-4;
     /// Iterates that a trial is compared with.
@@ -307,10 +312,6 @@ pub(crate) mod direct {
     pub const RESETS: usize = 5;
     /// Part of the infeasibility by which a step must reduce it, or cost and barrier.
     pub const DECREASE: f64 = 1e-5;
-    /// Infeasibility, in parts of ranges, below which cost and barrier must decrease.
-    pub const FEASIBLE: f64 = 1e-7;
-    /// Largest infeasibility after a step from a feasible iterate.
-    pub const STAYS_FEASIBLE: f64 = 1e-5;
     /// Factor by which infeasibility may grow in a step.
     pub const MOST_INFEASIBLE: f64 = 10.0;
     /// Rounding of cost and barrier.
@@ -405,9 +406,11 @@ pub(crate) mod task {
     pub const PARALLEL: f64 = 4e-3;
     /// Points of a segment whose depths inside of a box count, its ends among them.
     pub const DEPTHS: usize = 5;
-    /// Least part of a piece of a motion that a search for bodies that meet goes on; where they do, the step
-    /// would be zero.
-    pub const SHORTEST_STEP: f64 = 1.0 / 64.0;
+    /// A search for bodies that meet ends where a clearance is violated by this part of its range: cores have
+    /// met at 0.59.
+    pub const MEETING: f64 = 0.5;
+    /// Least part of a piece of a motion that the search goes on.
+    pub const SHORTEST_STEP: f64 = 1e-4;
     /// Segments that are not longer than this are points (m).
     pub const SHORTEST_LINK: f64 = 1e-6;
     /// Most entries of each list of a task.

@@ -47,7 +47,8 @@ impl<D: PointDynamics> Interior<D> {
                     logarithms: self.logarithms(&trial.slack),
                 };
                 let promised = (-alpha * slope / self.figures.size).max(0.0);
-                let descends = promised.powf(2.3) > now.theta.powf(1.1);
+                let descends =
+                    promised.powf(constants::OF_DESCENT) > now.theta.powf(constants::OF_INFEASIBILITY);
                 let fine = if descends {
                     new.value(mu) <= value + constants::ARMIJO * alpha * slope + rounding
                 } else {

@@ -94,3 +94,38 @@ fn clearances_are_the_distances_of_another_program() {
     }
     assert!(compared > 40 * 17, "{compared}");
 }
+
+#[test]
+fn a_body_does_not_pass_through_a_plate_unseen() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    // A plate of a millimetre across the way of the second rod, and one beside the way.
+    for (height, is_hit) in [(0.0, true), (0.3, false)] {
+        let placement = Placement::from_xyz_rpy([0.0, 1.5, height], [0.0; 3]);
+        let size = [0.001, 1.0, 0.2];
+        let task = Task::default()
+            .with_obstacle(Obstacle::new("plate", Shape::Box { placement, size }))
+            .with_collision(Collision::of(vec![LinkCapsule::new(
+                "joint:elbow",
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                0.01,
+            )]));
+        let problem = Problem::rest_to_rest(robot.clone(), &[0.0; 2], &[3.0, 0.0], 1.0).with_task(task);
+        let mut along = TaskRows::new(&problem).unwrap().along;
+        let mut g = vec![0.0; along.rows()];
+        for q in [[0.0, 0.0], [3.0, 0.0]] {
+            along.values(&q, &[0.0; 2], &mut g).unwrap();
+            assert!(g.iter().all(|g| *g > 0.1), "the ends are free");
+        }
+        let mut looks = 0;
+        let state = |x: f64, q: &mut [f64]| {
+            looks += 1;
+            q.copy_from_slice(&[3.0 * x, 0.0]);
+        };
+        let worst = along.sweep([&[3.0, 0.0], &[3.0, 0.0]], &mut [0.0; 2], state).unwrap();
+        // Cores that meet are at -0.59 R, and deeper inside of the plate.
+        assert_eq!(worst > 0.1, is_hit, "{worst}");
+        assert!(is_hit || worst == 0.0);
+        assert!((2..2000).contains(&looks), "{looks}");
+    }
+}

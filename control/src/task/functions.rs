@@ -4,6 +4,7 @@ use super::clearance::{Bounds, Clearances};
 use super::placed::{Hessian, Placed};
 use super::row::Row;
 use super::tool::ToolFunction;
+use crate::constants::task::MEETING;
 use costate::EvalError;
 use costate::robot::Robot;
 
@@ -109,7 +110,7 @@ impl TaskFunctions {
             let Part::Clearances(clearances) = part else { continue };
             clearances.see_piece(placed, Bounds { positions, rates });
             let mut x = 0.0;
-            while x < 1.0 {
+            while x < 1.0 && worst < MEETING {
                 state(x, q);
                 placed.place(q, still)?;
                 let (violation, step) = clearances.look(placed)?;
