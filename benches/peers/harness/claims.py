@@ -1,5 +1,7 @@
 """What the project claims about its peers, and whether the figures keep it."""
 
+from statistics import median
+
 ARMS = ("ur5", "panda")
 CHAINS = ("chain12", "chain24", "chain48")
 HUMANOIDS = ("humanoid32", "humanoid50")
@@ -51,6 +53,12 @@ def fastest(figures, robot, quantity, who):
     return min(rows, key=lambda row: row["ns"], default=None)
 
 
+def ratio(a, b):
+    """How many times the time of b that of a is: the median over batches, of which those with one number ran one after
+    the other, while the machine was as fast."""
+    return median(x / y for x, y in zip(a["times"], b["times"], strict=True))
+
+
 def verdicts(figures):
     """(claim, measured ratios as text, verdict) of every claim, of those with a threshold first."""
     rows = []
@@ -59,7 +67,7 @@ def verdicts(figures):
         for robot in robots:
             a, b = fastest(figures, robot, peer_quantity, peer), fastest(figures, robot, own_quantity, own)
             if a and b:
-                ratios[robot] = a["ns"] / b["ns"]
+                ratios[robot] = ratio(a, b)
         text = ", ".join(f"{robot} {ratio:.2f}" for robot, ratio in ratios.items()) or "-"
         rows.append((claim, text, verdict(ratios, len(robots), least), least))
     rows.sort(key=lambda row: row[3] is None)

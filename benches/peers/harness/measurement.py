@@ -48,4 +48,5 @@ def row(key, times, flags):
     label, quantity, way = key
     low, _, high = quantiles(times, n=4) if len(times) > 1 else 3 * times
     return {"quantity": quantity, "way": way, "label": label, "flags": flags[label], "batches": len(times),
-            "ns": round(median(times), 2), "q25": round(low, 2), "q75": round(high, 2), "min": round(min(times), 2)}
+            "ns": round(median(times), 2), "q25": round(low, 2), "q75": round(high, 2), "min": round(min(times), 2),
+            "times": [round(time, 1) for time in times]}

@@ -33,7 +33,7 @@ def print_robot(robot, figures):
         if rows:
             print(f"  {title}")
         for row in sorted(rows, key=lambda row: row["ns"]):
-            ratio = f"{row['ns'] / own['ns']:6.2f}" if own else "     -"
+            ratio = f"{claims.ratio(row, own):6.2f}" if own else "     -"
             print(f"    {who(row):52} {row['ns']:10.0f}  [{row['q25']:.0f}, {row['q75']:.0f}] {ratio}")
 
 
@@ -71,7 +71,8 @@ def machine_text(figures):
     packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
     flags = dict.fromkeys((row["label"], row["flags"]) for row in times(figures))
     lines = [f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}. Medians of {head['batches']} batches of "
-             f"{head['milliseconds']:g} ms over {head['states']} random states.", "",
+             f"{head['milliseconds']:g} ms over {head['states']} random states; ratios are medians of those of batches that "
+             "ran one after the other.", "",
              "| competitor | compiled with |", "|---|---|"]
     return "\n".join(lines + [f"| {label} | `{text}` |" for label, text in flags]) + "\n"
 
@@ -101,7 +102,7 @@ def cell(figures, robot, quantity, rows):
     if not rows:
         return "-"
     own = claims.fastest(figures, robot, quantity, "costate-native")
-    ratio = f" ({rows[0]['ns'] / own['ns']:.2f})" if own else ""
+    ratio = f" ({claims.ratio(rows[0], own):.2f})" if own else ""
     return f"{rows[0]['ns']:.0f}{ratio}"
 
 
