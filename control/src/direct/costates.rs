@@ -26,8 +26,8 @@ pub(super) struct Costates {
 ///
 /// $$ \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt}(M y_p) $$
 ///
-/// where l contains the limits on v and rows of tasks with their multipliers; the derivative is that of the polynomial through
-/// points and nodes of an interval.
+/// where l contains the limits on v and rows of tasks with their multipliers; the derivative is that of
+/// the polynomial through points and nodes of an interval.
 pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
     let (n, time, mesh) = (spline.dof, spline.time, &spline.mesh);

@@ -27,17 +27,23 @@ impl Figure {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Filter {
     entries: Vec<Figure>,
+    forgotten: usize,
 }
 
 impl Filter {
-    /// Whether there is nothing to compare with.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
+    /// Forgets all iterates because no step is better than all of them. False if there is nothing to
+    /// forget, or if that happened too often.
+    pub fn forget(&mut self) -> bool {
+        let again = !self.entries.is_empty() && self.forgotten < constants::RESETS;
+        self.entries.clear();
+        self.forgotten += 1;
+        again
     }
 
-    /// Forgets all iterates.
+    /// Begins anew.
     pub fn clear(&mut self) {
         self.entries.clear();
+        self.forgotten = 0;
     }
 
     /// Adds an iterate from which a step was taken that had to reduce the infeasibility.

@@ -282,7 +282,6 @@ impl<D: PointDynamics> Interior<D> {
         mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         self.filter.clear();
-        let mut resets = 0;
         for _ in 0..most {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
@@ -308,12 +307,10 @@ impl<D: PointDynamics> Interior<D> {
                 damping = (damping * constants::DAMPING_UP).max(again);
             }
             let Some(part) = taken else {
-                if self.filter.is_empty() || resets == constants::RESETS {
-                    return Ok(End::NoProgress);
+                if self.filter.forget() {
+                    continue;
                 }
-                resets += 1;
-                self.filter.clear();
-                continue;
+                return Ok(End::NoProgress);
             };
             self.stiffen(equations, part);
             if let Some(interruption) = watch(self, part) {

@@ -13,11 +13,12 @@ const NODE_WEIGHT: f64 = 0.1;
 /// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
 /// point p; then those of positions and rates at the nodes; then the rows of tasks at both ends.
 ///
-/// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a solution. A
-/// side that is off (that of an end that is given) has an infinite slack and neither multiplier nor weight. An
-/// equation has no slack, s = 0, and a multiplier of either sign; `d^2 stiffness weight / (2 range^2)` is
-/// added to the cost, so that Newton's matrix stays positive definite (the proximal method of multipliers:
-/// each step takes d to what the change of the multiplier over that stiffness leaves).
+/// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a
+/// solution. A side that is off (that of an end that is given) has an infinite slack and neither
+/// multiplier nor weight. An equation has no slack, s = 0, and a multiplier of either sign; `d^2
+/// stiffness weight / (2 range^2)` is added to the cost, so that Newton's matrix stays positive definite
+/// (the proximal method of multipliers: each step takes d to what the change of the multiplier over that
+/// stiffness leaves).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Barrier {
     sides: Vec<Side>,

@@ -3,10 +3,11 @@
 //!
 //! The unknowns are q and dq/ds at the nodes of a mesh in s = t/T, the height of a bubble of q on each
 //! interval, and T. q(s) is a polynomial of degree four on each interval ([`spline`]), and the torques
-//! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits hold;
-//! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
-//! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the
-//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]). The bubbles are eliminated interval by interval, and what remains is block
+//! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits
+//! hold; those of positions and rates hold at the nodes too. The points integrate the cost. Newton's
+//! equations have the exact Hessian of the Lagrange function: the contracted second derivatives of
+//! inverse dynamics with the multipliers ([`system`]); tools and clearances are rows g(q, v) beside the
+//! torques ([`tasks`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 

@@ -4,8 +4,8 @@ use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 
-/// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v), and the
-/// Hessian of w.tau and of the weighted rows.
+/// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v),
+/// and the Hessian of w.tau and of the weighted rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Points {
     pub dof: usize,

@@ -25,8 +25,8 @@ impl RunningCost for Coupled {
     }
 }
 
-/// Rows of all kinds: an equation and limits along the motion, one of them on the speed; equations at the end;
-/// a cost.
+/// Rows of all kinds: an equation and limits along the motion, one of them on the speed; equations at
+/// the end; a cost.
 fn task() -> Task {
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
     let keep = |kept| Keep::new(tool(), kept);

@@ -92,9 +92,9 @@ impl TaskFunctions {
         self.moves
     }
 
-    /// Goes along a piece of a motion, over x in [0, 1], in steps so short that no two bodies pass through
-    /// each other unseen. `positions` and `rates` are the largest |q| and |dq/dx| on it; `state` writes q at x,
-    /// `q` has room for it. The largest violation of a clearance, in parts of its range.
+    /// Goes along a piece of a motion, over x in [0, 1], in steps so short that no two bodies pass
+    /// through each other unseen. `positions` and `rates` are the largest |q| and |dq/dx| on it; `state`
+    /// writes q at x, `q` has room for it. The largest violation of a clearance, in parts of its range.
     ///
     /// # Errors
     /// Positions that are not finite.

@@ -85,7 +85,8 @@ fn the_tip_ends_on_a_line() {
 
 #[test]
 fn the_tip_stays_outside_of_a_disc() {
-    // The value: extremals with a barrier that goes to zero, and direct collocation on finer and finer meshes.
+    // The value: extremals with a barrier that goes to zero, and direct collocation on finer and finer
+    // meshes.
     let free = solve(&two_link());
     let (centre, radius) = ([0.34, 0.59], 0.25);
     let along = |z: f64| [centre[0], centre[1], z];

@@ -31,8 +31,7 @@ mod sweep;
 mod tests;
 
 pub(in crate::task) use cores::CoreBox;
-pub(in crate::task) use pair::{Body, Other};
-pub(in crate::task) use sweep::Bounds;
+pub(in crate::task) use pair::{Body, Bounds, Other};
 
 use super::placed::{Hessian, Placed};
 use cores::Core;

@@ -39,3 +39,10 @@ pub(super) struct Pair {
     /// The coordinates of these joints.
     pub coordinates: Vec<usize>,
 }
+
+/// Largest |q| and |dq/dx| of all coordinates on a piece of a motion over x in [0, 1].
+#[derive(Clone, Copy, Debug)]
+pub(in crate::task) struct Bounds<'a> {
+    pub positions: &'a [f64],
+    pub rates: &'a [f64],
+}

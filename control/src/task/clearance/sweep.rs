@@ -5,18 +5,11 @@
 //! times the rate of the joint. A step that is shorter than the distance over the sum of these speeds cannot
 //! make the cores meet.
 
-use super::pair::{Other, Pair};
+use super::pair::{Bounds, Other, Pair};
 use super::{Body, Clearances, rows};
 use crate::constants::task::SHORTEST_STEP;
 use crate::task::placed::Placed;
 use costate::EvalError;
-
-/// Largest |q| and |dq/dx| of all coordinates on a piece of a motion over x in [0, 1].
-#[derive(Clone, Copy, Debug)]
-pub(in crate::task) struct Bounds<'a> {
-    pub positions: &'a [f64],
-    pub rates: &'a [f64],
-}
 
 impl Clearances {
     /// Sets the speeds for a piece of a motion: how fast the distances of all pairs can change.
