@@ -221,7 +221,7 @@ mod tests {
         let guess = |s: f64, z: &mut [f64]| {
             z[..2].iter_mut().zip(&problem.end.q).for_each(|(z, q)| *z = q * s * s * (3.0 - 2.0 * s));
         };
-        let options = SolverOptions { tolerance: 1e-9, ..SolverOptions::default() };
+        let options = SolverOptions::default().with_tolerance(1e-9);
         let motion = solve_extremal(&mut extremal, problem.time, &options, guess);
         assert!(motion.motion.status.is_converged(), "{}", motion.motion.status);
         assert!((motion.motion.cost - 145.131_137_54).abs() < 1e-7, "{}", motion.motion.cost);
