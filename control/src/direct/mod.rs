@@ -6,13 +6,15 @@
 //! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits hold;
 //! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
 //! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the
-//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]). The bubbles are eliminated interval by interval, and what remains is block
+//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers rows
+//! h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 
 mod basis;
 mod costates;
 mod ends;
+mod energy;
 mod filter;
 mod found;
 mod guess;
@@ -24,6 +26,7 @@ mod metric;
 mod multipliers;
 mod point_terms;
 mod points;
+mod power;
 #[cfg(feature = "jit")]
 mod program_points;
 #[cfg(feature = "jit")]
@@ -40,4 +43,5 @@ mod system;
 mod tasks;
 mod verify;
 
+pub(crate) use power::Powers;
 pub(crate) use solve::Direct;
