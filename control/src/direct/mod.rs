@@ -6,8 +6,8 @@
 //! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits hold;
 //! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
 //! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the
-//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers rows
-//! h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
+//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers are
+//! rows h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 

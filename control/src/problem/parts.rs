@@ -56,7 +56,8 @@ impl FinalTime {
 }
 
 /// Weights of $c_t T + \int \left( \frac12 \sum_i r_i u_i^2 + \sum_i e_i \phi(\tau_i v_i) \right) dt$,
-/// where $\phi(p) = \frac12 (p + \sqrt{p^2 + s^2} - s)$ is the positive part of the mechanical power, smoothed.
+/// where $\phi(p) = \frac12 (p + \sqrt{p^2 + s^2} - s)$ is the positive part of the mechanical power,
+/// smoothed.
 ///
 /// It is at most that, and at most s/2 less: with cost e per joule, a motion of T seconds costs up to
 /// $\frac12 e s T$ less than with $s \to 0$. Braking gives nothing back.

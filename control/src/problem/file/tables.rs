@@ -255,7 +255,8 @@ fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
     })
 }
 
-/// The options; where there are limits, a task or a cost of energy the method is direct unless another one is given.
+/// The options; where there are limits, a task or a cost of energy the method is direct unless another one is
+/// given.
 fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fault> {
     let method = table.map_or(Ok(None), |table| table.choice("method", &METHODS))?;
     let defaults = match method {
