@@ -68,6 +68,7 @@ pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective,
     Obstacle, Penalty, Problem, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+    TorqueSpeedError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};

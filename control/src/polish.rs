@@ -6,6 +6,7 @@
 
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SLACK, SLACK_UNSOLVED, STRIDE};
+use crate::direct::Powers;
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::path::cubics::Disturbance;
@@ -33,7 +34,7 @@ pub(crate) fn polish(
     if options.polish == Polish::Never || found.motion.status.is_interruption() {
         return found;
     }
-    let limits = problem.joint_limits();
+    let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
     let begin =
         if can_begin(&found) { as_bounds(problem, &limits, &found) } else { Err(PolishOutcome::NoMotion) };
     let problem = match begin {
@@ -61,7 +62,7 @@ pub(crate) fn polish(
             PolishOutcome::Failed
         }
         _ if polished.total() > found.total() + slack * found.total().abs() => PolishOutcome::CostsMore,
-        _ if !keeps(&limits, &polished.trajectory) => PolishOutcome::BeyondLimits,
+        _ if !keeps(&limits, &powers, &problem.gain, &polished.trajectory) => PolishOutcome::BeyondLimits,
         _ => PolishOutcome::Polished,
     };
     let usage = usage(&found.limits, &problem, &polished.trajectory);
@@ -77,8 +78,9 @@ fn can_begin(found: &Solution) -> bool {
 
 /// The problem with its limits on torques as bounds on u and without the others, if none of them matters.
 fn as_bounds(problem: &Problem, limits: &[JointLimits], found: &Solution) -> Result<Problem, PolishOutcome> {
-    let LimitReport { position, rate, .. } = &found.limits;
-    let active = [position, rate].into_iter().flatten().any(|usage| !usage.active.is_empty());
+    let LimitReport { position, rate, power, torque_speed, .. } = &found.limits;
+    let uses = [position, rate, power, torque_speed].into_iter().flatten();
+    let active = uses.into_iter().any(|usage| !usage.active.is_empty()) || problem.cost.has_energy();
     if active || !problem.task.is_empty() || limits.iter().any(|limits| limits.a.is_finite()) {
         return Err(PolishOutcome::Limited);
     }
@@ -144,25 +146,27 @@ fn with_report(
     Solution { newton_iterations: steps, polish: Some(report), ..shown }
 }
 
-/// Positions and rates at the nodes of a motion and between them.
-fn states(motion: &Trajectory) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
+/// Positions, rates and controls at the nodes of a motion and between them.
+fn states(motion: &Trajectory) -> impl Iterator<Item = [Vec<f64>; 3]> {
     let between =
         motion.t.windows(2).filter(|pair| pair[1] > pair[0]).flat_map(|pair| {
             PLACES.iter().filter_map(|part| motion.at(pair[0] + part * (pair[1] - pair[0])))
         });
-    let nodes = motion.q.iter().cloned().zip(motion.v.iter().cloned());
-    nodes.chain(between.map(|point| (point.q, point.v)))
+    let nodes = (0..motion.t.len()).map(|k| [&motion.q, &motion.v, &motion.u].map(|rows| rows[k].clone()));
+    nodes.chain(between.map(|point| [point.q, point.v, point.u]))
 }
 
-/// Whether a motion keeps the limits on positions and rates.
-fn keeps(limits: &[JointLimits], motion: &Trajectory) -> bool {
+/// Whether a motion keeps the limits on positions, rates and powers.
+fn keeps(limits: &[JointLimits], powers: &Powers, gain: &[f64], motion: &Trajectory) -> bool {
     let within = |x: f64, [low, high]: [f64; 2]| {
         let slack = VIOLATION_ACCEPTED * (1.0 + x.abs());
         x >= low - slack && x <= high + slack
     };
-    states(motion).all(|(q, v)| {
-        let joints = limits.iter().zip(q.iter().zip(&v));
-        joints.into_iter().all(|(limits, (&q, &v))| within(q, limits.q) && within(v, [-limits.v, limits.v]))
+    states(motion).all(|[q, v, u]| {
+        let tau: Vec<f64> = u.iter().zip(gain).map(|(u, gain)| gain * u).collect();
+        let mut joints = limits.iter().zip(q.iter().zip(&v));
+        joints.all(|(limits, (&q, &v))| within(q, limits.q) && within(v, [-limits.v, limits.v]))
+            && powers.violation(&v, &tau) <= VIOLATION_ACCEPTED
     })
 }
 
@@ -175,6 +179,8 @@ fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitR
         rate: none(&direct.rate),
         acceleration: None,
         torque: none(&direct.torque),
+        power: none(&direct.power),
+        torque_speed: none(&direct.torque_speed),
         task: None,
     };
     let (Some(torque), Some(bounds)) = (&mut limits.torque, &problem.bounds) else { return limits };

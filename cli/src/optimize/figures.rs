@@ -41,6 +41,7 @@ pub fn limit_units(kind: &str) -> units::Units {
         "position" => units::POSITION,
         "rate" => units::RATE,
         "acceleration" => units::ACCELERATION,
+        "power" => units::POWER,
         _ => units::EFFORT,
     }
 }
@@ -143,6 +144,8 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "position" => "beyond position limits",
             "rate" => "beyond rate limits",
             "acceleration" => "beyond acceleration limits",
+            "power" => "beyond power limits",
+            "torque_speed" => "beyond torque-speed limits",
             "task" => "beyond tools and clearances",
             _ => "beyond torque limits",
         };

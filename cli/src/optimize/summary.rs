@@ -17,7 +17,12 @@ pub fn criterion(problem: &Problem, solution: &Solution) -> String {
         1.0 => Some("T".to_owned()),
         weight => Some(format!("{} T", short(weight, 6))),
     };
-    let terms = [time, effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned())];
+    let energy = problem.cost.has_energy();
+    let terms = [
+        time,
+        effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned()),
+        energy.then(|| "\u{222b} \u{3a3} e\u{1d62} (\u{3c4}\u{1d62} v\u{1d62})\u{207a} dt".to_owned()),
+    ];
     let terms: Vec<_> = terms.into_iter().flatten().collect();
     let minimum = match terms.is_empty() {
         true => "motion without a cost".into(),
@@ -83,7 +88,12 @@ fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
             return format!("the {name} is off by {} {unit} at t = {time} s", short(worst.excess, 4));
         }
         let (value, limit) = (short(worst.value, 4), short(worst.limit, 4));
-        format!("the {kind} of joint '{name}' would have to be {value} {unit} instead of {limit} {unit} at t = {time} s")
+        let whose = if name == "all joints" { name.clone() } else { format!("joint '{name}'") };
+        // Where a motor drives fast, its torque is limited to less.
+        let what = if kind == "torque_speed" { "torque" } else { kind };
+        format!(
+            "the {what} of {whose} would have to be {value} {unit} instead of {limit} {unit} at t = {time} s"
+        )
     })
 }
 

@@ -65,6 +65,9 @@ impl Parameter {
         if !problem.task.is_empty() {
             return refuse(ContinuationCause::Task);
         }
+        if problem.cost.has_energy() {
+            return refuse(ContinuationCause::Energy);
+        }
         let mut changed = problem.clone();
         match (self, &mut changed) {
             (Self::PenaltyWeight, Problem { penalty: Some(penalty), .. }) => penalty.weight = value,

@@ -26,8 +26,8 @@ pub(super) struct Costates {
 ///
 /// $$ \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt}(M y_p) $$
 ///
-/// where l contains the limits on v and rows of tasks with their multipliers; the derivative is that of
-/// the polynomial through points and nodes of an interval.
+/// where l contains energy and the limits on v, powers and rows of tasks with their multipliers, l_v at
+/// constant torques; the derivative is that of the polynomial through points and nodes of an interval.
 pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
     let (n, time, mesh) = (spline.dof, spline.time, &spline.mesh);
@@ -36,7 +36,7 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         at_points: vec![vec![0.0; 2 * n]; mesh.points()],
         hamiltonian: vec![0.0; mesh.points()],
     };
-    let mut work = Work::new(n, interior.points.rows);
+    let mut work = Work::new(n, interior.rows());
     let mut gradient = vec![0.0; spline.unknowns.len()];
     for k in 0..mesh.intervals() {
         gradient.fill(0.0);
@@ -74,12 +74,16 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
     let (spline, points, p) = (&interior.spline, &interior.points, POINTS * k + j);
     let n = spline.dof;
     let mut costate = vec![0.0; 2 * n];
-    interior.running.add_rate_gradient(points.z(p), &mut costate[..n]);
+    interior.running.add_rate_gradient(points.z(p), points.tau(p), &mut costate[..n]);
     let scale = 1.0 / (spline.mesh.point(p).1 * spline.time);
     let multipliers = &interior.barrier.multiplier[interior.barrier.at_point(p)];
     for (side, eta) in interior.barrier.sides().iter().zip(multipliers) {
         match side.limited {
             Limited::Rate => costate[side.joint] -= side.sign * eta * scale,
+            Limited::Power | Limited::TorqueSpeed => {
+                let factor = -side.sign * eta * scale;
+                interior.powers.add_by_rates(side.joint, factor, points.tau(p), &mut costate[..n]);
+            }
             Limited::Task => {
                 let slopes = &points.g_x(p)[2 * n * side.joint + n..][..n];
                 let costate = costate.iter_mut().zip(slopes);

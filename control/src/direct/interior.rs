@@ -6,6 +6,7 @@ use super::limits::Barrier;
 use super::multipliers::Multipliers;
 use super::point_terms::weigh;
 use super::points::{PointDynamics, Points};
+use super::power::Powers;
 use super::running::Running;
 use super::side::{Limited, Side};
 use super::spline::Spline;
@@ -51,6 +52,7 @@ pub(crate) struct Interior<D> {
     pub ends: Ends,
     pub dynamics: D,
     pub tasks: Tasks,
+    pub powers: Powers,
     pub figures: Figures,
     /// Least size of the cost.
     least_size: f64,
@@ -81,16 +83,18 @@ pub(super) struct Trial {
 }
 
 impl<D: PointDynamics> Interior<D> {
-    /// `sides` are the limits of joints and torques.
+    /// `sides` are the limits of positions, rates, accelerations and torques.
     pub fn new(
         spline: Spline,
         mut sides: Vec<Side>,
         tasks: Tasks,
+        powers: Powers,
         running: Running,
         ends: Ends,
         dynamics: D,
     ) -> Self {
         let n = spline.dof;
+        sides.extend(powers.sides());
         sides.extend(tasks.sides());
         Self {
             spline,
@@ -101,8 +105,9 @@ impl<D: PointDynamics> Interior<D> {
             dynamics,
             figures: Figures::default(),
             least_size: 0.0,
-            system: System::new(n, tasks.rows()),
+            system: System::new(n, [tasks.rows(), powers.rows()]),
             tasks,
+            powers,
             filter: Filter::default(),
             damping: 0.0,
             mu: 0.0,
@@ -114,11 +119,16 @@ impl<D: PointDynamics> Interior<D> {
         }
     }
 
+    /// Numbers of rows of tasks and of powers.
+    pub fn rows(&self) -> [usize; 2] {
+        [self.tasks.rows(), self.powers.rows()]
+    }
+
     /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
     /// it.
     pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
         let n = self.spline.dof;
-        self.points.resize(n, self.tasks.rows(), self.spline.mesh.points());
+        self.points.resize(n, self.rows(), self.spline.mesh.points());
         self.points.ends.resize(n, self.tasks.end_rows());
         self.spline.evaluate(&mut self.points.z);
         if self.least_size == 0.0 {
@@ -128,6 +138,7 @@ impl<D: PointDynamics> Interior<D> {
         self.dynamics.evaluate(&mut self.points)?;
         self.tasks.evaluate(&mut self.points)?;
         self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
+        self.powers.evaluate(&mut self.points);
         self.barrier.resize(&self.spline.mesh, &self.ends);
         let mut distance = std::mem::take(&mut self.barrier.distance);
         self.barrier.measure(&self.spline, &self.points, &mut distance);
@@ -205,17 +216,18 @@ impl<D: PointDynamics> Interior<D> {
         self.figures.size / self.spline.time / (range * range)
     }
 
-    /// Cost of the efforts that move each joint alone by [`constants::SMALL_MOTION`] in it: M_ii
-    /// times that motion over the squared time.
+    /// Cost of the efforts and of the energy that move each joint alone by [`constants::SMALL_MOTION`] in
+    /// it: the torque is M_ii times that motion over the squared time.
     fn small_cost(&self) -> f64 {
         let (n, time) = (self.spline.dof, self.spline.time);
         let tau_z = self.points.tau_z(0);
-        let effort = |(i, r): (usize, &f64)| {
+        let cost = |(i, r): (usize, &f64)| {
             let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
-            0.5 * r * torque * torque
+            let power = torque * constants::SMALL_MOTION / time;
+            0.5 * r * torque * torque + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
         };
-        let efforts: f64 = self.running.effort.iter().enumerate().map(effort).sum();
-        (time * efforts).max(f64::MIN_POSITIVE.sqrt())
+        let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
+        (time * costs).max(f64::MIN_POSITIVE.sqrt())
     }
 
     fn measure_cost(&mut self) {
@@ -269,7 +281,9 @@ impl<D: PointDynamics> Interior<D> {
     /// Weights and derivatives at the points of this iterate.
     pub fn refresh(&mut self) -> Result<(), EvalError> {
         weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
+        self.powers.weigh_torques(&mut self.points);
         self.dynamics.contract(&mut self.points)?;
+        self.powers.contract(&mut self.points);
         self.tasks.contract(&self.spline, &mut self.points)
     }
 

@@ -3,12 +3,13 @@
 use super::super::ends::Ends;
 use super::super::guess::guess;
 use super::super::points::{PointDynamics, RobotPoints};
+use super::super::power::Powers;
 use super::super::running::Running;
 use super::super::side::{Limited, Side};
 use super::super::tasks::Tasks;
 use super::Interior;
 use crate::path::cubics::Disturbance;
-use crate::problem::{FinalTime, Keep, Kept, Objective, Problem, Task, Tool, ToolPose};
+use crate::problem::{FinalTime, Keep, Kept, MotionLimits, Objective, Problem, Task, Tool, ToolPose};
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
@@ -18,7 +19,12 @@ fn started() -> Interior<RobotPoints> {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
     problem.time = FinalTime::Free { guess: 1.2 };
-    problem.cost = Objective::new(0.5, vec![1.0, 0.3]);
+    problem.cost = Objective::new(0.5, vec![1.0, 0.3]).with_energy(vec![0.4, 0.2]);
+    problem.limits = MotionLimits::none()
+        .with_power_max(vec![1.1; 2])
+        .with_total_power_max(1.1)
+        .with_torque_max(vec![1.1; 2])
+        .with_torque_speed(vec![0.3; 2], vec![1.2; 2]);
     problem.start.v = vec![0.3, -0.2];
     let kinds = [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
     let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.1, 1.1));
@@ -35,7 +41,8 @@ fn started() -> Interior<RobotPoints> {
     let rows = TaskRows::new(&problem).unwrap();
     let running = Running::new(&problem, ToolCosts::new(rows.costs.clone(), rows.weights.clone(), 2));
     let (tasks, ends) = (Tasks::new(&rows, 2), Ends::new(&problem));
-    let mut interior = Interior::new(spline, sides, tasks, running, ends, dynamics);
+    let powers = Powers::new(&problem);
+    let mut interior = Interior::new(spline, sides, tasks, powers, running, ends, dynamics);
     interior.start(None).unwrap();
     interior
 }
@@ -98,6 +105,7 @@ fn steps_are_those_of_the_linearised_conditions() {
             interior.dynamics.evaluate(&mut interior.points).unwrap();
             interior.tasks.evaluate(&mut interior.points).unwrap();
             interior.tasks.evaluate_ends(&spline, &mut interior.points).unwrap();
+            interior.powers.evaluate(&mut interior.points);
             let mut distance = vec![0.0; interior.barrier.count()];
             interior.barrier.measure(&spline, &interior.points, &mut distance);
             distance

@@ -174,7 +174,7 @@ mod tests {
     /// Jumps of points of one joint with these torques and no accelerations.
     fn jumps(tau: &[f64]) -> Jumps {
         let mut points = Points::default();
-        points.resize_values(1, 0, tau.len());
+        points.resize_values(1, [0; 2], tau.len());
         points.tau.copy_from_slice(tau);
         let mut jumps = Jumps::default();
         jumps.measure(&points, (0..tau.len() / POINTS).map(|_| 0.1));

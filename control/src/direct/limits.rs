@@ -145,6 +145,11 @@ impl Barrier {
         }
     }
 
+    /// The point of an entry; `None` at nodes and ends.
+    pub fn point_of(&self, at: usize) -> Option<usize> {
+        (at < self.sides.len() * self.points).then(|| at / self.sides.len())
+    }
+
     /// s of an entry.
     pub fn place(&self, at: usize, spline: &Spline) -> f64 {
         let nodes = self.sides.len() * self.points;
@@ -220,10 +225,11 @@ impl Barrier {
 pub(super) fn measure(sides: &[Side], points: &Points, distance: &mut [f64]) {
     let n = points.dof;
     for (p, distance) in distance.chunks_exact_mut(sides.len()).enumerate() {
-        let (z, tau, g) = (points.z(p), points.tau(p), points.g(p));
+        let (z, tau, g, h) = (points.z(p), points.tau(p), points.g(p), points.h(p));
         for (distance, side) in distance.iter_mut().zip(sides) {
             let value = match side.limited {
                 Limited::Torque => tau[side.joint],
+                Limited::Power | Limited::TorqueSpeed => h[side.joint],
                 Limited::Task => g[side.joint],
                 _ => z[side.index(n)],
             };

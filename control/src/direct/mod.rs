@@ -3,17 +3,18 @@
 //!
 //! The unknowns are q and dq/ds at the nodes of a mesh in s = t/T, the height of a bubble of q on each
 //! interval, and T. q(s) is a polynomial of degree four on each interval ([`spline`]), and the torques
-//! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits
-//! hold; those of positions and rates hold at the nodes too. The points integrate the cost. Newton's
-//! equations have the exact Hessian of the Lagrange function: the contracted second derivatives of
-//! inverse dynamics with the multipliers ([`system`]); tools and clearances are rows g(q, v) beside the
-//! torques ([`tasks`]). The bubbles are eliminated interval by interval, and what remains is block
+//! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`basis`]), where the limits hold;
+//! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
+//! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the
+//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers are
+//! rows h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 
 mod basis;
 mod costates;
 mod ends;
+mod energy;
 mod filter;
 mod found;
 mod guess;
@@ -25,6 +26,7 @@ mod metric;
 mod multipliers;
 mod point_terms;
 mod points;
+mod power;
 #[cfg(feature = "jit")]
 mod program_points;
 #[cfg(feature = "jit")]
@@ -41,4 +43,5 @@ mod system;
 mod tasks;
 mod verify;
 
+pub(crate) use power::Powers;
 pub(crate) use solve::Direct;

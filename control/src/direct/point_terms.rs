@@ -6,11 +6,13 @@ use super::running::Running;
 use super::side::Limited;
 use super::spline::Spline;
 
-/// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`] and
-/// [`Points::g_weights`], and of the rows at the ends.
+/// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`],
+/// [`Points::g_weights`] and [`Points::h_weights`], and of the rows at the ends. Those of the torques are
+/// without what rows h make of them.
 pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, running: &Running) {
-    let (n, rows) = (points.dof, points.rows);
+    let (n, rows, powers) = (points.dof, points.rows, points.powers);
     points.g_weights.fill(0.0);
+    points.h_weights.fill(0.0);
     for (weight, at) in points.ends.weights.iter_mut().zip(barrier.at_ends()) {
         *weight = -barrier.side(at).sign * barrier.multiplier[at];
     }
@@ -20,9 +22,16 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
         for ((w, &tau), &r) in weights.iter_mut().zip(&points.tau[n * p..]).zip(&running.effort) {
             *w = weight * r * tau;
         }
+        for i in 0..running.energy.weights.len() {
+            points.h_weights[powers * p + i] =
+                weight * running.energy.term(i, points.h[powers * p + i]).first;
+        }
         for (side, multiplier) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
             match side.limited {
                 Limited::Torque => weights[side.joint] -= side.sign * multiplier,
+                Limited::Power | Limited::TorqueSpeed => {
+                    points.h_weights[powers * p + side.joint] -= side.sign * multiplier;
+                }
                 Limited::Task => points.g_weights[rows * p + side.joint] -= side.sign * multiplier,
                 _ => {}
             }
@@ -62,6 +71,9 @@ pub(super) struct Work {
     /// The same for the rows of tasks.
     g: [Vec<f64>; 3],
     g_curvature: Vec<f64>,
+    /// The same for the rows of powers.
+    h: [Vec<f64>; 3],
+    h_curvature: Vec<f64>,
     /// 3n x 3n: with the limits and the squares of the torques.
     pub hessian: Vec<f64>,
     /// dz/dT at constant unknowns, and the second derivative.
@@ -70,16 +82,19 @@ pub(super) struct Work {
 }
 
 impl Work {
-    /// Room for n joints and so many rows of tasks.
-    pub fn new(n: usize, rows: usize) -> Self {
+    /// Room for n joints and so many rows of tasks and of powers.
+    pub fn new(n: usize, rows: [usize; 2]) -> Self {
         let zeros = || vec![0.0; 3 * n];
+        let three = |rows: usize| [vec![0.0; rows], vec![0.0; rows], vec![0.0; rows]];
         Self {
             z: [zeros(), zeros(), zeros(), zeros()],
-            tau: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+            tau: three(n),
             curvature: zeros(),
             tau_curvature: vec![0.0; n],
-            g: [vec![0.0; rows], vec![0.0; rows], vec![0.0; rows]],
-            g_curvature: vec![0.0; rows],
+            g: three(rows[0]),
+            g_curvature: vec![0.0; rows[0]],
+            h: three(rows[1]),
+            h_curvature: vec![0.0; rows[1]],
             hessian: vec![0.0; 9 * n * n],
             z_t: zeros(),
             z_tt: zeros(),
@@ -99,10 +114,12 @@ impl Work {
         let (n, time) = (points.dof, spline.time);
         let (_, weight) = spline.mesh.point(p);
         let (z, tau, tau_z) = (points.z(p), points.tau(p), points.tau_z(p));
-        self.z.iter_mut().chain(&mut self.tau).chain(&mut self.g).for_each(|vector| vector.fill(0.0));
+        let rows = self.tau.iter_mut().chain(&mut self.g).chain(&mut self.h);
+        self.z.iter_mut().chain(rows).for_each(|vector| vector.fill(0.0));
         self.curvature.fill(0.0);
         self.g_curvature.fill(0.0);
-        // The running cost, then its effort.
+        self.h_curvature.fill(0.0);
+        // The running cost, then its effort and its energy.
         self.hessian.copy_from_slice(points.hessian(p));
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
@@ -115,24 +132,45 @@ impl Work {
                 *slope += weight * force * tau_z;
             }
         }
+        cost += self.add_energy(p, [weight, time], points, running);
         let [gradient, at_zero, ..] = &mut self.z;
         at_zero.copy_from_slice(gradient);
-        let [gradient, at_zero, _] = &mut self.tau;
-        at_zero.copy_from_slice(gradient);
+        for [gradient, at_zero, _] in [&mut self.tau, &mut self.h] {
+            at_zero.copy_from_slice(gradient);
+        }
         self.add_sides(p, n, barrier);
-        let g_x = points.g_x(p);
-        for ((tau, g), z) in self.tau.iter().zip(&self.g).zip(&mut self.z) {
+        let (g_x, h_z) = (points.g_x(p), points.h_z(p));
+        let rows = self.tau.iter().zip(&self.g).zip(&self.h);
+        for (((tau, g), h), z) in rows.zip(&mut self.z) {
             let of_tau = tau.iter().zip(tau_z.chunks_exact(3 * n));
-            for (&factor, row) in of_tau.chain(g.iter().zip(g_x.chunks_exact(2 * n))) {
+            let of_g = g.iter().zip(g_x.chunks_exact(2 * n));
+            for (&factor, row) in of_tau.chain(of_g).chain(h.iter().zip(h_z.chunks_exact(3 * n))) {
                 z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
             }
         }
         add_squares(&mut self.hessian, 3 * n, &self.tau_curvature, tau_z.chunks_exact(3 * n));
         add_squares(&mut self.hessian, 3 * n, &self.g_curvature, g_x.chunks_exact(2 * n));
+        add_squares(&mut self.hessian, 3 * n, &self.h_curvature, h_z.chunks_exact(3 * n));
         for i in 0..3 * n {
             self.hessian[3 * n * i + i] += self.curvature[i];
         }
         (weight, cost)
+    }
+
+    /// The cost of energy at a point, a function of the first rows h. Its value.
+    #[inline(always)]
+    fn add_energy(&mut self, p: usize, [weight, time]: [f64; 2], points: &Points, running: &Running) -> f64 {
+        let (n, mut cost) = (points.dof, 0.0);
+        for i in 0..running.energy.weights.len() {
+            let term = running.energy.term(i, points.h(p)[i]);
+            cost += term.value;
+            self.h[0][i] = time * weight * term.first;
+            self.h_curvature[i] = time * weight * term.second;
+            for (slope, &h_z) in self.z[3].iter_mut().zip(&points.h_z(p)[3 * n * i..3 * n * (i + 1)]) {
+                *slope += weight * term.first * h_z;
+            }
+        }
+        cost
     }
 
     /// The limits of a point.
@@ -142,6 +180,7 @@ impl Work {
             let (parts, sigma) = side_terms(barrier, at, side.sign);
             let (gradients, curvatures, index) = match side.limited {
                 Limited::Torque => (&mut self.tau[..], &mut self.tau_curvature, side.joint),
+                Limited::Power | Limited::TorqueSpeed => (&mut self.h[..], &mut self.h_curvature, side.joint),
                 Limited::Task => (&mut self.g[..], &mut self.g_curvature, side.joint),
                 _ => (&mut self.z[..], &mut self.curvature, side.index(n)),
             };

@@ -4,13 +4,15 @@ use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 
-/// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v),
-/// and the Hessian of w.tau and of the weighted rows.
+/// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v), rows
+/// h(v, tau) of powers, h_z, and the Hessian of w.tau and of the weighted rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Points {
     pub dof: usize,
     /// Number of rows g.
     pub rows: usize,
+    /// Number of rows h.
+    pub powers: usize,
     pub z: Vec<f64>,
     pub tau: Vec<f64>,
     /// n x 3n a point, row by row.
@@ -24,26 +26,34 @@ pub(crate) struct Points {
     pub g_x: Vec<f64>,
     /// Weights of the rows in the Hessian.
     pub g_weights: Vec<f64>,
+    pub h: Vec<f64>,
+    /// powers x 3n a point, row by row.
+    pub h_z: Vec<f64>,
+    pub h_weights: Vec<f64>,
     pub ends: EndRows,
 }
 
 impl Points {
-    /// Room for values at so many points of n joints.
-    pub fn resize_values(&mut self, n: usize, rows: usize, count: usize) {
-        (self.dof, self.rows) = (n, rows);
+    /// Room for values at so many points of n joints; `rows` are the numbers of rows g and h.
+    pub fn resize_values(&mut self, n: usize, rows: [usize; 2], count: usize) {
+        self.dof = n;
+        [self.rows, self.powers] = rows;
         self.z.resize(3 * n * count, 0.0);
         self.tau.resize(n * count, 0.0);
-        self.g.resize(rows * count, 0.0);
+        self.g.resize(self.rows * count, 0.0);
+        self.h.resize(self.powers * count, 0.0);
     }
 
     /// Room for values and derivatives.
-    pub fn resize(&mut self, n: usize, rows: usize, count: usize) {
+    pub fn resize(&mut self, n: usize, rows: [usize; 2], count: usize) {
         self.resize_values(n, rows, count);
         self.tau_z.resize(3 * n * n * count, 0.0);
         self.hessian.resize(9 * n * n * count, 0.0);
         self.weights.resize(n * count, 0.0);
-        self.g_x.resize(2 * n * rows * count, 0.0);
-        self.g_weights.resize(rows * count, 0.0);
+        self.g_x.resize(2 * n * self.rows * count, 0.0);
+        self.g_weights.resize(self.rows * count, 0.0);
+        self.h_z.resize(3 * n * self.powers * count, 0.0);
+        self.h_weights.resize(self.powers * count, 0.0);
     }
 
     /// Number of points.
@@ -76,6 +86,17 @@ impl Points {
     pub fn g_x(&self, p: usize) -> &[f64] {
         let size = 2 * self.dof * self.rows;
         &self.g_x[size * p..][..size]
+    }
+
+    /// The rows of powers at a point.
+    pub fn h(&self, p: usize) -> &[f64] {
+        &self.h[self.powers * p..][..self.powers]
+    }
+
+    /// Their Jacobian, powers x 3n.
+    pub fn h_z(&self, p: usize) -> &[f64] {
+        let size = 3 * self.dof * self.powers;
+        &self.h_z[size * p..][..size]
     }
 
     /// The Hessian of w.tau, 3n x 3n.

@@ -13,7 +13,7 @@ use costate_test_support::robots::file;
 /// Points of a robot around z = (q, v, a), and weights.
 fn points(n: usize, count: usize, z: &[f64], weights: &[f64]) -> Points {
     let mut points = Points::default();
-    points.resize(n, 0, count);
+    points.resize(n, [0; 2], count);
     let mut random = fastrand::Rng::with_seed(5);
     for (to, given) in [(&mut points.z, z), (&mut points.weights, weights)] {
         for (p, row) in to.chunks_exact_mut(given.len()).enumerate() {

@@ -115,11 +115,12 @@ impl Resolution {
     /// Evaluates the motion between the points.
     fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let (spline, n) = (&interior.spline, interior.spline.dof);
-        self.points.resize_values(n, interior.tasks.rows(), BETWEEN.len() * spline.mesh.intervals());
+        self.points.resize_values(n, interior.rows(), BETWEEN.len() * spline.mesh.intervals());
         for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
             spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
         }
         interior.dynamics.evaluate(&mut self.points)?;
+        interior.powers.evaluate(&mut self.points);
         interior.tasks.evaluate(&mut self.points)
     }
 

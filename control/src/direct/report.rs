@@ -5,7 +5,7 @@ use super::refine::Resolution;
 use super::side::{Limited, Side};
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::problem::Problem;
-use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
+use crate::result::limit_use::{ALL_JOINTS, ActiveLimit, LimitReport, LimitUse, LimitViolation};
 use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
 
@@ -19,6 +19,8 @@ pub(super) fn report<D>(problem: &Problem, interior: &Interior<D>, resolution: &
         rate: usage(Limited::Rate),
         acceleration: usage(Limited::Acceleration),
         torque: usage(Limited::Torque),
+        power: usage(Limited::Power),
+        torque_speed: usage(Limited::TorqueSpeed),
         task: usage(Limited::Task),
     }
 }
@@ -56,30 +58,54 @@ fn usage<D>(
                 time: barrier.place(at, spline) * spline.time,
                 excess: excess(interior, side, end, distance),
                 unit: unit(interior, side, end, kinds).into(),
-                value: side.bound + side.sign * distance,
-                limit: side.bound,
+                value: side.bound + side.sign * distance - of_rate(interior, at),
+                limit: side.bound - of_rate(interior, at),
             });
         }
     }
     found
 }
 
-/// The name of a joint, or of a row at an end or along the motion.
+/// The name of a joint, of all, or of a row at an end or along the motion.
 fn name<'a, D>(interior: &'a Interior<D>, side: &Side, end: Option<usize>, names: &'a [String]) -> &'a str {
-    if side.limited == Limited::Task { &interior.tasks.row(end, side).name } else { &names[side.joint] }
+    if side.limited == Limited::Task {
+        return &interior.tasks.row(end, side).name;
+    }
+    joint(interior, side).map_or(ALL_JOINTS, |joint| &names[joint])
+}
+
+/// The joint of a side that is not a row of a task; `None` for all.
+fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
+    match side.limited {
+        Limited::Power | Limited::TorqueSpeed => interior.powers.joint(side.joint),
+        _ => Some(side.joint),
+    }
+}
+
+/// What is to be taken from value and bound of an entry to get a torque and its limit at this rate; zero
+/// where the limit does not depend on the rate.
+fn of_rate<D>(interior: &Interior<D>, at: usize) -> f64 {
+    let (side, n) = (interior.barrier.side(at), interior.points.dof);
+    match interior.barrier.point_of(at) {
+        Some(p) if side.limited == Limited::TorqueSpeed => {
+            interior.powers.line(side.joint, &interior.points.z(p)[n..2 * n])
+        }
+        _ => 0.0,
+    }
 }
 
 /// The unit of a limit.
 fn unit<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, kinds: &[JointKind]) -> &'static str {
-    let of = |[rotation, translation]: [&'static str; 2]| match kinds[side.joint] {
-        JointKind::Revolute => rotation,
-        JointKind::Prismatic => translation,
+    let of = |[rotation, translation]: [&'static str; 2]| match joint(interior, side).map(|i| kinds[i]) {
+        Some(JointKind::Prismatic) => translation,
+        _ => rotation,
     };
     match side.limited {
         Limited::Position => of(["rad", "m"]),
         Limited::Rate => of(["rad/s", "m/s"]),
         Limited::Acceleration => of(["rad/s^2", "m/s^2"]),
-        Limited::Torque => of(["N m", "N"]),
+        Limited::Torque | Limited::TorqueSpeed => of(["N m", "N"]),
+        Limited::Power => "W",
         Limited::Task => interior.tasks.row(end, side).unit,
     }
 }

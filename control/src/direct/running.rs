@@ -1,5 +1,6 @@
-//! The running cost of a motion: time, effort, penalties, user terms, tools.
+//! The running cost of a motion: time, effort, energy, penalties, user terms, tools.
 
+use super::energy::Energy;
 use super::points::Points;
 use super::spline::Spline;
 use crate::extremal::penalty::Penalties;
@@ -7,13 +8,14 @@ use crate::extremal::user_terms::UserTerms;
 use crate::problem::Problem;
 use crate::task::costs::ToolCosts;
 
-/// `c_t + 1/2 sum r_i tau_i^2 + penalties + terms + tools`, per second.
+/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools`, per second.
 #[derive(Debug)]
 pub(crate) struct Running {
     /// c_t.
     pub time: f64,
     /// r_i over the square of the gain.
     pub effort: Vec<f64>,
+    pub energy: Energy,
     penalties: Penalties,
     terms: UserTerms<f64>,
     tools: ToolCosts,
@@ -25,7 +27,8 @@ impl Running {
             problem.cost.effort.iter().zip(&problem.gain).map(|(r, gain)| r / (gain * gain)).collect();
         let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
         let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
-        Self { time: problem.cost.time, effort, penalties, terms, tools }
+        let energy = Energy::new(&problem.cost);
+        Self { time: problem.cost.time, effort, energy, penalties, terms, tools }
     }
 
     /// The cost of a motion.
@@ -40,7 +43,8 @@ impl Running {
         let (q, v) = (&z[..n], &z[n..2 * n]);
         let effort: f64 = tau.iter().zip(&self.effort).map(|(tau, r)| 0.5 * r * tau * tau).sum();
         let tools = if self.tools.any() { self.tools.evaluate(q, v).unwrap_or(f64::INFINITY) } else { 0.0 };
-        self.time + effort + self.terms.at(q, v) + self.penalty_rate(z) + tools
+        let energy = self.energy.rate(v, tau);
+        self.time + effort + energy + self.terms.at(q, v) + self.penalty_rate(z) + tools
     }
 
     /// The penalties at a point.
@@ -59,9 +63,10 @@ impl Running {
         spline.time * (0..points.count()).map(rate).sum::<f64>()
     }
 
-    /// Adds l_v at a point.
-    pub fn add_rate_gradient(&mut self, z: &[f64], gradient: &mut [f64]) {
+    /// Adds l_v at a point, at constant torques.
+    pub fn add_rate_gradient(&mut self, z: &[f64], tau: &[f64], gradient: &mut [f64]) {
         let n = gradient.len();
+        self.energy.add_rate_gradient(&z[n..2 * n], tau, gradient);
         if self.penalties.any() {
             (0..n).for_each(|i| gradient[i] += self.penalties.rate(i, z[n + i]).first);
         }
@@ -74,7 +79,7 @@ impl Running {
     }
 
     /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian.
-    /// The value is l without the effort.
+    /// The value is l without effort and energy.
     pub fn add_terms(
         &mut self,
         z: &[f64],

@@ -88,7 +88,8 @@ impl<D: PointDynamics> Interior<D> {
         if !forward {
             return false;
         }
-        trial.points.resize_values(self.spline.dof, self.tasks.rows(), self.spline.mesh.points());
+        let rows = [self.tasks.rows(), self.powers.rows()];
+        trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.points());
         trial.points.ends.resize(self.spline.dof, self.tasks.end_rows());
         trial.spline.evaluate(&mut trial.points.z);
         let evaluated = self
@@ -99,6 +100,7 @@ impl<D: PointDynamics> Interior<D> {
         if evaluated.is_err() {
             return false;
         }
+        self.powers.evaluate(&mut trial.points);
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
@@ -116,6 +118,7 @@ impl<D: PointDynamics> Interior<D> {
         std::mem::swap(&mut self.points.z, &mut self.trial.points.z);
         std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
         std::mem::swap(&mut self.points.g, &mut self.trial.points.g);
+        std::mem::swap(&mut self.points.h, &mut self.trial.points.h);
         std::mem::swap(&mut self.points.ends.g, &mut self.trial.points.ends.g);
         std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);

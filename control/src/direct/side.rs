@@ -9,6 +9,10 @@ pub(crate) enum Limited {
     Rate,
     Acceleration,
     Torque,
+    /// The power of a joint, or of all.
+    Power,
+    /// A torque together with a multiple of the rate.
+    TorqueSpeed,
     /// A row of a task.
     Task,
 }
@@ -16,7 +20,7 @@ pub(crate) enum Limited {
 impl Limited {
     /// Whether it jumps where torques do: only its values at points are those of the motion that is meant.
     pub fn jumps(self) -> bool {
-        matches!(self, Self::Acceleration | Self::Torque)
+        matches!(self, Self::Acceleration | Self::Torque | Self::Power | Self::TorqueSpeed)
     }
 }
 
@@ -24,7 +28,7 @@ impl Limited {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Side {
     pub limited: Limited,
-    /// The joint, or the row of a task.
+    /// The joint, or the row of powers or of a task.
     pub joint: usize,
     /// 1 for a lower bound, -1 for an upper one.
     pub sign: f64,
@@ -70,7 +74,7 @@ impl Side {
         (if self.is_equation { distance.abs() } else { -distance }) / self.range
     }
 
-    /// Where its value stands among those of a point: q, v, a, tau, rows.
+    /// Where its value stands among q, v, a of a point.
     pub fn index(&self, n: usize) -> usize {
         self.limited as usize * n + self.joint
     }

@@ -6,6 +6,7 @@ use super::guess::{guess, with_tools_reached};
 use super::interior::{End, Interior};
 #[cfg(not(feature = "jit"))]
 use super::points::RobotPoints as FastPoints;
+use super::power::Powers;
 #[cfg(feature = "jit")]
 use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
@@ -71,7 +72,8 @@ impl Direct<'_> {
         let costs = ToolCosts::new(self.rows.costs.clone(), self.rows.weights.clone(), problem.robot.dof());
         let tasks = Tasks::new(self.rows, problem.robot.dof());
         let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
-        let mut interior = Interior::new(spline, sides(problem), tasks, running, ends, dynamics);
+        let powers = Powers::new(problem);
+        let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
         let mut resolution = Resolution::default();
         let refined = self.refine(&mut interior, &mut resolution, recorder)?;
         self.finish(&mut interior, &resolution, refined, recorder)

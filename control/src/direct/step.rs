@@ -38,11 +38,12 @@ impl<D: PointDynamics> Interior<D> {
                 dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
                 dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
             }
-            let (tau_z, g_x) = (self.points.tau_z(p), self.points.g_x(p));
+            let (tau_z, g_x, h_z) = (self.points.tau_z(p), self.points.g_x(p), self.points.h_z(p));
             let changes = &mut self.changes[part][self.barrier.at_point(p)];
             for (change, side) in changes.iter_mut().zip(self.barrier.sides()) {
                 let value = match side.limited {
                     Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
+                    Limited::Power | Limited::TorqueSpeed => dot(&h_z[3 * n * side.joint..][..3 * n], dz),
                     Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
                     _ => dz[side.index(n)],
                 };

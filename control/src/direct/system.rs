@@ -38,7 +38,8 @@ pub(crate) struct System {
 }
 
 impl System {
-    pub fn new(n: usize, rows: usize) -> Self {
+    /// For n joints and so many rows of tasks and of powers.
+    pub fn new(n: usize, rows: [usize; 2]) -> Self {
         let empty = || ChainMatrix::new(2 * n, n);
         Self {
             matrix: empty(),

@@ -4,13 +4,16 @@ use super::super::ends::Ends;
 use super::super::limits::Barrier;
 use super::super::point_terms::weigh;
 use super::super::points::{PointDynamics, Points, RobotPoints};
+use super::super::power::Powers;
 use super::super::running::Running;
 use super::super::side::{Limited, Side};
 use super::super::spline::{Mesh, Spline};
 use super::super::tasks::Tasks;
 use super::System;
 use crate::problem::running_cost::{RunningCost, UserTerm};
-use crate::problem::{FinalTime, Keep, Kept, Objective, Penalty, Problem, Task, Tool, ToolCost, ToolPose};
+use crate::problem::{
+    FinalTime, Keep, Kept, MotionLimits, Objective, Penalty, Problem, Task, Tool, ToolCost, ToolPose,
+};
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
@@ -49,6 +52,7 @@ struct Case {
     ends: Ends,
     dynamics: RobotPoints,
     tasks: Tasks,
+    powers: Powers,
     points: Points,
     system: System,
 }
@@ -58,7 +62,13 @@ impl Case {
         let robot = Robot::from_file("../robots/two_link.toml").unwrap();
         let mut problem = Problem::rest_to_rest(robot, &[0.1, 0.2], &[0.5, -0.3], 1.3);
         problem.time = FinalTime::Free { guess: 1.3 };
-        problem.cost = Objective::new(0.7, vec![1.2, 0.4]);
+        problem.cost =
+            Objective::new(0.7, vec![1.2, 0.4]).with_energy(vec![0.9, 2.0]).with_energy_smoothing(0.3);
+        problem.limits = MotionLimits::none()
+            .with_power_max(vec![1.5, 2.0])
+            .with_total_power_max(2.5)
+            .with_torque_max(vec![1.5, 2.0])
+            .with_torque_speed(vec![0.5, f64::INFINITY], vec![2.0, f64::INFINITY]);
         problem.penalty = Some(Penalty { q_max: Some(vec![0.1, 0.2]), ..Penalty::new(3.0) });
         problem.terms = vec![UserTerm::new(Coupled)];
         // Rates that are given and not zero move with T; a free position and a free rate.
@@ -75,9 +85,11 @@ impl Case {
         let spline = Spline { dof: 2, mesh, unknowns, time: 1.3 };
         problem.task = task();
         let ends = Ends::new(&problem);
-        let rows = TaskRows::new(&problem).unwrap();
-        let tasks = Tasks::new(&rows, 2);
-        let mut barrier = Barrier::new(sides.into_iter().chain(tasks.sides()).collect(), tasks.end_sides());
+        let task = TaskRows::new(&problem).unwrap();
+        let tasks = Tasks::new(&task, 2);
+        let powers = Powers::new(&problem);
+        let sides = sides.into_iter().chain(powers.sides().iter().copied()).chain(tasks.sides());
+        let mut barrier = Barrier::new(sides.collect(), tasks.end_sides());
         barrier.stiffness = 3.0;
         barrier.resize(&spline.mesh, &ends);
         let count = barrier.count();
@@ -92,15 +104,17 @@ impl Case {
             barrier.multiplier[at] = if on { 0.2 + random.f64() } else { 0.0 };
         }
         let mut points = Points::default();
-        points.resize(2, tasks.rows(), spline.mesh.points());
+        let rows = [tasks.rows(), powers.rows()];
+        points.resize(2, rows, spline.mesh.points());
         points.ends.resize(2, tasks.end_rows());
         Self {
             dynamics: RobotPoints::new(&problem.robot),
-            running: Running::new(&problem, ToolCosts::new(rows.costs, rows.weights, 2)),
+            running: Running::new(&problem, ToolCosts::new(task.costs, task.weights, 2)),
             ends,
             shift: vec![0.0; count],
-            system: System::new(2, tasks.rows()),
+            system: System::new(2, rows),
             tasks,
+            powers,
             spline,
             barrier,
             points,
@@ -131,6 +145,7 @@ impl Case {
         self.dynamics.evaluate(&mut self.points).unwrap();
         self.tasks.evaluate(&mut self.points).unwrap();
         self.tasks.evaluate_ends(&self.spline, &mut self.points).unwrap();
+        self.powers.evaluate(&mut self.points);
         let mut distance = std::mem::take(&mut self.barrier.distance);
         self.barrier.measure(&self.spline, &self.points, &mut distance);
         self.barrier.distance = distance;
@@ -154,7 +169,9 @@ impl Case {
     fn assemble(&mut self) {
         self.evaluate();
         weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
+        self.powers.weigh_torques(&mut self.points);
         self.dynamics.contract(&mut self.points).unwrap();
+        self.powers.contract(&mut self.points);
         self.tasks.contract(&self.spline, &mut self.points).unwrap();
         self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
     }

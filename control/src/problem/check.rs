@@ -45,13 +45,17 @@ impl Problem {
     /// that costs nothing.
     ///
     /// # Errors
-    /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`] and
-    /// [`ProblemError::TaskNeedsDirect`] for limits and tasks with another method.
+    /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`],
+    /// [`ProblemError::TaskNeedsDirect`] and [`ProblemError::EnergyNeedsDirect`] for limits, tasks and costs
+    /// of energy with another method.
     pub fn check_for(&self, method: Method) -> Result<CheckedProblem<'_>, ProblemError> {
         if method != Method::Direct {
             let checked = self.check()?;
             if let Some(key) = self.task.first_key() {
                 return Err(ProblemError::TaskNeedsDirect { key });
+            }
+            if self.cost.has_energy() {
+                return Err(ProblemError::EnergyNeedsDirect);
             }
             return if self.limits.any_given() { Err(ProblemError::LimitsNeedDirect) } else { Ok(checked) };
         }
@@ -82,7 +86,8 @@ impl Problem {
         }
         self.check_limit_lists()?;
         self.check_bounds(bounded)?;
-        let costs = self.cost.effort.iter().any(|&r| r > 0.0) || !self.terms.is_empty();
+        let costs = self.cost.effort.iter().any(|&r| r > 0.0) || self.cost.has_energy();
+        let costs = costs || !self.terms.is_empty();
         if matches!(self.time, FinalTime::Fixed(_)) && !costs {
             return Err(ProblemError::NothingToMinimise);
         }
@@ -105,11 +110,21 @@ impl Problem {
         if matches!(self.time, FinalTime::Free { .. }) && self.cost.time == 0.0 && self.terms.is_empty() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }
-        self.finite(Key::EFFORT, &self.cost.effort)?;
-        match self.cost.effort.iter().position(|&weight| weight < 0.0) {
+        self.weights(Key::EFFORT, &self.cost.effort)?;
+        let Some(energy) = &self.cost.energy else { return Ok(()) };
+        self.weights(Key::ENERGY, energy)?;
+        let (key, value) = (Key::ENERGY_SMOOTHING, self.cost.energy_smoothing);
+        let positive = value > 0.0 && value.is_finite();
+        if positive { Ok(()) } else { Err(ProblemError::NotPositive { key, value }) }
+    }
+
+    /// One finite number per joint that is not negative.
+    fn weights(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+        self.finite(key, values)?;
+        match values.iter().position(|&weight| weight < 0.0) {
             Some(j) => {
-                let (joint, value) = (Some(self.name(j)), self.cost.effort[j]);
-                Err(ProblemError::Negative { key: Key::EFFORT, joint, value })
+                let (joint, value) = (Some(self.name(j)), values[j]);
+                Err(ProblemError::Negative { key, joint, value })
             }
             None => Ok(()),
         }

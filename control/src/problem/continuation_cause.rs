@@ -26,6 +26,8 @@ pub enum ContinuationCause {
     Limits,
     /// Tools or obstacles, which a continuation does not take.
     Task,
+    /// A cost of energy, which a continuation does not take.
+    Energy,
     /// The robot that would have this value is refused.
     Robot(Arc<RobotError>),
 }
@@ -44,6 +46,7 @@ impl fmt::Display for ContinuationCause {
                 "a continuation keeps no hard limits; remove [limits], or use [bounds] and [penalty]"
             }
             Self::Task => "a continuation takes neither tools nor obstacles; remove them",
+            Self::Energy => "a continuation takes no cost of energy; remove cost.energy",
             Self::Robot(error) => return error.fmt(f),
         })
     }

@@ -3,6 +3,7 @@
 use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::key::Key;
 use crate::problem::task_error::TaskError;
+use crate::problem::torque_speed_error::TorqueSpeedError;
 use costate::EvalError;
 use costate::codegen::CodegenError;
 use costate::robot::{printable, printable_number as number};
@@ -133,6 +134,15 @@ pub enum ProblemError {
         /// Its first part.
         key: Key,
     },
+    /// Torque-speed limits of motors.
+    TorqueSpeed {
+        /// The field.
+        key: Key,
+        /// What is wrong.
+        cause: TorqueSpeedError,
+    },
+    /// A cost of energy with a method that does not take it.
+    EnergyNeedsDirect,
     /// A control that costs nothing and is not bounded on both sides.
     UnboundedEffort {
         /// The joint.
@@ -174,8 +184,10 @@ impl ProblemError {
             | Self::EmptyLimits { key, .. }
             | Self::OutsideLimits { key, .. }
             | Self::Task { key, .. }
+            | Self::TorqueSpeed { key, .. }
             | Self::TaskNeedsDirect { key } => key,
             Self::LimitsNeedDirect => Key::solver("method"),
+            Self::EnergyNeedsDirect => Key::ENERGY,
             Self::FreeTimeWithoutCost => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
             Self::EmptyBounds { .. } => Key::U_MIN,
@@ -233,6 +245,8 @@ impl ProblemError {
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
+            Self::TorqueSpeed { cause, .. } => cause.to_string(),
+            Self::EnergyNeedsDirect => "a cost of energy is taken by method = \"direct\" only; choose it, or remove the cost".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
                  or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
@@ -268,6 +282,7 @@ impl std::error::Error for ProblemError {
         match self {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::Task { cause, .. } => Some(cause),
+            Self::TorqueSpeed { cause, .. } => Some(cause),
             _ => None,
         }
     }

@@ -3,7 +3,8 @@
 use super::Problem;
 use super::error::ProblemError;
 use super::key::Key;
-use super::limits::{JointLimits, MotionLimits};
+use super::limits::JointLimits;
+use super::torque_speed_error::TorqueSpeedError;
 
 impl Problem {
     /// All limits of the joints, in their order.
@@ -17,6 +18,8 @@ impl Problem {
                 v: entry(&own.v_max, i),
                 a: entry(&own.a_max, i),
                 torque: [-entry(&own.torque_max, i), entry(&own.torque_max, i)],
+                power: entry(&own.power_max, i),
+                speeds: [entry(&own.corner_speed, i), entry(&own.no_load_speed, i)],
             };
             if own.from_robot {
                 let robot = &joint.limits;
@@ -35,15 +38,7 @@ impl Problem {
 
     /// Limits are numbers; those of magnitudes are positive, but that of a torque may be zero.
     pub(super) fn check_limit_lists(&self) -> Result<(), ProblemError> {
-        let MotionLimits { q_min, q_max, v_max, a_max, torque_max, .. } = &self.limits;
-        let lists = [
-            (Key::LIMIT_Q_MIN, q_min),
-            (Key::LIMIT_Q_MAX, q_max),
-            (Key::LIMIT_V_MAX, v_max),
-            (Key::LIMIT_A_MAX, a_max),
-            (Key::LIMIT_TORQUE_MAX, torque_max),
-        ];
-        for (key, list) in lists {
+        for (key, list) in self.limits.lists() {
             let Some(list) = list else { continue };
             self.numbers(key, list)?;
             // A joint without a motor has the torque 0.
@@ -56,14 +51,40 @@ impl Problem {
                 return Err(ProblemError::NoRoom { key, joint: self.name(j), value: list[j] });
             }
         }
-        Ok(())
+        if let Some(value) = self.limits.total_power_max
+            && !(value > 0.0)
+        {
+            return Err(ProblemError::NotPositive { key: Key::LIMIT_TOTAL_POWER_MAX, value });
+        }
+        self.check_torque_speed()
+    }
+
+    /// Corner speeds and no-load speeds are given together, the latter larger.
+    fn check_torque_speed(&self) -> Result<(), ProblemError> {
+        let refuse = |key, cause| Err(ProblemError::TorqueSpeed { key, cause });
+        let (corner, no_load) = match (&self.limits.corner_speed, &self.limits.no_load_speed) {
+            (Some(corner), Some(no_load)) => (corner, no_load),
+            (None, None) => return Ok(()),
+            (Some(_), None) => return refuse(Key::LIMIT_CORNER_SPEED, TorqueSpeedError::Alone),
+            (None, Some(_)) => return refuse(Key::LIMIT_NO_LOAD_SPEED, TorqueSpeedError::Alone),
+        };
+        let mut pairs = corner.iter().zip(no_load);
+        match pairs.position(|(corner, no_load)| corner >= no_load && no_load.is_finite()) {
+            Some(j) => {
+                let (joint, corner, no_load) = (self.name(j), corner[j], no_load[j]);
+                let cause = TorqueSpeedError::NotBelow { joint, corner, no_load };
+                refuse(Key::LIMIT_CORNER_SPEED, cause)
+            }
+            None => Ok(()),
+        }
     }
 
     /// Whether there is something between the limits, those of the robot included, and the given ends lie
     /// there.
     ///
     /// # Errors
-    /// [`ProblemError::EmptyLimits`], [`ProblemError::OutsideLimits`], with the joint.
+    /// [`ProblemError::EmptyLimits`], [`ProblemError::OutsideLimits`], [`ProblemError::TorqueSpeed`], with
+    /// the joint.
     pub(super) fn check_limits(&self) -> Result<(), ProblemError> {
         for (j, limits) in self.joint_limits().iter().enumerate() {
             let rates = [-limits.v, limits.v];
@@ -76,6 +97,10 @@ impl Problem {
                 if low > high || (low == high && !may_be_zero) {
                     return Err(ProblemError::EmptyLimits { key, joint: self.name(j), low, high });
                 }
+            }
+            if limits.speeds[1].is_finite() && !limits.torque.iter().all(|torque| torque.is_finite()) {
+                let cause = TorqueSpeedError::NoTorqueLimit { joint: self.name(j) };
+                return Err(ProblemError::TorqueSpeed { key: Key::LIMIT_CORNER_SPEED, cause });
             }
             let ends = [(&self.start, Key::START_Q, Key::START_V), (&self.end, Key::END_Q, Key::END_V)];
             for (end, key_q, key_v) in ends {

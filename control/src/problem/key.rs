@@ -27,6 +27,8 @@ impl Key {
     pub(crate) const TIME_GUESS: Self = Self::new("time", "guess", "time");
     pub(crate) const COST_TIME: Self = Self::new("cost", "time", "cost.time");
     pub(crate) const EFFORT: Self = Self::new("cost", "effort", "cost.effort");
+    pub(crate) const ENERGY: Self = Self::new("cost", "energy", "cost.energy");
+    pub(crate) const ENERGY_SMOOTHING: Self = Self::new("cost", "energy_smoothing", "cost.energy_smoothing");
     pub(crate) const GAIN: Self = Self::new("actuation", "gain", "gain");
     pub(crate) const U_MIN: Self = Self::new("bounds", "u_min", "bounds.u_min");
     pub(crate) const U_MAX: Self = Self::new("bounds", "u_max", "bounds.u_max");
@@ -39,6 +41,11 @@ impl Key {
     pub(crate) const LIMIT_V_MAX: Self = Self::new("limits", "v_max", "limits.v_max");
     pub(crate) const LIMIT_A_MAX: Self = Self::new("limits", "a_max", "limits.a_max");
     pub(crate) const LIMIT_TORQUE_MAX: Self = Self::new("limits", "torque_max", "limits.torque_max");
+    pub(crate) const LIMIT_POWER_MAX: Self = Self::new("limits", "power_max", "limits.power_max");
+    pub(crate) const LIMIT_TOTAL_POWER_MAX: Self =
+        Self::new("limits", "total_power_max", "limits.total_power_max");
+    pub(crate) const LIMIT_CORNER_SPEED: Self = Self::new("limits", "corner_speed", "limits.corner_speed");
+    pub(crate) const LIMIT_NO_LOAD_SPEED: Self = Self::new("limits", "no_load_speed", "limits.no_load_speed");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

@@ -1,5 +1,7 @@
 //! Hard limits of a motion.
 
+use super::key::Key;
+
 /// Limits that a motion keeps, one entry a joint each, infinite for none; `None` for no joint. They hold
 /// beside [`Bounds`](crate::Bounds), which limit u.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +18,17 @@ pub struct MotionLimits {
     /// Limits of the torques and forces |tau| at the joints (N m, N): tau is u times its gain. 0 for a joint
     /// without a motor.
     pub torque_max: Option<Vec<f64>>,
+    /// Limits of the mechanical power |tau v| of each joint (W).
+    pub power_max: Option<Vec<f64>>,
+    /// Limit of the power of all joints together, $|\sum_i \tau_i v_i|$ (W).
+    pub total_power_max: Option<f64>,
+    /// Rates $v_c$ above which a motor gives less than its largest torque (rad/s, m/s). Together with
+    /// [`no_load_speed`](Self::no_load_speed), and for joints with a torque limit: where the motor drives,
+    /// its largest torque falls in a straight line from $\tau_{max}$ at $v_c$ to zero at $v_0$,
+    /// $\pm\tau \le \tau_{max} (v_0 \mp v) / (v_0 - v_c)$. It brakes with all of $\tau_{max}$.
+    pub corner_speed: Option<Vec<f64>>,
+    /// Rates $v_0$ at which a motor gives no torque any more (rad/s, m/s).
+    pub no_load_speed: Option<Vec<f64>>,
     /// Whether the limits of the robot's joints are kept too: positions, rates and efforts.
     pub from_robot: bool,
 }
@@ -23,7 +36,18 @@ pub struct MotionLimits {
 impl Default for MotionLimits {
     /// Those of the robot alone.
     fn default() -> Self {
-        Self { q_min: None, q_max: None, v_max: None, a_max: None, torque_max: None, from_robot: true }
+        Self {
+            q_min: None,
+            q_max: None,
+            v_max: None,
+            a_max: None,
+            torque_max: None,
+            power_max: None,
+            total_power_max: None,
+            corner_speed: None,
+            no_load_speed: None,
+            from_robot: true,
+        }
     }
 }
 
@@ -38,6 +62,10 @@ pub(crate) struct JointLimits {
     pub a: f64,
     /// Least and largest torque: of `torque_max`, the robot and the bounds on u.
     pub torque: [f64; 2],
+    /// Largest |tau v|.
+    pub power: f64,
+    /// Corner speed and no-load speed.
+    pub speeds: [f64; 2],
 }
 
 impl MotionLimits {
@@ -53,8 +81,21 @@ impl MotionLimits {
 
     /// Whether any limit is given beside those of the robot.
     pub fn any_given(&self) -> bool {
-        let Self { q_min, q_max, v_max, a_max, torque_max, .. } = self;
-        [q_min, q_max, v_max, a_max, torque_max].into_iter().any(Option::is_some)
+        self.lists().iter().any(|(_, list)| list.is_some()) || self.total_power_max.is_some()
+    }
+
+    /// All lists with their keys.
+    pub(crate) fn lists(&self) -> [(Key, &Option<Vec<f64>>); 8] {
+        [
+            (Key::LIMIT_Q_MIN, &self.q_min),
+            (Key::LIMIT_Q_MAX, &self.q_max),
+            (Key::LIMIT_V_MAX, &self.v_max),
+            (Key::LIMIT_A_MAX, &self.a_max),
+            (Key::LIMIT_TORQUE_MAX, &self.torque_max),
+            (Key::LIMIT_POWER_MAX, &self.power_max),
+            (Key::LIMIT_CORNER_SPEED, &self.corner_speed),
+            (Key::LIMIT_NO_LOAD_SPEED, &self.no_load_speed),
+        ]
     }
 
     /// With these lower limits of q (rad, m).
@@ -85,6 +126,25 @@ impl MotionLimits {
     #[must_use]
     pub fn with_torque_max(self, torque_max: Vec<f64>) -> Self {
         Self { torque_max: Some(torque_max), ..self }
+    }
+
+    /// With these limits of |tau v| (W).
+    #[must_use]
+    pub fn with_power_max(self, power_max: Vec<f64>) -> Self {
+        Self { power_max: Some(power_max), ..self }
+    }
+
+    /// With this limit of the power of all joints together (W).
+    #[must_use]
+    pub fn with_total_power_max(self, total_power_max: f64) -> Self {
+        Self { total_power_max: Some(total_power_max), ..self }
+    }
+
+    /// With motors whose torque falls from its limit at `corner_speed` to zero at `no_load_speed` (rad/s,
+    /// m/s).
+    #[must_use]
+    pub fn with_torque_speed(self, corner_speed: Vec<f64>, no_load_speed: Vec<f64>) -> Self {
+        Self { corner_speed: Some(corner_speed), no_load_speed: Some(no_load_speed), ..self }
     }
 
     /// With or without the limits of the robot's joints.

@@ -14,6 +14,7 @@ pub(crate) mod running_cost;
 pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
+pub(crate) mod torque_speed_error;
 pub(crate) mod warning;
 
 pub use limits::MotionLimits;
@@ -22,6 +23,7 @@ pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
 pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
+pub use torque_speed_error::TorqueSpeedError;
 
 use crate::problem::running_cost::UserTerm;
 use costate::robot::Robot;

@@ -55,7 +55,12 @@ impl FinalTime {
     }
 }
 
-/// Weights of $c_t T + \int \frac12 \sum_i r_i u_i^2 \\, dt$.
+/// Weights of $c_t T + \int \left( \frac12 \sum_i r_i u_i^2 + \sum_i e_i \phi(\tau_i v_i) \right) dt$,
+/// where $\phi(p) = \frac12 (p + \sqrt{p^2 + s^2} - s)$ is the positive part of the mechanical power,
+/// smoothed.
+///
+/// It is at most that, and at most s/2 less: with cost e per joule, a motion of T seconds costs up to
+/// $\frac12 e s T$ less than with $s \to 0$. Braking gives nothing back.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Objective {
@@ -63,12 +68,19 @@ pub struct Objective {
     pub time: f64,
     /// $r_i$, n entries. Zero only for a control that is bounded on both sides.
     pub effort: Vec<f64>,
+    /// $e_i$, the cost of a joule of mechanical work that the actuator of a joint does, n entries; `None` for
+    /// none. $\tau_i$ (N m, N) is the torque at the joint, after the gain. Needs
+    /// [`Method::Direct`](crate::Method::Direct).
+    pub energy: Option<Vec<f64>>,
+    /// s (W), by default 1. Powers much smaller than this cost next to nothing; small values make corners
+    /// which need more nodes.
+    pub energy_smoothing: f64,
 }
 
 impl Objective {
     /// The cost of a second, and the weight of each control.
     pub fn new(time: f64, effort: Vec<f64>) -> Self {
-        Self { time, effort }
+        Self { time, effort, energy: None, energy_smoothing: ENERGY_SMOOTHING }
     }
 
     /// With this cost of a second.
@@ -82,7 +94,27 @@ impl Objective {
     pub fn with_effort(self, effort: Vec<f64>) -> Self {
         Self { effort, ..self }
     }
+
+    /// With these costs of a joule, one for each joint.
+    #[must_use]
+    pub fn with_energy(self, energy: Vec<f64>) -> Self {
+        Self { energy: Some(energy), ..self }
+    }
+
+    /// With this smoothing of the cost of energy (W).
+    #[must_use]
+    pub fn with_energy_smoothing(self, energy_smoothing: f64) -> Self {
+        Self { energy_smoothing, ..self }
+    }
+
+    /// Whether energy costs anything.
+    pub fn has_energy(&self) -> bool {
+        self.energy.as_ref().is_some_and(|energy| energy.iter().any(|&weight| weight != 0.0))
+    }
 }
+
+/// Smoothing of the cost of energy (W), if none is given.
+pub(crate) const ENERGY_SMOOTHING: f64 = 1.0;
 
 /// `u_min <= u <= u_max` (N m or N, before the gain), n entries each. An infinite entry is no bound on that
 /// side.

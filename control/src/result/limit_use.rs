@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// The name of the power of all joints together.
+pub(crate) const ALL_JOINTS: &str = "all joints";
+
 /// How a motion uses its hard limits, by what is limited; `None` where nothing is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -19,6 +22,12 @@ pub struct LimitReport {
     /// tau (N m, N).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque: Option<LimitUse>,
+    /// tau v (W); that of all joints together has the name "all joints".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power: Option<LimitUse>,
+    /// tau where a motor drives fast (N m, N): its limit depends on v.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque_speed: Option<LimitUse>,
     /// Tools (m, rad, m/s) and clearances (m), at the ends too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<LimitUse>,
@@ -30,9 +39,9 @@ pub struct LimitReport {
 pub struct LimitUse {
     /// Largest violation at the points of the motion, in the unit of the limit.
     pub at_points: f64,
-    /// Largest violation between them. Where an acceleration jumps inside of an interval it overshoots
-    /// by some percent there, the shorter the finer the mesh. Torques there are cut to their limits in
-    /// the trajectory; this is how much more the polynomial would need.
+    /// Largest violation between them. Where an acceleration or a power jumps inside of an interval it
+    /// overshoots by some percent there, the shorter the finer the mesh. Torques there are cut to their
+    /// limits in the trajectory; this is how much more the polynomial would need.
     pub between: f64,
     /// The largest violation at the points, if there is any beyond rounding: 1e-7 of the distance between
     /// lower and upper limit.
@@ -46,7 +55,7 @@ pub struct LimitUse {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LimitViolation {
-    /// Name of the joint, or of what a tool or a body does not keep.
+    /// Name of the joint, "all joints", or the name of what a tool or a body does not keep.
     pub name: String,
     /// When (s).
     pub time: f64,
@@ -64,7 +73,7 @@ pub struct LimitViolation {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ActiveLimit {
-    /// Name of the joint, or of what a tool or a body keeps.
+    /// Name of the joint, "all joints", or the name of what a tool or a body keeps.
     pub name: String,
     /// "min" or "max".
     pub side: String,
@@ -92,6 +101,8 @@ impl LimitReport {
             ("rate", &self.rate),
             ("acceleration", &self.acceleration),
             ("torque", &self.torque),
+            ("power", &self.power),
+            ("torque_speed", &self.torque_speed),
             ("task", &self.task),
         ];
         kinds.into_iter().map(|(name, usage)| (name, usage.as_ref()))

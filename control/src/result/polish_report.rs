@@ -27,8 +27,8 @@ pub struct PolishReport {
 pub enum PolishOutcome {
     /// The polished motion is shown: it is solved, or neither of the two is.
     Polished,
-    /// Not tried: accelerations are limited, or a limit on positions or rates is active. An extremal keeps
-    /// the limits of controls only.
+    /// Not tried: accelerations are limited, energy costs something, or a limit on positions, rates or
+    /// powers is active. An extremal keeps the limits of controls only.
     Limited,
     /// Not tried: the direct method found no motion to begin with.
     NoMotion,
@@ -38,7 +38,7 @@ pub enum PolishOutcome {
     OutOfTime,
     /// The extremal costs more than the motion of the direct method.
     CostsMore,
-    /// The extremal exceeds a limit on positions or rates.
+    /// The extremal exceeds a limit on positions, rates or powers.
     BeyondLimits,
 }
 
@@ -52,7 +52,7 @@ impl PolishOutcome {
     pub fn reason(self) -> &'static str {
         match self {
             Self::Polished => "polished",
-            Self::Limited => "direct: a limit other than on torques is active",
+            Self::Limited => "direct: energy has a cost, or a limit other than on torques is active",
             Self::NoMotion => "direct: no motion to begin with",
             Self::Failed => "direct: the polish found no extremal",
             Self::OutOfTime => "direct: the polish was stopped or took too long",

@@ -19,6 +19,7 @@ mod linear_algebra;
 mod machine_code;
 mod one_state;
 mod polish;
+mod power;
 mod problem_file;
 mod problems;
 mod samples;

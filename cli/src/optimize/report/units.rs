@@ -10,6 +10,7 @@ pub const RATE: Units = ["rad/s", "m/s"];
 pub const ACCELERATION: Units = ["rad/s\u{b2}", "m/s\u{b2}"];
 pub const MOMENTUM: Units = ["N m s", "N s"];
 pub const EFFORT: Units = ["N m", "N"];
+pub const POWER: Units = ["W", "W"];
 pub const POSITION_COSTATE: Units = ["cost/rad", "cost/m"];
 pub const MOMENTUM_COSTATE: Units = ["cost/(N m s)", "cost/(N s)"];
 
@@ -17,7 +18,7 @@ pub const MOMENTUM_COSTATE: Units = ["cost/(N m s)", "cost/(N s)"];
 pub fn of_robot(robot: &Robot, [revolute, prismatic]: Units) -> String {
     let has = |kind| robot.independent_joints().any(|joint| joint.kind == kind);
     match (has(JointKind::Revolute), has(JointKind::Prismatic)) {
-        (true, true) => format!("{revolute}, {prismatic}"),
+        (true, true) if revolute != prismatic => format!("{revolute}, {prismatic}"),
         (false, _) => prismatic.into(),
         _ => revolute.into(),
     }

@@ -50,7 +50,7 @@ pub struct DynamicsProblem {
 impl DynamicsProblem {
     /// From one state to another, with cost $\frac12 |u|^2$ per second of so many controls, and no bounds.
     pub fn new(start: EndState, end: EndState, time: FinalTime, controls: usize) -> Self {
-        Self { start, end, time, cost: Objective { time: 0.0, effort: vec![1.0; controls] }, bounds: None }
+        Self { start, end, time, cost: Objective::new(0.0, vec![1.0; controls]), bounds: None }
     }
 
     /// With these weights of time and effort.
@@ -99,6 +99,9 @@ pub enum DynamicsProblemError {
     /// The running cost depends on u.
     #[error("the running cost must be a function of x alone; give the cost of controls by cost.effort")]
     CostOfControls,
+    /// A cost of mechanical energy.
+    #[error("cost.energy is the work of joints of a robot: give the cost of a model by its running cost")]
+    Energy,
     /// A control that costs nothing and is not bounded on both sides.
     #[error(
         "cost.effort[{control}] is zero and u[{control}] is not bounded on both sides: give it a weight, or bounds"
@@ -141,7 +144,10 @@ impl DynamicsProblem {
                 return Err(Error::OutOfRange { field, value: component as f64, range });
             }
         }
-        let Objective { time, effort } = &self.cost;
+        let Objective { time, effort, .. } = &self.cost;
+        if self.cost.has_energy() {
+            return Err(Error::Energy);
+        }
         length("cost.effort", effort.len(), controls)?;
         let positive = |value: f64| value > 0.0 && value.is_finite();
         if !positive(self.time.value()) {

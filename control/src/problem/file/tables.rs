@@ -2,7 +2,7 @@
 
 use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Verify};
 use crate::problem::error::ProblemError;
-use crate::problem::file::document::{Fault, Table, string, whole};
+use crate::problem::file::document::{Fault, Table, number, string, whole};
 use crate::problem::file::error::ProblemFileCause;
 use crate::problem::file::robot::{self, RobotTable};
 use crate::problem::file::task;
@@ -30,10 +30,21 @@ const ROOT: &[&str] = &[
 ];
 const STATE: &[&str] = &["q", "v", "q_free", "v_free", "tool"];
 const TIME: &[&str] = &["final", "free", "guess"];
-const COST: &[&str] = &["time", "effort", "tool"];
+const COST: &[&str] = &["time", "effort", "energy", "energy_smoothing", "tool"];
 const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
-const LIMITS: &[&str] = &["q_min", "q_max", "v_max", "a_max", "torque_max", "from_robot"];
+const LIMITS: &[&str] = &[
+    "q_min",
+    "q_max",
+    "v_max",
+    "a_max",
+    "torque_max",
+    "power_max",
+    "total_power_max",
+    "corner_speed",
+    "no_load_speed",
+    "from_robot",
+];
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
 const SOLVER: &[&str] = &[
@@ -73,6 +84,8 @@ pub(super) struct Tables {
     time: FinalTime,
     cost_time: f64,
     effort: Option<Vec<f64>>,
+    energy: Option<Energy>,
+    energy_smoothing: Option<f64>,
     gain: Option<Vec<f64>>,
     bounds: Option<Bounds>,
     penalty: Option<Penalty>,
@@ -80,6 +93,30 @@ pub(super) struct Tables {
     task: Task,
     pub start_from: Option<String>,
     pub options: SolverOptions,
+}
+
+/// The cost of a joule.
+enum Energy {
+    /// The same for all joints.
+    Each(f64),
+    Of(Vec<f64>),
+}
+
+impl Energy {
+    fn is_any(&self) -> bool {
+        match self {
+            Self::Each(weight) => *weight != 0.0,
+            Self::Of(weights) => weights.iter().any(|&weight| weight != 0.0),
+        }
+    }
+
+    /// Those of n joints.
+    fn of_joints(&self, n: usize) -> Vec<f64> {
+        match self {
+            Self::Each(weight) => vec![*weight; n],
+            Self::Of(weights) => weights.clone(),
+        }
+    }
 }
 
 struct StateTable {
@@ -120,7 +157,9 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     let start_from = optional("start_from", START_FROM)?;
     let limits = optional("limits", LIMITS)?.as_ref().map(limits).transpose()?;
     let task = task::read(root)?;
-    let direct = limits.as_ref().is_some_and(MotionLimits::any_given) || !task.is_empty();
+    let energy = cost.map_or(Ok(None), energy)?;
+    let limited = limits.as_ref().is_some_and(MotionLimits::any_given);
+    let direct = limited || !task.is_empty() || energy.as_ref().is_some_and(Energy::is_any);
     Ok(Tables {
         robot,
         start,
@@ -128,6 +167,8 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         time,
         cost_time: cost.map_or(Ok(None), |cost| cost.number("time"))?.unwrap_or(0.0),
         effort: cost.map_or(Ok(None), |cost| cost.numbers("effort"))?,
+        energy,
+        energy_smoothing: cost.map_or(Ok(None), |cost| cost.number("energy_smoothing"))?,
         gain: actuation.map_or(Ok(None), |actuation| actuation.numbers("gain"))?,
         bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
@@ -195,11 +236,27 @@ fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
         v_max: table.numbers("v_max")?,
         a_max: table.numbers("a_max")?,
         torque_max: table.numbers("torque_max")?,
+        power_max: table.numbers("power_max")?,
+        total_power_max: table.number("total_power_max")?,
+        corner_speed: table.numbers("corner_speed")?,
+        no_load_speed: table.numbers("no_load_speed")?,
         from_robot: table.flag("from_robot")?.unwrap_or(none.from_robot),
     })
 }
 
-/// The options; where there are limits the method is direct unless another one is given.
+/// One cost of energy for all joints, or one for each.
+fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
+    table.value("energy", "a number or a list of numbers", |value| match value {
+        DeValue::Array(entries) => {
+            let entries = entries.iter().map(|entry| number(entry.get_ref()));
+            Some(Energy::Of(entries.collect::<Option<_>>()?))
+        }
+        value => number(value).map(Energy::Each),
+    })
+}
+
+/// The options; where there are limits, a task or a cost of energy the method is direct unless another one is
+/// given.
 fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fault> {
     let method = table.map_or(Ok(None), |table| table.choice("method", &METHODS))?;
     let defaults = match method {
@@ -259,12 +316,16 @@ impl Tables {
             BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
         };
         let (start, end) = (fixed(&self.start), fixed(&self.end));
-        let effort = fill(&self.effort, 0.0);
+        let mut cost = Objective::new(self.cost_time, fill(&self.effort, 0.0));
+        cost.energy = self.energy.as_ref().map(|energy| energy.of_joints(n));
+        if let Some(smoothing) = self.energy_smoothing {
+            cost = cost.with_energy_smoothing(smoothing);
+        }
         let mut problem = Problem {
             start,
             end,
             time: self.time,
-            cost: Objective { time: self.cost_time, effort },
+            cost,
             terms: Vec::new(),
             gain: fill(&self.gain, 1.0),
             bounds: self.bounds.clone(),
