@@ -40,4 +40,5 @@ mod system;
 mod tasks;
 mod verify;
 
+pub(crate) use basis::{PLACES, POINTS, WEIGHTS};
 pub(crate) use solve::Direct;
