@@ -282,6 +282,14 @@ pub(crate) mod direct {
     /// of the guess. With more of it multipliers settle in fewer steps, and rounding of what it does not
     /// touch grows.
     pub const STIFFNESS: f64 = 1e8;
+    /// It rises by this factor..
+    pub const STIFFER: f64 = 10.0;
+    /// .. to at most this..
+    pub const MOST_STIFFNESS: f64 = 1e13;
+    /// .. when a whole step leaves more than this part of the equations..
+    pub const LEFT_OF_EQUATIONS: f64 = 0.1;
+    /// .. that were violated by less than this before.
+    pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
@@ -397,6 +405,9 @@ pub(crate) mod task {
     pub const PARALLEL: f64 = 4e-3;
     /// Points of a segment whose depths inside of a box count, its ends among them.
     pub const DEPTHS: usize = 5;
+    /// Least part of a piece of a motion that a search for bodies that meet goes on; where they do, the step
+    /// would be zero.
+    pub const SHORTEST_STEP: f64 = 1.0 / 64.0;
     /// Segments that are not longer than this are points (m).
     pub const SHORTEST_LINK: f64 = 1e-6;
     /// Most entries of each list of a task.

@@ -33,8 +33,10 @@ pub(crate) struct Figures {
     pub size: f64,
     /// Sum of slack times multiplier.
     pub gap: f64,
-    /// Largest violation of a limit, in parts of its range.
+    /// Largest violation of a limit or an equation, in parts of its range.
     pub violation: f64,
+    /// The same of equations alone.
+    pub equations: f64,
     /// Newton decrement: twice the change of cost that the next step promises.
     pub decrement: f64,
     pub iterations: usize,
@@ -224,17 +226,29 @@ impl<D: PointDynamics> Interior<D> {
     pub(super) fn measure_figures(&mut self) {
         self.measure_cost();
         self.figures.gap = self.barrier.complementarity();
-        self.figures.violation = self.violation();
+        [self.figures.equations, self.figures.violation] = self.violations();
     }
 
-    /// Largest violation of a limit, in parts of its range.
-    fn violation(&self) -> f64 {
-        let barrier = &self.barrier;
-        let on = (0..barrier.count()).filter(|&at| barrier.is_on(at));
-        on.fold(0.0, |most: f64, at| {
-            let d = barrier.distance[at];
-            most.max(barrier.unit[at] * if barrier.slack[at] > 0.0 { -d } else { d.abs() })
-        })
+    /// Largest violation of an equation, and of all, in parts of ranges.
+    fn violations(&self) -> [f64; 2] {
+        let (barrier, mut most) = (&self.barrier, [0.0_f64; 2]);
+        for at in (0..barrier.count()).filter(|&at| barrier.is_on(at)) {
+            let (d, is_equation) = (barrier.distance[at], barrier.slack[at] == 0.0);
+            let which = usize::from(!is_equation);
+            most[which] = most[which].max(barrier.unit[at] * if is_equation { d.abs() } else { -d });
+        }
+        [most[0], most[0].max(most[1])]
+    }
+
+    /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
+    fn stiffen(&mut self, before: f64, part: f64) {
+        let left = self.figures.equations;
+        let slow = left > constants::VIOLATION_AT_POINTS && left > constants::LEFT_OF_EQUATIONS * before;
+        let close = before < constants::CLOSE_TO_EQUATIONS && self.damping == 0.0;
+        if slow && close && part == 1.0 {
+            let most = constants::MOST_STIFFNESS * self.figures.size;
+            self.barrier.stiffness = (constants::STIFFER * self.barrier.stiffness).min(most);
+        }
     }
 
     /// Sum of |d - s| in parts of ranges, weighted.
@@ -271,6 +285,7 @@ impl<D: PointDynamics> Interior<D> {
         let mut resets = 0;
         for _ in 0..most {
             self.figures.iterations += 1;
+            let equations = self.figures.equations;
             self.refresh()?;
             self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
@@ -300,6 +315,7 @@ impl<D: PointDynamics> Interior<D> {
                 self.filter.clear();
                 continue;
             };
+            self.stiffen(equations, part);
             if let Some(interruption) = watch(self, part) {
                 return Ok(End::Interrupted(interruption));
             }

@@ -60,7 +60,7 @@ impl Barrier {
             // The end holds equations already; with a point beside it there would be one too many.
             let is_given =
                 [(0, 0), (mesh.points() - 1, 1)].iter().any(|&(at, end)| p == at && ends.keeps(end));
-            let on = |side: &Side| !(side.is_equation && is_given);
+            let on = |side: &Side| !(side.is_equation && side.limited == Limited::Task && is_given);
             self.weight.extend(self.sides.iter().map(|side| if on(side) { weight } else { 0.0 }));
         }
         let last = mesh.intervals();

@@ -82,6 +82,9 @@ impl Resolution {
         self.estimate(interior);
         self.compare_costs(interior);
         self.look_between(interior);
+        for (k, most) in self.violations.iter_mut().enumerate() {
+            *most = most.max(interior.tasks.sweep(&interior.spline, k)?);
+        }
         Ok(())
     }
 
@@ -151,7 +154,7 @@ impl Resolution {
             *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
             let (k, part) = (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.time);
             let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
-            let over = torques.map(|(d, side)| (-d / side.range).max(0.0)).sum::<f64>();
+            let over = torques.map(|(d, side)| side.violation(*d).max(0.0)).sum::<f64>();
             self.cut[k] += part * interior.spline.mesh.width(k) * over;
         }
         self.add_errors_of_limits(interior);

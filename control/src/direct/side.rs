@@ -36,6 +36,11 @@ pub(crate) struct Side {
 }
 
 impl Side {
+    /// The torque of a joint without a motor is zero; `unit` is the unit of violations.
+    pub fn no_torque(joint: usize, unit: f64) -> Self {
+        Self { limited: Limited::Torque, joint, sign: 1.0, bound: 0.0, range: unit, is_equation: true }
+    }
+
     /// Both sides of a limit; an infinite bound is none.
     pub fn pair(limited: Limited, joint: usize, lower: f64, upper: f64) -> impl Iterator<Item = Self> {
         let range = if (upper - lower).is_finite() {

@@ -287,9 +287,17 @@ fn sides(problem: &Problem) -> Vec<Side> {
             Side::pair(limited, i, lower, upper)
         })
     };
+    let torques = limits.iter().map(|limits| limits.torque[1] - limits.torque[0]);
+    let largest = torques.filter(|range| range.is_finite()).fold(0.0, f64::max);
+    // What the other motors give; without limits of them, 1 N m.
+    let unit = if largest > 0.0 { largest } else { 1.0 };
+    let has_motor = |limits: &JointLimits| limits.torque[0] < limits.torque[1];
+    let torque = of(Limited::Torque, |limits| limits.torque).filter(|side| has_motor(&limits[side.joint]));
+    let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
         .chain(of(Limited::Acceleration, |limits| [-limits.a, limits.a]))
-        .chain(of(Limited::Torque, |limits| limits.torque))
+        .chain(torque)
+        .chain(without)
         .collect()
 }

@@ -17,13 +17,27 @@ pub(crate) struct Tasks {
     hessian: Vec<f64>,
     /// q and v at an end.
     state: Vec<f64>,
+    /// Largest |q| and |dq/dx| on an interval.
+    bounds: [Vec<f64>; 2],
+    /// dq/dx of each joint at four places of an interval.
+    cubics: Vec<[f64; 4]>,
+    /// q, v, a.
+    z: Vec<f64>,
 }
 
 impl Tasks {
     /// Those of a robot with n joints.
     pub fn new(rows: &TaskRows, n: usize) -> Self {
         let TaskRows { start, end, along, .. } = rows.clone();
-        Self { along, ends: [start, end], hessian: vec![0.0; 4 * n * n], state: vec![0.0; 2 * n] }
+        Self {
+            along,
+            ends: [start, end],
+            hessian: vec![0.0; 4 * n * n],
+            state: vec![0.0; 2 * n],
+            bounds: [vec![0.0; n], vec![0.0; n]],
+            cubics: vec![[0.0; 4]; n],
+            z: vec![0.0; 3 * n],
+        }
     }
 
     /// Number of rows along the motion.
@@ -132,6 +146,36 @@ impl Tasks {
             }
         }
         Ok(())
+    }
+
+    /// The largest violation of a clearance on interval `k`, in parts of its range; no two bodies pass
+    /// through each other unseen.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn sweep(&mut self, spline: &Spline, k: usize) -> Result<f64, EvalError> {
+        if self.along.is_empty() {
+            return Ok(0.0);
+        }
+        let n = spline.dof;
+        // dq/dx is a cubic: it is within the range of its Bernstein coefficients.
+        let length = spline.time * spline.mesh.width(k);
+        for j in 0..4 {
+            spline.in_interval(k, j as f64 / 3.0, &mut self.z);
+            self.cubics.iter_mut().zip(&self.z[n..]).for_each(|(cubic, v)| cubic[j] = length * v);
+        }
+        let [positions, rates] = &mut self.bounds;
+        for (i, &[a, b, c, d]) in self.cubics.iter().enumerate() {
+            let inner = [-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d, 2.0 * a - 9.0 * b + 18.0 * c - 5.0 * d];
+            let most = inner.iter().map(|value| value.abs() / 6.0).fold(a.abs().max(d.abs()), f64::max);
+            // z is that of the end of the interval.
+            (rates[i], positions[i]) = (most, self.z[i].abs() + most);
+        }
+        let z = &mut self.z;
+        self.along.sweep([positions, rates], &mut self.state[..n], |x, q| {
+            spline.in_interval(k, x, z);
+            q.copy_from_slice(&z[..n]);
+        })
     }
 
     /// How far tools are off at the end in a state (q, v), in m and rad; the largest.

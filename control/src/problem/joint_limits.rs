@@ -33,7 +33,7 @@ impl Problem {
         limits.collect()
     }
 
-    /// Limits are numbers; those of magnitudes are positive.
+    /// Limits are numbers; those of magnitudes are positive, but that of a torque may be zero.
     pub(super) fn check_limit_lists(&self) -> Result<(), ProblemError> {
         let MotionLimits { q_min, q_max, v_max, a_max, torque_max, .. } = &self.limits;
         let lists = [
@@ -46,8 +46,13 @@ impl Problem {
         for (key, list) in lists {
             let Some(list) = list else { continue };
             self.numbers(key, list)?;
-            let signed = key == Key::LIMIT_Q_MIN || key == Key::LIMIT_Q_MAX;
-            if let Some(j) = list.iter().position(|&limit| limit <= 0.0).filter(|_| !signed) {
+            // A joint without a motor has the torque 0.
+            let is_empty = |&limit: &f64| match key {
+                Key::LIMIT_Q_MIN | Key::LIMIT_Q_MAX => false,
+                Key::LIMIT_TORQUE_MAX => limit < 0.0,
+                _ => limit <= 0.0,
+            };
+            if let Some(j) = list.iter().position(is_empty) {
                 return Err(ProblemError::NoRoom { key, joint: self.name(j), value: list[j] });
             }
         }
@@ -61,8 +66,14 @@ impl Problem {
     /// [`ProblemError::EmptyLimits`], [`ProblemError::OutsideLimits`], with the joint.
     pub(super) fn check_limits(&self) -> Result<(), ProblemError> {
         for (j, limits) in self.joint_limits().iter().enumerate() {
-            for (key, [low, high]) in [(Key::LIMIT_Q_MIN, limits.q), (Key::LIMIT_TORQUE_MAX, limits.torque)] {
-                if low >= high {
+            let rates = [-limits.v, limits.v];
+            let ranges = [
+                (Key::LIMIT_Q_MIN, limits.q, false),
+                (Key::LIMIT_V_MAX, rates, false),
+                (Key::LIMIT_TORQUE_MAX, limits.torque, self.limits.has_no_motor(j)),
+            ];
+            for (key, [low, high], may_be_zero) in ranges {
+                if low > high || (low == high && !may_be_zero) {
                     return Err(ProblemError::EmptyLimits { key, joint: self.name(j), low, high });
                 }
             }

@@ -13,7 +13,8 @@ pub struct MotionLimits {
     pub v_max: Option<Vec<f64>>,
     /// Limits of |a| (rad/s^2, m/s^2).
     pub a_max: Option<Vec<f64>>,
-    /// Limits of the torques and forces |tau| at the joints (N m, N): tau is u times its gain.
+    /// Limits of the torques and forces |tau| at the joints (N m, N): tau is u times its gain. 0 for a joint
+    /// without a motor.
     pub torque_max: Option<Vec<f64>>,
     /// Whether the limits of the robot's joints are kept too: positions, rates and efforts.
     pub from_robot: bool,
@@ -40,6 +41,11 @@ pub(crate) struct JointLimits {
 }
 
 impl MotionLimits {
+    /// Whether a joint has no motor: its torque is limited to 0 here.
+    pub(crate) fn has_no_motor(&self, joint: usize) -> bool {
+        self.torque_max.as_ref().is_some_and(|list| list[joint] == 0.0)
+    }
+
     /// No limits at all.
     pub fn none() -> Self {
         Self { from_robot: false, ..Self::default() }

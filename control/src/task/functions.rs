@@ -1,6 +1,6 @@
 //! Rows g(q, v) with their bounds and derivatives.
 
-use super::clearance::Clearances;
+use super::clearance::{Bounds, Clearances};
 use super::placed::{Hessian, Placed};
 use super::row::Row;
 use super::tool::ToolFunction;
@@ -48,6 +48,8 @@ pub(crate) struct TaskFunctions {
     parts: Vec<Part>,
     rows: Vec<Row>,
     moves: bool,
+    /// Rates at rest.
+    still: Vec<f64>,
 }
 
 impl Part {
@@ -62,7 +64,8 @@ impl Part {
 impl TaskFunctions {
     /// No rows yet.
     pub(super) fn new(robot: &Robot) -> Self {
-        Self { placed: Placed::new(robot), parts: Vec::new(), rows: Vec::new(), moves: false }
+        let still = vec![0.0; robot.dof()];
+        Self { placed: Placed::new(robot), parts: Vec::new(), rows: Vec::new(), moves: false, still }
     }
 
     /// Adds a part with what holds for its rows.
@@ -86,6 +89,35 @@ impl TaskFunctions {
     /// Whether any row depends on v.
     pub fn depends_on_rates(&self) -> bool {
         self.moves
+    }
+
+    /// Goes along a piece of a motion, over x in [0, 1], in steps so short that no two bodies pass through
+    /// each other unseen. `positions` and `rates` are the largest |q| and |dq/dx| on it; `state` writes q at x,
+    /// `q` has room for it. The largest violation of a clearance, in parts of its range.
+    ///
+    /// # Errors
+    /// Positions that are not finite.
+    pub fn sweep(
+        &mut self,
+        [positions, rates]: [&[f64]; 2],
+        q: &mut [f64],
+        mut state: impl FnMut(f64, &mut [f64]),
+    ) -> Result<f64, EvalError> {
+        let Self { placed, parts, still, .. } = self;
+        let mut worst = 0.0_f64;
+        for part in parts {
+            let Part::Clearances(clearances) = part else { continue };
+            clearances.see_piece(placed, Bounds { positions, rates });
+            let mut x = 0.0;
+            while x < 1.0 {
+                state(x, q);
+                placed.place(q, still)?;
+                let (violation, step) = clearances.look(placed)?;
+                worst = worst.max(violation);
+                x += step;
+            }
+        }
+        Ok(worst)
     }
 
     /// Whether there is nothing to evaluate.

@@ -21,13 +21,19 @@ pub(super) struct Carried {
     pub frame: usize,
     /// The joints from the tip to the base.
     pub path: Vec<usize>,
+    /// From the origin of each of them to that of the one before it, the first one to that of the frame, at
+    /// q = 0 (m).
+    pub lengths: Vec<f64>,
 }
 
 impl Carried {
     pub fn new(robot: &Robot, frame: usize) -> Self {
         let joint = robot.frames().get(frame).and_then(|frame| frame.joint);
-        let path = std::iter::successors(joint, |&joint| robot.joints()[joint].parent).collect();
-        Self { frame, path }
+        let path: Vec<usize> = std::iter::successors(joint, |&joint| robot.joints()[joint].parent).collect();
+        let own = robot.frames().get(frame).map_or(0.0, |frame| frame.placement.translation.norm());
+        let beyond = path.iter().map(|&joint| robot.joints()[joint].placement.translation.norm());
+        let lengths = std::iter::once(own).chain(beyond).take(path.len()).collect();
+        Self { frame, path, lengths }
     }
 }
 
@@ -47,6 +53,8 @@ struct Joint {
     /// The coordinate that moves it, and its own rate over that of the coordinate.
     coordinate: usize,
     ratio: f64,
+    /// Its position where that of the coordinate is 0.
+    offset: f64,
 }
 
 /// A symmetric matrix of derivatives by (q, v), 2n x 2n row by row, to which terms in q are added.
@@ -82,9 +90,10 @@ impl Placed {
             .iter()
             .enumerate()
             .map(|(i, joint)| {
-                let (master, ratio) = joint.mimic.as_ref().map_or((i, 1.0), |m| (m.joint, m.ratio));
+                let (master, ratio, offset) =
+                    joint.mimic.as_ref().map_or((i, 1.0, 0.0), |m| (m.joint, m.ratio, m.offset));
                 let coordinate = coordinate(master).unwrap_or_default();
-                Joint { kind: joint.kind, axis: joint.axis, coordinate, ratio }
+                Joint { kind: joint.kind, axis: joint.axis, coordinate, ratio, offset }
             })
             .collect();
         let zero = Vector3::zeros();
@@ -140,6 +149,16 @@ impl Placed {
     /// The coordinate that moves a joint, and the joint's rate at the unit rate of the coordinate.
     pub fn coordinate(&self, j: usize) -> (usize, f64) {
         (self.joints[j].coordinate, self.joints[j].ratio)
+    }
+
+    /// Whether a joint is prismatic.
+    pub fn slides(&self, j: usize) -> bool {
+        self.joints[j].kind == JointKind::Prismatic
+    }
+
+    /// The position of a joint where that of its coordinate is 0.
+    pub fn offset(&self, j: usize) -> f64 {
+        self.joints[j].offset
     }
 
     /// Fills the columns of a point of a link that this path carries.

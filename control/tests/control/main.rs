@@ -27,6 +27,7 @@ mod shooting;
 mod source;
 mod stopping;
 mod task_file;
+mod tasks;
 mod user_terms;
 mod verification;
 

@@ -25,12 +25,14 @@
 mod cores;
 mod pair;
 mod rows;
+mod sweep;
 
 #[cfg(test)]
 mod tests;
 
 pub(in crate::task) use cores::CoreBox;
 pub(in crate::task) use pair::{Body, Other};
+pub(in crate::task) use sweep::Bounds;
 
 use super::placed::{Hessian, Placed};
 use cores::Core;
@@ -48,6 +50,8 @@ pub(super) struct Clearances {
     /// For each coordinate what it changes of the vector between the closest places (3), and of the
     /// conditions for them (2); then of phi.
     moved: Vec<[f64; 6]>,
+    /// For each pair how fast its distance can change on the piece of a motion that was seen last.
+    speeds: Vec<f64>,
 }
 
 impl Clearances {
@@ -56,7 +60,13 @@ impl Clearances {
         let zero = Vector3::zeros();
         let cores =
             bodies.iter().map(|body| Core { from: body.from, way: zero, is_segment: body.to.is_some() });
-        Self { cores: cores.collect(), bodies, pairs: Vec::new(), moved: vec![[0.0; 6]; placed.dof()] }
+        Self {
+            cores: cores.collect(),
+            bodies,
+            pairs: Vec::new(),
+            moved: vec![[0.0; 6]; placed.dof()],
+            speeds: Vec::new(),
+        }
     }
 
     /// Adds a pair that keeps this distance beyond the surfaces, unless the robot does not move the two
@@ -81,6 +91,7 @@ impl Clearances {
         let pair = Pair { body, other, radius, paths, coordinates };
         let rows = self.rows_of(&pair);
         self.pairs.push(pair);
+        self.speeds.push(0.0);
         Some((rows, radius))
     }
 

@@ -1,0 +1,202 @@
+//! Motions with tools and obstacles, by the direct method.
+
+use costate::kinematics::Kinematics;
+use costate::robot::{Placement, Robot};
+use costate_control::{
+    Collision, Keep, Kept, LinkCapsule, MotionLimits, Obstacle, Polish, Problem, Shape, Solution, Solver,
+    SolverOptions, Status, Task, Tool, ToolCost, ToolPose, TrajectoryPoint,
+};
+use nalgebra::Vector3;
+
+const FREE: f64 = f64::INFINITY;
+
+fn two_link() -> Problem {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let quarter = std::f64::consts::FRAC_PI_2;
+    Problem::rest_to_rest(robot, &[0.0, 0.0], &[quarter, quarter], 1.0).with_limits(MotionLimits::none())
+}
+
+fn panda() -> Robot {
+    Robot::from_file("../robots/panda.urdf").unwrap()
+}
+
+const PANDA: [f64; 7] = [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8];
+
+fn options() -> SolverOptions {
+    SolverOptions::direct().with_polish(Polish::Never)
+}
+
+fn solve(problem: &Problem) -> Solution {
+    let solution = Solver::new(problem, options()).unwrap().solve();
+    assert_eq!(solution.motion.status, Status::Converged, "{:?}", solution.limits);
+    solution
+}
+
+/// The motion at many times.
+fn samples(solution: &Solution, count: usize) -> impl Iterator<Item = TrajectoryPoint> {
+    let (trajectory, time) = (solution.trajectory.clone(), solution.motion.final_time);
+    (0..=count).map(move |k| trajectory.at(time * k as f64 / count as f64).unwrap())
+}
+
+/// Where a frame is.
+struct Frame {
+    kinematics: Kinematics<f64>,
+    number: usize,
+}
+
+impl Frame {
+    fn new(robot: &Robot, name: &str) -> Self {
+        Self { kinematics: Kinematics::new(robot), number: robot.frame_index(name).unwrap() }
+    }
+
+    /// Its position and third axis.
+    fn at(&mut self, q: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        self.kinematics.set_state(q, &vec![0.0; q.len()]).unwrap();
+        let pose = self.kinematics.pose(self.number).unwrap();
+        (pose.position.into(), Vector3::from(pose.rotation.map(|row| row[2])))
+    }
+}
+
+/// The tip of the two-link arm.
+fn tip() -> Tool {
+    Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0])
+}
+
+#[test]
+fn the_tip_ends_on_a_line() {
+    // The value: two other methods, of which one is shooting with transversality.
+    let mut problem = two_link();
+    problem.end.q_free = vec![0, 1];
+    problem.end.q = vec![0.2, 1.0];
+    let problem = problem.with_task(
+        Task::default().with_end_tool(ToolPose::of(tip()).with_position([FREE, 1.2, FREE])),
+    );
+    let solution = solve(&problem);
+    assert!((solution.motion.cost / 68.527_088_5 - 1.0).abs() < 3e-7, "{}", solution.motion.cost);
+    let end = samples(&solution, 1).last().unwrap();
+    assert!((end.q[0] - 0.228_385).abs() < 1e-4 && (end.q[1] - 1.112_102).abs() < 1e-4, "{:?}", end.q);
+    let height = end.q[0].sin() + (end.q[0] + end.q[1]).sin();
+    assert!((height - 1.2).abs() < 1e-8, "{height}");
+    assert!(solution.end_defect < 1e-6);
+}
+
+#[test]
+fn the_tip_stays_outside_of_a_disc() {
+    // The value: extremals with a barrier that goes to zero, and direct collocation on finer and finer meshes.
+    let free = solve(&two_link());
+    let (centre, radius) = ([0.34, 0.59], 0.25);
+    let along = |z: f64| [centre[0], centre[1], z];
+    let disc = Obstacle::new("disc", Shape::Capsule { from: along(-1.0), to: along(1.0), radius });
+    let body = LinkCapsule::sphere("joint:elbow", 0.0).with_from([1.0, 0.0, 0.0]).with_name("tip");
+    let task = Task::default().with_obstacle(disc).with_collision(Collision::of(vec![body]));
+    let problem = two_link().with_task(task);
+    let solver = Solver::new(&problem, options()).unwrap();
+    let solution = solver.with_start(&free.trajectory).unwrap().solve();
+    assert_eq!(solution.motion.status, Status::Converged);
+    assert!((solution.motion.cost / 170.506_985 - 1.0).abs() < 1e-6, "{}", solution.motion.cost);
+    let distance = |q: &[f64]| {
+        let (a, b) = (q[0], q[0] + q[1]);
+        (a.cos() + b.cos() - centre[0]).hypot(a.sin() + b.sin() - centre[1]) - radius
+    };
+    let least = samples(&solution, 2000).map(|point| distance(&point.q)).fold(f64::INFINITY, f64::min);
+    assert!(least > -2.5e-5 && least < 1e-5, "it touches the disc: {least}");
+    let usage = solution.limits.task.unwrap();
+    assert!(usage.at_points < 1e-8 && usage.active.iter().all(|span| span.name.contains("disc")));
+    assert!(!usage.active.is_empty());
+}
+
+#[test]
+fn a_cup_stays_upright_on_a_plane() {
+    let robot = panda();
+    let mut end = PANDA;
+    end[0] = 1.2;
+    let kept = |kept| Keep::new("panda_link8", kept);
+    let mut hand = Frame::new(&robot, "panda_link8");
+    let (start, _) = hand.at(&PANDA);
+    let plane = Kept::Plane { through: start.into(), normal: [0.0, 0.0, 1.0], distance: 0.0 };
+    let upright = Kept::Axis { axis: [0.0, 0.0, 1.0], along: [0.0, 0.0, -1.0], angle: 0.0 };
+    let task = Task::default().with_keep(kept(plane)).with_keep(kept(upright));
+    let problem = Problem::rest_to_rest(robot, &PANDA, &end, 1.5).with_task(task);
+    let solution = solve(&problem);
+    for point in samples(&solution, 300) {
+        let (x, axis) = hand.at(&point.q);
+        assert!((x.z - start.z).abs() < 1e-4 && axis.z < -1.0 + 1e-7, "{} {axis}", x.z - start.z);
+    }
+    assert!(solution.limits.task.unwrap().at_points < 1e-7);
+}
+
+#[test]
+fn a_tool_reaches_a_pose_within_all_limits_and_speed_is_kept() {
+    let robot = panda();
+    let (position, down) = ([0.45, 0.3, 0.35], [0.0, 0.0, -1.0]);
+    let pose_there = ToolPose::of("panda_link8").with_position(position).with_axis([0.0, 0.0, 1.0], down);
+    let mut problem = Problem::rest_to_rest(robot.clone(), &PANDA, &PANDA, 1.5);
+    problem.end.q_free = (0..7).collect();
+    let free = solve(&problem.clone().with_task(Task::default().with_end_tool(pose_there.clone())));
+    let task = Task::default()
+        .with_end_tool(pose_there)
+        .with_keep(Keep::new("panda_link8", Kept::Speed { max: 0.5 }));
+    let slow = solve(&problem.with_task(task));
+    assert!(slow.motion.cost > free.motion.cost * (1.0 + 1e-6));
+    let mut hand = Frame::new(&robot, "panda_link8");
+    let mut fastest = [0.0_f64; 2];
+    for (solution, fastest) in [&free, &slow].into_iter().zip(&mut fastest) {
+        let points: Vec<_> = samples(solution, 400).collect();
+        for pair in points.windows(2) {
+            let [a, b] = [0, 1].map(|k| hand.at(&pair[k].q).0);
+            *fastest = fastest.max((b - a).norm() / (pair[1].t - pair[0].t));
+        }
+        let (x, axis) = hand.at(&points[400].q);
+        assert!((x - Vector3::from(position)).norm() < 1e-7 && (axis.z + 1.0).abs() < 1e-12);
+    }
+    assert!(fastest[0] > 0.51 && fastest[1] < 0.5001, "{fastest:?}");
+}
+
+#[test]
+fn costs_of_tools_pull_them_to_their_place() {
+    let mut problem = two_link();
+    let place = [1.2, 1.2, FREE];
+    let far = |solution: &Solution| -> f64 {
+        let distance = |q: &[f64]| {
+            let (a, b) = (q[0], q[0] + q[1]);
+            (a.cos() + b.cos() - place[0]).powi(2) + (a.sin() + b.sin() - place[1]).powi(2)
+        };
+        samples(solution, 400).map(|point| distance(&point.q)).sum::<f64>() / 400.0
+    };
+    let free = solve(&problem);
+    let pose = ToolPose::of(tip()).with_position(place);
+    problem = problem.with_task(Task::default().with_tool_cost(ToolCost::new(pose, 2000.0, 0.0)));
+    let pulled = solve(&problem);
+    assert!(far(&pulled) < 0.9 * far(&free), "{} {}", far(&pulled), far(&free));
+    // What the cost contains, by samples: the effort of the other motion is no lower.
+    assert!(pulled.motion.cost < free.motion.cost + 1000.0 * far(&free));
+    assert!(pulled.motion.cost > free.motion.cost);
+    assert!(pulled.motion.hamiltonian_drift < 1e-3);
+}
+
+#[test]
+fn no_link_passes_through_a_thin_plate() {
+    // The straight way leads through a plate that is thinner than the steps between points.
+    let mut end = PANDA;
+    end[0] = 1.4;
+    let size = [0.6, 0.002, 0.5];
+    let angle = 0.7_f64;
+    let placement = Placement::from_xyz_rpy([0.5 * angle.cos(), 0.5 * angle.sin(), 0.3], [0.0, 0.0, angle]);
+    let task = Task::default()
+        .with_obstacle(Obstacle::new("plate", Shape::Box { placement, size }))
+        .with_collision(Collision::along_links(0.02));
+    let problem = Problem::rest_to_rest(panda(), &PANDA, &end, 1.0).with_task(task);
+    let solution = Solver::new(&problem, options()).unwrap().solve();
+    // The hand: whether it is at the plate, within its edges.
+    let mut hand = Frame::new(&problem.robot, "panda_link7");
+    let mut through = false;
+    let mut before: Option<f64> = None;
+    for point in samples(&solution, 4000) {
+        let (x, _) = hand.at(&point.q);
+        let [across, along] = [angle.cos() * x.y - angle.sin() * x.x, angle.cos() * x.x + angle.sin() * x.y];
+        let inside = (along - 0.5).abs() < 0.3 && (x.z - 0.3).abs() < 0.25;
+        through |= inside && before.is_some_and(|before| before * across < 0.0);
+        before = Some(across);
+    }
+    assert!(!(through && solution.motion.status == Status::Converged), "the hand went through the plate");
+}
