@@ -1,6 +1,7 @@
 //! What the cost changes by with the parameters of the robot.
 
-use crate::report::{Table, scientific};
+use super::report::numbers::short;
+use crate::report::Table;
 use costate_control::{CostDerivative, Problem, Solution, cost_by_parameters};
 use std::error::Error;
 use std::io::Write;
@@ -16,7 +17,7 @@ pub fn sensitivities(problem: &Problem, solution: &Solution) -> Result<Vec<CostD
 pub fn print(derivatives: &[CostDerivative], out: &mut impl Write) -> std::io::Result<()> {
     let mut table = Table::new(&["parameter", "value", "dJ/dvalue"], 1);
     for CostDerivative { name, value, derivative, .. } in derivatives {
-        table.row(vec![name.clone(), scientific(*value), scientific(*derivative)]);
+        table.row(vec![name.clone(), short(*value, 6), short(*derivative, 6)]);
     }
     write!(out, "\n{table}")
 }

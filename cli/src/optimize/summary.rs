@@ -1,8 +1,7 @@
 //! A solution as text: heading, why it is none, tables.
 
-use super::figures::{Needed, figures, limit_units, time_is_free};
+use super::figures::{Needed, figures, time_is_free};
 use super::report::numbers::short;
-use super::report::units;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
 use costate_control::{Iteration, Problem, Solution, StartResult, Status, Verify};

@@ -68,9 +68,8 @@ fn the_tip_ends_on_a_line() {
     let mut problem = two_link();
     problem.end.q_free = vec![0, 1];
     problem.end.q = vec![0.2, 1.0];
-    let problem = problem.with_task(
-        Task::default().with_end_tool(ToolPose::of(tip()).with_position([FREE, 1.2, FREE])),
-    );
+    let problem = problem
+        .with_task(Task::default().with_end_tool(ToolPose::of(tip()).with_position([FREE, 1.2, FREE])));
     let solution = solve(&problem);
     assert!((solution.motion.cost / 68.527_088_5 - 1.0).abs() < 3e-7, "{}", solution.motion.cost);
     let end = samples(&solution, 1).last().unwrap();
