@@ -330,7 +330,7 @@ impl<D: PointDynamics> Interior<D> {
         decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
     }
 
-    fn factorise(&mut self, damping: f64) -> bool {
+    pub(super) fn factorise(&mut self, damping: f64) -> bool {
         for joint in 0..self.weights.len() {
             self.weights[joint] = self.metric_weight(joint);
         }

@@ -10,9 +10,12 @@
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 
+mod again;
 mod basis;
 mod costates;
+mod end_columns;
 mod ends;
+mod feedback;
 mod filter;
 mod found;
 mod guess;
@@ -22,6 +25,7 @@ mod jumps;
 mod limits;
 mod metric;
 mod multipliers;
+mod neighbours;
 mod point_terms;
 mod points;
 #[cfg(feature = "jit")]
@@ -30,6 +34,7 @@ mod program_points;
 mod programs;
 mod refine;
 mod report;
+mod resolve;
 mod running;
 mod search;
 mod side;
@@ -41,4 +46,6 @@ mod tasks;
 mod verify;
 
 pub(crate) use basis::{PLACES, POINTS, WEIGHTS};
+pub use feedback::Feedback;
+pub use resolve::{Budget, Resolve, ResolveError, ResolveStatus, Resolved};
 pub(crate) use solve::Direct;

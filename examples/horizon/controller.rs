@@ -1,0 +1,81 @@
+//! The controller: an optimal motion of the next second in each period.
+
+use crate::plant::Arm;
+use costate::EvalError;
+use costate_control::{Budget, FinalTime, MachineCode, Objective, Problem, Resolve, Resolved, SolverOptions};
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+/// Length of the horizon (s), and its intervals.
+const HORIZON: f64 = 1.0;
+const INTERVALS: usize = 20;
+
+/// Newton steps in a period.
+const STEPS: usize = 2;
+
+/// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from limits
+/// and let the motion change faster.
+const TOLERANCE: f64 = 0.03;
+
+/// Plans, and gives torques.
+#[derive(Debug)]
+pub struct Controller {
+    arm: Arm,
+    motion: Resolve,
+    period: f64,
+    /// The last plan.
+    pub last: Resolved,
+    limits: Vec<[f64; 3]>,
+    z: Vec<f64>,
+    goal: [Vec<f64>; 2],
+    start: [Vec<f64>; 2],
+}
+
+impl Controller {
+    /// Solves the problem for the first time, which may take as long as it likes.
+    pub fn new(arm: &Arm, period: f64) -> Result<Self, Box<dyn Error>> {
+        let n = arm.q.len();
+        let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+        arm.goal(HORIZON, &mut q, &mut v);
+        // Torques count in parts of their limits.
+        let limits = || arm.robot.independent_joints().map(|joint| joint.limits);
+        let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &q, HORIZON);
+        problem.end.v = v.clone();
+        problem.time = FinalTime::Fixed(HORIZON);
+        problem.cost = Objective::new(0.0, limits().map(|limits| 1.0 / limits.effort.powi(2)).collect());
+        let options = SolverOptions::direct()
+            .with_tolerance(TOLERANCE)
+            .with_nodes(3 * INTERVALS + 1)
+            .with_machine_code(MachineCode::AtOnce);
+        let mut motion = Resolve::new(&problem, options)?;
+        let last = motion.solve()?;
+        let limits = limits().map(|limits| [limits.lower, limits.upper, limits.velocity]).collect();
+        let (z, start) = (vec![0.0; 3 * n], [arm.q.clone(), arm.v.clone()]);
+        Ok(Self { arm: arm.clone(), motion, period, last, limits, z, goal: [q, v], start })
+    }
+
+    /// Plans the motion of the next second from a measured state. How long it took.
+    pub fn plan(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<Duration, Box<dyn Error>> {
+        let began = Instant::now();
+        let [goal, rate] = &mut self.goal;
+        self.arm.goal(time + HORIZON, goal, rate);
+        // A measured state may be beyond a limit by a little.
+        let [start, speed] = &mut self.start;
+        for (i, [lower, upper, velocity]) in self.limits.iter().enumerate() {
+            (start[i], speed[i]) = (q[i].clamp(*lower, *upper), v[i].clamp(-velocity, *velocity));
+        }
+        if time > 0.0 {
+            self.motion.advance(self.period);
+        }
+        self.motion.set_start(start, speed)?;
+        self.motion.set_end(goal, rate)?;
+        self.last = self.motion.solve_again(Budget::steps(STEPS))?;
+        Ok(began.elapsed())
+    }
+
+    /// The torques at a time since the begin of the period: those of the plan.
+    pub fn torques(&mut self, t: f64, _q: &[f64], _v: &[f64], torques: &mut [f64]) -> Result<(), EvalError> {
+        self.motion.state_at(t, &mut self.z);
+        self.motion.torques_at(t, torques)
+    }
+}
