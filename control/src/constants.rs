@@ -301,6 +301,8 @@ pub(crate) mod direct {
     pub const KEPT: f64 = 0.1;
     /// .. and of the final time.
     pub const SHORTEST_TIME: f64 = 0.5;
+    /// A motion with a free time begins later by at most this part of it.
+    pub const LATEST: f64 = 0.5;
     /// Multipliers are always within this factor of it.
     pub const FAR: f64 = 1e10;
     /// Part of the predicted decrease of cost and barrier that a step must reach.

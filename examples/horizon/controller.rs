@@ -2,7 +2,9 @@
 
 use crate::plant::Arm;
 use costate::EvalError;
-use costate_control::{Budget, FinalTime, MachineCode, Objective, Problem, Resolve, Resolved, SolverOptions};
+use costate_control::{
+    Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Resolve, Resolved, SolverOptions,
+};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -11,7 +13,13 @@ const HORIZON: f64 = 1.0;
 const INTERVALS: usize = 20;
 
 /// Newton steps in a period.
-const STEPS: usize = 2;
+const STEPS: usize = 4;
+
+/// The part of a period in which they may begin and end.
+const PART: f64 = 0.9;
+
+/// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points of a plan.
+const RATES: f64 = 0.95;
 
 /// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from limits
 /// and let the motion change faster.
@@ -41,6 +49,8 @@ impl Controller {
         let limits = || arm.robot.independent_joints().map(|joint| joint.limits);
         let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &q, HORIZON);
         problem.end.v = v.clone();
+        problem.limits =
+            MotionLimits::default().with_v_max(limits().map(|limits| RATES * limits.velocity).collect());
         problem.time = FinalTime::Fixed(HORIZON);
         problem.cost = Objective::new(0.0, limits().map(|limits| 1.0 / limits.effort.powi(2)).collect());
         let options = SolverOptions::direct()
@@ -49,7 +59,7 @@ impl Controller {
             .with_machine_code(MachineCode::AtOnce);
         let mut motion = Resolve::new(&problem, options)?;
         let last = motion.solve()?;
-        let limits = limits().map(|limits| [limits.lower, limits.upper, limits.velocity]).collect();
+        let limits = limits().map(|limits| [limits.lower, limits.upper, RATES * limits.velocity]).collect();
         let (z, start) = (vec![0.0; 3 * n], [arm.q.clone(), arm.v.clone()]);
         Ok(Self { arm: arm.clone(), motion, period, last, limits, z, goal: [q, v], start })
     }
@@ -69,7 +79,8 @@ impl Controller {
         }
         self.motion.set_start(start, speed)?;
         self.motion.set_end(goal, rate)?;
-        self.last = self.motion.solve_again(Budget::steps(STEPS))?;
+        let budget = Budget::steps(STEPS).within(Duration::from_secs_f64(PART * self.period));
+        self.last = self.motion.solve_again(budget)?;
         Ok(began.elapsed())
     }
 

@@ -23,8 +23,8 @@ pub struct Arm {
     model: Lagrangian<f64>,
 }
 
-/// The goal of joint i swings at 1 + 0.25 i rad/s.
-const FREQUENCY: [f64; 2] = [1.0, 0.25];
+/// The goal of joint i swings at 0.5 + 0.1 i rad/s.
+const FREQUENCY: [f64; 2] = [0.5, 0.1];
 
 /// Steps of the integration in a period.
 const STEPS: usize = 4;

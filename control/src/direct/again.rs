@@ -117,14 +117,21 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Begins the motion later by `dt` (s). With a free time the rest remains; with a fixed one the motion goes
-    /// on beyond its end at the rates there.
+    /// on beyond its end at the rates there, and the mesh moves by whole intervals: between the nodes of a
+    /// coarse mesh another spline has other accelerations, which cost more than what a part of an interval
+    /// gains. The intervals are equal.
     pub fn shift(&mut self, dt: f64, again: &mut Again) {
         let (n, time) = (self.spline.dof, self.spline.time);
+        let intervals = self.spline.mesh.intervals() as f64;
+        let whole = (dt / time * intervals).round() / intervals;
+        if whole == 0.0 {
+            return;
+        }
         let (first, rest) = if self.ends.free_time {
-            let first = (dt / time).clamp(0.0, 0.5);
+            let first = (dt / time).min(constants::LATEST);
             (first, 1.0 - first)
         } else {
-            (dt / time, 1.0)
+            (whole, 1.0)
         };
         let (old, new) = (&self.spline, &mut self.trial.spline);
         new.copy_from(old);

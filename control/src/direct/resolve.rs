@@ -283,7 +283,8 @@ impl Resolve {
 
     /// Begins the warm start later by `dt` (s), the time since the last solve: the part of the motion that is
     /// over is left out. With a fixed final time the motion goes on beyond its end at the rates there; with a
-    /// free one its rest remains.
+    /// free one its rest remains. Less than half an interval makes no difference: the new start and end
+    /// take the motion along.
     pub fn advance(&mut self, dt: f64) {
         if self.started && dt > 0.0 && dt.is_finite() {
             self.interior.shift(dt, &mut self.again);
