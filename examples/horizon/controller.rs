@@ -3,7 +3,8 @@
 use crate::plant::Arm;
 use costate::EvalError;
 use costate_control::{
-    Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Resolve, Resolved, SolverOptions,
+    Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Resolve, Resolved, SolverOptions, Task,
+    ToolCost, ToolPose,
 };
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -11,15 +12,6 @@ use std::time::{Duration, Instant};
 /// Length of the horizon (s), and its intervals.
 const HORIZON: f64 = 1.0;
 const INTERVALS: usize = 20;
-
-/// Newton steps in a period.
-const STEPS: usize = 4;
-
-/// The part of a period in which they may begin and end.
-const PART: f64 = 0.9;
-
-/// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points of a plan.
-const RATES: f64 = 0.95;
 
 /// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from limits
 /// and let the motion change faster.
@@ -31,24 +23,26 @@ pub struct Controller {
     arm: Arm,
     motion: Resolve,
     period: f64,
+    steps: usize,
     /// The last plan.
     pub last: Resolved,
     limits: Vec<[f64; 3]>,
     z: Vec<f64>,
-    goal: [Vec<f64>; 2],
     start: [Vec<f64>; 2],
 }
 
 impl Controller {
-    /// Solves the problem for the first time, which may take as long as it likes.
-    pub fn new(arm: &Arm, period: f64) -> Result<Self, Box<dyn Error>> {
+    /// Solves the problem for the first time, which may take as long as it likes; later plans take at most so many
+    /// Newton steps.
+    pub fn new(arm: &Arm, period: f64, steps: usize) -> Result<Self, Box<dyn Error>> {
         let n = arm.q.len();
-        let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
-        arm.goal(HORIZON, &mut q, &mut v);
         // Torques count in parts of their limits.
         let limits = || arm.robot.independent_joints().map(|joint| joint.limits);
-        let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &q, HORIZON);
-        problem.end.v = v.clone();
+        let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &arm.q, HORIZON);
+        // At rest wherever the arm is then: it can always stop.
+        problem.end.q_free = (0..n).collect();
+        let pose = ToolPose::of(arm.tool).with_position(arm.goal(AHEAD));
+        problem.task = Task::default().with_tool_cost(ToolCost::new(pose, DISTANCE_WEIGHT, 0.0));
         problem.limits =
             MotionLimits::default().with_v_max(limits().map(|limits| RATES * limits.velocity).collect());
         problem.time = FinalTime::Fixed(HORIZON);
@@ -61,14 +55,12 @@ impl Controller {
         let last = motion.solve()?;
         let limits = limits().map(|limits| [limits.lower, limits.upper, RATES * limits.velocity]).collect();
         let (z, start) = (vec![0.0; 3 * n], [arm.q.clone(), arm.v.clone()]);
-        Ok(Self { arm: arm.clone(), motion, period, last, limits, z, goal: [q, v], start })
+        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, z, start })
     }
 
     /// Plans the motion of the next second from a measured state. How long it took.
     pub fn plan(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<Duration, Box<dyn Error>> {
         let began = Instant::now();
-        let [goal, rate] = &mut self.goal;
-        self.arm.goal(time + HORIZON, goal, rate);
         // A measured state may be beyond a limit by a little.
         let [start, speed] = &mut self.start;
         for (i, [lower, upper, velocity]) in self.limits.iter().enumerate() {
@@ -78,9 +70,8 @@ impl Controller {
             self.motion.advance(self.period);
         }
         self.motion.set_start(start, speed)?;
-        self.motion.set_end(goal, rate)?;
-        let budget = Budget::steps(STEPS).within(Duration::from_secs_f64(PART * self.period));
-        self.last = self.motion.solve_again(budget)?;
+        self.motion.set_tool_cost(0, self.arm.goal(time + AHEAD))?;
+        self.last = self.motion.solve_again(Budget::steps(self.steps))?;
         Ok(began.elapsed())
     }
 

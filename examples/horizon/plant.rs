@@ -1,8 +1,10 @@
-//! The arms, their goals, and how they move.
+//! The arms, their goal, and how they move.
 
 use costate::EvalError;
+use costate::kinematics::Kinematics;
 use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
+use nalgebra::{DMatrix, DVector};
 use std::error::Error;
 
 /// An arm that moves, with a goal that moves too.
@@ -17,14 +19,21 @@ pub struct Arm {
     pub v: Vec<f64>,
     /// Torques at the end of the last period (N m).
     pub torques: Vec<f64>,
-    /// The middle of the goal, and how far it swings (rad).
-    middle: Vec<f64>,
-    swing: Vec<f64>,
+    /// Name of the frame that shall be at the goal, and its number.
+    pub tool: &'static str,
+    frame: usize,
+    /// The middle of the circle, where the tool is at first (m).
+    centre: [f64; 3],
+    kinematics: Kinematics<f64>,
     model: Lagrangian<f64>,
 }
 
-/// The goal of joint i swings at 0.5 + 0.1 i rad/s.
-const FREQUENCY: [f64; 2] = [0.5, 0.1];
+/// The goal goes round on a circle (m) at this rate (rad/s).
+const RADIUS: f64 = 0.15;
+const RATE: f64 = 1.5;
+
+/// The acceleration (rad/s^2) that a motor at its limit gives its own rotor.
+const ACCELERATION: f64 = 400.0;
 
 /// Steps of the integration in a period.
 const STEPS: usize = 4;
@@ -39,42 +48,51 @@ impl Arm {
         }
     }
 
-    /// The UR5 as its URDF describes it, without rotor inertia.
+    /// The UR5.
     pub fn ur5() -> Result<Self, Box<dyn Error>> {
-        let middle = [0.4, -1.3, 1.6, -1.8, -1.57, 0.3];
-        Self::new("ur5.urdf", &middle, &[0.9, 0.4, 0.5, 0.5, 0.4, 0.6], &[0.5, -0.3, 0.3, 0.3, 0.2, -0.4])
+        Self::new("ur5.urdf", "tool0", &[0.4, -1.3, 1.6, -1.8, -1.57, 0.3])
     }
 
-    /// The Panda as its URDF describes it.
+    /// The Panda.
     pub fn panda() -> Result<Self, Box<dyn Error>> {
-        let middle = [0.1, -0.2, 0.0, -1.7, 0.1, 1.7, 0.5];
-        let away = [0.4, -0.2, 0.3, 0.3, 0.2, -0.3, 0.4];
-        Self::new("panda.urdf", &middle, &[0.7, 0.4, 0.5, 0.4, 0.5, 0.5, 0.6], &away)
+        Self::new("panda.urdf", "panda_link8", &[0.1, -0.2, 0.0, -1.7, 0.1, 1.7, 0.5])
     }
 
-    /// At rest, `away` from the middle of its goal.
-    fn new(file: &str, middle: &[f64], swing: &[f64], away: &[f64]) -> Result<Self, Box<dyn Error>> {
+    /// As its URDF describes it, with the inertia of rotors, which that leaves out: at rest, with its tool in the middle
+    /// of the circle.
+    fn new(file: &str, tool: &'static str, q: &[f64]) -> Result<Self, Box<dyn Error>> {
         let robot = Robot::from_file(format!("{}/../robots/{file}", env!("CARGO_MANIFEST_DIR")))?;
         let n = robot.dof();
-        Ok(Self {
+        let rotors = robot.joints().iter().map(|joint| joint.limits.effort / ACCELERATION).collect();
+        let robot = robot.with_armature(DMatrix::from_diagonal(&DVector::from_vec(rotors)))?;
+        let number = robot.frames().iter().position(|frame| frame.name == tool);
+        let mut arm = Self {
             time: 0.0,
-            q: middle.iter().zip(away).map(|(q, away)| q + away).collect(),
+            q: q.to_vec(),
             v: vec![0.0; n],
             torques: vec![0.0; n],
-            middle: middle.to_vec(),
-            swing: swing.to_vec(),
+            tool,
+            frame: number.ok_or("the robot has no such frame")?,
+            centre: [0.0; 3],
+            kinematics: Kinematics::new(&robot),
             model: Lagrangian::new(&robot),
             robot,
-        })
+        };
+        arm.centre = arm.position()?;
+        Ok(arm)
     }
 
-    /// Writes position and rate of the goal at a time.
-    pub fn goal(&self, time: f64, q: &mut [f64], v: &mut [f64]) {
-        for i in 0..q.len() {
-            let frequency = FREQUENCY[0] + FREQUENCY[1] * i as f64;
-            let (sin, cos) = (frequency * time + i as f64).sin_cos();
-            (q[i], v[i]) = (self.middle[i] + self.swing[i] * sin, self.swing[i] * frequency * cos);
-        }
+    /// Where the tool is (m).
+    pub fn position(&mut self) -> Result<[f64; 3], EvalError> {
+        self.kinematics.set_state(&self.q, &self.v)?;
+        Ok(self.kinematics.pose(self.frame)?.position)
+    }
+
+    /// The goal at a time (m): a circle in the vertical plane along y.
+    pub fn goal(&self, time: f64) -> [f64; 3] {
+        let (sin, cos) = (RATE * time).sin_cos();
+        let [x, y, z] = self.centre;
+        [x, y + RADIUS * cos, z + RADIUS * sin]
     }
 
     /// Moves for a period under torques that are a function of the time since its begin and of the state: steps of

@@ -76,16 +76,14 @@ impl<D: PointDynamics> Interior<D> {
             if !self.barrier.is_limit(at) {
                 continue;
             }
-            let range = self.barrier.side(at).range;
-            let least = self.barrier.slack[at].min(constants::LEAST_SLACK * range);
+            let least = self.barrier.slack[at].min(constants::LEAST_SLACK / self.barrier.unit[at]);
             let slack = self.barrier.distance[at].max(least);
             let central = self.mu * self.barrier.weight[at] / slack;
             self.barrier.slack[at] = slack;
             let near = [central / constants::OFF_CENTRE, constants::OFF_CENTRE * central];
             self.barrier.multiplier[at] = self.barrier.multiplier[at].clamp(near[0], near[1]);
         }
-        self.damping = 0.0;
-        self.measure_figures();
+        self.figures.gap = self.barrier.complementarity();
         debug_assert_eq!(self.spline.unknowns.len(), Spline::size(n, self.spline.mesh.intervals()));
         Ok(())
     }

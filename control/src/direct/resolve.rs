@@ -2,10 +2,11 @@
 
 use super::again::Again;
 use super::feedback::Feedback;
+use super::goals::Goals;
 use super::interior::{End, Interior};
+use super::resolve_error::ResolveError;
+use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
 use super::solve::{FastPoints, interior};
-use super::spline::Spline;
-use crate::constants::direct::VIOLATION_ACCEPTED;
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
@@ -16,117 +17,6 @@ use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use std::fmt;
 use std::time::{Duration, Instant};
-
-/// Limits on solving again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Budget {
-    /// Most Newton steps, at least 1.
-    pub iterations: usize,
-    /// Longest time. No further step begins that would probably exceed it: one that takes as long as the
-    /// longest so far.
-    pub time: Option<Duration>,
-}
-
-impl Budget {
-    /// So many Newton steps.
-    pub fn steps(iterations: usize) -> Self {
-        Self { iterations: iterations.max(1), time: None }
-    }
-
-    /// With this longest time.
-    #[must_use]
-    pub fn within(self, time: Duration) -> Self {
-        Self { time: Some(time), ..self }
-    }
-}
-
-/// How solving again ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ResolveStatus {
-    /// To the tolerance of the options.
-    Solved,
-    /// After all Newton steps that were allowed.
-    Iterations,
-    /// Because the time was over.
-    OutOfTime,
-    /// No step was better than the iterate.
-    NoProgress,
-}
-
-/// What solving again gave: figures of the motion that is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Resolved {
-    /// How it ended. Unless it is solved, the motion is the cheapest iterate that keeps all limits, or the one
-    /// that exceeds them least.
-    pub status: ResolveStatus,
-    /// Newton steps.
-    pub iterations: usize,
-    /// J.
-    pub cost: f64,
-    /// What barriers cost at most: the sum of slack times multiplier.
-    pub gap: f64,
-    /// Largest violation of a limit, a tool or a clearance at the points, in parts of its range.
-    pub violation: f64,
-    /// How long it took.
-    pub time: Duration,
-}
-
-impl Resolved {
-    /// Whether the motion keeps all limits at its points, to 1e-7 of their ranges.
-    pub fn keeps_limits(&self) -> bool {
-        self.violation <= VIOLATION_ACCEPTED
-    }
-}
-
-/// Why a new start or end was refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ResolveError {
-    /// Not one number for each joint, or each coordinate.
-    #[error("{what} has {found} entries, not {expected}")]
-    WrongLength {
-        /// What it is.
-        what: &'static str,
-        /// Entries that are needed.
-        expected: usize,
-        /// Entries that were given.
-        found: usize,
-    },
-    /// A number that is not finite.
-    #[error("{what}: entry {entry} is not finite")]
-    NotFinite {
-        /// What it is.
-        what: &'static str,
-        /// The entry, from 0.
-        entry: usize,
-    },
-    /// A position or rate beyond its limits.
-    #[error("{what} of joint {joint} is {value}, beyond its limits {low} and {high}")]
-    Outside {
-        /// What it is.
-        what: &'static str,
-        /// The joint, from 0.
-        joint: usize,
-        /// The value (rad, rad/s, m, m/s).
-        value: f64,
-        /// Its least value.
-        low: f64,
-        /// Its largest value.
-        high: f64,
-    },
-    /// A tool that the problem does not have, or one without a position.
-    #[error("{what} has no tool {tool} with {expected}; give the number of one that has a position")]
-    NoTool {
-        /// The table of the problem.
-        what: &'static str,
-        /// The number that was given, from 0.
-        tool: usize,
-        /// What it needs.
-        expected: &'static str,
-    },
-}
 
 /// A problem that is solved again and again on one mesh, with other starts, ends and goals.
 ///
@@ -159,6 +49,7 @@ pub struct Resolve {
     model: Lagrangian<f64>,
     /// (q, v) at start and end.
     states: [Vec<f64>; 2],
+    goals: Goals,
     again: Again,
     feedback: Feedback,
     shown: Shown,
@@ -168,37 +59,6 @@ pub struct Resolve {
     started: bool,
     /// Whether the equations are factorised near the iterate.
     factorised: bool,
-}
-
-/// The best motion of a solve.
-#[derive(Clone, Debug, Default)]
-struct Shown {
-    spline: Spline,
-    cost: f64,
-    gap: f64,
-    violation: f64,
-}
-
-impl Shown {
-    fn take(&mut self, iterate: &Interior<FastPoints>) {
-        self.spline.copy_from(&iterate.spline);
-        let figures = &iterate.figures;
-        (self.cost, self.gap, self.violation) = (figures.cost, figures.gap, figures.violation);
-    }
-
-    /// Takes an iterate if it is better.
-    fn offer(&mut self, iterate: &Interior<FastPoints>) {
-        let (cost, violation) = (iterate.figures.cost, iterate.figures.violation);
-        let keeps = [violation, self.violation].map(|violation| violation <= VIOLATION_ACCEPTED);
-        let better = match keeps {
-            [true, true] => cost < self.cost,
-            [false, false] => violation < self.violation,
-            [new, _] => new,
-        };
-        if better {
-            self.take(iterate);
-        }
-    }
 }
 
 impl Resolve {
@@ -217,6 +77,7 @@ impl Resolve {
             limits: problem.joint_limits(),
             model: Lagrangian::new(&problem.robot),
             states: [state(&problem.start), state(&problem.end)],
+            goals: Goals::of(&problem.task),
             again: Again::new(n),
             feedback: Feedback::default(),
             shown: Shown::default(),
@@ -278,6 +139,47 @@ impl Resolve {
         }
         self.states[end][..n].copy_from_slice(q);
         self.states[end][n..].copy_from_slice(v);
+        Ok(())
+    }
+
+    /// The next solve has this position (m) in [`Task::start_tools`](crate::Task::start_tools)`[tool]`.
+    /// Coordinates that the problem leaves free stay free.
+    ///
+    /// # Errors
+    /// [`ResolveError::NoTool`], [`ResolveError::NotFinite`].
+    pub fn set_start_tool(&mut self, tool: usize, position: [f64; 3]) -> Result<(), ResolveError> {
+        let rows = self.goals.rows("start.tool", 0, tool, &position)?;
+        self.set_end_rows(0, rows, position);
+        Ok(())
+    }
+
+    /// The same of [`Task::end_tools`](crate::Task::end_tools).
+    ///
+    /// # Errors
+    /// As [`set_start_tool`](Self::set_start_tool).
+    pub fn set_end_tool(&mut self, tool: usize, position: [f64; 3]) -> Result<(), ResolveError> {
+        let rows = self.goals.rows("end.tool", 1, tool, &position)?;
+        self.set_end_rows(1, rows, position);
+        Ok(())
+    }
+
+    fn set_end_rows(&mut self, end: usize, rows: [Option<usize>; 3], position: [f64; 3]) {
+        for (row, x) in rows.into_iter().zip(position).filter_map(|(row, x)| Some((row?, x))) {
+            self.interior.tasks.set_end_value(end, row, x);
+            self.interior.barrier.set_end_bound(end, row, x);
+        }
+    }
+
+    /// The next solve has this position (m) in [`Task::tool_costs`](crate::Task::tool_costs)`[cost]`, as
+    /// [`set_start_tool`](Self::set_start_tool).
+    ///
+    /// # Errors
+    /// As [`set_start_tool`](Self::set_start_tool).
+    pub fn set_tool_cost(&mut self, cost: usize, position: [f64; 3]) -> Result<(), ResolveError> {
+        let rows = self.goals.rows("cost.tool", 2, cost, &position)?;
+        for (row, x) in rows.into_iter().zip(position).filter_map(|(row, x)| Some((row?, x))) {
+            self.interior.running.set_tool_value(row, x);
+        }
         Ok(())
     }
 

@@ -39,12 +39,18 @@ impl<D: PointDynamics> Interior<D> {
             let dz = &self.trial.dz;
             let (tau_z, g_x) = (self.points.tau_z(p), self.points.g_x(p));
             let changes = &mut self.changes[part][self.barrier.at_point(p)];
+            // Both sides of a limit change alike, and one follows the other.
+            let (mut last, mut value) = (None, 0.0);
             for (change, side) in changes.iter_mut().zip(self.barrier.sides()) {
-                let value = match side.limited {
-                    Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
-                    Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
-                    _ => dz[side.index(n)],
-                };
+                let this = Some((side.limited, side.joint));
+                if last != this {
+                    last = this;
+                    value = match side.limited {
+                        Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
+                        Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
+                        _ => dz[side.index(n)],
+                    };
+                }
                 *change = side.sign * value;
             }
         }
