@@ -13,6 +13,16 @@ use std::time::{Duration, Instant};
 const HORIZON: f64 = 1.0;
 const INTERVALS: usize = 20;
 
+/// Cost of the distance from the goal (1/s m^2), beside the torques in parts of their limits.
+const DISTANCE_WEIGHT: f64 = 300.0;
+
+/// Where the goal will be after this time (s) is where the tool shall be all along the horizon.
+const AHEAD: f64 = 0.15;
+
+/// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points of a
+/// plan.
+const RATES: f64 = 0.95;
+
 /// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from limits
 /// and let the motion change faster.
 const TOLERANCE: f64 = 0.03;
