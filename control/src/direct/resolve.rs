@@ -7,6 +7,7 @@ use super::interior::{End, Interior};
 use super::resolve_error::ResolveError;
 use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
 use super::solve::{FastPoints, interior};
+use crate::constants::direct as constants;
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
@@ -54,6 +55,8 @@ pub struct Resolve {
     feedback: Feedback,
     shown: Shown,
     z: Vec<f64>,
+    /// The damping that steps needed last: where it is needed it is in the next solve too.
+    damping: f64,
     /// Longest time of a Newton step.
     longest: Duration,
     started: bool,
@@ -82,6 +85,7 @@ impl Resolve {
             feedback: Feedback::default(),
             shown: Shown::default(),
             z: vec![0.0; 3 * n],
+            damping: 0.0,
             longest: Duration::ZERO,
             started: false,
             factorised: false,
@@ -226,10 +230,13 @@ impl Resolve {
         self.shown.take(&self.interior);
         let first = self.interior.figures.iterations;
         let deadline = budget.time.and_then(|time| began.checked_add(time));
-        let (shown, longest) = (&mut self.shown, &mut self.longest);
+        self.interior.damping = self.damping;
+        self.damping *= constants::DAMPING_DOWN;
+        let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
         let mut last = Instant::now();
         let watch = |iterate: &Interior<FastPoints>, _: f64| {
             shown.offer(iterate);
+            *damping = iterate.damping;
             let now = Instant::now();
             *longest = (*longest).max(now - last);
             last = now;
