@@ -16,6 +16,9 @@ const INTERVALS: usize = 20;
 /// Cost of the distance from the goal (1/s m^2), beside the torques in parts of their limits.
 const DISTANCE_WEIGHT: f64 = 300.0;
 
+/// Cost of the angle from the first orientation (1/s rad^2).
+const ANGLE_WEIGHT: f64 = 10.0;
+
 /// Where the goal will be after this time (s) is where the tool shall be all along the horizon.
 const AHEAD: f64 = 0.15;
 
@@ -51,8 +54,9 @@ impl Controller {
         let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &arm.q, HORIZON);
         // At rest wherever the arm is then: it can always stop.
         problem.end.q_free = (0..n).collect();
-        let pose = ToolPose::of(arm.tool).with_position(arm.goal(AHEAD));
-        problem.task = Task::default().with_tool_cost(ToolCost::new(pose, DISTANCE_WEIGHT, 0.0));
+        let pose =
+            ToolPose::of(arm.tool).with_position(arm.goal(AHEAD)).with_rotation(arm.clone().orientation()?);
+        problem.task = Task::default().with_tool_cost(ToolCost::new(pose, DISTANCE_WEIGHT, ANGLE_WEIGHT));
         problem.limits =
             MotionLimits::default().with_v_max(limits().map(|limits| RATES * limits.velocity).collect());
         problem.time = FinalTime::Fixed(HORIZON);

@@ -4,7 +4,7 @@ use costate::EvalError;
 use costate::kinematics::Kinematics;
 use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3};
 use std::error::Error;
 
 /// An arm that moves, with a goal that moves too.
@@ -86,6 +86,14 @@ impl Arm {
     pub fn position(&mut self) -> Result<[f64; 3], EvalError> {
         self.kinematics.set_state(&self.q, &self.v)?;
         Ok(self.kinematics.pose(self.frame)?.position)
+    }
+
+    /// The axes of the tool in the world.
+    pub fn orientation(&mut self) -> Result<Rotation3<f64>, EvalError> {
+        self.kinematics.set_state(&self.q, &self.v)?;
+        let [a, b, c] = self.kinematics.pose(self.frame)?.rotation;
+        let matrix = Matrix3::new(a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]);
+        Ok(Rotation3::from_matrix_unchecked(matrix))
     }
 
     /// The goal at a time (m): a circle in the vertical plane along y.

@@ -101,7 +101,9 @@ impl System {
             self.add_node(k, spline, barrier);
         }
         self.add_ends(spline, points, barrier);
-        self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
+        if ends.free_time {
+            self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
+        }
         self.at_ends.take(&self.matrix, &self.border, spline.mesh.intervals());
         self.fix(ends, spline);
     }

@@ -1,9 +1,10 @@
 //! Problems that are solved again and again.
 
+use costate::kinematics::Kinematics;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
     Budget, FinalTime, MachineCode, MotionLimits, Objective, Polish, Problem, ProblemFile, Resolve,
-    ResolveError, ResolveStatus, Solver, SolverOptions,
+    ResolveError, ResolveStatus, Solver, SolverOptions, Task, ToolCost, ToolPose,
 };
 use costate_test_support::allocations::allocations;
 use std::time::Duration;
@@ -149,4 +150,50 @@ fn what_no_motion_can_meet_is_refused() {
     says(motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(), "v at the start of joint 0 is 4");
     assert!(motion.feedback().unwrap().is_none(), "nothing is solved yet");
     assert_eq!(motion.final_time(), 0.0);
+}
+
+#[test]
+fn goals_of_tools_move() {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let (q, free) = ([0.4, -1.3, 1.6, -1.8, -1.57, 0.3], f64::INFINITY);
+    let arm = |end: [f64; 3], cost: [f64; 3]| {
+        let mut arm = Problem::rest_to_rest(robot.clone(), &q, &q, 1.0);
+        arm.cost = Objective::new(0.0, vec![1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3]);
+        arm.end.q_free = (0..6).collect();
+        arm.task = Task::default()
+            .with_end_tool(ToolPose::of("tool0").with_position(end))
+            .with_tool_cost(ToolCost::new(ToolPose::of("wrist_1_link").with_position(cost), 1.0, 0.0));
+        arm
+    };
+    let (end, cost) = ([0.5, 0.2, free], [0.3, 0.1, 0.5]);
+    let mut motion = Resolve::new(&arm(end, cost), options(12, 1e-7)).unwrap();
+    let first = motion.solve().unwrap();
+    assert_eq!(first.status, ResolveStatus::Solved);
+    let mut kinematics = Kinematics::<f64>::new(&robot);
+    let frame = robot.frames().iter().position(|frame| frame.name == "tool0").unwrap();
+    let mut costs = Vec::new();
+    for k in [1.0, 2.0, 1.0, 0.0] {
+        let to = [end[0] - 0.02 * k, end[1] + 0.03 * k];
+        // What is free stays free.
+        motion.set_end_tool(0, [to[0], to[1], 77.0]).unwrap();
+        motion.set_tool_cost(0, [cost[0] - 0.03 * k, cost[1], cost[2] + 0.03 * k]).unwrap();
+        let found = motion.solve_again(Budget::steps(60)).unwrap();
+        assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{k} {found:?}");
+        let mut z = [0.0; 18];
+        motion.state_at(1.0, &mut z);
+        kinematics.set_state(&z[..6], &z[6..12]).unwrap();
+        let reached = kinematics.pose(frame).unwrap().position;
+        assert!((0..2).all(|i| (reached[i] - to[i]).abs() < 1e-7), "{k}: {reached:?}");
+        costs.push(found.cost);
+    }
+    // There and back again: the same motions.
+    assert!(
+        (costs[2] / costs[0] - 1.0).abs() < 1e-5 && (costs[3] / first.cost - 1.0).abs() < 1e-5,
+        "{costs:?}"
+    );
+    assert!((costs[1] / costs[0] - 1.0).abs() > 1e-3);
+    let error = motion.set_start_tool(0, [0.0; 3]).unwrap_err().to_string();
+    assert!(error.starts_with("start.tool: there is no entry 0"), "{error}");
+    let error = motion.set_end_tool(0, [f64::NAN, 0.0, 0.0]).unwrap_err().to_string();
+    assert!(error.starts_with("end.tool: entry 0 is not finite"), "{error}");
 }
