@@ -22,12 +22,12 @@ const ANGLE_WEIGHT: f64 = 10.0;
 /// Where the goal will be after this time (s) is where the tool shall be all along the horizon.
 const AHEAD: f64 = 0.15;
 
-/// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points of a
-/// plan.
+/// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points
+/// of a plan.
 const RATES: f64 = 0.95;
 
-/// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from limits
-/// and let the motion change faster.
+/// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from
+/// limits and let the motion change faster.
 const TOLERANCE: f64 = 0.03;
 
 /// Plans, and gives torques.
@@ -45,8 +45,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Solves the problem for the first time, which may take as long as it likes; later plans take at most so many
-    /// Newton steps.
+    /// Solves the problem for the first time, which may take as long as it likes; later plans take at most so
+    /// many Newton steps.
     pub fn new(arm: &Arm, period: f64, steps: usize) -> Result<Self, Box<dyn Error>> {
         let n = arm.q.len();
         // Torques count in parts of their limits.

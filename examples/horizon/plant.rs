@@ -58,8 +58,8 @@ impl Arm {
         Self::new("panda.urdf", "panda_link8", &[0.1, -0.2, 0.0, -1.7, 0.1, 1.7, 0.5])
     }
 
-    /// As its URDF describes it, with the inertia of rotors, which that leaves out: at rest, with its tool in the middle
-    /// of the circle.
+    /// As its URDF describes it, with the inertia of rotors, which that leaves out: at rest, with its tool in
+    /// the middle of the circle.
     fn new(file: &str, tool: &'static str, q: &[f64]) -> Result<Self, Box<dyn Error>> {
         let robot = Robot::from_file(format!("{}/../robots/{file}", env!("CARGO_MANIFEST_DIR")))?;
         let n = robot.dof();
@@ -103,8 +103,8 @@ impl Arm {
         [x, y + RADIUS * cos, z + RADIUS * sin]
     }
 
-    /// Moves for a period under torques that are a function of the time since its begin and of the state: steps of
-    /// Runge and Kutta's method of order four.
+    /// Moves for a period under torques that are a function of the time since its begin and of the state:
+    /// steps of Runge and Kutta's method of order four.
     pub fn advance(
         &mut self,
         period: f64,

@@ -114,9 +114,9 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
-    /// Begins the motion later by `dt` (s). With a free time the rest remains; with a fixed one the motion goes
-    /// on beyond its end at the rates there, and the mesh moves by whole intervals: between the nodes of a
-    /// coarse mesh another spline has other accelerations, which cost more than what a part of an interval
+    /// Begins the motion later by `dt` (s). With a free time the rest remains; with a fixed one the motion
+    /// goes on beyond its end at the rates there, and the mesh moves by whole intervals: between the nodes of
+    /// a coarse mesh another spline has other accelerations, which cost more than what a part of an interval
     /// gains. The intervals are equal.
     pub fn shift(&mut self, dt: f64, again: &mut Again) {
         let (n, time) = (self.spline.dof, self.spline.time);

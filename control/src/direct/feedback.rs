@@ -127,8 +127,8 @@ impl Feedback {
         self.has_gain.then(|| self.part(&self.gains, point, 2))
     }
 
-    /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False where something
-    /// is free at the start; t beyond the ends counts as that of the end.
+    /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False where
+    /// something is free at the start; t beyond the ends counts as that of the end.
     ///
     /// # Panics
     /// If `gain` has not 2 n^2 entries.

@@ -3,14 +3,16 @@
 use super::resolve_error::ResolveError;
 use crate::problem::{Task, ToolOrientation, ToolPose};
 
-/// For each tool at the start, at the end and of the costs: the rows of its coordinates, `None` for free ones.
+/// For each tool at the start, at the end and of the costs: the rows of its coordinates, `None` for free
+/// ones.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Goals {
     rows: [Vec<[Option<usize>; 3]>; 3],
 }
 
 impl Goals {
-    /// Those of a task: each tool has the rows of the coordinates of its position, then those of its orientation.
+    /// Those of a task: each tool has the rows of the coordinates of its position, then those of its
+    /// orientation.
     pub fn of(task: &Task) -> Self {
         let costs = task.tool_costs.iter().map(|cost| &cost.pose);
         Self { rows: [rows(task.start_tools.iter()), rows(task.end_tools.iter()), rows(costs)] }

@@ -60,7 +60,8 @@ impl System {
 }
 
 impl<D: PointDynamics> Interior<D> {
-    /// Newton's equations at the iterate, factorised without damping. Whether the matrix is positive definite.
+    /// Newton's equations at the iterate, factorised without damping. Whether the matrix is positive
+    /// definite.
     pub fn linearise(&mut self) -> Result<bool, EvalError> {
         self.refresh()?;
         self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);

@@ -32,7 +32,8 @@ use std::time::{Duration, Instant};
 /// use std::time::Duration;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/ur5.urdf")?;
-/// let problem = Problem::rest_to_rest(robot, &[0.0, -1.6, 1.8, -1.8, -1.57, 0.0], &[0.5, -1.4, 1.6, -1.6, -1.5, 0.2], 1.0);
+/// let (from, to) = ([0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.5, -1.4, 1.6, -1.6, -1.5, 0.2]);
+/// let problem = Problem::rest_to_rest(robot, &from, &to, 1.0);
 /// let options = SolverOptions::direct().with_tolerance(1e-4).with_machine_code(MachineCode::AtOnce);
 /// let mut motion = Resolve::new(&problem, options)?;
 /// motion.solve()?;
@@ -304,8 +305,8 @@ impl Resolve {
         found
     }
 
-    /// The derivatives of the motion by its ends. The equations of its last Newton step are factorised anew at
-    /// the motion: one evaluation at the points.
+    /// The derivatives of the motion by its ends. The equations of its last Newton step are factorised anew
+    /// at the motion: one evaluation at the points.
     ///
     /// `None` where the matrix is not positive definite: before a solution is near, or at one that is no
     /// strict minimum.

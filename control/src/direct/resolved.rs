@@ -47,8 +47,8 @@ pub enum ResolveStatus {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Resolved {
-    /// How it ended. Unless it is solved, the motion is the cheapest iterate that keeps all limits, or the one
-    /// that exceeds them least.
+    /// How it ended. Unless it is solved, the motion is the cheapest iterate that keeps all limits, or the
+    /// one that exceeds them least.
     pub status: ResolveStatus,
     /// Newton steps.
     pub iterations: usize,

@@ -109,7 +109,8 @@ impl<D: PointDynamics> Interior<D> {
         true
     }
 
-    /// Makes the trial with this cost the iterate; multipliers of equations go as far as the motion, the others this part.
+    /// Makes the trial, which costs so much, the iterate; multipliers of equations go as far as the motion,
+    /// the others this part.
     fn take(&mut self, alpha: f64, dual: f64, cost: f64) {
         std::mem::swap(&mut self.spline, &mut self.trial.spline);
         std::mem::swap(&mut self.points.z, &mut self.trial.points.z);
