@@ -1,7 +1,6 @@
 //! The controller: an optimal motion of the next second in each period.
 
 use crate::plant::Arm;
-use costate::EvalError;
 use costate_control::{
     Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Resolve, Resolved, SolverOptions, Task,
     ToolCost, ToolPose,
@@ -40,7 +39,6 @@ pub struct Controller {
     /// The last plan.
     pub last: Resolved,
     limits: Vec<[f64; 3]>,
-    z: Vec<f64>,
     start: [Vec<f64>; 2],
 }
 
@@ -68,8 +66,8 @@ impl Controller {
         let mut motion = Resolve::new(&problem, options)?;
         let last = motion.solve()?;
         let limits = limits().map(|limits| [limits.lower, limits.upper, RATES * limits.velocity]).collect();
-        let (z, start) = (vec![0.0; 3 * n], [arm.q.clone(), arm.v.clone()]);
-        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, z, start })
+        let start = [arm.q.clone(), arm.v.clone()];
+        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, start })
     }
 
     /// Plans the motion of the next second from a measured state. How long it took.
@@ -89,9 +87,8 @@ impl Controller {
         Ok(began.elapsed())
     }
 
-    /// The torques at a time since the begin of the period: those of the plan.
-    pub fn torques(&mut self, t: f64, _q: &[f64], _v: &[f64], torques: &mut [f64]) -> Result<(), EvalError> {
-        self.motion.state_at(t, &mut self.z);
-        self.motion.torques_at(t, torques)
+    /// The torques of the plan at a time since the begin of the period.
+    pub fn torques(&mut self, t: f64, torques: &mut [f64]) -> Result<(), Box<dyn Error>> {
+        Ok(self.motion.torques_at(t, torques)?)
     }
 }

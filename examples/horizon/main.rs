@@ -58,7 +58,7 @@ fn follow(mut arm: Arm, rate: f64, duration: f64, steps: usize) -> Result<Report
     for _ in 0..(duration * rate) as usize {
         let spent = controller.plan(arm.time, &arm.q, &arm.v)?;
         report.add(spent, &controller.last);
-        arm.advance(1.0 / rate, |t, q, v, tau| controller.torques(t, q, v, tau))?;
+        arm.advance(1.0 / rate, |t, tau| controller.torques(t, tau))?;
         report.look(&mut arm)?;
     }
     Ok(report)

@@ -103,13 +103,13 @@ impl Arm {
         [x, y + RADIUS * cos, z + RADIUS * sin]
     }
 
-    /// Moves for a period under torques that are a function of the time since its begin and of the state:
-    /// steps of Runge and Kutta's method of order four.
+    /// Moves for a period under torques that are a function of the time since its begin: steps of
+    /// Runge and Kutta's method of order four.
     pub fn advance(
         &mut self,
         period: f64,
-        mut torques: impl FnMut(f64, &[f64], &[f64], &mut [f64]) -> Result<(), EvalError>,
-    ) -> Result<(), EvalError> {
+        mut torques: impl FnMut(f64, &mut [f64]) -> Result<(), Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
         let (n, h) = (self.q.len(), period / STEPS as f64);
         let mut slopes = [(); 4].map(|()| vec![0.0; 2 * n]);
         for step in 0..STEPS {
@@ -121,7 +121,7 @@ impl Arm {
                     x.iter_mut().zip(&slopes[stage - 1]).for_each(|(x, slope)| *x += part * slope);
                 }
                 let (q, v) = x.split_at(n);
-                torques(step as f64 * h + part, q, v, &mut self.torques)?;
+                torques(step as f64 * h + part, &mut self.torques)?;
                 let a = self.model.forward_dynamics(q, v, &self.torques)?;
                 slopes[stage][..n].copy_from_slice(v);
                 slopes[stage][n..].copy_from_slice(a);

@@ -274,32 +274,39 @@ impl Resolve {
 
     /// Writes q, v, a at time t (s), 3n entries; those of the ends beyond them.
     ///
-    /// # Panics
-    /// Before the first solve, or if `z` has not 3n entries.
-    pub fn state_at(&self, t: f64, z: &mut [f64]) {
-        assert!(self.started, "solve first");
-        assert_eq!(z.len(), 3 * self.dof(), "z has q, v, a");
-        let spline = &self.shown.spline;
+    /// # Errors
+    /// [`ResolveError::NotSolved`] before the first solve, [`ResolveError::WrongLength`].
+    pub fn state_at(&self, t: f64, z: &mut [f64]) -> Result<(), ResolveError> {
+        let (spline, expected) = (&self.shown.spline, 3 * self.dof());
+        if spline.dof == 0 {
+            return Err(ResolveError::NotSolved);
+        }
+        if z.len() != expected {
+            return Err(ResolveError::WrongLength { what: "the state", expected, found: z.len() });
+        }
         let (k, x) = spline.mesh.place((t / spline.time).clamp(0.0, 1.0));
         spline.in_interval(k, x, z);
+        Ok(())
     }
 
     /// Writes the torques and forces at time t (s), n entries, cut to their limits.
     ///
     /// # Errors
-    /// [`EvalError`] where the dynamics cannot be evaluated.
-    ///
-    /// # Panics
-    /// As [`state_at`](Self::state_at).
-    pub fn torques_at(&mut self, t: f64, torques: &mut [f64]) -> Result<(), EvalError> {
-        let mut z = std::mem::take(&mut self.z);
-        self.state_at(t, &mut z);
+    /// As [`state_at`](Self::state_at); [`EvalError`] where the dynamics cannot be evaluated.
+    pub fn torques_at(&mut self, t: f64, torques: &mut [f64]) -> Result<(), ResolveError> {
         let n = self.dof();
-        let found = self.model.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..]);
-        let found = found.map(|tau| {
+        if torques.len() != n {
+            let found = torques.len();
+            return Err(ResolveError::WrongLength { what: "the torques", expected: n, found });
+        }
+        let mut z = std::mem::take(&mut self.z);
+        let state = self.state_at(t, &mut z);
+        let found = state.and_then(|()| {
+            let tau = self.model.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?;
             for ((to, tau), limits) in torques.iter_mut().zip(tau).zip(&self.limits) {
                 *to = tau.clamp(limits.torque[0], limits.torque[1]);
             }
+            Ok(())
         });
         self.z = z;
         found

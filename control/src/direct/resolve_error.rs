@@ -1,11 +1,19 @@
 //! What is wrong with a new start, end or goal.
 
-/// Why a new start or end was refused.
+use costate::EvalError;
+
+/// Why a new start, end or goal was refused, or what is asked of a motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ResolveError {
+    /// There is no motion yet.
+    #[error("nothing is solved yet; call solve first")]
+    NotSolved,
+    /// The dynamics cannot be evaluated there.
+    #[error(transparent)]
+    Evaluation(#[from] EvalError),
     /// Not one number for each joint, or each coordinate.
-    #[error("{what} has {found} entries, not {expected}")]
+    #[error("{what}: {found} entries, not {expected}")]
     WrongLength {
         /// What it is.
         what: &'static str,

@@ -28,7 +28,7 @@ fn values(motion: &mut Resolve) -> Vec<f64> {
     let (mut z, mut tau, mut all) = (vec![0.0; 3 * n], vec![0.0; n], Vec::new());
     let feedback = motion.feedback().unwrap().unwrap().clone();
     for p in (0..feedback.points()).step_by(5) {
-        motion.state_at(feedback.time(p), &mut z);
+        motion.state_at(feedback.time(p), &mut z).unwrap();
         motion.torques_at(feedback.time(p), &mut tau).unwrap();
         all.extend_from_slice(&z[..2 * n]);
         all.extend_from_slice(&tau);
@@ -58,10 +58,10 @@ fn check(problem: &Problem, intervals: usize, tolerance: f64, step: f64, within:
     let feedback = motion.feedback().unwrap().unwrap().clone();
     let n = motion.dof();
     let ends = [&problem.start, &problem.end].map(|end| [&end.q[..], &end.v[..]].concat());
-    for end in 0..2 {
+    for (end, state) in ends.iter().enumerate() {
         for j in 0..2 * n {
             let mut moved = |sign: f64| {
-                let mut state = ends[end].clone();
+                let mut state = state.clone();
                 state[j] += sign * step;
                 let (q, v) = state.split_at(n);
                 let set = if end == 0 { motion.set_start(q, v) } else { motion.set_end(q, v) };
@@ -82,7 +82,7 @@ fn check(problem: &Problem, intervals: usize, tolerance: f64, step: f64, within:
                 let gradient = feedback.cost_gradient()[j];
                 assert!((gradient / expected - 1.0).abs() < 1e-5, "{gradient} {expected}");
             }
-            let (q, v) = ends[end].split_at(n);
+            let (q, v) = state.split_at(n);
             if end == 0 { motion.set_start(q, v) } else { motion.set_end(q, v) }.unwrap();
         }
     }
@@ -156,7 +156,7 @@ fn gains_are_those_of_the_rest_of_the_motion() {
     let (mut motion, _) = solved(&arm, 40, 1e-11);
     let (mut z, mut gain, mut expected) = ([0.0; 6], [0.0; 8], [0.0; 8]);
     for t in [0.0, 0.3, 0.55] {
-        motion.state_at(t, &mut z);
+        motion.state_at(t, &mut z).unwrap();
         assert!(motion.feedback().unwrap().unwrap().gain(t, &mut gain));
         let mut rest = arm.clone();
         rest.time = FinalTime::Fixed(1.0 - t);

@@ -7,6 +7,7 @@ use costate_control::{
     ResolveError, ResolveStatus, Solver, SolverOptions, Task, ToolCost, ToolPose,
 };
 use costate_test_support::allocations::allocations;
+use std::f64::consts::PI;
 use std::time::Duration;
 
 fn problem(name: &str) -> Problem {
@@ -52,9 +53,9 @@ fn a_motion_is_the_one_that_the_solver_finds_from_scratch() {
         assert!(found.iterations < fresh.iterations);
         assert!((found.cost / fresh.cost - 1.0).abs() < 1e-5, "{k}: {found:?} {fresh:?}");
         let mut z = [0.0; 18];
-        motion.state_at(0.0, &mut z);
+        motion.state_at(0.0, &mut z).unwrap();
         assert!(z[..6].iter().zip(&start.q).all(|(a, b)| (a - b).abs() < 1e-12));
-        motion.state_at(motion.final_time(), &mut z);
+        motion.state_at(motion.final_time(), &mut z).unwrap();
         assert!(z[..6].iter().zip(&end.q).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }
@@ -72,10 +73,10 @@ fn nothing_is_allocated_after_the_first_solve() {
         motion.feedback().unwrap().unwrap();
         let mut again = |dt: f64| {
             let (mut z, mut tau, mut gain) = ([0.0; 18], [0.0; 6], [0.0; 72]);
-            motion.state_at(dt, &mut z);
+            motion.state_at(dt, &mut z).unwrap();
             motion.advance(dt);
             // Between the points of so few intervals a rate may exceed its limit.
-            z[6..12].iter_mut().for_each(|v| *v = v.clamp(-3.14, 3.14));
+            z[6..12].iter_mut().for_each(|v| *v = v.clamp(-PI, PI));
             motion.set_start(&z[..6], &z[6..12]).unwrap();
             motion.set_end(&arm.end.q, &arm.end.v).unwrap();
             let found = motion.solve_again(Budget::steps(10).within(Duration::from_secs(9))).unwrap();
@@ -101,7 +102,7 @@ fn budgets_are_kept_and_the_best_motion_is_shown() {
     assert_eq!((one.status, one.iterations), (ResolveStatus::Iterations, 1));
     // Whatever is shown meets the new ends.
     let mut z = [0.0; 18];
-    motion.state_at(9.0, &mut z);
+    motion.state_at(9.0, &mut z).unwrap();
     assert!(z[..6].iter().zip(&far).all(|(a, b)| (a - b).abs() < 1e-12));
     motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
     let none = motion.solve_again(Budget::steps(50).within(Duration::ZERO)).unwrap();
@@ -122,7 +123,7 @@ fn motions_go_on_when_time_does() {
     let mut z = [0.0; 6];
     for k in 1..=5 {
         let dt = 0.05;
-        motion.state_at(dt, &mut z);
+        motion.state_at(dt, &mut z).unwrap();
         motion.advance(dt);
         motion.set_start(&z[..2], &z[2..4]).unwrap();
         let found = motion.solve_again(Budget::steps(10)).unwrap();
@@ -138,7 +139,7 @@ fn what_no_motion_can_meet_is_refused() {
     let arm = Problem::rest_to_rest(robot, &[0.0; 6], &[0.5; 6], 1.0);
     let mut motion = Resolve::new(&arm, options(8, 1e-4)).unwrap();
     let says = |error: ResolveError, words: &str| assert!(error.to_string().contains(words), "{error}");
-    says(motion.set_start(&[0.0; 5], &[0.0; 6]).unwrap_err(), "q at the start has 5 entries, not 6");
+    says(motion.set_start(&[0.0; 5], &[0.0; 6]).unwrap_err(), "q at the start: 5 entries, not 6");
     says(
         motion.set_end(&[0.0; 6], &[0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]).unwrap_err(),
         "v at the end: entry 1",
@@ -150,6 +151,8 @@ fn what_no_motion_can_meet_is_refused() {
     says(motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(), "v at the start of joint 0 is 4");
     assert!(motion.feedback().unwrap().is_none(), "nothing is solved yet");
     assert_eq!(motion.final_time(), 0.0);
+    assert_eq!(motion.torques_at(0.1, &mut [0.0; 6]), Err(ResolveError::NotSolved));
+    says(motion.torques_at(0.1, &mut [0.0; 5]).unwrap_err(), "the torques: 5 entries, not 6");
 }
 
 #[test]
@@ -180,7 +183,7 @@ fn goals_of_tools_move() {
         let found = motion.solve_again(Budget::steps(60)).unwrap();
         assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{k} {found:?}");
         let mut z = [0.0; 18];
-        motion.state_at(1.0, &mut z);
+        motion.state_at(1.0, &mut z).unwrap();
         kinematics.set_state(&z[..6], &z[6..12]).unwrap();
         let reached = kinematics.pose(frame).unwrap().position;
         assert!((0..2).all(|i| (reached[i] - to[i]).abs() < 1e-7), "{k}: {reached:?}");
