@@ -160,7 +160,7 @@ fn goals_of_tools_move() {
     let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
     let (q, free) = ([0.4, -1.3, 1.6, -1.8, -1.57, 0.3], f64::INFINITY);
     let arm = |end: [f64; 3], cost: [f64; 3]| {
-        let mut arm = Problem::rest_to_rest(robot.clone(), &q, &q, 1.0);
+        let mut arm = Problem::rest_to_rest(robot.clone(), &q, &q, 1.0).with_limits(MotionLimits::none());
         arm.cost = Objective::new(0.0, vec![1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3]);
         arm.end.q_free = (0..6).collect();
         arm.task = Task::default()
