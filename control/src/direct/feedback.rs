@@ -127,9 +127,9 @@ impl Feedback {
         self.has_gain.then(|| self.part(&self.gains, point, 2))
     }
 
-    /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False, and nothing is
-    /// written, where something is free at the start or `gain` has not 2 n^2 entries; t beyond the ends counts
-    /// as that of the end.
+    /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False, and nothing
+    /// is written, where something is free at the start or `gain` has not 2 n^2 entries; t beyond the ends
+    /// counts as that of the end.
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
         if !self.has_gain || gain.len() != 2 * self.dof * self.dof {
             return false;
