@@ -89,11 +89,12 @@ impl Problem {
 ///
 /// ```
 /// use costate::{parameters::ParameterSet, robot::Robot};
-/// use costate_control::{Problem, Solver, SolverOptions, cost_by_parameters};
+/// use costate_control::{MotionLimits, Problem, Solver, SolverOptions, cost_by_parameters};
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/two_link.toml")?;
 /// let quarter = std::f64::consts::FRAC_PI_2;
 /// let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[quarter; 2], 1.0);
+/// let problem = problem.with_limits(MotionLimits::none());
 /// let solution = Solver::new(&problem, SolverOptions::direct())?.solve();
 /// let set = ParameterSet::new(&problem.robot).named("elbow.x")?;
 /// let found = cost_by_parameters(&problem, &solution, &set)?;
