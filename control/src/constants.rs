@@ -297,6 +297,12 @@ pub(crate) mod direct {
     pub const WARM: f64 = 1e-2;
     /// Multipliers on a finer mesh are within this factor of the central path.
     pub const OFF_CENTRE: f64 = 10.0;
+    /// A warm start keeps at least this part of each multiplier..
+    pub const KEPT: f64 = 0.1;
+    /// .. and of the final time.
+    pub const SHORTEST_TIME: f64 = 0.5;
+    /// A motion with a free time begins later by at most this part of it.
+    pub const LATEST: f64 = 0.5;
     /// Multipliers are always within this factor of it.
     pub const FAR: f64 = 1e10;
     /// Cost and barrier must decrease by a part of what a step promises where this power of the promise, in

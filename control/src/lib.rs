@@ -34,6 +34,7 @@ mod problem;
 mod progress;
 mod result;
 mod search;
+mod sensitivity;
 mod solve;
 mod solve_extremal;
 mod solver;
@@ -44,6 +45,7 @@ mod task;
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
 };
+pub use direct::{Budget, Feedback, Resolve, ResolveError, ResolveStatus, Resolved};
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
@@ -79,6 +81,7 @@ pub use result::samples::{SampleError, Samples};
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
+pub use sensitivity::{CostDerivative, SensitivityError, cost_by_parameters};
 pub use solve_extremal::{solve_dynamics, solve_extremal};
 pub use solver::Solver;
 pub use status::{BoundViolation, EvaluationFailure, Status, UnknownStatus};

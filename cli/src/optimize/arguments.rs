@@ -51,6 +51,10 @@ pub struct Arguments {
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true,
         default_missing_value = "true")]
     pub polish: Option<When>,
+    /// Also print the derivatives of the cost by masses, first moments, inertias, lengths and all other
+    /// numbers of the robot
+    #[arg(long)]
+    pub sensitivities: bool,
     /// Also print the table of Newton steps
     #[arg(long)]
     pub iterations: bool,

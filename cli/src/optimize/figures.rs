@@ -149,7 +149,7 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "task" => "beyond tools and clearances",
             _ => "beyond torque limits",
         };
-        let unit = if kind == "task" { "m, rad or m/s".into() } else { unit(limit_units(kind)) };
+        let unit = if kind == "task" { "m, rad or m/s".to_owned() } else { unit(limit_units(kind)) };
         // Torques are cut to their limits.
         let between = match kind {
             "torque" => String::new(),

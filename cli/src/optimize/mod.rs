@@ -8,6 +8,7 @@ mod outputs;
 mod progress;
 mod report;
 mod samples;
+mod sensitivities;
 mod summary;
 mod task;
 
@@ -15,7 +16,7 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, Method, Samples, Solution, Solver};
+use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver};
 use outputs::Outputs;
 use std::io::Write;
 use std::process::ExitCode;
@@ -73,6 +74,16 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(error) = unsampled {
         return Err(error.into());
     }
+    let derivatives = match arguments.sensitivities {
+        true => match sensitivities::sensitivities(problem, &solution) {
+            Ok(derivatives) => Some(derivatives),
+            Err(error) => {
+                terminal::warning(error);
+                None
+            }
+        },
+        false => None,
+    };
     if interrupted {
         terminal::note("interrupted; the best motion so far was kept");
     }
@@ -81,7 +92,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
         remarks.iter().flatten().for_each(terminal::warning);
         let continuation = branch.as_ref().map(continuation::Points::new);
         let samples = samples.as_ref();
-        let printed = Printed { solution: &solution, solve_time: seconds, continuation, samples };
+        let sensitivities = derivatives.as_deref();
+        let printed =
+            Printed { solution: &solution, solve_time: seconds, continuation, samples, sensitivities };
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
     } else if !outputs.use_standard_output() {
         let mut out = std::io::stdout().lock();
@@ -92,6 +105,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
         if arguments.iterations {
             summary::print_iterations(&solution, &mut out)?;
         }
+        if let Some(derivatives) = &derivatives {
+            sensitivities::print(derivatives, &mut out)?;
+        }
     }
     let reached = branch.as_ref().is_none_or(|branch| branch.end == BranchEnd::Reached);
     Ok(match (interrupted, solution.motion.status.is_solved() && reached) {
@@ -101,8 +117,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
     })
 }
 
-/// What `--json` prints: the solution as it is saved, the time it took, the points of a continuation, and
-/// samples.
+/// What `--json` prints: the solution as it is saved, the time it took, the points of a continuation,
+/// samples, and derivatives of the cost.
 #[derive(serde::Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
@@ -113,6 +129,8 @@ struct Printed<'a> {
     continuation: Option<continuation::Points<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     samples: Option<&'a Samples>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sensitivities: Option<&'a [CostDerivative]>,
 }
 
 /// Solves the problem, with a progress line. A signal stops the search, which keeps the best iterate.

@@ -7,12 +7,12 @@
 //! motion, and multipliers of torques are costates.
 
 /// Points of an interval.
-pub(super) const POINTS: usize = 3;
+pub(crate) const POINTS: usize = 3;
 
 /// Where the points lie on [0, 1]: 1/2 and 1/2 -+ sqrt(3/20).
-pub(super) const PLACES: [f64; POINTS] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
+pub(crate) const PLACES: [f64; POINTS] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
 /// Weights of the points.
-pub(super) const WEIGHTS: [f64; POINTS] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
+pub(crate) const WEIGHTS: [f64; POINTS] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 
 /// Coefficients of an interval and joint: the height of the bubble, then q, q' at the left end and at the
 /// right end.

@@ -231,12 +231,23 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     fn measure_cost(&mut self) {
-        self.figures.cost = self.running.cost(&self.spline, &self.points);
+        let cost = self.running.cost(&self.spline, &self.points);
+        self.take_cost(cost);
+    }
+
+    fn take_cost(&mut self, cost: f64) {
+        self.figures.cost = cost;
         self.figures.size = self.figures.cost.abs().max(self.least_size);
     }
 
     pub(super) fn measure_figures(&mut self) {
-        self.measure_cost();
+        let cost = self.running.cost(&self.spline, &self.points);
+        self.measure_figures_of(cost);
+    }
+
+    /// The figures of an iterate whose cost is known.
+    pub(super) fn measure_figures_of(&mut self, cost: f64) {
+        self.take_cost(cost);
         self.figures.gap = self.barrier.complementarity();
         [self.figures.equations, self.figures.violation] = self.violations();
     }
@@ -341,7 +352,7 @@ impl<D: PointDynamics> Interior<D> {
         decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
     }
 
-    fn factorise(&mut self, damping: f64) -> bool {
+    pub(super) fn factorise(&mut self, damping: f64) -> bool {
         for joint in 0..self.weights.len() {
             self.weights[joint] = self.metric_weight(joint);
         }

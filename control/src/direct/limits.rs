@@ -113,6 +113,11 @@ impl Barrier {
         self.first_at_ends()..self.weight.len()
     }
 
+    /// Gives a row at an end another bound.
+    pub fn set_end_bound(&mut self, end: usize, row: usize, bound: f64) {
+        self.at_ends[end * self.at_start + row].bound = bound;
+    }
+
     /// The end at which a row is, by its entry.
     pub fn end_of(&self, at: usize) -> usize {
         usize::from(at >= self.first_at_ends() + self.at_start)

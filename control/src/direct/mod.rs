@@ -11,12 +11,16 @@
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
 //! [`solve`] puts it together.
 
+mod again;
 mod basis;
 mod costates;
+mod end_columns;
 mod ends;
 mod energy;
+mod feedback;
 mod filter;
 mod found;
+mod goals;
 mod guess;
 mod interior;
 mod interval;
@@ -24,6 +28,7 @@ mod jumps;
 mod limits;
 mod metric;
 mod multipliers;
+mod neighbours;
 mod point_terms;
 mod points;
 mod power;
@@ -33,6 +38,9 @@ mod program_points;
 mod programs;
 mod refine;
 mod report;
+mod resolve;
+mod resolve_error;
+mod resolved;
 mod running;
 mod search;
 mod side;
@@ -43,5 +51,10 @@ mod system;
 mod tasks;
 mod verify;
 
+pub(crate) use basis::{PLACES, POINTS, WEIGHTS};
+pub use feedback::Feedback;
 pub(crate) use power::Powers;
+pub use resolve::Resolve;
+pub use resolve_error::ResolveError;
+pub use resolved::{Budget, ResolveStatus, Resolved};
 pub(crate) use solve::Direct;

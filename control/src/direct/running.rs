@@ -31,6 +31,11 @@ impl Running {
         Self { time: problem.cost.time, effort, energy, penalties, terms, tools }
     }
 
+    /// Changes the value at which a row of a tool costs nothing.
+    pub fn set_tool_value(&mut self, row: usize, value: f64) {
+        self.tools.set_value(row, value);
+    }
+
     /// The cost of a motion.
     pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
         let rate = |p: usize| spline.mesh.point(p).1 * self.rate(points.z(p), points.tau(p));

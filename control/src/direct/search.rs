@@ -59,7 +59,7 @@ impl<D: PointDynamics> Interior<D> {
                     if !descends {
                         self.filter.add(now);
                     }
-                    self.take(alpha, dual);
+                    self.take(alpha, dual, cost);
                     return Some(alpha);
                 }
             }
@@ -112,8 +112,9 @@ impl<D: PointDynamics> Interior<D> {
         true
     }
 
-    /// Makes the trial the iterate; multipliers of equations go as far as the motion, the others this part.
-    fn take(&mut self, alpha: f64, dual: f64) {
+    /// Makes the trial, which costs so much, the iterate; multipliers of equations go as far as the motion,
+    /// the others this part.
+    fn take(&mut self, alpha: f64, dual: f64, cost: f64) {
         std::mem::swap(&mut self.spline, &mut self.trial.spline);
         std::mem::swap(&mut self.points.z, &mut self.trial.points.z);
         std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
@@ -134,7 +135,7 @@ impl<D: PointDynamics> Interior<D> {
                 self.barrier.multiplier[at] = eta.clamp(central / constants::FAR, constants::FAR * central);
             }
         }
-        self.measure_figures();
+        self.measure_figures_of(cost);
     }
 }
 

@@ -5,10 +5,10 @@ use super::found::trajectory;
 use super::guess::{guess, with_tools_reached};
 use super::interior::{End, Interior};
 #[cfg(not(feature = "jit"))]
-use super::points::RobotPoints as FastPoints;
+pub(super) use super::points::RobotPoints as FastPoints;
 use super::power::Powers;
 #[cfg(feature = "jit")]
-use super::program_points::ProgramPoints as FastPoints;
+pub(super) use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
 use super::running::Running;
@@ -60,20 +60,8 @@ impl Direct<'_> {
     /// One start.
     fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
-        let intervals = ((self.options.nodes - 1) / POINTS).max(1);
         let saved = self.saved.filter(|_| number == 0);
-        let reached = with_tools_reached(problem, self.rows, number);
-        let disturbance = Disturbance::draw(&reached, self.options.seed, number);
-        let spline = guess(&reached, saved, &disturbance, intervals);
-        #[cfg(feature = "jit")]
-        let dynamics = FastPoints::new(&problem.robot, self.options.machine_code);
-        #[cfg(not(feature = "jit"))]
-        let dynamics = FastPoints::new(&problem.robot);
-        let costs = ToolCosts::new(self.rows.costs.clone(), self.rows.weights.clone(), problem.robot.dof());
-        let tasks = Tasks::new(self.rows, problem.robot.dof());
-        let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
-        let powers = Powers::new(problem);
-        let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
+        let mut interior = interior(problem, self.rows, self.options, number, saved);
         let mut resolution = Resolution::default();
         let refined = self.refine(&mut interior, &mut resolution, recorder)?;
         self.finish(&mut interior, &resolution, refined, recorder)
@@ -249,6 +237,28 @@ impl Direct<'_> {
         defect = defect.max(interior.tasks.miss(&state));
         Again { state: Some(state), defect, relative }
     }
+}
+
+/// A problem with the guess of a start.
+pub(super) fn interior(
+    problem: &Problem,
+    rows: &TaskRows,
+    options: &SolverOptions,
+    number: usize,
+    saved: Option<&Trajectory>,
+) -> Interior<FastPoints> {
+    let intervals = ((options.nodes - 1) / POINTS).max(1);
+    let reached = with_tools_reached(problem, rows, number);
+    let disturbance = Disturbance::draw(&reached, options.seed, number);
+    let spline = guess(&reached, saved, &disturbance, intervals);
+    #[cfg(feature = "jit")]
+    let dynamics = FastPoints::new(&problem.robot, options.machine_code);
+    #[cfg(not(feature = "jit"))]
+    let dynamics = FastPoints::new(&problem.robot);
+    let costs = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), problem.robot.dof());
+    let tasks = Tasks::new(rows, problem.robot.dof());
+    let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
+    Interior::new(spline, sides(problem), tasks, Powers::new(problem), running, ends, dynamics)
 }
 
 /// How the refinement ended.

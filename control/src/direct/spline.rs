@@ -66,6 +66,13 @@ impl Spline {
         2 * n * (intervals + 1) + n * intervals
     }
 
+    /// Takes another motion; allocates only if that is longer than ever before.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.dof, self.time) = (other.dof, other.time);
+        self.mesh.clone_from(&other.mesh);
+        self.unknowns.clone_from(&other.unknowns);
+    }
+
     /// The unknowns of an interval: heights of bubbles (n), states of both ends (4n).
     pub fn of_interval<'a>(&self, unknowns: &'a [f64], k: usize) -> (&'a [f64], &'a [f64]) {
         let n = self.dof;

@@ -19,36 +19,53 @@ impl<D: PointDynamics> Interior<D> {
             }
             self.changes[part].resize(count, 0.0);
             if count > 0 {
-                self.change_at_points(part);
-                self.change_at_nodes(part);
-                self.change_at_ends(part);
+                self.change_distances(part);
             }
         }
     }
 
+    /// Change of all distances by a part of the step.
+    pub(super) fn change_distances(&mut self, part: usize) {
+        self.change_at_points(part);
+        self.change_at_nodes(part);
+        self.change_at_ends(part);
+    }
+
     /// Change of the distances at the points by a part of the step.
     fn change_at_points(&mut self, part: usize) {
-        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        let n = self.spline.dof;
         for p in 0..self.points.count() {
-            let dz = &mut self.trial.dz;
-            let (inner, ends) = self.spline.of_interval(&self.steps[part], p / POINTS);
-            self.spline.mesh.basis[p].combine(n, inner, ends, dz);
-            let z = self.points.z(p);
-            for i in 0..n {
-                dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
-                dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
-            }
+            self.change_of_z(p, part);
+            let dz = &self.trial.dz;
             let (tau_z, g_x, h_z) = (self.points.tau_z(p), self.points.g_x(p), self.points.h_z(p));
             let changes = &mut self.changes[part][self.barrier.at_point(p)];
+            // Both sides of a limit change alike, and one follows the other.
+            let (mut last, mut value) = (None, 0.0);
             for (change, side) in changes.iter_mut().zip(self.barrier.sides()) {
-                let value = match side.limited {
-                    Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
-                    Limited::Power | Limited::TorqueSpeed => dot(&h_z[3 * n * side.joint..][..3 * n], dz),
-                    Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
-                    _ => dz[side.index(n)],
-                };
+                let this = Some((side.limited, side.joint));
+                if last != this {
+                    last = this;
+                    value = match side.limited {
+                        Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
+                        Limited::Power | Limited::TorqueSpeed => dot(&h_z[3 * n * side.joint..][..3 * n], dz),
+                        Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
+                        _ => dz[side.index(n)],
+                    };
+                }
                 *change = side.sign * value;
             }
+        }
+    }
+
+    /// Change of z at a point by a part of the step, to the trial.
+    pub(super) fn change_of_z(&mut self, p: usize, part: usize) {
+        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        let (dz, z) = (&mut self.trial.dz, self.points.z(p));
+        let (inner, ends) = self.spline.of_interval(&self.steps[part], p / POINTS);
+        self.spline.mesh.basis[p].combine(n, inner, ends, dz);
+        for i in 0..n {
+            dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
+            dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Newton's equations: second derivatives of the Lagrangian of the barrier problem in the unknowns.
 
 use super::basis::POINTS;
+use super::end_columns::EndColumns;
 use super::ends::Ends;
 use super::interval::{IntervalHessian, add_gradient};
 use super::limits::Barrier;
@@ -19,19 +20,21 @@ use crate::numerics::widest::widest_fused;
 #[derive(Clone, Debug)]
 pub(crate) struct System {
     matrix: ChainMatrix,
-    factor: ChainMatrix,
+    pub(super) factor: ChainMatrix,
     damping: ChainMatrix,
     damping_is_current: bool,
     /// Gradients in x at mu = 0, its factor of mu, and the derivative in T.
     pub gradient: [Vec<f64>; 2],
-    border: Vec<f64>,
+    pub(super) border: Vec<f64>,
+    /// What the equations have for the given ends.
+    pub(super) at_ends: EndColumns,
     corner: f64,
     /// The metric of damping in T: cost over T squared.
     time_metric: f64,
     /// Gradients in T.
     pub time_gradient: [f64; 2],
-    border_solved: Vec<f64>,
-    schur: f64,
+    pub(super) border_solved: Vec<f64>,
+    pub(super) schur: f64,
     work: Work,
     interval: IntervalHessian,
     metric: Metric,
@@ -48,6 +51,7 @@ impl System {
             damping_is_current: false,
             gradient: [Vec::new(), Vec::new()],
             border: Vec::new(),
+            at_ends: EndColumns::new(n),
             corner: 0.0,
             time_metric: 0.0,
             time_gradient: [0.0; 2],
@@ -89,6 +93,7 @@ impl System {
             vector.clear();
             vector.resize(spline.unknowns.len(), 0.0);
         }
+        self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
         (self.corner, self.time_gradient) = (0.0, [running.time, 0.0]);
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier, running);
@@ -97,7 +102,10 @@ impl System {
             self.add_node(k, spline, barrier);
         }
         self.add_ends(spline, points, barrier);
-        self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
+        if ends.free_time {
+            self.time_metric = running.cost(spline, points).abs() / (spline.time * spline.time);
+        }
+        self.at_ends.take(&self.matrix, &self.border, spline.mesh.intervals());
         self.fix(ends, spline);
     }
 
@@ -132,6 +140,9 @@ impl System {
         }
         for (to, from) in self.gradient.iter_mut().chain([&mut self.border]).zip(&work.z[1..]) {
             add_gradient(spline, k, &factors, from, to);
+        }
+        if k == 0 || k + 1 == spline.mesh.intervals() {
+            add_gradient(spline, k, &factors, &work.z[0], &mut self.at_ends.gradient);
         }
     }
 
@@ -168,7 +179,8 @@ impl System {
             let (end, row) = (barrier.end_of(at), &g_x[..n]);
             let k = end * spline.mesh.intervals();
             let (parts, sigma) = side_terms(barrier, at, barrier.side(at).sign);
-            for (gradient, part) in self.gradient.iter_mut().zip([parts[1], parts[2]]) {
+            let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
+            for (gradient, part) in gradients.zip([parts[1], parts[2], parts[0]]) {
                 let gradient = gradient[2 * n * k..].iter_mut().zip(row);
                 gradient.for_each(|(to, entry)| *to += part * entry);
             }

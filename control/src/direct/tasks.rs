@@ -62,6 +62,11 @@ impl Tasks {
         })
     }
 
+    /// Gives an equation at an end another right-hand side.
+    pub fn set_end_value(&mut self, end: usize, row: usize, value: f64) {
+        self.ends[end].set_value(row, value);
+    }
+
     /// The rows along the motion at all points.
     ///
     /// # Errors

@@ -91,6 +91,16 @@ impl ChainMatrix {
         self.node_rows.clone_from(&other.node_rows);
     }
 
+    /// Takes an interval of another matrix and the rows of its two nodes, as the only one.
+    pub fn copy_interval(&mut self, other: &Self, k: usize) {
+        let (inner, node) = (self.inner * self.inner_width(), 2 * self.node * self.node);
+        self.intervals = 1;
+        self.inner_rows.clear();
+        self.inner_rows.extend_from_slice(&other.inner_rows[k * inner..(k + 1) * inner]);
+        self.node_rows.clear();
+        self.node_rows.extend_from_slice(&other.node_rows[k * node..(k + 2) * node]);
+    }
+
     /// A += factor B.
     pub fn add(&mut self, factor: f64, other: &Self) {
         let pairs = [(&mut self.inner_rows, &other.inner_rows), (&mut self.node_rows, &other.node_rows)];

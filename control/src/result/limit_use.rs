@@ -56,6 +56,8 @@ pub struct LimitUse {
 #[non_exhaustive]
 pub struct LimitViolation {
     /// Name of the joint, "all joints", or the name of what a tool or a body does not keep.
+    /// In JSON its key is `joint`.
+    #[serde(rename = "joint")]
     pub name: String,
     /// When (s).
     pub time: f64,
@@ -74,6 +76,8 @@ pub struct LimitViolation {
 #[non_exhaustive]
 pub struct ActiveLimit {
     /// Name of the joint, "all joints", or the name of what a tool or a body keeps.
+    /// In JSON its key is `joint`.
+    #[serde(rename = "joint")]
     pub name: String,
     /// "min" or "max".
     pub side: String,

@@ -72,6 +72,11 @@ impl Trajectory {
         Self { accelerations: Some(accelerations), ..self }
     }
 
+    /// Accelerations at the nodes, of motions of the direct method that were not read from a file.
+    pub(crate) fn accelerations(&self) -> Option<&[Vec<f64>]> {
+        self.accelerations.as_deref()
+    }
+
     /// Without the first of two rows at the same time, and without polynomials between rows.
     pub(crate) fn with_each_time_once(&self) -> Self {
         let kept: Vec<usize> = (0..self.t.len()).filter(|&k| self.t.get(k + 1) != Some(&self.t[k])).collect();

@@ -37,6 +37,11 @@ impl ToolCosts {
         }
     }
 
+    /// Changes the value at which a row costs nothing.
+    pub fn set_value(&mut self, row: usize, value: f64) {
+        self.functions.set_value(row, value);
+    }
+
     /// Whether there are any.
     pub fn any(&self) -> bool {
         !self.functions.is_empty()

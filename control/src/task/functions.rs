@@ -87,6 +87,12 @@ impl TaskFunctions {
         &self.rows
     }
 
+    /// Gives an equation another right-hand side.
+    pub fn set_value(&mut self, row: usize, value: f64) {
+        let row = &mut self.rows[row];
+        (row.lower, row.upper) = (value, value);
+    }
+
     /// Whether any row depends on v.
     pub fn depends_on_rates(&self) -> bool {
         self.moves

@@ -129,3 +129,18 @@ fn motions_are_sampled_at_a_fixed_rate() {
         }
     }
 }
+
+/// Derivatives of the cost by the parameters of the robot, in the JSON object and as a table.
+#[test]
+fn sensitivities_are_printed_where_they_are_asked_for() {
+    let text = two_link() + "[limits]\nfrom_robot = false\n";
+    let output = optimize("sensitivities", &text, &["--json", "--sensitivities"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let solution = json(&output);
+    let rows = solution["sensitivities"].as_array().unwrap();
+    let mass = rows.iter().find(|row| row["name"] == "elbow.mass").unwrap();
+    assert!(mass["value"] == 2.0 && mass["derivative"].as_f64().unwrap() > 0.0, "{mass}");
+    let table = optimize("sensitivities", &text, &["--sensitivities"]);
+    assert!(stdout(&table).contains("dJ/dvalue") && stdout(&table).contains("elbow.J_zz"));
+    assert!(json(&optimize("sensitivities", &text, &["--json"])).get("sensitivities").is_none());
+}

@@ -151,8 +151,10 @@ fn every_example_is_solved() {
             true => &["end_defect"],
             false => &["hamiltonian_drift", "end_defect"],
         };
+        // Motions with tools are less accurate at their end than those between given joints.
+        let least = if solution["limits"]["task"].is_null() { 1e-6 } else { 1e-5 };
         for &key in keys {
-            assert!(solution[key].as_f64().unwrap() < 1e-6, "{}: {key} {}", file.display(), solution[key]);
+            assert!(solution[key].as_f64().unwrap() < least, "{}: {key} {}", file.display(), solution[key]);
         }
     }
 }

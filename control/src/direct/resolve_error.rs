@@ -1,0 +1,55 @@
+//! What is wrong with a new start, end or goal.
+
+use costate::EvalError;
+
+/// Why a new start, end or goal was refused, or what is asked of a motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResolveError {
+    /// There is no motion yet.
+    #[error("nothing is solved yet; call solve first")]
+    NotSolved,
+    /// The dynamics cannot be evaluated there.
+    #[error(transparent)]
+    Evaluation(#[from] EvalError),
+    /// Not one number for each joint, or each coordinate.
+    #[error("{what}: {found} entries, not {expected}")]
+    WrongLength {
+        /// What it is.
+        what: &'static str,
+        /// Entries that are needed.
+        expected: usize,
+        /// Entries that were given.
+        found: usize,
+    },
+    /// A number that is not finite.
+    #[error("{what}: entry {entry} is not finite")]
+    NotFinite {
+        /// What it is.
+        what: &'static str,
+        /// The entry, from 0.
+        entry: usize,
+    },
+    /// A position or rate beyond its limits.
+    #[error("{what} of joint {joint} is {value}, beyond its limits {low} and {high}")]
+    Outside {
+        /// What it is.
+        what: &'static str,
+        /// The joint, from 0.
+        joint: usize,
+        /// The value (rad, rad/s, m, m/s).
+        value: f64,
+        /// Its least value.
+        low: f64,
+        /// Its largest value.
+        high: f64,
+    },
+    /// A tool that the problem does not have, or one without a position.
+    #[error("{table}: there is no entry {entry} with a position, counted from 0; poses keep their kind")]
+    NoTool {
+        /// The table of the problem.
+        table: &'static str,
+        /// The number that was given, from 0.
+        entry: usize,
+    },
+}

@@ -1,0 +1,216 @@
+//! Derivatives of the cost of a motion by parameters of the robot.
+
+use crate::direct::{PLACES, POINTS, WEIGHTS};
+use crate::options::Method;
+use crate::problem::Problem;
+use crate::problem::key::Key;
+use crate::result::solution::Solution;
+use crate::result::trajectory::Trajectory;
+use crate::status::Status;
+use costate::EvalError;
+use costate::lagrangian::Lagrangian;
+use costate::parameters::{Parameter, ParameterError, ParameterSet, Regressor};
+use serde::Serialize;
+
+/// What the cost of a motion changes by with a parameter of the robot.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct CostDerivative {
+    /// The parameter, such as `elbow.mass`.
+    pub name: String,
+    /// Its value in the model, in its own unit; 0 for payloads and displacements, which add to the model.
+    pub value: f64,
+    /// dJ/dtheta: cost per unit of the parameter.
+    pub derivative: f64,
+}
+
+/// Why the cost of a motion cannot be differentiated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SensitivityError {
+    /// The motion is not optimal, so its cost does not tell that of the optimal motion nearby.
+    #[error("the motion is not optimal, its status is {}; only an optimal motion has this derivative", .0.name())]
+    NotOptimal(Status),
+    /// The motion, or the parameters, are those of another robot.
+    #[error("the {what} of another robot; give what belongs to the robot of the problem")]
+    OtherRobot {
+        /// What belongs to another robot.
+        what: &'static str,
+    },
+    /// Tools and clearances depend on this parameter too, not the torques alone.
+    #[error(
+        "{key}: tools and bodies move with the parameter '{name}', and their derivatives by it are not \
+         computed; leave it out, as Problem::parameters does"
+    )]
+    MovesTools {
+        /// The parameter.
+        name: String,
+        /// What the problem asks of tools or bodies first.
+        key: Key,
+    },
+    /// The dynamics cannot be evaluated along the motion.
+    #[error(transparent)]
+    Evaluation(#[from] EvalError),
+}
+
+impl Problem {
+    /// The parameters of the model by which the cost of its optimal motion can be differentiated: all, but
+    /// where tools or obstacles matter those that move links.
+    ///
+    /// # Errors
+    /// [`ParameterError`], for a robot whose joints cannot be told apart by their names.
+    pub fn parameters(&self) -> Result<ParameterSet, ParameterError> {
+        let all = ParameterSet::new(&self.robot).model();
+        if self.task.is_empty() {
+            return Ok(all);
+        }
+        let kept = all.parameters().iter().zip(all.names()).filter(|(parameter, _)| !moves_links(parameter));
+        kept.map(|(_, name)| name).try_fold(ParameterSet::new(&self.robot), |set, name| set.named(name))
+    }
+}
+
+/// dJ/dtheta of an optimal motion for each parameter of a set, by the envelope theorem: no further problem is
+/// solved.
+///
+/// With `y_p` the costate of the momenta, which contains the multipliers of active limits on torques,
+///
+/// $$ \frac{dJ}{d\theta} = \int_0^T y_p \cdot \frac{\partial \tau}{\partial \theta}(q, v, a) \\, dt $$
+///
+/// along the motion, for fixed and free final times. Positions and rates at the ends, weights of the cost and
+/// limits do not change with theta. Of a motion of the direct method the integral is the sum over its points:
+/// the derivative of the least cost on that mesh, exact up to the tolerance that it was solved with. Of an
+/// extremal the points of Gauss between its nodes are summed; of one that was read from a file only the nodes
+/// are known, and y_p is linear between them.
+///
+/// `problem` is the one that was solved. The derivative is that of [`Solution::total`].
+///
+/// # Errors
+/// [`SensitivityError`]: a motion that is not optimal, another robot, a parameter on which tools depend.
+///
+/// ```
+/// use costate::{parameters::ParameterSet, robot::Robot};
+/// use costate_control::{MotionLimits, Problem, Solver, SolverOptions, cost_by_parameters};
+/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// let quarter = std::f64::consts::FRAC_PI_2;
+/// let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[quarter; 2], 1.0);
+/// let problem = problem.with_limits(MotionLimits::none());
+/// let solution = Solver::new(&problem, SolverOptions::direct())?.solve();
+/// let set = ParameterSet::new(&problem.robot).named("elbow.x")?;
+/// let found = cost_by_parameters(&problem, &solution, &set)?;
+/// assert_eq!((found[0].name.as_str(), found[0].value), ("elbow.x", 1.0));
+/// assert!(found[0].derivative > 0.0, "a longer arm costs more");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn cost_by_parameters(
+    problem: &Problem,
+    solution: &Solution,
+    parameters: &ParameterSet,
+) -> Result<Vec<CostDerivative>, SensitivityError> {
+    check(problem, solution, parameters)?;
+    let trajectory = &solution.trajectory;
+    let polished = solution.polish.as_ref().is_some_and(|polish| polish.outcome.is_polished());
+    let on_points = solution.options.method == Method::Direct && !polished;
+    let mut points = Points { problem, model: Lagrangian::new(&problem.robot), found: Vec::new() };
+    if on_points && trajectory.t.len().is_multiple_of(POINTS + 2) {
+        points.take_points(trajectory)?;
+    } else {
+        points.take_places(trajectory)?;
+    }
+    let mut regressor = Regressor::<f64>::new(parameters);
+    let mut sums = vec![0.0; parameters.len()];
+    for Point { weight, q, v, a, y_p } in &points.found {
+        let row = regressor.adjoint(q, v, a, y_p)?;
+        sums.iter_mut().zip(row).for_each(|(sum, entry)| *sum += weight * entry);
+    }
+    let rows = parameters.names().iter().zip(parameters.values()).zip(sums);
+    Ok(rows
+        .map(|((name, &value), derivative)| CostDerivative { name: name.clone(), value, derivative })
+        .collect())
+}
+
+fn check(problem: &Problem, solution: &Solution, parameters: &ParameterSet) -> Result<(), SensitivityError> {
+    let status = &solution.motion.status;
+    let optimal = status.is_solved() || matches!(status, Status::NotVerified | Status::MeshLimit);
+    let motion = &solution.trajectory;
+    if !optimal || motion.t.len() < 2 {
+        return Err(SensitivityError::NotOptimal(status.clone()));
+    }
+    if motion.q[0].len() != problem.robot.dof() {
+        return Err(SensitivityError::OtherRobot { what: "motion is that" });
+    }
+    if *parameters.robot() != problem.robot {
+        return Err(SensitivityError::OtherRobot { what: "parameters are those" });
+    }
+    let Some(key) = problem.task.first_key() else { return Ok(()) };
+    let moving = parameters.parameters().iter().zip(parameters.names()).find(|(one, _)| moves_links(one));
+    match moving {
+        Some((_, name)) => Err(SensitivityError::MovesTools { name: name.clone(), key }),
+        None => Ok(()),
+    }
+}
+
+/// Whether frames of links depend on a parameter.
+fn moves_links(parameter: &Parameter) -> bool {
+    matches!(
+        parameter,
+        Parameter::Translation { .. } | Parameter::Rotation { .. } | Parameter::Displacement { .. }
+    )
+}
+
+/// A point of the integral.
+struct Point {
+    /// In the integral over time (s).
+    weight: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    y_p: Vec<f64>,
+}
+
+/// The points of a motion.
+struct Points<'a> {
+    problem: &'a Problem,
+    model: Lagrangian<f64>,
+    found: Vec<Point>,
+}
+
+impl Points<'_> {
+    /// Those of the direct method: between two nodes that have one row each for each interval.
+    fn take_points(&mut self, motion: &Trajectory) -> Result<(), EvalError> {
+        for (k, t) in motion.t.chunks_exact(POINTS + 2).enumerate() {
+            for (j, weight) in WEIGHTS.iter().enumerate() {
+                let row = (POINTS + 2) * k + 1 + j;
+                let (q, v) = (motion.q[row].clone(), motion.v[row].clone());
+                let a = match motion.accelerations() {
+                    Some(accelerations) => accelerations[row].clone(),
+                    None => self.acceleration(&q, &v, &motion.u[row])?,
+                };
+                let weight = weight * (t[POINTS + 1] - t[0]);
+                self.found.push(Point { weight, q, v, a, y_p: motion.y_p[row].clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Gauss's between the nodes.
+    fn take_places(&mut self, motion: &Trajectory) -> Result<(), EvalError> {
+        for ends in motion.t.windows(2) {
+            let length = ends[1] - ends[0];
+            for (place, weight) in PLACES.iter().zip(WEIGHTS) {
+                let Some(point) = motion.at(ends[0] + place * length).filter(|_| length > 0.0) else {
+                    continue;
+                };
+                let a = self.acceleration(&point.q, &point.v, &point.u)?;
+                self.found.push(Point { weight: weight * length, q: point.q, v: point.v, a, y_p: point.y_p });
+            }
+        }
+        Ok(())
+    }
+
+    /// By forward dynamics.
+    fn acceleration(&mut self, q: &[f64], v: &[f64], u: &[f64]) -> Result<Vec<f64>, EvalError> {
+        let tau: Vec<f64> = u.iter().zip(&self.problem.gain).map(|(u, gain)| u * gain).collect();
+        Ok(self.model.forward_dynamics(q, v, &tau)?.to_vec())
+    }
+}

@@ -1,0 +1,12 @@
+//! What optimal motions change by, and motions that are solved again and again.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
+
+use costate_test_support::allocations::Counting;
+
+mod feedback;
+mod resolve;
+mod sensitivity;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;

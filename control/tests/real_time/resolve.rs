@@ -1,0 +1,202 @@
+//! Problems that are solved again and again.
+
+use costate::kinematics::Kinematics;
+use costate::robot::{LoadOptions, Robot};
+use costate_control::{
+    Budget, FinalTime, MachineCode, MotionLimits, Objective, Polish, Problem, ProblemFile, Resolve,
+    ResolveError, ResolveStatus, Solver, SolverOptions, Task, ToolCost, ToolPose,
+};
+use costate_test_support::allocations::allocations;
+use std::f64::consts::PI;
+use std::time::Duration;
+
+fn problem(name: &str) -> Problem {
+    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
+    file.unwrap().problem
+}
+
+fn options(intervals: usize, tolerance: f64) -> SolverOptions {
+    let options = SolverOptions::direct().with_machine_code(MachineCode::AtOnce);
+    options.with_tolerance(tolerance).with_nodes(3 * intervals + 1)
+}
+
+/// The position of a joint that goes on at a rate.
+fn later(q: &[f64], v: &[f64], t: f64) -> Vec<f64> {
+    q.iter().zip(v).map(|(q, v)| q + t * v).collect()
+}
+
+#[test]
+fn a_motion_is_the_one_that_the_solver_finds_from_scratch() {
+    let arm = problem("ur5_limits");
+    let mut motion = Resolve::new(&arm, options(20, 1e-7)).unwrap();
+    let first = motion.solve().unwrap();
+    assert_eq!((first.status, first.keeps_limits()), (ResolveStatus::Solved, true));
+    let solved = Solver::new(&arm, SolverOptions::direct().with_polish(Polish::Never)).unwrap().solve();
+    assert!((first.cost / solved.total() - 1.0).abs() < 1e-3, "{} {}", first.cost, solved.total());
+    // Other ends, step by step: few Newton steps each, and the cost of solving from scratch.
+    let (mut start, mut end) = (arm.start.clone(), arm.end.clone());
+    let mut most = 0;
+    for k in 0..10 {
+        for i in 0..6 {
+            start.q[i] += 0.004 * (1.0 + (i + k) as f64).sin();
+            start.v[i] += 0.02 * (2.0 + (i + k) as f64).sin();
+            end.q[i] += 0.01 * (3.0 + (i * k) as f64).sin();
+        }
+        motion.set_start(&start.q, &start.v).unwrap();
+        motion.set_end(&end.q, &end.v).unwrap();
+        let found = motion.solve_again(Budget::steps(60)).unwrap();
+        assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{k} {found:?}");
+        most = most.max(found.iterations);
+        let moved = arm.clone().with_start(start.clone()).with_end(end.clone());
+        let mut fresh = Resolve::new(&moved, options(20, 1e-7)).unwrap();
+        let fresh = fresh.solve().unwrap();
+        assert!(found.iterations < fresh.iterations);
+        assert!((found.cost / fresh.cost - 1.0).abs() < 1e-5, "{k}: {found:?} {fresh:?}");
+        let mut z = [0.0; 18];
+        motion.state_at(0.0, &mut z).unwrap();
+        assert!(z[..6].iter().zip(&start.q).all(|(a, b)| (a - b).abs() < 1e-12));
+        motion.state_at(motion.final_time(), &mut z).unwrap();
+        assert!(z[..6].iter().zip(&end.q).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+}
+
+#[test]
+fn nothing_is_allocated_after_the_first_solve() {
+    let mut arm = problem("ur5_limits");
+    for free in [false, true] {
+        if free {
+            arm.time = FinalTime::Free { guess: 1.0 };
+            arm.cost = Objective::new(1.0, arm.cost.effort.clone());
+        }
+        let mut motion = Resolve::new(&arm, options(20, 1e-4)).unwrap();
+        motion.solve().unwrap();
+        motion.feedback().unwrap().unwrap();
+        let mut again = |dt: f64| {
+            let (mut z, mut tau, mut gain) = ([0.0; 18], [0.0; 6], [0.0; 72]);
+            motion.state_at(dt, &mut z).unwrap();
+            motion.advance(dt);
+            // Between the points of so few intervals a rate may exceed its limit.
+            z[6..12].iter_mut().for_each(|v| *v = v.clamp(-PI, PI));
+            motion.set_start(&z[..6], &z[6..12]).unwrap();
+            motion.set_end(&arm.end.q, &arm.end.v).unwrap();
+            let found = motion.solve_again(Budget::steps(10).within(Duration::from_secs(9))).unwrap();
+            motion.torques_at(0.0, &mut tau).unwrap();
+            motion.feedback().unwrap().unwrap().gain(0.0, &mut gain);
+            found.iterations
+        };
+        again(0.001);
+        let mut steps = 0;
+        let found = allocations(|| (0..20).for_each(|_| steps += again(0.004)));
+        assert!(found == 0 && steps >= 20, "{found} allocations in {steps} steps");
+    }
+}
+
+#[test]
+fn budgets_are_kept_and_the_best_motion_is_shown() {
+    let arm = problem("ur5_limits");
+    let mut motion = Resolve::new(&arm, options(20, 1e-6)).unwrap();
+    motion.solve().unwrap();
+    let far = later(&arm.end.q, &[0.3; 6], 1.0);
+    motion.set_end(&far, &[0.0; 6]).unwrap();
+    let one = motion.solve_again(Budget::steps(1)).unwrap();
+    assert_eq!((one.status, one.iterations), (ResolveStatus::Iterations, 1));
+    // Whatever is shown meets the new ends.
+    let mut z = [0.0; 18];
+    motion.state_at(9.0, &mut z).unwrap();
+    assert!(z[..6].iter().zip(&far).all(|(a, b)| (a - b).abs() < 1e-12));
+    motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
+    let none = motion.solve_again(Budget::steps(50).within(Duration::ZERO)).unwrap();
+    assert_eq!((none.status, none.iterations), (ResolveStatus::OutOfTime, 1));
+    let rest = motion.solve_again(Budget::steps(50)).unwrap();
+    assert_eq!((rest.status, rest.keeps_limits()), (ResolveStatus::Solved, true));
+}
+
+#[test]
+fn motions_go_on_when_time_does() {
+    // The rest of an optimal motion is optimal: nothing is left to do.
+    let mut arm = problem("two_link").with_limits(MotionLimits::none().with_torque_max(vec![12.0, 5.0]));
+    arm.time = FinalTime::Free { guess: 2.0 };
+    arm.cost = Objective::new(20.0, vec![1.0; 2]);
+    let mut motion = Resolve::new(&arm, options(24, 1e-6)).unwrap();
+    motion.solve().unwrap();
+    let whole = motion.final_time();
+    let mut z = [0.0; 6];
+    for k in 1..=5 {
+        let dt = 0.05;
+        motion.state_at(dt, &mut z).unwrap();
+        motion.advance(dt);
+        motion.set_start(&z[..2], &z[2..4]).unwrap();
+        let found = motion.solve_again(Budget::steps(10)).unwrap();
+        assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{k} {found:?}");
+        let left = whole - f64::from(k) * dt;
+        assert!((motion.final_time() / left - 1.0).abs() < 2e-3, "{k}: {} {left}", motion.final_time());
+    }
+}
+
+#[test]
+fn what_no_motion_can_meet_is_refused() {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let arm = Problem::rest_to_rest(robot, &[0.0; 6], &[0.5; 6], 1.0);
+    let mut motion = Resolve::new(&arm, options(8, 1e-4)).unwrap();
+    let says = |error: ResolveError, words: &str| assert!(error.to_string().contains(words), "{error}");
+    says(motion.set_start(&[0.0; 5], &[0.0; 6]).unwrap_err(), "q at the start: 5 entries, not 6");
+    says(
+        motion.set_end(&[0.0; 6], &[0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]).unwrap_err(),
+        "v at the end: entry 1",
+    );
+    says(
+        motion.set_end(&[0.0, 0.0, 7.0, 0.0, 0.0, 0.0], &[0.0; 6]).unwrap_err(),
+        "q at the end of joint 2 is 7",
+    );
+    says(motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(), "v at the start of joint 0 is 4");
+    assert!(motion.feedback().unwrap().is_none(), "nothing is solved yet");
+    assert_eq!(motion.final_time(), 0.0);
+    assert_eq!(motion.torques_at(0.1, &mut [0.0; 6]), Err(ResolveError::NotSolved));
+    says(motion.torques_at(0.1, &mut [0.0; 5]).unwrap_err(), "the torques: 5 entries, not 6");
+}
+
+#[test]
+fn goals_of_tools_move() {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let (q, free) = ([0.4, -1.3, 1.6, -1.8, -1.57, 0.3], f64::INFINITY);
+    let arm = |end: [f64; 3], cost: [f64; 3]| {
+        let mut arm = Problem::rest_to_rest(robot.clone(), &q, &q, 1.0).with_limits(MotionLimits::none());
+        arm.cost = Objective::new(0.0, vec![1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3]);
+        arm.end.q_free = (0..6).collect();
+        arm.task = Task::default()
+            .with_end_tool(ToolPose::of("tool0").with_position(end))
+            .with_tool_cost(ToolCost::new(ToolPose::of("wrist_1_link").with_position(cost), 1.0, 0.0));
+        arm
+    };
+    let (end, cost) = ([0.5, 0.2, free], [0.3, 0.1, 0.5]);
+    let mut motion = Resolve::new(&arm(end, cost), options(12, 1e-7)).unwrap();
+    let first = motion.solve().unwrap();
+    assert_eq!(first.status, ResolveStatus::Solved);
+    let mut kinematics = Kinematics::<f64>::new(&robot);
+    let frame = robot.frames().iter().position(|frame| frame.name == "tool0").unwrap();
+    let mut costs = Vec::new();
+    for k in [1.0, 2.0, 1.0, 0.0] {
+        let to = [end[0] - 0.02 * k, end[1] + 0.03 * k];
+        // What is free stays free.
+        motion.set_end_tool(0, [to[0], to[1], 77.0]).unwrap();
+        motion.set_tool_cost(0, [cost[0] - 0.03 * k, cost[1], cost[2] + 0.03 * k]).unwrap();
+        let found = motion.solve_again(Budget::steps(60)).unwrap();
+        assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{k} {found:?}");
+        let mut z = [0.0; 18];
+        motion.state_at(1.0, &mut z).unwrap();
+        kinematics.set_state(&z[..6], &z[6..12]).unwrap();
+        let reached = kinematics.pose(frame).unwrap().position;
+        assert!((0..2).all(|i| (reached[i] - to[i]).abs() < 1e-7), "{k}: {reached:?}");
+        costs.push(found.cost);
+    }
+    // There and back again: the same motions.
+    assert!(
+        (costs[2] / costs[0] - 1.0).abs() < 1e-5 && (costs[3] / first.cost - 1.0).abs() < 1e-5,
+        "{costs:?}"
+    );
+    assert!((costs[1] / costs[0] - 1.0).abs() > 1e-3);
+    let error = motion.set_start_tool(0, [0.0; 3]).unwrap_err().to_string();
+    assert!(error.starts_with("start.tool: there is no entry 0"), "{error}");
+    let error = motion.set_end_tool(0, [f64::NAN, 0.0, 0.0]).unwrap_err().to_string();
+    assert!(error.starts_with("end.tool: entry 0 is not finite"), "{error}");
+}

@@ -1,0 +1,94 @@
+//! The controller: an optimal motion of the next second in each period.
+
+use crate::plant::Arm;
+use costate_control::{
+    Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Resolve, Resolved, SolverOptions, Task,
+    ToolCost, ToolPose,
+};
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+/// Length of the horizon (s), and its intervals.
+const HORIZON: f64 = 1.0;
+const INTERVALS: usize = 20;
+
+/// Cost of the distance from the goal (1/s m^2), beside the torques in parts of their limits.
+const DISTANCE_WEIGHT: f64 = 300.0;
+
+/// Cost of the angle from the first orientation (1/s rad^2).
+const ANGLE_WEIGHT: f64 = 10.0;
+
+/// Where the goal will be after this time (s) is where the tool shall be all along the horizon.
+const AHEAD: f64 = 0.15;
+
+/// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points
+/// of a plan.
+const RATES: f64 = 0.95;
+
+/// The gap of the barrier ends at a tenth of this, as a part of the cost: larger ones keep farther away from
+/// limits and let the motion change faster.
+const TOLERANCE: f64 = 0.03;
+
+/// Plans, and gives torques.
+#[derive(Debug)]
+pub struct Controller {
+    arm: Arm,
+    motion: Resolve,
+    period: f64,
+    steps: usize,
+    /// The last plan.
+    pub last: Resolved,
+    limits: Vec<[f64; 3]>,
+    start: [Vec<f64>; 2],
+}
+
+impl Controller {
+    /// Solves the problem for the first time, which may take as long as it likes; later plans take at most so
+    /// many Newton steps.
+    pub fn new(arm: &Arm, period: f64, steps: usize) -> Result<Self, Box<dyn Error>> {
+        let n = arm.q.len();
+        // Torques count in parts of their limits.
+        let limits = || arm.robot.independent_joints().map(|joint| joint.limits);
+        let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &arm.q, HORIZON);
+        // At rest wherever the arm is then: it can always stop.
+        problem.end.q_free = (0..n).collect();
+        let pose =
+            ToolPose::of(arm.tool).with_position(arm.goal(AHEAD)).with_rotation(arm.clone().orientation()?);
+        problem.task = Task::default().with_tool_cost(ToolCost::new(pose, DISTANCE_WEIGHT, ANGLE_WEIGHT));
+        problem.limits =
+            MotionLimits::default().with_v_max(limits().map(|limits| RATES * limits.velocity).collect());
+        problem.time = FinalTime::Fixed(HORIZON);
+        problem.cost = Objective::new(0.0, limits().map(|limits| 1.0 / limits.effort.powi(2)).collect());
+        let options = SolverOptions::direct()
+            .with_tolerance(TOLERANCE)
+            .with_nodes(3 * INTERVALS + 1)
+            .with_machine_code(MachineCode::AtOnce);
+        let mut motion = Resolve::new(&problem, options)?;
+        let last = motion.solve()?;
+        let limits = limits().map(|limits| [limits.lower, limits.upper, RATES * limits.velocity]).collect();
+        let start = [arm.q.clone(), arm.v.clone()];
+        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, start })
+    }
+
+    /// Plans the motion of the next second from a measured state. How long it took.
+    pub fn plan(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<Duration, Box<dyn Error>> {
+        let began = Instant::now();
+        // A measured state may be beyond a limit by a little.
+        let [start, speed] = &mut self.start;
+        for (i, [lower, upper, velocity]) in self.limits.iter().enumerate() {
+            (start[i], speed[i]) = (q[i].clamp(*lower, *upper), v[i].clamp(-velocity, *velocity));
+        }
+        if time > 0.0 {
+            self.motion.advance(self.period);
+        }
+        self.motion.set_start(start, speed)?;
+        self.motion.set_tool_cost(0, self.arm.goal(time + AHEAD))?;
+        self.last = self.motion.solve_again(Budget::steps(self.steps))?;
+        Ok(began.elapsed())
+    }
+
+    /// The torques of the plan at a time since the begin of the period.
+    pub fn torques(&mut self, t: f64, torques: &mut [f64]) -> Result<(), Box<dyn Error>> {
+        Ok(self.motion.torques_at(t, torques)?)
+    }
+}
