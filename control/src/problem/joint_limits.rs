@@ -52,7 +52,7 @@ impl Problem {
             }
         }
         if let Some(value) = self.limits.total_power_max
-            && !(value > 0.0)
+            && (value <= 0.0 || value.is_nan())
         {
             return Err(ProblemError::NotPositive { key: Key::LIMIT_TOTAL_POWER_MAX, value });
         }
