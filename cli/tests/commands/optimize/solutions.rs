@@ -151,8 +151,10 @@ fn every_example_is_solved() {
             true => &["end_defect"],
             false => &["hamiltonian_drift", "end_defect"],
         };
-        // Motions with tools are less accurate at their end than those between given joints.
-        let least = if solution["limits"]["task"].is_null() { 1e-6 } else { 1e-5 };
+        // Limits that depend on the motion bend the torques between nodes: integrated, such motions end less accurately.
+        let curved =
+            ["task", "torque_speed", "total_power"].iter().any(|kind| !solution["limits"][kind].is_null());
+        let least = if curved { 1e-4 } else { 1e-6 };
         for &key in keys {
             assert!(solution[key].as_f64().unwrap() < least, "{}: {key} {}", file.display(), solution[key]);
         }
