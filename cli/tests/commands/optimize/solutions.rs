@@ -151,7 +151,8 @@ fn every_example_is_solved() {
             true => &["end_defect"],
             false => &["hamiltonian_drift", "end_defect"],
         };
-        // Limits that depend on the motion bend the torques between nodes: integrated, such motions end less accurately.
+        // Limits that depend on the motion bend the torques between nodes: integrated, such motions end less
+        // accurately.
         let curved = ["task", "torque_speed", "power"].iter().any(|kind| !solution["limits"][kind].is_null());
         let least = if curved { 1e-4 } else { 1e-6 };
         for &key in keys {
