@@ -258,6 +258,36 @@ pub(crate) mod branch {
 pub(crate) mod direct {
     /// Slacks and multipliers keep at least this part of themselves in a step.
     pub const BOUNDARY: f64 = 0.005;
+    /// Steps are cut short that are shorter than this..
+    pub const SHORT: f64 = 0.05;
+    /// .. and after so many of them slacks and multipliers move away from the limits..
+    pub const SHORT_STEPS: usize = 2;
+    /// .. to this many times the gap.
+    pub const AWAY: f64 = 10.0;
+    /// Most steps on a mesh without second derivatives of torques.
+    pub const SQUARES: usize = 40;
+    /// If less than this part of such a step was taken, the next one is damped, ..
+    pub const POOR: f64 = 0.3;
+    /// .. at first with this, ..
+    pub const LEAST_OF_SQUARES: f64 = 1e-2;
+    /// .. if more than this part was taken, ..
+    pub const GOOD: f64 = 0.6;
+    /// .. by this factor less, ..
+    pub const DOWN_OF_SQUARES: f64 = 0.2;
+    /// .. and below this not at all.
+    pub const NONE_OF_SQUARES: f64 = 1e-3;
+    /// Most corrections of a step..
+    pub const CORRECTIONS: usize = 2;
+    /// .. which aims at one that is longer by this, ..
+    pub const LONGER: f64 = 0.3;
+    /// .. if it is shorter than this, ..
+    pub const LONG_ENOUGH: f64 = 0.95;
+    /// .. at products of slacks and multipliers of at least this part of that on the central path ..
+    pub const LEAST_PRODUCT: f64 = 0.1;
+    /// .. and at most this many times as large. ..
+    pub const MOST_PRODUCT: f64 = 10.0;
+    /// .. Both steps together become longer by at least this.
+    pub const LEAST_GAIN: f64 = 0.03;
     /// First damping where the matrix is not positive definite or no step is accepted.
     pub const DAMPING: f64 = 1e-6;
     /// With this damping, that of the effort itself, a step still tells whether there is anything to gain.
@@ -334,6 +364,15 @@ pub(crate) mod direct {
     pub const VIOLATION_AT_POINTS: f64 = 1e-9;
     /// Largest violation of a position or rate between points, in parts of its range.
     pub const VIOLATION_BETWEEN: f64 = 1e-4;
+    /// Where nothing but limits between points is missing, and by less than this part of their ranges, limits
+    /// move inside, ..
+    pub const MOST_MOVED: f64 = 3e-3;
+    /// .. this many times as far as they are exceeded, ..
+    pub const MOVED: f64 = 1.5;
+    /// .. where that is more than this part of what is allowed, ..
+    pub const MOVED_FROM: f64 = 0.5;
+    /// .. so many times on one mesh.
+    pub const MOVES: usize = 3;
     /// A motion that exceeds a limit by more than this part of its range does not keep it.
     pub const VIOLATION_ACCEPTED: f64 = 1e-7;
     /// A limit is active where the distance to it is within this part of its range.

@@ -36,6 +36,8 @@ def arguments():
     parser.add_argument("--tasks", type=int, default=16, help="tasks a class, taken in turn from the robots (16)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--elements", type=int, default=20, help="elements of the peer's mesh, 3 Radau points each (20)")
+    parser.add_argument("--tolerances", nargs=2, type=float, default=[1e-4, 1e-7], metavar="TOLERANCE",
+                        help="of costate: relative error of the cost; the first one for the comparison (1e-4 1e-7)")
     parser.add_argument("--repeats", type=int, default=3, help="times each solver runs; the least time counts (3)")
     parser.add_argument("--time-limit", type=float, default=60.0, help="of each solver (s, 60)")
     parser.add_argument("--interpreted", action="store_true", help="also the peer without compiled functions")
@@ -68,6 +70,7 @@ def describe(options, costate):
         "costate": first_line(costate, "--version"),
         "seed": options.seed,
         "elements": options.elements,
+        "tolerances": options.tolerances,
         "repeats": options.repeats,
     }
 
@@ -77,7 +80,9 @@ def run(options, costate, file):
     first = peers["peer"]
     if options.interpreted:
         peers["interpreted"] = Peer(options.cache, interpreted=True, limit=options.time_limit)
-    ours = Ours(options.cache, costate, first, options.time_limit, [f"--{text}" for text in options.costate_arguments])
+    further = [f"--{text}" for text in options.costate_arguments]
+    ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
+            for label, tolerance in zip(("costate", "accurate"), options.tolerances)}
     for name in options.robots:
         difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
         say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
@@ -87,7 +92,7 @@ def run(options, costate, file):
         stream.write(json.dumps(figures[0]) + "\n")
         for task in tasks.make(ROOT, costate, first, options.classes, options.robots, options.tasks, options.seed):
             if options.only_write_tasks:
-                print(ours.write(task))
+                print(*(side.write(task) for side in ours.values()))
                 continue
             row = comparison.run(task)
             figures.append(row)

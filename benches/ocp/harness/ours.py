@@ -17,36 +17,40 @@ SOLVED = ("converged", "converged_smoothed")
 
 
 class Ours:
-    def __init__(self, cache, costate, peer, limit, arguments):
-        self.folder = cache / "tasks"
-        self.folder.mkdir(exist_ok=True)
-        self.costate, self.peer, self.limit, self.arguments = costate, peer, limit, list(arguments)
+    def __init__(self, cache, costate, peer, tolerance, limit, arguments):
+        self.folder = cache / "tasks" / f"{tolerance:g}"
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.costate, self.peer, self.tolerance = costate, peer, tolerance
+        self.limit, self.arguments = limit, list(arguments)
         self.understands_limits = None
 
     def write(self, task):
         if self.understands_limits is None:
             self.understands_limits = self._probe(task)
         file = self.folder / f"{task.name}.toml"
-        file.write_text(problem_file.text(task, self.understands_limits))
+        file.write_text(problem_file.text(task, self.understands_limits, self.tolerance))
         return file
 
     def _probe(self, task):
         """Whether this costate knows the table `[limits]`; one that does not names it as unknown."""
         file = self.folder / "probe.toml"
         simple = task.but(from_robot=False, tool=None, q_end=task.q_start + 0.1, obstacles=[])
-        file.write_text(problem_file.text(simple, True))
+        file.write_text(problem_file.text(simple, True, self.tolerance))
         done = self._run(file, 1.0)
         return not (done.returncode == 2 and "limits" in done.stderr)
 
-    def _run(self, file, limit):
+    def _run(self, file, limit, times=1):
         command = [self.costate, "optimize", file, "--json", "--time-limit", str(limit), *self.arguments]
+        if times > 1:
+            command += ["--repeat", str(times)]
         one_core = {**os.environ, "RAYON_NUM_THREADS": "1"}
         return subprocess.run(command, capture_output=True, text=True, check=False, env=one_core)
 
-    def solve(self, task):
+    def solve(self, task, times=1):
+        """Solved so many times in one process; the first time compiles the dynamics of the robot."""
         file = self.write(task)
         before = children_seconds()
-        done = self._run(file, self.limit)
+        done = self._run(file, self.limit, times)
         process = children_seconds() - before
         if done.returncode not in (0, 3) or not done.stdout.strip():
             reason = (done.stderr.strip().splitlines() or ["no output"])[0]

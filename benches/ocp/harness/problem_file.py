@@ -22,7 +22,7 @@ def table(name, *lines):
     return [f"[{name}]", *lines, ""]
 
 
-def text(task, understands_limits):
+def text(task, understands_limits, tolerance):
     """The file; without the table `[limits]` for a costate that has none, if the task needs none."""
     robot = task.robot
     rows = []
@@ -42,7 +42,8 @@ def text(task, understands_limits):
     if limits or understands_limits:
         rows += table("limits", f"from_robot = {str(task.from_robot).lower()}", *limits)
     if understands_limits:
-        rows += table("solver", 'method = "direct"', "polish = false")
+        rows += table("solver", 'method = "direct"', "polish = false", 'machine_code = "at_once"',
+                      f"tolerance = {tolerance!r}")
     return "\n".join(rows + obstacles_of(task))
 
 

@@ -6,7 +6,7 @@ import goals
 from comparison import excess
 from shell import stop
 
-NAMES = {"costate": "costate", "peer": "peer", "interpreted": "peer, interpreted"}
+NAMES = {"costate": "costate", "accurate": "costate, accurate", "peer": "peer", "interpreted": "peer, interpreted"}
 
 
 def tables(figures):
@@ -56,7 +56,7 @@ def line(rows, label):
     done = goals.solved(rows, label)
     sides = [row["sides"][label] for row in done]
     above = [value for row in done if (value := excess(row, label)) is not None]
-    ratio = "" if label == "costate" else spread(goals.ratios(rows, label), "{:.2f}")
+    ratio = "" if label in (goals.OURS, goals.ACCURATE) else spread(goals.ratios(rows, label), "{:.2f}")
     return [NAMES[label], f"{len(done)} of {len(rows)}", spread([side["ms"] for side in sides], "{:.1f}"),
             middle(sides, "process_ms", "{:.1f}"), ratio, middle(sides, "iterations", "{:.0f}"),
             f"{median(above):.0e}, {max(above):.0e}" if above else "-", worst(sides, "gap"), worst(sides, "end"),
@@ -116,8 +116,10 @@ def reason(side):
 def machine_text(figures):
     head = figures[0]
     packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
+    tolerances = " and ".join(f"{tolerance:g}" for tolerance in head["tolerances"])
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
-            f"{head['elements']} elements of 3 Radau points; the least of {head['repeats']} times.\n")
+            f"{head['elements']} elements of 3 Radau points; costate: tolerances {tolerances}; "
+            f"the least of {head['repeats']} times, machine code and compiled functions being there.\n")
 
 
 def print_all(figures):

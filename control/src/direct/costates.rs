@@ -41,7 +41,7 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
     for k in 0..mesh.intervals() {
         gradient.fill(0.0);
         for p in POINTS * k..POINTS * (k + 1) {
-            work.collect(p, spline, &interior.points, &interior.barrier, &mut interior.running);
+            work.collect(p, false, spline, &interior.points, &interior.barrier, &mut interior.running);
             add_gradient(spline, k, &mesh.basis[p].in_time(1.0 / time), &work.z[0], &mut gradient);
         }
         let state = |k: usize, sign: f64| -> Vec<f64> {

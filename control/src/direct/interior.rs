@@ -1,6 +1,7 @@
 //! A primal-dual interior-point method for motions with hard limits.
 
 use super::ends::Ends;
+use super::figures::Figures;
 use super::filter::Filter;
 use super::limits::Barrier;
 use super::multipliers::Multipliers;
@@ -10,6 +11,7 @@ use super::power::Powers;
 use super::running::Running;
 use super::side::{Limited, Side};
 use super::spline::Spline;
+use super::squares::Squares;
 use super::system::System;
 use super::tasks::Tasks;
 use crate::constants::direct as constants;
@@ -26,23 +28,6 @@ pub(crate) enum End {
     Interrupted(Interruption),
 }
 
-/// Figures of an iterate.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Figures {
-    pub cost: f64,
-    /// Size of the cost, for tolerances: no less than that of a small motion.
-    pub size: f64,
-    /// Sum of slack times multiplier.
-    pub gap: f64,
-    /// Largest violation of a limit or an equation, in parts of its range.
-    pub violation: f64,
-    /// The same of equations alone.
-    pub equations: f64,
-    /// Newton decrement: twice the change of cost that the next step promises.
-    pub decrement: f64,
-    pub iterations: usize,
-}
-
 /// A motion with its slacks and multipliers, and room for a step.
 pub(crate) struct Interior<D> {
     pub spline: Spline,
@@ -55,16 +40,26 @@ pub(crate) struct Interior<D> {
     pub powers: Powers,
     pub figures: Figures,
     /// Least size of the cost.
-    least_size: f64,
+    pub(super) least_size: f64,
     pub(super) system: System,
     pub(super) filter: Filter,
     pub(super) damping: f64,
+    squares: Squares,
+    /// Steps that were cut short, one after the other.
+    pub(super) short_steps: usize,
+    /// The part of the longest possible step that was taken last.
+    pub(super) taken: f64,
     pub(super) mu: f64,
     pub(super) trial: Trial,
-    pub(super) steps: [Vec<f64>; 2],
-    /// Change of the distances at mu = 0, and its factor of mu.
-    pub(super) changes: [Vec<f64>; 2],
-    pub(super) time_steps: [f64; 2],
+    /// The step at mu = 0, its factor of mu, what corrections add, and another one of these.
+    pub(super) steps: [Vec<f64>; 4],
+    /// Changes of the distances by these.
+    pub(super) changes: [Vec<f64>; 4],
+    pub(super) time_steps: [f64; 4],
+    /// What corrections add to `mu w` at each entry, and another one of these.
+    pub(super) corrections: [Vec<f64>; 2],
+    /// Room for those of a warm start.
+    pub(super) multipliers: Multipliers,
     /// Weights of torques in the metric of damping.
     weights: Vec<f64>,
 }
@@ -110,12 +105,17 @@ impl<D: PointDynamics> Interior<D> {
             powers,
             filter: Filter::default(),
             damping: 0.0,
+            squares: Squares::default(),
+            short_steps: 0,
+            multipliers: Multipliers::default(),
+            taken: 1.0,
             mu: 0.0,
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
             weights: vec![0.0; n],
-            steps: [Vec::new(), Vec::new()],
-            changes: [Vec::new(), Vec::new()],
-            time_steps: [0.0; 2],
+            steps: Default::default(),
+            changes: Default::default(),
+            time_steps: [0.0; 4],
+            corrections: Default::default(),
         }
     }
 
@@ -163,47 +163,6 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
-    /// Takes the motion over to other nodes, with multipliers in proportion to the weights of the points.
-    pub fn move_to(&mut self, nodes: Vec<f64>) -> Result<(), EvalError> {
-        let old = Multipliers::of(&self.spline, &self.barrier);
-        let at_ends: Vec<f64> = self.barrier.at_ends().map(|at| self.barrier.multiplier[at]).collect();
-        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        let gap = self.figures.gap.max(constants::WARM * self.figures.size);
-        self.spline = self.spline.on_nodes(nodes);
-        self.start(Some(gap / total))?;
-        let rough = self.figures.violation.min(1.0);
-        let mu = gap.max(rough * self.figures.size) / total;
-        self.mu = mu;
-        for at in 0..self.barrier.count() {
-            let weight = self.barrier.weight[at];
-            if weight == 0.0 {
-                continue;
-            }
-            let side = self.barrier.side(at);
-            let Some(index) = self.barrier.side_index(at) else {
-                self.barrier.multiplier[at] = at_ends[at - self.barrier.at_ends().start];
-                continue;
-            };
-            let density = old.density(self.barrier.place(at, &self.spline), index);
-            if side.is_equation {
-                self.barrier.multiplier[at] = weight * density;
-                continue;
-            }
-            let distance = self.barrier.distance[at];
-            let most = distance.max(constants::FIRST_SLACK * side.range);
-            let slack = distance
-                .max(constants::LEAST_SLACK.max(constants::FIRST_SLACK * rough) * side.range)
-                .max(mu / density.max(f64::MIN_POSITIVE))
-                .min(most);
-            let central = mu / slack;
-            self.barrier.slack[at] = slack;
-            self.barrier.multiplier[at] =
-                weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
-        }
-        self.measure_figures();
-        Ok(())
-    }
-
     /// Weight of a squared change of a torque in the metric of damping: the effort; without it the cost of a
     /// second over the square of the range of the torque.
     fn metric_weight(&self, joint: usize) -> f64 {
@@ -214,79 +173,6 @@ impl<D: PointDynamics> Interior<D> {
         let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
         let range = self.barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
         self.figures.size / self.spline.time / (range * range)
-    }
-
-    /// Cost of the efforts and of the energy that move each joint alone by [`constants::SMALL_MOTION`] in
-    /// it: the torque is M_ii times that motion over the squared time.
-    fn small_cost(&self) -> f64 {
-        let (n, time) = (self.spline.dof, self.spline.time);
-        let tau_z = self.points.tau_z(0);
-        let cost = |(i, r): (usize, &f64)| {
-            let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
-            let power = torque * constants::SMALL_MOTION / time;
-            0.5 * r * torque * torque + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
-        };
-        let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
-        (time * costs).max(f64::MIN_POSITIVE.sqrt())
-    }
-
-    fn measure_cost(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
-        self.take_cost(cost);
-    }
-
-    fn take_cost(&mut self, cost: f64) {
-        self.figures.cost = cost;
-        self.figures.size = self.figures.cost.abs().max(self.least_size);
-    }
-
-    pub(super) fn measure_figures(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
-        self.measure_figures_of(cost);
-    }
-
-    /// The figures of an iterate whose cost is known.
-    pub(super) fn measure_figures_of(&mut self, cost: f64) {
-        self.take_cost(cost);
-        self.figures.gap = self.barrier.complementarity();
-        [self.figures.equations, self.figures.violation] = self.violations();
-    }
-
-    /// Largest violation of an equation, and of all, in parts of ranges.
-    fn violations(&self) -> [f64; 2] {
-        let (barrier, mut most) = (&self.barrier, [0.0_f64; 2]);
-        for at in (0..barrier.count()).filter(|&at| barrier.is_on(at)) {
-            let (d, is_equation) = (barrier.distance[at], barrier.slack[at] == 0.0);
-            let which = usize::from(!is_equation);
-            most[which] = most[which].max(barrier.unit[at] * if is_equation { d.abs() } else { -d });
-        }
-        [most[0], most[0].max(most[1])]
-    }
-
-    /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
-    fn stiffen(&mut self, before: f64, part: f64) {
-        let left = self.figures.equations;
-        let slow = left > constants::VIOLATION_AT_POINTS && left > constants::LEFT_OF_EQUATIONS * before;
-        let close = before < constants::CLOSE_TO_EQUATIONS && self.damping == 0.0;
-        if slow && close && part == 1.0 {
-            let most = constants::MOST_STIFFNESS * self.figures.size;
-            self.barrier.stiffness = (constants::STIFFER * self.barrier.stiffness).min(most);
-        }
-    }
-
-    /// Sum of |d - s| in parts of ranges, weighted.
-    pub(super) fn infeasibility(&self, distance: &[f64], slack: &[f64]) -> f64 {
-        let barrier = &self.barrier;
-        let pairs = distance.iter().zip(slack).zip(barrier.weight.iter().zip(&barrier.unit));
-        let on = pairs.filter(|((_, slack), _)| slack.is_finite());
-        on.map(|((distance, slack), (weight, unit))| weight * unit * (distance - slack).abs()).sum()
-    }
-
-    /// The sum of w log s.
-    pub(super) fn logarithms(&self, slack: &[f64]) -> f64 {
-        let pairs = slack.iter().zip(&self.barrier.weight);
-        let on = pairs.filter(|(slack, _)| **slack > 0.0 && slack.is_finite());
-        on.map(|(slack, weight)| weight * slack.ln()).sum()
     }
 
     /// Weights and derivatives at the points of this iterate.
@@ -307,11 +193,14 @@ impl<D: PointDynamics> Interior<D> {
         mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         self.filter.clear();
+        self.squares.left = if self.has_squares_alone() { constants::SQUARES } else { 0 };
+        self.short_steps = 0;
         for _ in 0..most {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
             self.refresh()?;
-            self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
+            self.system.exact = true;
+            self.assemble();
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
             let (mut damping, mut taken) = (0.0, None);
             while damping < constants::MOST_DAMPING && taken.is_none() {
@@ -324,10 +213,16 @@ impl<D: PointDynamics> Interior<D> {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }
+                    self.correct();
                     taken = self.search();
                     if taken.is_some() {
                         break;
                     }
+                } else if self.system.exact && self.squares.begin() {
+                    self.system.exact = false;
+                    self.assemble();
+                    damping = self.squares.damping;
+                    continue;
                 }
                 damping = (damping * constants::DAMPING_UP).max(again);
             }
@@ -337,7 +232,11 @@ impl<D: PointDynamics> Interior<D> {
                 }
                 return Ok(End::NoProgress);
             };
+            if !self.system.exact {
+                self.squares.adapt(damping, self.taken);
+            }
             self.stiffen(equations, part);
+            self.move_from_limits(part);
             if let Some(interruption) = watch(self, part) {
                 return Ok(End::Interrupted(interruption));
             }
@@ -350,6 +249,10 @@ impl<D: PointDynamics> Interior<D> {
         let Figures { size, gap, violation, decrement, .. } = self.figures;
         let scale = tolerance * size;
         decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
+    }
+
+    pub(super) fn assemble(&mut self) {
+        self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
     }
 
     pub(super) fn factorise(&mut self, damping: f64) -> bool {

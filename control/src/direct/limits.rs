@@ -1,5 +1,6 @@
 //! Hard limits at the points, nodes and ends of a motion, one side at a time.
 
+use super::basis::POINTS;
 use super::ends::Ends;
 use super::points::Points;
 use super::side::{Limited, Side};
@@ -41,6 +42,9 @@ pub(crate) struct Barrier {
     pub slack: Vec<f64>,
     pub multiplier: Vec<f64>,
     pub distance: Vec<f64>,
+    /// How far a limit is moved inside at an entry, so that it is kept between points too; empty on most
+    /// meshes.
+    shift: Vec<f64>,
 }
 
 impl Barrier {
@@ -81,6 +85,7 @@ impl Barrier {
         for at in 0..self.weight.len() {
             self.unit.push(1.0 / self.side(at).range);
         }
+        self.shift.clear();
         for vector in [&mut self.slack, &mut self.multiplier, &mut self.distance] {
             vector.clear();
             vector.resize(self.weight.len(), 0.0);
@@ -190,8 +195,29 @@ impl Barrier {
         self.stiffness * self.weight[at] * self.unit[at] * self.unit[at]
     }
 
+    /// Moves the limit of a side inside by `amount` at the points and nodes of an interval.
+    pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64) {
+        self.shift.resize(self.weight.len(), 0.0);
+        let points = POINTS * interval..POINTS * (interval + 1);
+        let nodes = if side < self.states { interval..interval + 2 } else { 0..0 };
+        let entries = points.map(|p| self.at_point(p).start).chain(nodes.map(|k| self.at_node(k).start));
+        for first in entries.collect::<Vec<_>>() {
+            self.shift[first + side] += amount;
+        }
+    }
+
+    /// How far an entry is inside of its own limit, not the one that was moved.
+    pub fn true_distance(&self, at: usize) -> f64 {
+        self.distance[at] + self.shift.get(at).copied().unwrap_or(0.0)
+    }
+
     /// d from the values at the points and nodes.
     pub fn measure(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
+        self.measure_from_limits(spline, points, distance);
+        distance.iter_mut().zip(&self.shift).for_each(|(distance, shift)| *distance -= shift);
+    }
+
+    fn measure_from_limits(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
         let (others, at_ends) = distance.split_at_mut(self.first_at_ends());
         for ((distance, side), g) in at_ends.iter_mut().zip(&self.at_ends).zip(&points.ends.g) {
             *distance = side.sign * (g - side.bound);

@@ -13,11 +13,13 @@
 
 mod again;
 mod basis;
+mod corrector;
 mod costates;
 mod end_columns;
 mod ends;
 mod energy;
 mod feedback;
+mod figures;
 mod filter;
 mod found;
 mod goals;
@@ -46,10 +48,12 @@ mod search;
 mod side;
 mod solve;
 mod spline;
+mod squares;
 mod step;
 mod system;
 mod tasks;
 mod verify;
+mod warm;
 
 pub(crate) use basis::{PLACES, POINTS, WEIGHTS};
 pub use feedback::Feedback;

@@ -5,7 +5,7 @@ use super::limits::Barrier;
 use super::spline::Spline;
 
 /// The multipliers of a motion over its weights, at the points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Multipliers {
     places: Vec<f64>,
     sides: usize,
@@ -16,8 +16,17 @@ pub(super) struct Multipliers {
 impl Multipliers {
     /// Those of a motion. A node shares its multipliers between the points beside it.
     pub fn of(spline: &Spline, barrier: &Barrier) -> Self {
+        let mut found = Self::default();
+        found.fill(spline, barrier);
+        found
+    }
+
+    /// Takes those of a motion; allocates only for a longer one than ever before.
+    pub fn fill(&mut self, spline: &Spline, barrier: &Barrier) {
         let (sides, points) = (barrier.sides().len(), barrier.points());
-        let mut densities = barrier.multiplier[..sides * points].to_vec();
+        let Self { densities, places, .. } = self;
+        densities.clear();
+        densities.extend_from_slice(&barrier.multiplier[..sides * points]);
         for k in 0..spline.mesh.nodes.len() {
             for (i, at) in barrier.at_node(k).enumerate() {
                 let beside =
@@ -39,7 +48,9 @@ impl Multipliers {
                 }
             }
         }
-        Self { places: (0..points).map(|p| spline.mesh.point(p).0).collect(), sides, densities }
+        places.clear();
+        places.extend((0..points).map(|p| spline.mesh.point(p).0));
+        self.sides = sides;
     }
 
     /// At a point.

@@ -64,7 +64,8 @@ impl<D: PointDynamics> Interior<D> {
     /// definite.
     pub fn linearise(&mut self) -> Result<bool, EvalError> {
         self.refresh()?;
-        self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
+        self.system.exact = true;
+        self.assemble();
         Ok(self.factorise(0.0))
     }
 

@@ -106,6 +106,7 @@ impl Work {
     pub fn collect(
         &mut self,
         p: usize,
+        exact: bool,
         spline: &Spline,
         points: &Points,
         barrier: &Barrier,
@@ -120,7 +121,11 @@ impl Work {
         self.g_curvature.fill(0.0);
         self.h_curvature.fill(0.0);
         // The running cost, then its effort and its energy.
-        self.hessian.copy_from_slice(points.hessian(p));
+        if exact {
+            self.hessian.copy_from_slice(points.hessian(p));
+        } else {
+            self.hessian.fill(0.0);
+        }
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
         for i in 0..n {

@@ -161,6 +161,30 @@ impl Resolution {
         self.add_errors_of_limits(interior);
     }
 
+    /// Moves limits inside by what they are exceeded between points, in the intervals where that is too much.
+    /// Whether this may be enough: equations and bodies that pass through each other need narrower intervals.
+    pub fn move_limits_inside<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
+        let count = interior.barrier.sides().len();
+        let mut most = vec![0.0_f64; self.violations.len()];
+        for k in 0..self.violations.len() {
+            for i in 0..count {
+                let side = interior.barrier.sides()[i];
+                if side.limited.jumps() || side.is_equation {
+                    continue;
+                }
+                let places =
+                    self.distance[count * BETWEEN.len() * k..].chunks_exact(count).take(BETWEEN.len());
+                let over = places.map(|distances| side.violation(distances[i])).fold(0.0, f64::max);
+                most[k] = most[k].max(over);
+                if over > constants::MOVED_FROM * constants::VIOLATION_BETWEEN {
+                    interior.barrier.move_inside(k, i, constants::MOVED * over * side.range);
+                }
+            }
+        }
+        let enough = |(all, moved): (&f64, &f64)| *all <= moved.max(constants::VIOLATION_BETWEEN);
+        self.violations.iter().zip(&most).all(enough)
+    }
+
     /// Adds to the error of each interval what multiplier times distance make in the mean between
     /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
     /// each point, and next to nothing is left.
@@ -225,7 +249,10 @@ impl Resolution {
             if cuts.is_empty() {
                 // The error of a motion that is smooth in an interval falls with the seventh power of
                 // its width.
-                let parts = (self.errors[k] / share).powf(1.0 / 7.0).ceil().clamp(2.0, constants::MOST_PARTS);
+                let by_error = (self.errors[k] / share).powf(1.0 / 7.0);
+                // What exceeds a limit between points falls with its square where an arc at the limit begins.
+                let by_violation = (self.violations[k] / constants::VIOLATION_BETWEEN).max(0.0).sqrt();
+                let parts = by_error.max(by_violation).ceil().clamp(2.0, constants::MOST_PARTS);
                 added.extend((1..parts as usize).map(|part| left + width * part as f64 / parts));
             }
         }

@@ -46,7 +46,7 @@ fn usage<D>(
     let mut worst = VIOLATION_ACCEPTED;
     // The given ends are within the limits; the problem was checked.
     for at in (0..barrier.count()).filter(|&at| barrier.is_on(at) && barrier.side(at).limited == limited) {
-        let (side, distance) = (barrier.side(at), barrier.distance[at]);
+        let (side, distance) = (barrier.side(at), barrier.true_distance(at));
         let end = barrier.side_index(at).is_none().then(|| barrier.end_of(at));
         let usage = found.get_or_insert_default();
         usage.at_points = usage.at_points.max(excess(interior, side, end, distance));

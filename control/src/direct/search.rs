@@ -13,17 +13,16 @@ impl<D: PointDynamics> Interior<D> {
         // Slope of cost and barrier.
         let mut slope = 0.0;
         for i in 0..self.steps[0].len() {
-            slope += self.system.gradient[0][i] * (self.steps[0][i] + mu * self.steps[1][i]);
+            slope += self.system.gradient[0][i] * self.step(i);
         }
-        let dt = self.time_steps[0] + mu * self.time_steps[1];
-        slope += self.system.time_gradient[0] * dt;
+        slope += self.system.time_gradient[0] * self.time_step();
         for at in 0..self.barrier.slack.len() {
             if !self.barrier.is_on(at) {
                 continue;
             }
             let (s, eta, d) =
                 (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
-            let change = self.changes[0][at] + mu * self.changes[1][at];
+            let change = self.changes[0][at] + mu * self.changes[1][at] + self.changes[2][at];
             slope += (eta - self.barrier.curvature(at) * d) * change;
             if s > 0.0 {
                 slope -= mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;
@@ -60,6 +59,7 @@ impl<D: PointDynamics> Interior<D> {
                         self.filter.add(now);
                     }
                     self.take(alpha, dual, cost);
+                    self.taken = alpha / primal;
                     return Some(alpha);
                 }
             }
@@ -74,16 +74,16 @@ impl<D: PointDynamics> Interior<D> {
     /// Spline, points, distances and slacks after the part `alpha` of the step. Whether it is a motion:
     /// one that goes forward in time and can be evaluated.
     fn evaluate_trial(&mut self, alpha: f64) -> bool {
-        let mu = self.mu;
+        let (mu, dt) = (self.mu, self.time_step());
         let trial = &mut self.trial;
         trial.spline.dof = self.spline.dof;
         trial.spline.mesh.clone_from(&self.spline.mesh);
         trial.spline.unknowns.clone_from(&self.spline.unknowns);
         trial.spline.time = self.spline.time;
         for (i, unknown) in trial.spline.unknowns.iter_mut().enumerate() {
-            *unknown += alpha * (self.steps[0][i] + mu * self.steps[1][i]);
+            *unknown += alpha * (self.steps[0][i] + mu * self.steps[1][i] + self.steps[2][i]);
         }
-        trial.spline.time += alpha * (self.time_steps[0] + mu * self.time_steps[1]);
+        trial.spline.time += alpha * dt;
         let forward = trial.spline.time > 0.0;
         if !forward {
             return false;

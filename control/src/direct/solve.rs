@@ -85,7 +85,7 @@ impl Direct<'_> {
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
         let mut precision = least.max(constants::FIRST_PRECISION);
-        let mut mesh = 0;
+        let (mut mesh, mut moved) = (0, 0);
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let watch = |iterate: &Interior<FastPoints>, step: f64| {
@@ -135,6 +135,17 @@ impl Direct<'_> {
                 precision = least;
                 continue;
             }
+            let only_between =
+                !violated && error <= tolerance && resolution.violation() < constants::MOST_MOVED;
+            if only_between && end == End::Solved && moved < constants::MOVES {
+                moved += 1;
+                precision = least;
+                if resolution.move_limits_inside(interior) {
+                    interior.begin_again();
+                    continue;
+                }
+            }
+            moved = 0;
             precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
             let enough = tolerance * figures.size;
             let nodes = match (violated, accurate) {

@@ -8,20 +8,43 @@ use crate::constants::direct as constants;
 use crate::numerics::chain::dot;
 
 impl<D: PointDynamics> Interior<D> {
-    /// Both parts of the step, and of the change of distances.
+    /// Both parts of the step, and of the change of distances; without corrections.
     pub(super) fn solve(&mut self) {
-        let (n, count) = (self.spline.dof, self.barrier.count());
         for part in 0..2 {
-            let dt = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
-            self.time_steps[part] = dt;
-            for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals()) {
-                self.steps[part][2 * n * k + i] = tangent * dt;
-            }
-            self.changes[part].resize(count, 0.0);
-            if count > 0 {
-                self.change_distances(part);
-            }
+            self.time_steps[part] = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
+            self.finish_part(part);
         }
+        let zeros = [(&mut self.steps[2], self.spline.unknowns.len())].into_iter();
+        let count = self.barrier.count();
+        for (vector, count) in zeros.chain([(&mut self.changes[2], count), (&mut self.corrections[0], count)])
+        {
+            vector.clear();
+            vector.resize(count, 0.0);
+        }
+        self.time_steps[2] = 0.0;
+    }
+
+    /// The steps of given ends, and the change of distances, of a part of the step.
+    pub(super) fn finish_part(&mut self, part: usize) {
+        let (n, count) = (self.spline.dof, self.barrier.count());
+        for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals()) {
+            self.steps[part][2 * n * k + i] = tangent * self.time_steps[part];
+        }
+        self.changes[part].resize(count, 0.0);
+        if count > 0 {
+            self.change_distances(part);
+        }
+    }
+
+    /// The step of an unknown, all parts together.
+    #[inline(always)]
+    pub(super) fn step(&self, i: usize) -> f64 {
+        self.steps[0][i] + self.mu * self.steps[1][i] + self.steps[2][i]
+    }
+
+    /// The step of T.
+    pub(super) fn time_step(&self) -> f64 {
+        self.time_steps[0] + self.mu * self.time_steps[1] + self.time_steps[2]
     }
 
     /// Change of all distances by a part of the step.
@@ -112,14 +135,14 @@ impl<D: PointDynamics> Interior<D> {
                 continue;
             }
             let weight = self.barrier.weight[at];
-            let change = self.changes[0][at] + mu * self.changes[1][at];
+            let change = self.changes[0][at] + mu * self.changes[1][at] + self.changes[2][at];
             if s == 0.0 {
                 let sigma = self.barrier.curvature(at);
                 (self.trial.slack_step[at], self.trial.multiplier_step[at]) = (0.0, -sigma * (d + change));
                 continue;
             }
             let ds = change + d - s;
-            let deta = (mu * weight - eta * d - eta * change) / s;
+            let deta = (mu * weight + self.corrections[0][at] - eta * d - eta * change) / s;
             if ds < 0.0 {
                 primal = primal.min(keep * s / -ds);
             }

@@ -35,7 +35,12 @@ pub(crate) struct System {
     pub time_gradient: [f64; 2],
     pub(super) border_solved: Vec<f64>,
     pub(super) schur: f64,
-    work: Work,
+    /// Gradient of corrections, in x and T.
+    pub(super) correction: Vec<f64>,
+    pub(super) time_correction: f64,
+    pub(super) work: Work,
+    /// Whether second derivatives of torques and rows count.
+    pub exact: bool,
     interval: IntervalHessian,
     metric: Metric,
 }
@@ -57,7 +62,10 @@ impl System {
             time_gradient: [0.0; 2],
             border_solved: Vec::new(),
             schur: 1.0,
+            correction: Vec::new(),
+            time_correction: 0.0,
             work: Work::new(n, rows),
+            exact: true,
             interval: IntervalHessian::new(n),
             metric: Metric::new(n),
         }
@@ -121,7 +129,7 @@ impl System {
     ) {
         let (n, inverse) = (points.dof, 1.0 / spline.time);
         let work = &mut self.work;
-        let (weight, cost) = work.collect(p, spline, points, barrier, running);
+        let (weight, cost) = work.collect(p, self.exact, spline, points, barrier, running);
         work.differentiate_in_time(points.z(p), inverse);
         let [gradient, at_zero, of_mu, slope] = &mut work.z;
         self.time_gradient[0] += weight * cost + dot(at_zero, &work.z_t);
@@ -186,7 +194,7 @@ impl System {
             }
             let rows = self.matrix.node_rows(k);
             add_squares(rows, 4 * n, &[sigma], std::iter::once(row));
-            if !std::mem::replace(&mut done[end], true) {
+            if !std::mem::replace(&mut done[end], true) && self.exact {
                 let hessian = points.ends.hessian[end].chunks_exact(2 * n).take(n);
                 for (to, from) in rows.chunks_exact_mut(4 * n).zip(hessian) {
                     to.iter_mut().zip(&from[..n]).for_each(|(to, from)| *to += from);
@@ -248,11 +256,16 @@ impl System {
     pub fn solve(&mut self, part: usize, free_time: bool, dx: &mut Vec<f64>) -> f64 {
         dx.clear();
         dx.extend(self.gradient[part].iter().map(|g| -g));
+        self.finish_solution(self.time_gradient[part], free_time, dx)
+    }
+
+    /// Solves for a step with the negative gradient in `dx`.
+    pub(super) fn finish_solution(&mut self, time_gradient: f64, free_time: bool, dx: &mut [f64]) -> f64 {
         self.factor.solve(dx);
         if !free_time {
             return 0.0;
         }
-        let dt = (-self.time_gradient[part] - dot(&self.border, dx)) / self.schur;
+        let dt = (-time_gradient - dot(&self.border, dx)) / self.schur;
         dx.iter_mut().zip(&self.border_solved).for_each(|(dx, b)| *dx -= dt * b);
         dt
     }

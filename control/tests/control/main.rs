@@ -29,6 +29,7 @@ mod source;
 mod stopping;
 mod task_file;
 mod tasks;
+mod unactuated;
 mod user_terms;
 mod verification;
 
