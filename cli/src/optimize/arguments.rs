@@ -40,8 +40,8 @@ pub struct Arguments {
     /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<Duration>,
-    /// Solve so many times, each from the beginning, and tell the least time: later ones find the machine code
-    /// that the first one compiled
+    /// Solve so many times, each from the beginning, and tell the least time: later ones find the machine
+    /// code that the first one compiled
     #[arg(long, value_name = "COUNT", conflicts_with = "range")]
     pub repeat: Option<NonZeroUsize>,
     /// Threads for several starts; by default as many as the processor runs at once

@@ -2,9 +2,10 @@
 //!
 //! A step of Newton's method leaves out the products `ds deta`. Where they are large, single slacks or
 //! multipliers come close to zero long before the others, and the step is cut short. A correction aims at
-//! products between a part and a multiple of `mu w` after a step that is longer than the one that is possible,
-//! with the matrix that is factorised already (J. Gondzio, Multiple centrality corrections in a primal-dual
-//! method for linear programming, Computational Optimization and Applications 6, 1996, pages 137-156).
+//! products between a part and a multiple of `mu w` after a step that is longer than the one that is
+//! possible, with the matrix that is factorised already (J. Gondzio, Multiple centrality corrections in a
+//! primal-dual method for linear programming, Computational Optimization and Applications 6, 1996, pages
+//! 137-156).
 
 use super::basis::POINTS;
 use super::ends::Ends;

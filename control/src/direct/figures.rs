@@ -1,10 +1,6 @@
-//! Figures of an iterate: cost, gap, violations.
+//! Figures of an iterate.
 
-use super::interior::Interior;
-use super::points::PointDynamics;
-use crate::constants::direct as constants;
-
-/// Figures of an iterate.
+/// What an iterate costs, and how far it is from a solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Figures {
     pub cost: f64,
@@ -19,79 +15,4 @@ pub(crate) struct Figures {
     /// Newton decrement: twice the change of cost that the next step promises.
     pub decrement: f64,
     pub iterations: usize,
-}
-
-impl<D: PointDynamics> Interior<D> {
-    /// Cost of the efforts and of the energy that move each joint alone by [`constants::SMALL_MOTION`] in
-    /// it: the torque is M_ii times that motion over the squared time.
-    pub(super) fn small_cost(&self) -> f64 {
-        let (n, time) = (self.spline.dof, self.spline.time);
-        let tau_z = self.points.tau_z(0);
-        let cost = |(i, r): (usize, &f64)| {
-            let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
-            let power = torque * constants::SMALL_MOTION / time;
-            0.5 * r * torque * torque + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
-        };
-        let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
-        (time * costs).max(f64::MIN_POSITIVE.sqrt())
-    }
-
-    pub(super) fn measure_cost(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
-        self.take_cost(cost);
-    }
-
-    fn take_cost(&mut self, cost: f64) {
-        self.figures.cost = cost;
-        self.figures.size = self.figures.cost.abs().max(self.least_size);
-    }
-
-    pub(super) fn measure_figures(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
-        self.measure_figures_of(cost);
-    }
-
-    /// The figures of an iterate whose cost is known.
-    pub(super) fn measure_figures_of(&mut self, cost: f64) {
-        self.take_cost(cost);
-        self.figures.gap = self.barrier.complementarity();
-        [self.figures.equations, self.figures.violation] = self.violations();
-    }
-
-    /// Largest violation of an equation, and of all, in parts of ranges.
-    fn violations(&self) -> [f64; 2] {
-        let (barrier, mut most) = (&self.barrier, [0.0_f64; 2]);
-        for at in (0..barrier.count()).filter(|&at| barrier.is_on(at)) {
-            let (d, is_equation) = (barrier.distance[at], barrier.slack[at] == 0.0);
-            let which = usize::from(!is_equation);
-            most[which] = most[which].max(barrier.unit[at] * if is_equation { d.abs() } else { -d });
-        }
-        [most[0], most[0].max(most[1])]
-    }
-
-    /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
-    pub(super) fn stiffen(&mut self, before: f64, part: f64) {
-        let left = self.figures.equations;
-        let slow = left > constants::VIOLATION_AT_POINTS && left > constants::LEFT_OF_EQUATIONS * before;
-        let close = before < constants::CLOSE_TO_EQUATIONS && self.damping == 0.0;
-        if slow && close && part == 1.0 {
-            let most = constants::MOST_STIFFNESS * self.figures.size;
-            self.barrier.stiffness = (constants::STIFFER * self.barrier.stiffness).min(most);
-        }
-    }
-
-    /// Sum of |d - s| in parts of ranges, weighted.
-    pub(super) fn infeasibility(&self, distance: &[f64], slack: &[f64]) -> f64 {
-        let barrier = &self.barrier;
-        let pairs = distance.iter().zip(slack).zip(barrier.weight.iter().zip(&barrier.unit));
-        let on = pairs.filter(|((_, slack), _)| slack.is_finite());
-        on.map(|((distance, slack), (weight, unit))| weight * unit * (distance - slack).abs()).sum()
-    }
-
-    /// The sum of w log s.
-    pub(super) fn logarithms(&self, slack: &[f64]) -> f64 {
-        let pairs = slack.iter().zip(&self.barrier.weight);
-        let on = pairs.filter(|(slack, _)| **slack > 0.0 && slack.is_finite());
-        on.map(|(slack, weight)| weight * slack.ln()).sum()
-    }
 }

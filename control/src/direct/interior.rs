@@ -251,6 +251,14 @@ impl<D: PointDynamics> Interior<D> {
         decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
     }
 
+    /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares
+    /// say nothing about the directions that they leave free.
+    fn has_squares_alone(&self) -> bool {
+        let barrier = &self.barrier;
+        let equations = barrier.sides().iter().any(|side| side.is_equation) || !barrier.at_ends().is_empty();
+        self.running.effort.iter().any(|weight| *weight > 0.0) && !equations
+    }
+
     pub(super) fn assemble(&mut self) {
         self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
     }

@@ -28,6 +28,7 @@ mod interior;
 mod interval;
 mod jumps;
 mod limits;
+mod measures;
 mod metric;
 mod multipliers;
 mod neighbours;

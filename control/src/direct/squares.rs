@@ -4,8 +4,6 @@
 //! torques and of limits (Gauss and Newton's method for the effort). Steps with it go farther than those of a
 //! damped Hessian.
 
-use super::interior::Interior;
-use super::points::PointDynamics;
 use crate::constants::direct as constants;
 
 /// When such steps are made, and how they are damped.
@@ -35,15 +33,5 @@ impl Squares {
         } else {
             damping
         };
-    }
-}
-
-impl<D: PointDynamics> Interior<D> {
-    /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares
-    /// say nothing about the directions that they leave free.
-    pub(super) fn has_squares_alone(&self) -> bool {
-        let barrier = &self.barrier;
-        let equations = barrier.sides().iter().any(|side| side.is_equation) || !barrier.at_ends().is_empty();
-        self.running.effort.iter().any(|weight| *weight > 0.0) && !equations
     }
 }

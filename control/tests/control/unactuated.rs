@@ -1,7 +1,7 @@
 //! Joints without a motor: their torque is zero as an equation.
 //!
-//! The value is that of a collocation on Legendre's points with the forward dynamics of cart and pole written by
-//! hand, in CasADi with IPOPT: 100 and 200 intervals with four points each agree to 2e-13.
+//! The value is that of a collocation on Legendre's points with the forward dynamics of cart and pole written
+//! by hand, in CasADi with IPOPT: 100 and 200 intervals with four points each agree to 2e-13.
 
 use costate::robot::Robot;
 use costate_control::{MotionLimits, Objective, Polish, Problem, Solver, SolverOptions, Status};
