@@ -188,3 +188,17 @@ fn hard_limits_are_kept_or_the_one_that_is_not_is_named() {
         stderr(&output)
     );
 }
+
+#[test]
+fn solving_again_and_again_tells_the_least_time_of_the_same_solution() {
+    let text = two_link() + "[limits]\nfrom_robot = false\nv_max = [inf, 0.7]\n";
+    let once = json(&optimize("repeat", &text, &["--json"]));
+    let often = json(&optimize("repeat", &text, &["--json", "--repeat", "5"]));
+    for key in ["status", "cost", "newton_iterations", "nodes"] {
+        assert_eq!(once[key], often[key], "{key}");
+    }
+    assert!(often["solve_time"].as_f64().unwrap() > 0.0);
+    for more in [&["--repeat", "0"][..], &["--repeat", "2", "--continue", "final_time=1:2"]] {
+        assert_eq!(optimize("repeat", &text, more).status.code(), Some(2), "{more:?}");
+    }
+}
