@@ -41,6 +41,9 @@ fn chain(n: usize) -> Robot {
 /// Seconds that a command takes, and the size of the file it makes (kB).
 fn timed(command: &mut Command, made: &Path) -> [String; 2] {
     let start = Instant::now();
+    // A group of its own: `cc` starts further processes, which are to end with it.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
     let mut child =
         command.stderr(Stdio::null()).spawn().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     loop {
@@ -50,7 +53,11 @@ fn timed(command: &mut Command, made: &Path) -> [String; 2] {
             return [format!("{:.1}", start.elapsed().as_secs_f64()), format!("{size:.0}")];
         }
         if start.elapsed() > PATIENCE {
-            child.kill().unwrap();
+            let group = format!("-{}", child.id());
+            let ended = Command::new("kill").args(["-KILL", "--", &group]).status();
+            if !ended.is_ok_and(|status| status.success()) {
+                child.kill().unwrap();
+            }
             child.wait().unwrap();
             return [format!("> {}", PATIENCE.as_secs()), "".into()];
         }
