@@ -78,7 +78,7 @@ impl<D: PointDynamics> Interior<D> {
 
 impl System {
     /// Gradient of the corrections c of the products: of the terms `c/s` of multipliers.
-    fn collect_corrections(
+    pub(super) fn collect_corrections(
         &mut self,
         spline: &Spline,
         points: &Points,

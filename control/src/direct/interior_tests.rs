@@ -141,3 +141,59 @@ fn steps_are_those_of_the_linearised_conditions() {
         assert!(s + primal * ds > 0.0 && eta + dual * deta > 0.0);
     }
 }
+
+#[test]
+fn corrections_bring_products_closer_to_the_central_path() {
+    let mut interior = started();
+    interior.refresh().unwrap();
+    interior.assemble();
+    assert!(interior.factorise(1.0));
+    interior.solve();
+    // The gradient of what corrections add is that of the sum of -(c/s) d.
+    let count = interior.barrier.count();
+    let mut random = fastrand::Rng::with_seed(5);
+    let corrections: Vec<f64> = (0..count).map(|_| random.f64() - 0.5).collect();
+    let Interior { system, spline, points, barrier, ends, .. } = &mut interior;
+    system.collect_corrections(spline, points, barrier, ends, &corrections);
+    let on = (0..count).filter(|&at| barrier.is_limit(at));
+    let terms: Vec<f64> =
+        on.map(|at| -corrections[at] / barrier.slack[at] * interior.changes[0][at]).collect();
+    let along: f64 = system.correction.iter().zip(&interior.steps[0]).map(|(g, dx)| g * dx).sum();
+    let along = along + system.time_correction * interior.time_steps[0];
+    let size: f64 = terms.iter().map(|term| term.abs()).sum();
+    assert!((terms.iter().sum::<f64>() - along).abs() < 1e-11 * size, "{along} {size}");
+
+    // A corrected step is no shorter, and its products are those that are aimed at.
+    interior.mu *= 1e-3;
+    let before = interior.steps_of(interior.mu);
+    interior.correct();
+    let after = interior.steps_of(interior.mu);
+    assert!(after.0 + after.1 > before.0 + before.1, "{before:?} {after:?}");
+    for at in (0..count).filter(|&at| interior.barrier.is_limit(at)) {
+        let (s, eta) = (interior.barrier.slack[at], interior.barrier.multiplier[at]);
+        let (ds, deta) = (interior.trial.slack_step[at], interior.trial.multiplier_step[at]);
+        let aim = interior.mu * interior.barrier.weight[at] + interior.corrections[0][at];
+        let terms = [s * deta, eta * ds, eta * s, -aim];
+        let size: f64 = terms.iter().map(|term| term.abs()).sum();
+        assert!(terms.iter().sum::<f64>().abs() < 1e-12 * size);
+    }
+}
+
+#[test]
+fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
+    let mut interior = started();
+    let side = interior.barrier.sides().iter().position(|side| side.limited == Limited::Rate).unwrap();
+    let before = interior.barrier.distance.clone();
+    interior.barrier.move_inside(1, side, 0.01);
+    interior.begin_again();
+    let barrier = &interior.barrier;
+    let mut moved = 0;
+    for (at, before) in before.iter().enumerate() {
+        let change = before - barrier.distance[at];
+        assert!((barrier.true_distance(at) - before).abs() < 1e-12);
+        assert!(change.abs() < 1e-12 || (change - 0.01).abs() < 1e-12);
+        moved += usize::from(change > 1e-3);
+        assert!(!barrier.is_limit(at) || (barrier.slack[at] > 0.0 && barrier.multiplier[at] > 0.0));
+    }
+    assert_eq!(moved, 3 + 2);
+}

@@ -103,6 +103,9 @@ impl Direct<'_> {
                 recorder.interruption()
             };
             let end = interior.iterate(precision, self.options.max_iterations, watch)?;
+            if end == End::Solved && precision <= least {
+                interior.take_last_step();
+            }
             resolution.measure(interior)?;
             let figures = interior.figures;
             let error = (resolution.error() + figures.gap) / figures.size;
@@ -135,8 +138,8 @@ impl Direct<'_> {
                 precision = least;
                 continue;
             }
-            let only_between =
-                !violated && error <= tolerance && resolution.violation() < constants::MOST_MOVED;
+            let between = constants::VIOLATION_BETWEEN..constants::MOST_MOVED;
+            let only_between = error <= tolerance && between.contains(&resolution.violation());
             if only_between && end == End::Solved && moved < constants::MOVES {
                 moved += 1;
                 precision = least;

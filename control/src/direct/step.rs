@@ -14,13 +14,14 @@ impl<D: PointDynamics> Interior<D> {
             self.time_steps[part] = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
             self.finish_part(part);
         }
-        let zeros = [(&mut self.steps[2], self.spline.unknowns.len())].into_iter();
-        let count = self.barrier.count();
-        for (vector, count) in zeros.chain([(&mut self.changes[2], count), (&mut self.corrections[0], count)])
-        {
+        let (unknowns, count) = (self.spline.unknowns.len(), self.barrier.count());
+        let of_barrier = self.changes[2..].iter_mut().chain(&mut self.corrections);
+        let vectors = self.steps[2..].iter_mut().map(|vector| (vector, unknowns));
+        for (vector, count) in vectors.chain(of_barrier.map(|vector| (vector, count))) {
             vector.clear();
             vector.resize(count, 0.0);
         }
+        self.system.correction.resize(unknowns, 0.0);
         self.time_steps[2] = 0.0;
     }
 
