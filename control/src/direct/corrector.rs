@@ -46,7 +46,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Puts what is kept aside in the place of the corrections, and those aside.
-    fn swap_corrections(&mut self) {
+    pub(super) fn swap_corrections(&mut self) {
         self.steps.swap(2, 3);
         self.changes.swap(2, 3);
         self.time_steps.swap(2, 3);
@@ -54,7 +54,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Adds to the corrections what the products after these parts of the step lack or have too much.
-    fn aim(&mut self, [primal, dual]: [f64; 2]) {
+    pub(super) fn aim(&mut self, [primal, dual]: [f64; 2]) {
         let (mu, count) = (self.mu, self.barrier.count());
         let [now, next] = &mut self.corrections;
         next.clone_from(now);
@@ -68,7 +68,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Solves for the part of the step that belongs to the corrections aside.
-    fn solve_correction(&mut self) {
+    pub(super) fn solve_correction(&mut self) {
         let Self { system, spline, points, barrier, ends, corrections, .. } = self;
         system.collect_corrections(spline, points, barrier, ends, &corrections[1]);
         self.time_steps[3] = self.system.solve_for_corrections(self.ends.free_time, &mut self.steps[3]);

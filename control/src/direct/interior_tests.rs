@@ -153,22 +153,25 @@ fn corrections_bring_products_closer_to_the_central_path() {
     let count = interior.barrier.count();
     let mut random = fastrand::Rng::with_seed(5);
     let corrections: Vec<f64> = (0..count).map(|_| random.f64() - 0.5).collect();
-    let Interior { system, spline, points, barrier, ends, .. } = &mut interior;
+    let Interior { system, spline, points, barrier, ends, steps, changes, time_steps, .. } = &mut interior;
     system.collect_corrections(spline, points, barrier, ends, &corrections);
     let on = (0..count).filter(|&at| barrier.is_limit(at));
-    let terms: Vec<f64> =
-        on.map(|at| -corrections[at] / barrier.slack[at] * interior.changes[0][at]).collect();
-    let along: f64 = system.correction.iter().zip(&interior.steps[0]).map(|(g, dx)| g * dx).sum();
-    let along = along + system.time_correction * interior.time_steps[0];
+    let terms: Vec<f64> = on.map(|at| -corrections[at] / barrier.slack[at] * changes[0][at]).collect();
+    let along: f64 = system.correction.iter().zip(&steps[0]).map(|(g, dx)| g * dx).sum();
+    let along = along + system.time_correction * time_steps[0];
     let size: f64 = terms.iter().map(|term| term.abs()).sum();
     assert!((terms.iter().sum::<f64>() - along).abs() < 1e-11 * size, "{along} {size}");
 
-    // A corrected step is no shorter, and its products are those that are aimed at.
-    interior.mu *= 1e-3;
+    // Products after a corrected step are those that are aimed at; a step that is kept is no shorter.
     let before = interior.steps_of(interior.mu);
     interior.correct();
     let after = interior.steps_of(interior.mu);
-    assert!(after.0 + after.1 > before.0 + before.1, "{before:?} {after:?}");
+    assert!(after.0 >= before.0 && after.1 >= before.1, "{before:?} {after:?}");
+    interior.aim([0.5, 0.5]);
+    interior.solve_correction();
+    interior.swap_corrections();
+    interior.steps_of(interior.mu);
+    assert!(interior.corrections[0].iter().any(|correction| *correction != 0.0));
     for at in (0..count).filter(|&at| interior.barrier.is_limit(at)) {
         let (s, eta) = (interior.barrier.slack[at], interior.barrier.multiplier[at]);
         let (ds, deta) = (interior.trial.slack_step[at], interior.trial.multiplier_step[at]);
