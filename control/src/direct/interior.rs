@@ -7,6 +7,7 @@ use super::multipliers::Multipliers;
 use super::point_terms::weigh;
 use super::points::{PointDynamics, Points};
 use super::power::Powers;
+use super::relaxation::Relaxation;
 use super::running::Running;
 use super::side::{Limited, Side};
 use super::spline::Spline;
@@ -57,6 +58,8 @@ pub(crate) struct Interior<D> {
     /// Least size of the cost.
     least_size: f64,
     pub(super) system: System,
+    /// How far limits give; not at all outside of the elastic phase.
+    pub(super) relaxation: Relaxation,
     pub(super) filter: Filter,
     pub(super) damping: f64,
     pub(super) mu: f64,
@@ -108,6 +111,7 @@ impl<D: PointDynamics> Interior<D> {
             system: System::new(n, [tasks.rows(), powers.rows()]),
             tasks,
             powers,
+            relaxation: Relaxation::default(),
             filter: Filter::default(),
             damping: 0.0,
             mu: 0.0,
@@ -231,7 +235,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     fn measure_cost(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
+        let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
         self.take_cost(cost);
     }
 
@@ -241,7 +245,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     pub(super) fn measure_figures(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
+        let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
         self.measure_figures_of(cost);
     }
 
@@ -312,6 +316,7 @@ impl<D: PointDynamics> Interior<D> {
             let equations = self.figures.equations;
             self.refresh()?;
             self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
+            self.relaxation.assemble(&self.spline, &self.points, &self.barrier, &self.ends);
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
             let (mut damping, mut taken) = (0.0, None);
             while damping < constants::MOST_DAMPING && taken.is_none() {
@@ -357,9 +362,10 @@ impl<D: PointDynamics> Interior<D> {
             self.weights[joint] = self.metric_weight(joint);
         }
         self.system.factorise(damping, &self.ends, &self.spline, &self.points, &self.weights).is_ok()
+            && self.relaxation.factorise(&mut self.system, self.ends.free_time)
     }
 }
 
 #[cfg(test)]
 #[path = "interior_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -9,11 +9,12 @@
 //! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers are
 //! rows h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
-//! [`solve`] puts it together.
+//! [`restore`] looks for a motion that keeps its limits where that is stuck, [`solve`] puts it together.
 
 mod again;
 mod basis;
 mod costates;
+mod elastic;
 mod end_columns;
 mod ends;
 mod energy;
@@ -22,6 +23,7 @@ mod filter;
 mod found;
 mod goals;
 mod guess;
+mod infeasible;
 mod interior;
 mod interval;
 mod jumps;
@@ -37,10 +39,12 @@ mod program_points;
 #[cfg(feature = "jit")]
 mod programs;
 mod refine;
+mod relaxation;
 mod report;
 mod resolve;
 mod resolve_error;
 mod resolved;
+mod restore;
 mod running;
 mod search;
 mod side;
