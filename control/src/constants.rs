@@ -384,6 +384,9 @@ pub(crate) mod direct {
     pub const PROGRESS: f64 = 0.9;
     /// Most elastic phases.
     pub const RESTORATIONS: usize = 3;
+    /// It begins at the first guess if that violates limits less, and the iterate by more than this part of a
+    /// range.
+    pub const WILD: f64 = 0.5;
     /// Limits begin with so much more room than the motion needs in the elastic phase, in parts of ranges.
     pub const HEADROOM: f64 = 0.1;
     /// Price of what limits give, of all of a range, in parts of the cost..

@@ -34,8 +34,8 @@ enum OnMesh {
     Interrupted(Interruption),
 }
 
-/// Looks for a motion that keeps all limits, beginning at the iterate or at `guess`, whichever is closer to
-/// them.
+/// Looks for a motion that keeps all limits, beginning at the iterate, or at `guess` if that is closer to them and
+/// the iterate is far away.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -55,7 +55,7 @@ pub(super) fn restore<D: PointDynamics>(
     };
     let guess = guess.on_nodes(before.mesh.nodes.clone());
     let (far, near) = (from(interior, before.clone())?, from(interior, guess)?);
-    if far <= near {
+    if far <= near || far < constants::WILD {
         from(interior, before.clone())?;
     }
     let mut last = f64::INFINITY;
