@@ -387,8 +387,10 @@ pub(crate) mod direct {
     /// It begins at the first guess if that violates limits less, and the iterate by more than this part of a
     /// range.
     pub const WILD: f64 = 0.5;
-    /// Limits begin with so much more room than the motion needs in the elastic phase, in parts of ranges.
+    /// Limits begin with so much more room than the motion needs in the elastic phase, in parts of ranges..
     pub const HEADROOM: f64 = 0.1;
+    /// .. and of what it needs.
+    pub const MORE_HEADROOM: f64 = 0.5;
     /// Price of what limits give, of all of a range, in parts of the cost..
     pub const PRICE: f64 = 100.0;
     /// .. and the factor by which it rises..
@@ -406,13 +408,15 @@ pub(crate) mod direct {
     /// The elastic problem is solved to this part of its cost..
     pub const ELASTIC_PRECISION: f64 = 1e-3;
     /// .. in at most so many steps.
-    pub const ELASTIC_STEPS: usize = 100;
+    pub const ELASTIC_STEPS: usize = 200;
     /// Equations may be left off by this part of their range: Newton's method mends that.
     pub const OFF_EQUATIONS: f64 = 1e-3;
     /// Meshes of the elastic phase, ..
     pub const ELASTIC_MESHES: usize = 4;
     /// .. each with intervals of half the width, until what limits give is more than this part of what it was.
     pub const SAME_RELIEF: f64 = 0.8;
+    /// Finer meshes than this are not divided in the elastic phase.
+    pub const ELASTIC_INTERVALS: usize = 100;
     /// Limits that give are told if that is more than this part of what another one gives.
     pub const NOTICED_RELIEF: f64 = 1e-2;
     /// A motion that cannot keep its limits is tried in these multiples of its time..

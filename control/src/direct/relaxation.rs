@@ -84,7 +84,7 @@ impl Relaxation {
                 *give = give.max(sides[side].violation(barrier.distance[at]));
             }
         }
-        give.iter_mut().for_each(|give| *give += constants::HEADROOM);
+        give.iter_mut().for_each(|give| *give += constants::HEADROOM + constants::MORE_HEADROOM * *give);
         Self {
             ranges: sides.iter().map(|side| side.range).collect(),
             corner: vec![0.0; count],

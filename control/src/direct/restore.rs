@@ -85,8 +85,13 @@ pub(super) fn restore<D: PointDynamics>(
         }
         // On a finer mesh less may be enough.
         last = part;
-        interior.spline = interior.spline.on_nodes(halved(&interior.spline.mesh.nodes));
+        let mesh = &interior.spline.mesh;
+        let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
+        interior.spline = interior.spline.on_nodes(halved(&mesh.nodes));
         interior.tighten(kept)?;
+        if is_fine {
+            break;
+        }
     }
     interior.spline = before;
     interior.start(None)?;

@@ -87,7 +87,7 @@ impl Direct<'_> {
         let mut refined = Refined::without(Status::MeshLimit);
         let problem = self.problem.problem();
         let impossible = problem.too_short().is_some();
-        let (guess, mut restorations) = (interior.spline.clone(), 0);
+        let (mut guess, mut restorations) = (interior.spline.clone(), 0);
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
         let mut precision = least.max(constants::FIRST_PRECISION);
@@ -184,6 +184,7 @@ impl Direct<'_> {
                 break;
             }
             interior.move_to(nodes)?;
+            guess = interior.spline.clone();
             mesh += 1;
         }
         Ok(refined)
@@ -199,7 +200,9 @@ impl Direct<'_> {
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let trajectory = trajectory(problem, interior)?;
-        let again = again.unwrap_or_else(|| match status.is_interruption() {
+        // What exceeds its limits leads nowhere.
+        let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
+        let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
             true => Again::unknown(f64::INFINITY),
             false => integrate_again(problem, self.options.verify, interior, resolution),
         });

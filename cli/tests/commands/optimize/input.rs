@@ -11,15 +11,20 @@ const WRONG: i32 = 2;
 const IMPOSSIBLE: i32 = 3;
 
 /// What the messages lack.
-#[derive(Default)]
 struct Missing {
+    /// The folder of the test.
+    folder: &'static str,
     found: Vec<String>,
 }
 
 impl Missing {
+    fn new(folder: &'static str) -> Self {
+        Self { folder, found: Vec::new() }
+    }
+
     /// Solves a problem that must end like this; with a line, the message begins with it.
     fn check(&mut self, text: &str, status: i32, line: Option<usize>, parts: &[&str]) {
-        let output: Output = optimize("input", text, &["--json", "--time-limit", "20"]);
+        let output: Output = optimize(self.folder, text, &["--json", "--time-limit", "20"]);
         let message = stderr(&output);
         let mut lacks = Vec::new();
         if output.status.code() != Some(status) {
@@ -57,7 +62,7 @@ fn and(table: &str, lines: &str) -> String {
 
 #[test]
 fn lists_of_joints_of_a_wrong_form_are_named() {
-    let mut missing = Missing::default();
+    let mut missing = Missing::new("input_lists");
     let lists = [
         ("limits", "q_min"),
         ("limits", "q_max"),
@@ -100,7 +105,7 @@ fn lists_of_joints_of_a_wrong_form_are_named() {
 
 #[test]
 fn numbers_and_flags_of_limits_times_and_costs_are_checked() {
-    let mut missing = Missing::default();
+    let mut missing = Missing::new("input_numbers");
     for (value, parts) in [
         ("0.0", &["must be positive"][..]),
         ("-4", &["must be positive", "-4"]),
@@ -153,7 +158,7 @@ fn numbers_and_flags_of_limits_times_and_costs_are_checked() {
 
 #[test]
 fn limits_that_contradict_each_other_or_the_ends_are_named() {
-    let mut missing = Missing::default();
+    let mut missing = Missing::new("input_contradictions");
     for (lines, line, parts) in [
         (
             "q_min = [-1.0, 2.0]\nq_max = [2.0, 1.0]",
@@ -197,7 +202,7 @@ fn reaching(tool: &str) -> String {
 
 #[test]
 fn tools_are_checked() {
-    let mut missing = Missing::default();
+    let mut missing = Missing::new("input_tools");
     let three = "give a list of 3 numbers";
     for (lines, line, parts) in [
         ("xyz = [0.4, 0.1, 0.3]", 6, &["end.tool.frame: missing"][..]),
@@ -212,7 +217,7 @@ fn tools_are_checked() {
         ("frame = \"tool0\"\nxyz = [0.4, -inf, 0.3]", 8, &["end.tool.xyz: must be finite"]),
         ("frame = \"tool0\"\noffset = [nan, 0, 0]\nxyz = [0.4, 0.1, 0.3]", 8, &["end.tool.offset: "]),
         ("frame = \"tool0\"\nrpy = [0, 0]", 8, &["end.tool.rpy: ", three]),
-        ("frame = \"tool0\"\nrpy = [0, 0, inf]", 8, &["end.tool.", "finite"]),
+        ("frame = \"tool0\"\nrpy = [0, 0, inf]", 8, &["end.tool.rpy: must be finite"]),
         ("frame = \"tool0\"\naxis = [0, 0, 0]\nalong = [0, 0, 1]", 8, &["end.tool.axis: gives no direction"]),
         ("frame = \"tool0\"\nxyz = [0.4, 0.1, 0.3]\nweight = 1", 9, &["end.tool.weight: unknown key"]),
         // The links are 0.95 m long, a little more with the offsets of the wrist.
@@ -262,7 +267,7 @@ fn tools_are_checked() {
 
 #[test]
 fn obstacles_and_bodies_are_checked() {
-    let mut missing = Missing::default();
+    let mut missing = Missing::new("input_obstacles");
     let bodies = "[collision]\ncapsules = \"auto\"\nradius = 0.05\n";
     let sphere = |xyz: &str, radius: &str| {
         format!("[[obstacle]]\nkind = \"sphere\"\nxyz = {xyz}\nradius = {radius}\n")
@@ -297,7 +302,7 @@ fn obstacles_and_bodies_are_checked() {
 
 #[test]
 fn what_cannot_be_done_is_told_with_what_has_to_give() {
-    let mut missing = Missing::default();
+    let mut missing = Missing::new("input_impossible");
     let limits = |lines: &str| and("limits", &format!("from_robot = false\n{lines}"));
     for (text, parts) in [
         // Half a radian in a second.
@@ -311,7 +316,7 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
             &["acceleration limit", "'shoulder' gives by 1", "none does in less than 1.155 s"],
         ),
         (
-            limits("torque_max = [5.0, 50.0]"),
+            limits("torque_max = [1.0, 1.0]"),
             &["torque limit", "'shoulder' gives by", "N m (at t = ", "with a final time of", "nearby only"],
         ),
         (limits("total_power_max = 0.5"), &["power limit", "all joints gives by", "W (at t = "]),
