@@ -387,10 +387,11 @@ pub(crate) mod direct {
     /// It begins at the first guess if that violates limits less, and the iterate by more than this part of a
     /// range.
     pub const WILD: f64 = 0.5;
-    /// Limits begin with so much more room than the motion needs in the elastic phase, in parts of ranges..
-    pub const HEADROOM: f64 = 0.1;
-    /// .. and of what it needs.
-    pub const MORE_HEADROOM: f64 = 0.5;
+    /// Room of limits at the start of the elastic phase, in parts of ranges and of what they must give, and the
+    /// gap there in parts of cost and price..
+    pub const ELASTIC_COLD: (f64, f64) = (0.3, 0.1);
+    /// .. and near a minimum of a coarser mesh.
+    pub const ELASTIC_WARM: (f64, f64) = (0.02, 1e-3);
     /// Price of what limits give, of all of a range, in parts of the cost..
     pub const PRICE: f64 = 100.0;
     /// .. and the factor by which it rises..
@@ -401,8 +402,6 @@ pub(crate) mod direct {
     pub const SAME_PRICE: f64 = 0.95;
     /// Around zero the price is rounded by this, in parts of ranges.
     pub const ROUNDED_PRICE: f64 = 1e-3;
-    /// Gap at the start of the elastic phase, as a part of cost and price.
-    pub const ELASTIC_GAP: f64 = 0.1;
     /// Slacks after the elastic phase and in it are at least this part of a range.
     pub const LEAST_ROOM: f64 = 1e-3;
     /// The elastic problem is solved to this part of its cost..

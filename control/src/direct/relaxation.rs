@@ -72,8 +72,9 @@ fn limits_of(sides: &[Side]) -> Vec<usize> {
 }
 
 impl Relaxation {
-    /// For a barrier that has been measured without it: all distances become positive.
-    pub fn of(barrier: &Barrier, price: f64) -> Self {
+    /// For a barrier that has been measured without it: all distances become positive, by this room in parts of
+    /// ranges and of what limits must give.
+    pub fn of(barrier: &Barrier, price: f64, room: f64) -> Self {
         let sides = barrier.sides();
         let limits = limits_of(sides);
         let count = limits.iter().max().map_or(0, |last| last + 1);
@@ -84,7 +85,7 @@ impl Relaxation {
                 *give = give.max(sides[side].violation(barrier.distance[at]));
             }
         }
-        give.iter_mut().for_each(|give| *give += constants::HEADROOM + constants::MORE_HEADROOM * *give);
+        give.iter_mut().for_each(|give| *give += room * (1.0 + *give));
         Self {
             ranges: sides.iter().map(|side| side.range).collect(),
             corner: vec![0.0; count],
@@ -105,6 +106,11 @@ impl Relaxation {
     /// The limit of each side.
     pub fn limits(&self) -> &[usize] {
         &self.limits
+    }
+
+    /// P.
+    pub fn price(&self) -> f64 {
+        self.price
     }
 
     /// Makes it dearer, or cheaper.

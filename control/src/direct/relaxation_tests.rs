@@ -25,7 +25,7 @@ fn the_price_is_smooth() {
 fn relaxed() -> Interior<RobotPoints> {
     let mut interior = started();
     assert!(interior.figures.violation > 0.1);
-    interior.relax().unwrap();
+    interior.relax(None).unwrap();
     interior
 }
 
@@ -36,7 +36,7 @@ fn limits_give_as_far_as_the_motion_exceeds_them() {
     assert!(barrier.sides().iter().all(|side| !side.is_equation));
     for at in (0..barrier.count()).filter(|&at| barrier.is_limit(at)) {
         // Each with room, and the slack is where the motion is.
-        let room = constants::HEADROOM * barrier.side(at).range * (1.0 - 1e-9);
+        let room = constants::ELASTIC_COLD.0 * barrier.side(at).range * (1.0 - 1e-9);
         assert!(barrier.distance[at] >= room && barrier.slack[at] == barrier.distance[at], "{at}");
     }
     assert!(interior.violation_without_relief() > 0.1);

@@ -58,10 +58,10 @@ pub(super) fn restore<D: PointDynamics>(
     if far <= near || far < constants::WILD {
         from(interior, before.clone())?;
     }
-    let mut last = f64::INFINITY;
+    let (mut last, mut price) = (f64::INFINITY, None);
     for _ in 0..constants::ELASTIC_MESHES {
-        let kept = interior.relax()?;
-        let found = least(interior, recorder)?;
+        let kept = interior.relax(price)?;
+        let found = least(interior, price.is_none(), recorder)?;
         let part = match found {
             OnMesh::Kept => {
                 interior.tighten(kept)?;
@@ -85,6 +85,7 @@ pub(super) fn restore<D: PointDynamics>(
         }
         // On a finer mesh less may be enough.
         last = part;
+        price = Some(interior.relaxation.price());
         let mesh = &interior.spline.mesh;
         let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
         interior.spline = interior.spline.on_nodes(halved(&mesh.nodes));
@@ -98,9 +99,10 @@ pub(super) fn restore<D: PointDynamics>(
     Ok(Restored::Unknown)
 }
 
-/// Minimises what limits give on a mesh, at a price that is raised until it does not matter.
+/// Minimises what limits give on a mesh, at a price that is raised until it does not matter, if it `raises`.
 fn least<D: PointDynamics>(
     interior: &mut Interior<D>,
+    raises: bool,
     recorder: &mut Recorder<'_>,
 ) -> Result<OnMesh, EvalError> {
     let mut last = f64::INFINITY;
@@ -113,9 +115,11 @@ fn least<D: PointDynamics>(
         match end {
             End::Interrupted(interruption) => return Ok(OnMesh::Interrupted(interruption)),
             End::Solved => {}
-            End::NoProgress | End::IterationLimit => return Ok(OnMesh::Stuck),
+            End::NoProgress | End::IterationLimit if last.is_infinite() => return Ok(OnMesh::Stuck),
+            // The minimum at a lower price is one too.
+            End::NoProgress | End::IterationLimit => break,
         }
-        if part > constants::SAME_PRICE * last {
+        if part > constants::SAME_PRICE * last || !raises {
             break;
         }
         last = part;
