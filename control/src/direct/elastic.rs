@@ -38,15 +38,16 @@ impl<D: PointDynamics> Interior<D> {
         Ok(kept)
     }
 
-    /// Ends the elastic phase, with the barrier of before on the mesh as it is now.
+    /// Ends the elastic phase, with the barrier of before on the mesh as it is now, and this gap in parts of the
+    /// cost.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.
-    pub fn tighten(&mut self, barrier: Barrier) -> Result<(), EvalError> {
+    pub fn tighten(&mut self, barrier: Barrier, gap: f64) -> Result<(), EvalError> {
         self.barrier = barrier;
         self.relaxation = Relaxation::default();
         self.start(None)?;
-        self.centre(1.0);
+        self.centre(gap);
         Ok(())
     }
 

@@ -35,7 +35,7 @@ enum OnMesh {
 }
 
 /// Looks for a motion that keeps all limits, beginning at the iterate, or at `guess` if that is closer to them and
-/// the iterate is far away.
+/// the iterate is far away. The barrier is then that of this gap, in parts of the cost.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -43,6 +43,7 @@ pub(super) fn restore<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
     guess: &Spline,
+    gap: f64,
     recorder: &mut Recorder<'_>,
 ) -> Result<Restored, EvalError> {
     if interior.barrier.sides().is_empty() {
@@ -64,13 +65,13 @@ pub(super) fn restore<D: PointDynamics>(
         let found = least(interior, price.is_none(), recorder)?;
         let part = match found {
             OnMesh::Kept => {
-                interior.tighten(kept)?;
+                interior.tighten(kept, gap)?;
                 return Ok(Restored::Kept);
             }
             OnMesh::Least(part) => part,
             OnMesh::Stuck | OnMesh::Interrupted(_) => {
                 interior.spline = before;
-                interior.tighten(kept)?;
+                interior.tighten(kept, gap)?;
                 return Ok(match found {
                     OnMesh::Interrupted(interruption) => Restored::Interrupted(interruption),
                     _ => Restored::Unknown,
@@ -79,7 +80,7 @@ pub(super) fn restore<D: PointDynamics>(
         };
         if part > constants::SAME_RELIEF * last {
             let mut infeasible = relaxed(problem, interior);
-            interior.tighten(kept)?;
+            interior.tighten(kept, gap)?;
             infeasible.final_time = later(problem, interior, &infeasible, recorder)?;
             return Ok(Restored::Infeasible(infeasible));
         }
@@ -89,7 +90,7 @@ pub(super) fn restore<D: PointDynamics>(
         let mesh = &interior.spline.mesh;
         let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
         interior.spline = interior.spline.on_nodes(halved(&mesh.nodes));
-        interior.tighten(kept)?;
+        interior.tighten(kept, gap)?;
         if is_fine {
             break;
         }

@@ -87,7 +87,7 @@ impl Direct<'_> {
         let mut refined = Refined::without(Status::MeshLimit);
         let problem = self.problem.problem();
         let impossible = problem.too_short().is_some();
-        let (mut guess, mut restorations) = (interior.spline.clone(), 0);
+        let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
         let mut precision = least.max(constants::FIRST_PRECISION);
@@ -122,7 +122,7 @@ impl Direct<'_> {
                 && restorations < constants::RESTORATIONS
             {
                 restorations += 1;
-                match restore(problem, interior, &guess, recorder)? {
+                match restore(problem, interior, &guess, gap, recorder)? {
                     Restored::Kept => continue,
                     Restored::Infeasible(infeasible) => {
                         resolution.measure(interior)?;
@@ -184,7 +184,10 @@ impl Direct<'_> {
                 break;
             }
             interior.move_to(nodes)?;
-            guess = interior.spline.clone();
+            // What solves a mesh is near a solution on the next one.
+            if end == End::Solved {
+                (guess, gap) = (interior.spline.clone(), constants::WARM);
+            }
             mesh += 1;
         }
         Ok(refined)

@@ -166,7 +166,7 @@ fn limits_that_contradict_each_other_or_the_ends_are_named() {
             &["limits.q_min: joint 'elbow' has no room between 2 and 1"][..],
         ),
         ("q_min = [inf, 0.0]", 11, &["limits.q_min: ", "'shoulder'", "no room"]),
-        ("q_max = [-inf, 1.0]", 11, &["'shoulder'", "no room"]),
+        ("q_max = [-inf, 1.0]", 11, &["limits.q_max: ", "'shoulder'", "no room"]),
         ("q_max = [0.9, 1.0]", 5, &["end.q: 1 of joint 'shoulder' lies outside of its limits", "0.9"]),
         ("q_min = [0.1, -1.0]", 3, &["start.q: 0 of joint 'shoulder' lies outside of its limits", "0.1"]),
         ("corner_speed = [2.0, 1.0]", 11, &["limits.corner_speed: ", "no_load_speed"]),
@@ -180,7 +180,10 @@ fn limits_that_contradict_each_other_or_the_ends_are_named() {
     }
     let fast = with("q = [1.0, 0.5]", "q = [1.0, 0.5]\nv = [0.0, 4.0]") + "[limits]\nv_max = [3.0, 3.0]\n";
     missing.check(&fast, WRONG, Some(6), &["end.v: 4 of joint 'elbow' lies outside of its limits, -3 and 3"]);
-    let apart = and("bounds", "u_min = [10.0, -9.0]\nu_max = [20.0, 9.0]\n[limits]\ntorque_max = [5.0, 9.0]");
+    let apart = and(
+        "bounds",
+        "u_min = [10.0, -9.0]\nu_max = [20.0, 9.0]\n[limits]\ntorque_max = [5.0, 9.0]\nfrom_robot = false",
+    );
     missing.check(&apart, WRONG, Some(14), &["limits.torque_max: ", "'shoulder'", "10", "5"]);
     let other = and("limits", "v_max = [3.0, 3.0]\n[solver]\nmethod = \"shooting\"");
     missing.check(&other, WRONG, Some(13), &["solver.method: ", "\"direct\" only"]);
@@ -284,7 +287,11 @@ fn obstacles_and_bodies_are_checked() {
         (sphere("[0, 0, 3]", "0.1") + "size = [1, 1, 1]\n" + bodies, 14, &["obstacle.size: unknown key"]),
         (sphere("[0, 0, 3]", "0.1").replace("sphere", "ball") + bodies, 11, &["`ball` is unknown"]),
         // In the way at the start.
-        (sphere("[0.0, 0.0, 0.1]", "0.3") + bodies, 3, &["start.q: the clearance of 'obstacle 1'", "off by"]),
+        (
+            sphere("[0.0, 0.0, 0.1]", "0.3") + bodies,
+            3,
+            &["start.q: the clearance of 'upper_arm_link' from 'obstacle 1'", "off by"],
+        ),
         (bodies.replace("0.05", "0"), 12, &["collision.radius: must be positive"]),
         (bodies.replace("0.05", "nan"), 12, &["collision.radius: must be positive"]),
         (format!("{bodies}margin = nan\n"), 13, &["collision.margin: "]),
@@ -327,6 +334,6 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
     ] {
         missing.check(&text, IMPOSSIBLE, None, parts);
     }
-    let slow = arm("[[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = 0.05\n");
+    let slow = arm("[[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = 0.5\n");
     missing.check(&slow, IMPOSSIBLE, None, &["the speed of the tool 'tool0' gives by", "m/s (at t = "]);
 }
