@@ -73,6 +73,7 @@ pub use problem::{
     TorqueSpeedError,
 };
 pub use progress::{Cancel, Iteration, Phase};
+pub use result::infeasibility::{Infeasibility, RelaxedLimit};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;

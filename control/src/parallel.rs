@@ -81,7 +81,8 @@ fn compare(a: &Motion, b: &Motion) -> Ordering {
         status if status.is_solved() => 0,
         Status::NotVerified | Status::SwitchesNotRefined => 1,
         Status::MeshLimit | Status::PathOnly => 2,
-        Status::LimitsNotKept => 4,
+        Status::Infeasible => 4,
+        Status::LimitsNotKept => 5,
         _ => 3,
     };
     let cost = |motion: &Motion| if motion.total().is_nan() { f64::INFINITY } else { motion.total() };

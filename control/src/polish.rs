@@ -72,7 +72,7 @@ pub(crate) fn polish(
 /// Whether there is a motion near which an extremal may be.
 fn can_begin(found: &Solution) -> bool {
     let status = &found.motion.status;
-    let hopeless = matches!(status, Status::LimitsNotKept | Status::EvaluationFailed(_));
+    let hopeless = matches!(status, Status::LimitsNotKept | Status::Infeasible | Status::EvaluationFailed(_));
     !hopeless && found.trajectory.t.len() > 1 && found.total().is_finite()
 }
 
@@ -182,6 +182,7 @@ fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitR
         power: none(&direct.power),
         torque_speed: none(&direct.torque_speed),
         task: None,
+        infeasible: None,
     };
     let (Some(torque), Some(bounds)) = (&mut limits.torque, &problem.bounds) else { return limits };
     for (i, joint) in problem.robot.independent_joints().enumerate() {

@@ -43,6 +43,9 @@ pub enum Phase {
     /// The direct method.
     #[serde(rename = "direct")]
     Direct,
+    /// The direct method, on the way back to the limits: what they give is minimised.
+    #[serde(rename = "restoration")]
+    Restoration,
     /// An extremal from the motion of the direct method.
     #[serde(rename = "polish")]
     Polish,
@@ -66,6 +69,7 @@ impl Phase {
             Self::Smoothing => "smoothing",
             Self::Switches => "switches",
             Self::Direct => "direct",
+            Self::Restoration => "restoration",
             Self::Polish => "polish",
             Self::Continuation => "continuation",
         }

@@ -85,6 +85,10 @@ pub enum Status {
     /// The direct method found no motion that keeps all hard limits. The motion is the one with which it
     /// stopped; [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.
     LimitsNotKept,
+    /// No motion nearby keeps all hard limits: at the motion, which exceeds them, what they would have to give
+    /// has a local minimum. [`LimitReport::infeasible`](crate::LimitReport::infeasible) says which, when, and
+    /// by how much.
+    Infeasible,
     /// Cancelled by the caller.
     Cancelled,
     /// The time limit was reached.
@@ -108,6 +112,7 @@ impl Status {
             Self::BoundsNotReached => "bounds_not_reached",
             Self::PathOnly => "path_only",
             Self::LimitsNotKept => "limits_not_kept",
+            Self::Infeasible => "infeasible",
             Self::Cancelled => "cancelled",
             Self::TimeLimit => "time_limit",
         }
@@ -178,6 +183,9 @@ impl fmt::Display for Status {
             Self::LimitsNotKept => {
                 "no motion that keeps all limits was found; widen the limits or allow more time"
             }
+            Self::Infeasible => {
+                "no motion nearby keeps all limits; let those give that are named, or allow more time"
+            }
             Self::Cancelled => "cancelled; this is the best iterate so far",
             Self::TimeLimit => "the time limit was reached; allow more time",
         };
@@ -195,7 +203,7 @@ impl From<Status> for String {
 }
 
 /// The statuses without a reason of their own.
-const NAMED: [Status; 14] = [
+const NAMED: [Status; 15] = [
     Status::Converged,
     Status::ConvergedSmoothed,
     Status::NotVerified,
@@ -208,6 +216,7 @@ const NAMED: [Status; 14] = [
     Status::BoundsNotReached,
     Status::PathOnly,
     Status::LimitsNotKept,
+    Status::Infeasible,
     Status::Cancelled,
     Status::TimeLimit,
 ];

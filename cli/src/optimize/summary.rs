@@ -4,7 +4,7 @@ use super::figures::{Needed, figures, time_is_free};
 use super::report::numbers::short;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
-use costate_control::{Iteration, Problem, Solution, StartResult, Status, Verify};
+use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
 use std::io::Write;
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
@@ -29,7 +29,7 @@ pub fn criterion(problem: &Problem, solution: &Solution) -> String {
         false => format!("minimum of {}", terms.join(" + ")),
     };
     let time = if time_is_free(problem) { "final time free" } else { "final time fixed" };
-    let exceeded = matches!(status, Status::BoundsNotReached | Status::LimitsNotKept);
+    let exceeded = matches!(status, Status::BoundsNotReached | Status::LimitsNotKept | Status::Infeasible);
     let within_bounds = problem.bounds.is_some() && !exceeded;
     let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
@@ -69,6 +69,7 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
                 ),
             }
         }
+        Status::Infeasible => infeasible(solution),
         Status::NotVerified if solution.motion.verification == Verify::None => {
             "the motion was not verified, as asked for: it may be a solution".into()
         }
@@ -78,6 +79,38 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
         status => format!("the motion is the best iterate, not a solution: {status}"),
     })
+}
+
+/// What would have to give so that a motion exists.
+fn infeasible(solution: &Solution) -> String {
+    let status = &solution.motion.status;
+    let Some(found) = solution.limits.infeasible.as_ref().filter(|found| !found.limits.is_empty()) else {
+        return status.to_string();
+    };
+    let gives = |limit: &RelaxedLimit| {
+        let (amount, unit) = (short(limit.amount, 4), &limit.unit);
+        let when = format!("at t = {} s", short(limit.time, 4));
+        if limit.kind == "task" {
+            return format!("the {} gives by {amount} {unit} ({when})", limit.name);
+        }
+        let whose =
+            if limit.name == "all joints" { limit.name.clone() } else { format!("joint '{}'", limit.name) };
+        let what = if limit.kind == "torque_speed" { "torque" } else { &limit.kind };
+        let from = limit.limit.map_or_else(String::new, |limit| format!("{} {unit} ", short(limit, 4)));
+        format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when})")
+    };
+    let limits: Vec<_> = found.limits.iter().map(gives).collect();
+    let later = found.final_time.map_or_else(String::new, |time| {
+        format!("; with a final time of {} s a motion keeps all limits", short(time, 4))
+    });
+    let least = found
+        .least_time
+        .map_or_else(String::new, |time| format!("; none does in less than {} s", short(time, 4)));
+    let certain = match found.is_global {
+        true => "",
+        false => "; this holds for motions nearby only, another guess (starts) may find one",
+    };
+    format!("no motion keeps all limits unless {}{least}{later}{certain}", limits.join(" and "))
 }
 
 /// For each kind of limits that is exceeded: which joint, tool or body, where, by how much.

@@ -22,7 +22,7 @@ use crate::numerics::chain::dot;
 impl<D: PointDynamics> Interior<D> {
     /// Corrects the step for the barrier that was chosen, as long as that makes it longer.
     pub(super) fn correct(&mut self) {
-        if self.barrier.total_weight() == 0.0 {
+        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() {
             return;
         }
         let mut reached = self.steps_of(self.mu);

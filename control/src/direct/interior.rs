@@ -8,6 +8,7 @@ use super::multipliers::Multipliers;
 use super::point_terms::weigh;
 use super::points::{PointDynamics, Points};
 use super::power::Powers;
+use super::relaxation::Relaxation;
 use super::running::Running;
 use super::side::{Limited, Side};
 use super::spline::Spline;
@@ -42,6 +43,8 @@ pub(crate) struct Interior<D> {
     /// Least size of the cost.
     pub(super) least_size: f64,
     pub(super) system: System,
+    /// How far limits give; not at all outside of the elastic phase.
+    pub(super) relaxation: Relaxation,
     pub(super) filter: Filter,
     pub(super) damping: f64,
     squares: Squares,
@@ -103,6 +106,7 @@ impl<D: PointDynamics> Interior<D> {
             system: System::new(n, [tasks.rows(), powers.rows()]),
             tasks,
             powers,
+            relaxation: Relaxation::default(),
             filter: Filter::default(),
             damping: 0.0,
             squares: Squares::default(),
@@ -193,7 +197,8 @@ impl<D: PointDynamics> Interior<D> {
         mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         self.filter.clear();
-        self.squares.left = if self.has_squares_alone() { constants::SQUARES } else { 0 };
+        self.squares.left =
+            if self.has_squares_alone() && !self.relaxation.is_on() { constants::SQUARES } else { 0 };
         self.short_steps = 0;
         for _ in 0..most {
             self.figures.iterations += 1;
@@ -261,6 +266,7 @@ impl<D: PointDynamics> Interior<D> {
 
     pub(super) fn assemble(&mut self) {
         self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
+        self.relaxation.assemble(&self.spline, &self.points, &self.barrier, &self.ends);
     }
 
     pub(super) fn factorise(&mut self, damping: f64) -> bool {
@@ -268,9 +274,10 @@ impl<D: PointDynamics> Interior<D> {
             self.weights[joint] = self.metric_weight(joint);
         }
         self.system.factorise(damping, &self.ends, &self.spline, &self.points, &self.weights).is_ok()
+            && self.relaxation.factorise(&mut self.system, self.ends.free_time)
     }
 }
 
 #[cfg(test)]
 #[path = "interior_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -15,7 +15,7 @@ use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
-fn started() -> Interior<RobotPoints> {
+pub(in super::super) fn started() -> Interior<RobotPoints> {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
     problem.time = FinalTime::Free { guess: 1.2 };

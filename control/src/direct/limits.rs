@@ -45,6 +45,8 @@ pub(crate) struct Barrier {
     /// How far a limit is moved inside at an entry, so that it is kept between points too; empty on most
     /// meshes.
     shift: Vec<f64>,
+    /// What is added to the distances of each side at points and nodes; empty for nothing.
+    pub relief: Vec<f64>,
 }
 
 impl Barrier {
@@ -53,6 +55,13 @@ impl Barrier {
         sides.sort_by_key(|side| side.limited);
         let states = sides.partition_point(|side| side.limited < Limited::Acceleration);
         Self { sides, states, at_start: at_ends[0].len(), at_ends: at_ends.concat(), ..Self::default() }
+    }
+
+    /// The same without entries, each equation along the motion as two limits.
+    pub fn with_halves(&self) -> Self {
+        let sides = self.sides.iter().flat_map(|side| side.halves()).collect();
+        let (start, end) = self.at_ends.split_at(self.at_start);
+        Self::new(sides, [start.to_vec(), end.to_vec()])
     }
 
     /// Room for the entries of a mesh, with their weights.
@@ -65,7 +74,8 @@ impl Barrier {
             // The end holds equations already; with a point beside it there would be one too many.
             let is_given =
                 [(0, 0), (mesh.points() - 1, 1)].iter().any(|&(at, end)| p == at && ends.keeps(end));
-            let on = |side: &Side| !(side.is_equation && side.limited == Limited::Task && is_given);
+            let equation = |side: &Side| side.limited == Limited::Task && (side.is_equation || side.is_half);
+            let on = |side: &Side| !(equation(side) && is_given);
             self.weight.extend(self.sides.iter().map(|side| if on(side) { weight } else { 0.0 }));
         }
         let last = mesh.intervals();
@@ -228,15 +238,19 @@ impl Barrier {
         let n = points.dof;
         let (at_points, at_nodes) = others.split_at_mut(self.sides.len() * points.count());
         measure(&self.sides, points, at_points);
-        if self.states == 0 {
-            return;
-        }
         let rate = 1.0 / spline.time;
-        for (distance, state) in at_nodes.chunks_exact_mut(self.states).zip(spline.unknowns.chunks(2 * n)) {
+        let nodes = at_nodes.chunks_exact_mut(self.states.max(1)).zip(spline.unknowns.chunks(2 * n));
+        for (distance, state) in nodes {
             for (distance, side) in distance.iter_mut().zip(&self.sides) {
                 let factor = if side.limited == Limited::Rate { rate } else { 1.0 };
                 *distance = side.sign * (factor * state[side.index(n)] - side.bound);
             }
+        }
+        if self.relief.is_empty() {
+            return;
+        }
+        for (at, distance) in others.iter_mut().enumerate() {
+            *distance += self.side_index(at).map_or(0.0, |side| self.relief[side]);
         }
     }
 

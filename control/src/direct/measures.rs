@@ -20,7 +20,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     pub(super) fn measure_cost(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
+        let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
         self.take_cost(cost);
     }
 
@@ -30,7 +30,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     pub(super) fn measure_figures(&mut self) {
-        let cost = self.running.cost(&self.spline, &self.points);
+        let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
         self.measure_figures_of(cost);
     }
 

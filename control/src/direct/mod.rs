@@ -9,12 +9,13 @@
 //! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers are
 //! rows h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. [`interior`] iterates, [`refine`] finds intervals that are too wide,
-//! [`solve`] puts it together.
+//! [`restore`] looks for a motion that keeps its limits where that is stuck, [`solve`] puts it together.
 
 mod again;
 mod basis;
 mod corrector;
 mod costates;
+mod elastic;
 mod end_columns;
 mod ends;
 mod energy;
@@ -24,6 +25,7 @@ mod filter;
 mod found;
 mod goals;
 mod guess;
+mod infeasible;
 mod interior;
 mod interval;
 mod jumps;
@@ -40,10 +42,12 @@ mod program_points;
 #[cfg(feature = "jit")]
 mod programs;
 mod refine;
+mod relaxation;
 mod report;
 mod resolve;
 mod resolve_error;
 mod resolved;
+mod restore;
 mod running;
 mod search;
 mod side;

@@ -92,6 +92,7 @@ impl Powers {
                         bound: -sign * slope * no_load,
                         range: limits.torque[1] - limits.torque[0],
                         is_equation: false,
+                        is_half: false,
                     });
                     functions.push(Function::line(i, slope));
                 }

@@ -5,12 +5,18 @@ use super::refine::Resolution;
 use super::side::{Limited, Side};
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::problem::Problem;
+use crate::result::infeasibility::Infeasibility;
 use crate::result::limit_use::{ALL_JOINTS, ActiveLimit, LimitReport, LimitUse, LimitViolation};
 use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
 
 /// The use of all limits, from distances at and between the points.
-pub(super) fn report<D>(problem: &Problem, interior: &Interior<D>, resolution: &Resolution) -> LimitReport {
+pub(super) fn report<D>(
+    problem: &Problem,
+    interior: &Interior<D>,
+    resolution: &Resolution,
+    infeasible: Option<Infeasibility>,
+) -> LimitReport {
     let names = RobotNames::of(&problem.robot).joints;
     let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
     let usage = |limited: Limited| usage(limited, &names, &kinds, interior, resolution);
@@ -22,6 +28,7 @@ pub(super) fn report<D>(problem: &Problem, interior: &Interior<D>, resolution: &
         power: usage(Limited::Power),
         torque_speed: usage(Limited::TorqueSpeed),
         task: usage(Limited::Task),
+        infeasible,
     }
 }
 
@@ -67,7 +74,12 @@ fn usage<D>(
 }
 
 /// The name of a joint, of all, or of a row at an end or along the motion.
-fn name<'a, D>(interior: &'a Interior<D>, side: &Side, end: Option<usize>, names: &'a [String]) -> &'a str {
+pub(super) fn name<'a, D>(
+    interior: &'a Interior<D>,
+    side: &Side,
+    end: Option<usize>,
+    names: &'a [String],
+) -> &'a str {
     if side.limited == Limited::Task {
         return &interior.tasks.row(end, side).name;
     }
@@ -84,7 +96,7 @@ fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
 
 /// What is to be taken from value and bound of an entry to get a torque and its limit at this rate; zero
 /// where the limit does not depend on the rate.
-fn of_rate<D>(interior: &Interior<D>, at: usize) -> f64 {
+pub(super) fn of_rate<D>(interior: &Interior<D>, at: usize) -> f64 {
     let (side, n) = (interior.barrier.side(at), interior.points.dof);
     match interior.barrier.point_of(at) {
         Some(p) if side.limited == Limited::TorqueSpeed => {
@@ -95,7 +107,12 @@ fn of_rate<D>(interior: &Interior<D>, at: usize) -> f64 {
 }
 
 /// The unit of a limit.
-fn unit<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, kinds: &[JointKind]) -> &'static str {
+pub(super) fn unit<D>(
+    interior: &Interior<D>,
+    side: &Side,
+    end: Option<usize>,
+    kinds: &[JointKind],
+) -> &'static str {
     let of = |[rotation, translation]: [&'static str; 2]| match joint(interior, side).map(|i| kinds[i]) {
         Some(JointKind::Prismatic) => translation,
         _ => rotation,
@@ -111,7 +128,7 @@ fn unit<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, kinds: &[Joi
 }
 
 /// By how much a limit is exceeded at a distance, in its unit.
-fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, distance: f64) -> f64 {
+pub(super) fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, distance: f64) -> f64 {
     if side.limited == Limited::Task {
         interior.tasks.row(end, side).excess(side.bound + side.sign * distance)
     } else {

@@ -15,7 +15,7 @@ impl<D: PointDynamics> Interior<D> {
         for i in 0..self.steps[0].len() {
             slope += self.system.gradient[0][i] * self.step(i);
         }
-        slope += self.system.time_gradient[0] * self.time_step();
+        slope += self.system.time_gradient[0] * self.time_step() + self.relaxation.slope(mu, false);
         for at in 0..self.barrier.slack.len() {
             if !self.barrier.is_on(at) {
                 continue;
@@ -39,7 +39,7 @@ impl<D: PointDynamics> Interior<D> {
         loop {
             if self.evaluate_trial(alpha) {
                 let trial = &self.trial;
-                let cost = self.running.cost(&trial.spline, &trial.points);
+                let cost = self.running.cost(&trial.spline, &trial.points) + self.relaxation.cost(alpha, mu);
                 let new = Figure {
                     theta: noticed(self.infeasibility(&trial.distance, &trial.slack)),
                     cost,
@@ -103,6 +103,7 @@ impl<D: PointDynamics> Interior<D> {
         self.powers.evaluate(&mut trial.points);
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
+        self.relaxation.add_step(alpha, mu, &self.barrier, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
         for ((slack, step), &distance) in trial.slack.iter_mut().zip(&trial.slack_step).zip(&trial.distance) {
             if *slack > 0.0 && slack.is_finite() {
@@ -151,6 +152,9 @@ impl<D: PointDynamics> Interior<D> {
                 let central = self.mu * self.barrier.weight[at] / self.barrier.slack[at];
                 self.barrier.multiplier[at] = eta.clamp(central / constants::FAR, constants::FAR * central);
             }
+        }
+        if !self.barrier.relief.is_empty() {
+            self.take_relief(alpha);
         }
         self.measure_figures_of(cost);
     }

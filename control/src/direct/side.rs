@@ -18,6 +18,19 @@ pub(crate) enum Limited {
 }
 
 impl Limited {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Rate => "rate",
+            Self::Acceleration => "acceleration",
+            Self::Torque => "torque",
+            Self::Power => "power",
+            Self::TorqueSpeed => "torque_speed",
+            Self::Task => "task",
+        }
+    }
+
     /// Whether it jumps where torques do: only its values at points are those of the motion that is meant.
     pub fn jumps(self) -> bool {
         matches!(self, Self::Acceleration | Self::Torque | Self::Power | Self::TorqueSpeed)
@@ -37,12 +50,22 @@ pub(crate) struct Side {
     /// violations.
     pub range: f64,
     pub is_equation: bool,
+    /// One of two limits that stand for an equation.
+    pub is_half: bool,
 }
 
 impl Side {
     /// The torque of a joint without a motor is zero; `unit` is the unit of violations.
     pub fn no_torque(joint: usize, unit: f64) -> Self {
-        Self { limited: Limited::Torque, joint, sign: 1.0, bound: 0.0, range: unit, is_equation: true }
+        Self {
+            limited: Limited::Torque,
+            joint,
+            sign: 1.0,
+            bound: 0.0,
+            range: unit,
+            is_equation: true,
+            is_half: false,
+        }
     }
 
     /// Both sides of a limit; an infinite bound is none.
@@ -55,10 +78,17 @@ impl Side {
                 .filter(|bound| bound.is_finite())
                 .fold(1.0, |range: f64, b| range.max(b.abs()))
         };
-        [(1.0, lower), (-1.0, upper)]
-            .into_iter()
-            .filter(|(_, bound)| bound.is_finite())
-            .map(move |(sign, bound)| Self { limited, joint, sign, bound, range, is_equation: false })
+        [(1.0, lower), (-1.0, upper)].into_iter().filter(|(_, bound)| bound.is_finite()).map(
+            move |(sign, bound)| Self {
+                limited,
+                joint,
+                sign,
+                bound,
+                range,
+                is_equation: false,
+                is_half: false,
+            },
+        )
     }
 
     /// The sides of a row of a task.
@@ -67,6 +97,13 @@ impl Side {
         Self::pair(Limited::Task, index, row.lower, row.upper)
             .take(if is_equation { 1 } else { 2 })
             .map(move |side| Self { range: row.range, is_equation, ..side })
+    }
+
+    /// An equation as two limits, anything else as it is.
+    pub fn halves(self) -> impl Iterator<Item = Self> {
+        let half = |sign: f64| Self { sign, is_equation: false, is_half: true, ..self };
+        let all = if self.is_equation { [Some(half(1.0)), Some(half(-1.0))] } else { [Some(self), None] };
+        all.into_iter().flatten()
     }
 
     /// How far it is exceeded at a distance, in parts of its range.

@@ -3,6 +3,7 @@
 use super::ends::Ends;
 use super::found::trajectory;
 use super::guess::{guess, with_tools_reached};
+use super::infeasible::with_proof;
 use super::interior::{End, Interior};
 #[cfg(not(feature = "jit"))]
 pub(super) use super::points::RobotPoints as FastPoints;
@@ -11,11 +12,11 @@ use super::power::Powers;
 pub(super) use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
+use super::restore::{Patience, Restored, restore};
 use super::running::Running;
 use super::side::{Limited, Side};
 use super::tasks::Tasks;
-use super::verify::integrate;
-use crate::bvp::collocation::error::defined;
+use super::verify::{Again, integrate_again};
 use crate::constants::direct as constants;
 use crate::options::{SolverOptions, Verify};
 use crate::parallel::best_of_starts;
@@ -24,10 +25,12 @@ use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::limits::JointLimits;
 use crate::progress::{Iteration, Phase};
+use crate::result::infeasibility::Infeasibility;
 use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution};
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
+use crate::solve::recorder::Interruption;
 use crate::status::Status;
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
@@ -79,15 +82,19 @@ impl Direct<'_> {
         if let Some(interruption) = recorder.interruption() {
             interior.refresh()?;
             resolution.measure(interior)?;
-            return Ok(Refined { status: interruption.into(), error: f64::INFINITY, again: None });
+            return Ok(Refined::without(interruption.into()));
         }
-        let mut refined = Refined { status: Status::MeshLimit, error: f64::INFINITY, again: None };
+        let mut refined = Refined::without(Status::MeshLimit);
+        let problem = self.problem.problem();
+        let impossible = problem.too_short().is_some();
+        let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
         let mut precision = least.max(constants::FIRST_PRECISION);
         let (mut mesh, mut moved) = (0, 0);
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
+            let (mut patience, mut stuck) = (Patience::default(), false);
             let watch = |iterate: &Interior<FastPoints>, step: f64| {
                 let figures = &iterate.figures;
                 recorder.record(Iteration {
@@ -100,33 +107,62 @@ impl Direct<'_> {
                     final_time: iterate.spline.time,
                     cost: figures.cost,
                 });
-                recorder.interruption()
+                stuck = patience.is_over(figures.violation);
+                if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
-            let end = interior.iterate(precision, self.options.max_iterations, watch)?;
+            let most = if impossible { 0 } else { self.options.max_iterations };
+            let mut end = interior.iterate(precision, most, watch)?;
             if end == End::Solved && precision <= least {
                 interior.take_last_step();
             }
+            if stuck {
+                end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
+            }
+            let mut figures = interior.figures;
+            let is_over = matches!(end, End::NoProgress | End::IterationLimit);
+            if is_over
+                && figures.violation > constants::VIOLATION_ACCEPTED
+                && restorations < constants::RESTORATIONS
+            {
+                restorations += 1;
+                match restore(problem, interior, &guess, gap, recorder)? {
+                    Restored::Kept => continue,
+                    Restored::Infeasible(infeasible) => {
+                        resolution.measure(interior)?;
+                        let infeasible = with_proof(problem, Some(infeasible));
+                        return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
+                    }
+                    Restored::Interrupted(interruption) => end = End::Interrupted(interruption),
+                    Restored::Unknown if impossible => {
+                        resolution.measure(interior)?;
+                        let infeasible = with_proof(problem, None);
+                        return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
+                    }
+                    Restored::Unknown => {}
+                }
+                figures = interior.figures;
+            }
             resolution.measure(interior)?;
-            let figures = interior.figures;
             let error = (resolution.error() + figures.gap) / figures.size;
             let violated = figures.violation > constants::VIOLATION_ACCEPTED;
             let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
             let mut again = None;
             let status = match end {
                 End::Interrupted(interruption) => {
-                    return Ok(Refined { status: interruption.into(), error, again });
+                    return Ok(Refined { error, ..Refined::without(interruption.into()) });
                 }
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
                 End::Solved if accurate && precision <= least => {
-                    let found = again.insert(self.integrate_again(interior, resolution));
+                    let found =
+                        again.insert(integrate_again(problem, self.options.verify, interior, resolution));
                     let bound = constants::VERIFIED * tolerance.sqrt();
                     if found.relative <= bound { Status::Converged } else { Status::NotVerified }
                 }
                 End::Solved => Status::MeshLimit,
             };
-            refined = Refined { status, error, again };
+            refined = Refined { status, error, again, infeasible: None };
             let unverified = accurate && precision <= least && self.options.verify == Verify::None;
             if refined.status.is_converged()
                 || unverified
@@ -162,6 +198,10 @@ impl Direct<'_> {
                 break;
             }
             interior.move_to(nodes)?;
+            // What solves a mesh is near a solution on the next one.
+            if end == End::Solved {
+                (guess, gap) = (interior.spline.clone(), constants::WARM);
+            }
             mesh += 1;
         }
         Ok(refined)
@@ -172,14 +212,16 @@ impl Direct<'_> {
         &self,
         interior: &mut Interior<FastPoints>,
         resolution: &Resolution,
-        Refined { status, error, again }: Refined,
+        Refined { status, error, again, infeasible }: Refined,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let trajectory = trajectory(problem, interior)?;
-        let again = again.unwrap_or_else(|| match status.is_interruption() {
-            true => Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY },
-            false => self.integrate_again(interior, resolution),
+        // What exceeds its limits leads nowhere.
+        let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
+        let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
+            true => Again::unknown(f64::INFINITY),
+            false => integrate_again(problem, self.options.verify, interior, resolution),
         });
         let values = &trajectory.hamiltonian;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -204,7 +246,7 @@ impl Direct<'_> {
         Ok(Solution {
             newton_iterations: interior.figures.iterations,
             end_defect: again.defect,
-            limits: report(problem, interior, resolution),
+            limits: report(problem, interior, resolution, infeasible),
             polish: None,
             trajectory,
             starts: Vec::new(),
@@ -212,44 +254,6 @@ impl Direct<'_> {
             robot: RobotNames::of(&problem.robot),
             motion,
         })
-    }
-
-    /// The motion integrated again with its torques.
-    fn integrate_again(&self, interior: &mut Interior<FastPoints>, resolution: &Resolution) -> Again {
-        let (problem, spline) = (self.problem.problem(), &interior.spline);
-        let (n, end) = (spline.dof, &problem.end);
-        let cut: f64 = resolution.cut.iter().sum();
-        match self.options.verify {
-            Verify::Full => {}
-            // What is cut off torques moves the end by about as much, in parts of what moves the robot.
-            Verify::Factors => {
-                return Again { state: None, defect: f64::INFINITY, relative: cut / spline.time };
-            }
-            Verify::None => return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY },
-        }
-        let Ok(state) = integrate(problem, spline) else {
-            return Again { state: None, defect: f64::INFINITY, relative: f64::INFINITY };
-        };
-        let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
-        let mut last = vec![0.0; 3 * n];
-        spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
-        let largest = |i: usize| {
-            let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
-            values.fold(f64::MIN_POSITIVE, f64::max)
-        };
-        // A joint that hardly moves is measured by the others.
-        let of_all = |group: usize| (group * n..(group + 1) * n).map(largest).fold(0.0, f64::max);
-        let least = [0, 1].map(|group| (constants::LEAST_SCALE * of_all(group)).max(constants::REST));
-        for i in 0..2 * n {
-            let size = largest(i).max(least[i / n]);
-            relative = relative.max(defined((state[i] - last[i]).abs() / size));
-            let (free, given) = if i < n { (&end.q_free, end.q[i]) } else { (&end.v_free, end.v[i - n]) };
-            if !free.contains(&(i % n)) {
-                defect = defect.max(defined((state[i] - given).abs()));
-            }
-        }
-        defect = defect.max(interior.tasks.miss(&state));
-        Again { state: Some(state), defect, relative }
     }
 }
 
@@ -282,20 +286,19 @@ struct Refined {
     error: f64,
     /// The motion integrated again, if that was done on its last mesh.
     again: Option<Again>,
+    /// Why there is no motion that keeps all limits.
+    infeasible: Option<Infeasibility>,
 }
 
-/// A motion integrated again.
-struct Again {
-    /// (q, v) at the end.
-    state: Option<Vec<f64>>,
-    /// Largest miss of a given position, rate or pose of a tool at the end.
-    defect: f64,
-    /// Largest distance from the end of the motion, in parts of the largest values along it.
-    relative: f64,
+impl Refined {
+    /// Without a motion that was solved.
+    fn without(status: Status) -> Self {
+        Self { status, error: f64::INFINITY, again: None, infeasible: None }
+    }
 }
 
 /// All intervals in two that are not too narrow.
-fn halved(nodes: &[f64]) -> Vec<f64> {
+pub(super) fn halved(nodes: &[f64]) -> Vec<f64> {
     let parts = nodes.windows(2).flat_map(|ends| {
         let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
         middle.into_iter().chain([ends[1]])

@@ -11,8 +11,10 @@ impl<D: PointDynamics> Interior<D> {
     /// Both parts of the step, and of the change of distances; without corrections.
     pub(super) fn solve(&mut self) {
         for part in 0..2 {
-            self.time_steps[part] = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
+            let dt = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
+            self.time_steps[part] = self.relaxation.correct(part, dt, &mut self.steps[part]);
             self.finish_part(part);
+            self.relaxation.add_change(part, &self.barrier, &mut self.changes[part]);
         }
         let (unknowns, count) = (self.spline.unknowns.len(), self.barrier.count());
         let of_barrier = self.changes[2..].iter_mut().chain(&mut self.corrections);
@@ -178,12 +180,23 @@ impl<D: PointDynamics> Interior<D> {
         self.mu = now;
         // No smaller than the tolerance needs, nor than the distance from stationary points allows.
         let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;
-        let centre = constants::CENTRING * self.decrement().abs() / active;
+        let centre = constants::CENTRING * self.decrement_without_equations().abs() / active;
         let most = constants::FIRST_GAP * self.figures.size / active;
         self.mu = (now * (part * part * part).max(constants::MOST_DECREASE))
             .max(floor)
             .max(centre.min(now * constants::MOST_INCREASE))
             .min(most);
+    }
+
+    /// -(g dx) for the step, without the squares of equations: where they are off these are large, and say
+    /// nothing about limits.
+    fn decrement_without_equations(&self) -> f64 {
+        let equations = (0..self.barrier.count()).filter(|&at| self.barrier.slack[at] == 0.0);
+        let squares = equations.map(|at| {
+            let change = self.changes[0][at] + self.mu * self.changes[1][at];
+            self.barrier.curvature(at) * self.barrier.distance[at] * change
+        });
+        self.decrement() + squares.sum::<f64>()
     }
 
     /// -(g dx) for the step.
@@ -193,6 +206,6 @@ impl<D: PointDynamics> Interior<D> {
         let step = |i: usize| self.steps[0][i] + mu * self.steps[1][i];
         let sum: f64 = (0..self.steps[0].len()).map(|i| gradient(i) * step(i)).sum();
         let time = self.system.time_gradient[0] + mu * self.system.time_gradient[1];
-        -(sum + time * (self.time_steps[0] + mu * self.time_steps[1]))
+        -(sum + time * (self.time_steps[0] + mu * self.time_steps[1]) + self.relaxation.slope(mu, true))
     }
 }

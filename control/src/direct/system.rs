@@ -269,6 +269,16 @@ impl System {
         dx.iter_mut().zip(&self.border_solved).for_each(|(dx, b)| *dx -= dt * b);
         dt
     }
+
+    /// Solves with another right-hand side, whose last entry is that of T.
+    pub fn solve_column(&mut self, column: &mut [f64], free_time: bool) {
+        let Some((dt, dx)) = column.split_last_mut() else { return };
+        self.factor.solve(dx);
+        *dt = if free_time { (*dt - dot(&self.border, dx)) / self.schur } else { 0.0 };
+        if free_time {
+            dx.iter_mut().zip(&self.border_solved).for_each(|(dx, b)| *dx -= *dt * b);
+        }
+    }
 }
 
 #[cfg(test)]

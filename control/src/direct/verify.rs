@@ -1,7 +1,12 @@
 //! The motion integrated again with its torques.
 
+use super::interior::Interior;
+use super::refine::Resolution;
 use super::spline::Spline;
+use crate::bvp::collocation::error::defined;
+use crate::constants::direct as constants;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
+use crate::options::Verify;
 use crate::problem::Problem;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
@@ -9,9 +14,67 @@ use costate::lagrangian::Lagrangian;
 /// Relative tolerance of one integration step.
 const TOLERANCE: f64 = 1e-10;
 
+/// A motion integrated again.
+pub(super) struct Again {
+    /// (q, v) at the end.
+    pub state: Option<Vec<f64>>,
+    /// Largest miss of a given position, rate or pose of a tool at the end.
+    pub defect: f64,
+    /// Largest distance from the end of the motion, in parts of the largest values along it.
+    pub relative: f64,
+}
+
+impl Again {
+    /// Without an integration.
+    pub fn unknown(relative: f64) -> Self {
+        Self { state: None, defect: f64::INFINITY, relative }
+    }
+}
+
+/// The motion integrated again with its torques.
+pub(super) fn integrate_again<D>(
+    problem: &Problem,
+    verify: Verify,
+    interior: &mut Interior<D>,
+    resolution: &Resolution,
+) -> Again {
+    let spline = &interior.spline;
+    let (n, end) = (spline.dof, &problem.end);
+    let cut: f64 = resolution.cut.iter().sum();
+    match verify {
+        Verify::Full => {}
+        // What is cut off torques moves the end by about as much, in parts of what moves the robot.
+        Verify::Factors => return Again::unknown(cut / spline.time),
+        Verify::None => return Again::unknown(f64::INFINITY),
+    }
+    let Ok(state) = integrate(problem, spline) else {
+        return Again::unknown(f64::INFINITY);
+    };
+    let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
+    let mut last = vec![0.0; 3 * n];
+    spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
+    let largest = |i: usize| {
+        let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
+        values.fold(f64::MIN_POSITIVE, f64::max)
+    };
+    // A joint that hardly moves is measured by the others.
+    let of_all = |group: usize| (group * n..(group + 1) * n).map(largest).fold(0.0, f64::max);
+    let least = [0, 1].map(|group| (constants::LEAST_SCALE * of_all(group)).max(constants::REST));
+    for i in 0..2 * n {
+        let size = largest(i).max(least[i / n]);
+        relative = relative.max(defined((state[i] - last[i]).abs() / size));
+        let (free, given) = if i < n { (&end.q_free, end.q[i]) } else { (&end.v_free, end.v[i - n]) };
+        if !free.contains(&(i % n)) {
+            defect = defect.max(defined((state[i] - given).abs()));
+        }
+    }
+    defect = defect.max(interior.tasks.miss(&state));
+    Again { state: Some(state), defect, relative }
+}
+
 /// The state (q, v) at the end when the torques of a motion, cut to their limits, move the robot from its
 /// start.
-pub(super) fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
+fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
     let n = spline.dof;
     let limits = problem.joint_limits();
     let (mut inverse, mut forward) =

@@ -35,7 +35,8 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Moves slacks and multipliers to the central path after two steps that were cut short.
     pub(super) fn move_from_limits(&mut self, part: f64) {
-        let short = part < constants::SHORT && self.barrier.total_weight() > 0.0;
+        let limited = self.barrier.total_weight() > 0.0 && !self.relaxation.is_on();
+        let short = part < constants::SHORT && limited;
         self.short_steps = if short { self.short_steps + 1 } else { 0 };
         if self.short_steps == constants::SHORT_STEPS {
             self.short_steps = 0;

@@ -88,8 +88,11 @@ impl Problem {
     pub(super) fn check_limits(&self) -> Result<(), ProblemError> {
         for (j, limits) in self.joint_limits().iter().enumerate() {
             let rates = [-limits.v, limits.v];
+            // The one that is given.
+            let upper = self.limits.q_min.is_none() && self.limits.q_max.is_some();
+            let key_q = if upper { Key::LIMIT_Q_MAX } else { Key::LIMIT_Q_MIN };
             let ranges = [
-                (Key::LIMIT_Q_MIN, limits.q, false),
+                (key_q, limits.q, false),
                 (Key::LIMIT_V_MAX, rates, false),
                 (Key::LIMIT_TORQUE_MAX, limits.torque, self.limits.has_no_motor(j)),
             ];

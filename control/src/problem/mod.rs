@@ -7,6 +7,7 @@ pub(crate) mod error;
 pub(crate) mod file;
 mod joint_limits;
 pub(crate) mod key;
+pub(crate) mod least_time;
 pub(crate) mod limits;
 pub(crate) mod obstacles;
 pub(crate) mod parts;

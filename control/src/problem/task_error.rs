@@ -89,6 +89,17 @@ pub enum TaskError {
         /// By how much (m, rad, m/s).
         by: f64,
     },
+    /// A position that is farther away than links and sliding joints reach, whatever their positions are.
+    BeyondReach {
+        /// The frame of the tool.
+        frame: String,
+        /// The first joint that moves it.
+        joint: String,
+        /// The distance of the position from that joint, in the coordinates that are given (m).
+        distance: f64,
+        /// The largest one there can be (m).
+        reach: f64,
+    },
     /// Poses of tools that no position of the free joints within their limits was found for.
     OutOfReach {
         /// What comes least close.
@@ -161,6 +172,14 @@ impl fmt::Display for TaskError {
                 "the {} is off by {}; move it, or ask for less",
                 printable(what),
                 number(*by)
+            ),
+            Self::BeyondReach { frame, joint, distance, reach } => write!(
+                f,
+                "lies {distance:.4} m from joint '{}', but the links to the tool '{}' reach no farther than {reach:.4} m: \
+                 that is {:.4} m too far",
+                printable(joint),
+                printable(frame),
+                distance - reach
             ),
             Self::OutOfReach { what, by } => write!(
                 f,

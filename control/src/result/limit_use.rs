@@ -1,5 +1,6 @@
 //! How a motion uses its hard limits.
 
+use super::infeasibility::Infeasibility;
 use serde::{Deserialize, Serialize};
 
 /// The name of the power of all joints together.
@@ -31,6 +32,9 @@ pub struct LimitReport {
     /// Tools (m, rad, m/s) and clearances (m), at the ends too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<LimitUse>,
+    /// What would have to give, with [`Status::Infeasible`](crate::Status::Infeasible).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub infeasible: Option<Infeasibility>,
 }
 
 /// How a motion uses the limits of one kind.

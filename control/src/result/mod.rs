@@ -3,6 +3,7 @@
 pub(crate) mod conjugate;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;
+pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;
 pub(crate) mod limits;

@@ -266,6 +266,11 @@ fn box_rows(
     max: &[f64; 3],
     name: &str,
 ) -> Result<(ToolFunction, Vec<Row>), ProblemError> {
+    for (key, corner) in [("min", min), ("max", max)] {
+        if let Some(&value) = corner.iter().find(|x| x.is_nan()) {
+            return Err(TaskError::OutOfRange { value, remedy: "must be a number" }.at(at.key(key)));
+        }
+    }
     let (mut directions, mut rows) = (Vec::new(), Vec::new());
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         let (lower, upper) = (min[k], max[k]);

@@ -2,13 +2,19 @@
 
 use super::build::TaskRows;
 use super::functions::{PathFunction, TaskFunctions};
+use super::given::frame_of;
+use super::placed::Carried;
 use super::reach::{immovable, reach};
 use super::row::Row;
+use crate::constants::task::reach::REACHED;
 use crate::constants::task::{CLOSE, OFF};
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
+use crate::problem::limits::JointLimits;
 use crate::problem::task_error::TaskError;
-use crate::problem::{BoundaryState, Problem};
+use crate::problem::{BoundaryState, Problem, ToolPose};
+use costate::robot::{JointKind, Robot};
+use nalgebra::Vector3;
 
 /// Checks the task of a problem whose other fields are valid.
 ///
@@ -31,6 +37,11 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
             return Err(ProblemError::Task { key: Key::entry(table, "frame", 0), cause });
         }
     }
+    for (table, poses) in [("start.tool", &problem.task.start_tools), ("end.tool", &problem.task.end_tools)] {
+        for (entry, pose) in poses.iter().enumerate() {
+            within_reach(problem, table, entry, pose)?;
+        }
+    }
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
     for (state, functions, table) in
         [(&problem.start, &mut rows.start, "start.tool"), (&problem.end, &mut rows.end, "end.tool")]
@@ -50,6 +61,46 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
     }
     kept_at(&mut rows.along, &problem.start, Key::START_Q)?;
     kept_at(&mut rows.along, &problem.end, Key::END_Q)
+}
+
+/// The given coordinates of a tool are no farther from its first joint than its links are long, with what
+/// sliding joints add.
+fn within_reach(
+    problem: &Problem,
+    table: &'static str,
+    entry: usize,
+    pose: &ToolPose,
+) -> Result<(), ProblemError> {
+    let (Some(position), robot) = (pose.position, &problem.robot) else { return Ok(()) };
+    let frame = frame_of(robot, Key::entry(table, "frame", entry), &pose.tool.frame)?;
+    let carried = Carried::new(robot, frame);
+    let Some(&first) = carried.path.last() else { return Ok(()) };
+    let placement = &robot.frames()[frame].placement;
+    let own = (placement.translation + placement.rotation * Vector3::from(pose.tool.offset)).norm();
+    let links: f64 = carried.lengths[1..].iter().sum();
+    let limits = problem.joint_limits();
+    let slides = carried.path.iter().map(|&joint| travel(robot, joint, &limits));
+    let reach = own + links + slides.sum::<f64>();
+    let from = &robot.joints()[first].placement.translation;
+    let given = position.iter().zip(from.iter()).filter(|(x, _)| x.is_finite());
+    let distance = given.map(|(x, from)| (x - from).powi(2)).sum::<f64>().sqrt();
+    if distance <= reach + REACHED {
+        return Ok(());
+    }
+    let (joint, frame) = (robot.joints()[first].name.clone(), pose.tool.frame.clone());
+    let cause = TaskError::BeyondReach { frame, joint, distance, reach };
+    Err(ProblemError::Task { key: Key::entry(table, "xyz", entry), cause })
+}
+
+/// How far a sliding joint goes from where its link is placed, at most; 0 for one that turns.
+fn travel(robot: &Robot, joint: usize, limits: &[JointLimits]) -> f64 {
+    let spec = &robot.joints()[joint];
+    if spec.kind == JointKind::Revolute {
+        return 0.0;
+    }
+    // A joint that mimics another one may go anywhere.
+    let own = robot.independent_indices().iter().position(|&index| index == joint);
+    own.map_or(f64::INFINITY, |i| limits[i].q.iter().fold(0.0, |most: f64, q| most.max(q.abs())))
 }
 
 /// The rows hold at an end that is given.

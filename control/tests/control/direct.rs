@@ -237,7 +237,7 @@ fn a_time_that_is_too_short_is_told() {
     // A quarter turn in one second needs more than 1 rad/s.
     let problem = limited("two_link", &[1.0, INF]);
     let solution = solve(&problem);
-    assert_eq!(solution.motion.status, Status::LimitsNotKept);
+    assert_eq!(solution.motion.status, Status::Infeasible);
     assert!(!solution.motion.status.is_solved());
     let rate = solution.limits.rate.as_ref().unwrap();
     // On average it moves at pi/2.

@@ -12,6 +12,7 @@ mod dynamics;
 mod equations;
 mod extremals;
 mod free_start;
+mod infeasible;
 mod known;
 mod lagrangian;
 mod linear_algebra;

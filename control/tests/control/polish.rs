@@ -106,8 +106,5 @@ fn only_limits_that_matter_prevent_it() {
     assert_eq!(saved.polish, solution.polish);
     // A rate that no motion can keep.
     let solution = limited(1.0);
-    assert_eq!(
-        (outcome(&solution), solution.motion.status),
-        (PolishOutcome::NoMotion, Status::LimitsNotKept)
-    );
+    assert_eq!((outcome(&solution), solution.motion.status), (PolishOutcome::NoMotion, Status::Infeasible));
 }

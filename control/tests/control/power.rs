@@ -206,7 +206,7 @@ fn motors_with_limited_power_and_a_cost_of_energy() {
 #[test]
 fn a_power_that_is_too_small_is_told() {
     let solution = solve(&arm(none().with_total_power_max(1.0)));
-    assert_eq!(solution.motion.status, Status::LimitsNotKept);
+    assert_eq!(solution.motion.status, Status::Infeasible);
     let worst = solution.limits.power.as_ref().unwrap().worst.as_ref().unwrap();
     assert!(worst.name == "all joints" && worst.unit == "W" && worst.limit.abs() == 1.0, "{worst:?}");
     assert!((worst.value.abs() - 1.0 - worst.excess).abs() < 1e-9, "{worst:?}");

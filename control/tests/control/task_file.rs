@@ -154,7 +154,10 @@ fn wrong_keys_of_tools_are_named() {
             "frame = \"tool0\"\nposition = [0, 0, 0]\n",
             "problem:8: end.tool.position: unknown key; the keys here are `frame`",
         ),
-        ("frame = \"tool0\"\nxyz = [0, 0, 5]\n", "problem:7: end.tool.frame: no position of the free joints"),
+        (
+            "frame = \"tool0\"\nxyz = [0, 0, 5]\n",
+            "problem:8: end.tool.xyz: lies 4.9108 m from joint 'shoulder_pan_joint'",
+        ),
     ] {
         let error = read(&with_tool(lines)).unwrap_err();
         assert!(error.starts_with(message), "{error}\n{message}");

@@ -108,6 +108,9 @@ fn rotation(table: &Table<'_>) -> Result<Option<Rotation3<f64>>, Fault> {
             Err(table.fault("rotation", ProblemFileCause::Conflict(message)))
         }
         (Some(rpy), None) => {
+            if !rpy.iter().all(|angle| angle.is_finite()) {
+                return Err(table.fault("rpy", ProblemFileCause::Conflict("must be finite")));
+            }
             Ok(Some(Rotation3::from_matrix_unchecked(Placement::from_xyz_rpy([0.0; 3], rpy).rotation)))
         }
         (None, Some(rows)) => {

@@ -1,0 +1,132 @@
+//! The elastic phase: limits give, and what they give is minimised.
+
+use super::interior::Interior;
+use super::limits::Barrier;
+use super::points::PointDynamics;
+use super::relaxation::Relaxation;
+use crate::constants::direct as constants;
+use costate::EvalError;
+
+/// A limit that gives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Given {
+    /// Its side, and its entry with the largest multiplier.
+    pub side: usize,
+    pub at: usize,
+    /// The largest violation along the motion, in parts of the range.
+    pub part: f64,
+}
+
+impl<D: PointDynamics> Interior<D> {
+    /// Lets all limits give so much that the motion keeps them; equations along the motion become two limits.
+    /// With a price, that of a minimum on a coarser mesh, the motion is near one. The barrier that was there
+    /// before.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated.
+    pub fn relax(&mut self, price: Option<f64>) -> Result<Barrier, EvalError> {
+        // Without relief, for the distances.
+        let relaxed = self.barrier.with_halves();
+        let kept = std::mem::replace(&mut self.barrier, relaxed);
+        self.start(None)?;
+        let (room, gap) = if price.is_some() { constants::ELASTIC_WARM } else { constants::ELASTIC_COLD };
+        let price = price.unwrap_or(constants::PRICE * self.figures.size);
+        self.relaxation = Relaxation::of(&self.barrier, price, room);
+        self.barrier.relief = self.relaxation.relief().collect();
+        self.start(None)?;
+        self.centre(gap);
+        Ok(kept)
+    }
+
+    /// Ends the elastic phase, with the barrier of before on the mesh as it is now, and this gap in parts of the
+    /// cost.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated.
+    pub fn tighten(&mut self, barrier: Barrier, gap: f64) -> Result<(), EvalError> {
+        self.barrier = barrier;
+        self.relaxation = Relaxation::default();
+        self.start(None)?;
+        self.centre(gap);
+        Ok(())
+    }
+
+    /// Puts slacks where the motion is, and multipliers on the central path, with this gap in parts of the
+    /// cost.
+    fn centre(&mut self, gap: f64) {
+        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
+        self.mu = gap * self.figures.size / total;
+        for at in 0..self.barrier.count() {
+            if self.barrier.is_limit(at) {
+                let least = constants::LEAST_ROOM / self.barrier.unit[at];
+                let slack = self.barrier.distance[at].max(least);
+                self.barrier.slack[at] = slack;
+                self.barrier.multiplier[at] = self.mu * self.barrier.weight[at] / slack;
+            }
+        }
+        self.measure_figures();
+    }
+
+    /// Makes what limits give dearer, and multipliers with it.
+    pub fn raise_price(&mut self, factor: f64) {
+        self.relaxation.scale_price(factor);
+        self.barrier.stiffness *= factor;
+        self.barrier.multiplier.iter_mut().for_each(|multiplier| *multiplier *= factor);
+        self.measure_figures();
+    }
+
+    /// The same path in another time, with the rates that are given at its ends.
+    pub fn slow_down(&mut self, time: f64) {
+        let n = self.spline.dof;
+        self.spline.time = time;
+        for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals()).filter(|(_, i, _)| *i >= n) {
+            self.spline.unknowns[2 * n * k + i] = tangent * time;
+        }
+    }
+
+    /// Takes a part of the step of what limits give.
+    pub(super) fn take_relief(&mut self, alpha: f64) {
+        self.relaxation.take(alpha, self.mu);
+        self.barrier.relief.clear();
+        self.barrier.relief.extend(self.relaxation.relief());
+    }
+
+    /// The largest violation of a limit as it is, without what it gives, in parts of ranges; negative inside.
+    /// Equations may be off by what Newton's method mends.
+    pub fn violation_without_relief(&self) -> f64 {
+        let on = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at));
+        let part = |at: usize| {
+            let side = self.barrier.side(at);
+            let room = if side.is_half || side.is_equation { constants::OFF_EQUATIONS } else { 0.0 };
+            self.part(at) - room
+        };
+        on.map(part).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The violation of an entry as it is, in parts of its range.
+    fn part(&self, at: usize) -> f64 {
+        let barrier = &self.barrier;
+        let relief = match barrier.side_index(at) {
+            Some(side) if !barrier.relief.is_empty() => barrier.relief[side],
+            _ => 0.0,
+        };
+        barrier.side(at).violation(barrier.distance[at] - relief)
+    }
+
+    /// All limits with what they have to give: the largest violation of each along the motion.
+    pub fn given(&self) -> Vec<Given> {
+        let limits = self.relaxation.limits();
+        let count = limits.iter().max().map_or(0, |last| last + 1);
+        let mut found: Vec<Option<Given>> = vec![None; count];
+        for at in (0..self.barrier.count()).filter(|&at| self.barrier.is_limit(at)) {
+            let Some(side) = self.barrier.side_index(at) else { continue };
+            let part = self.part(at);
+            let given = found[limits[side]].get_or_insert(Given { side, at, part });
+            given.part = given.part.max(part);
+            if self.barrier.multiplier[at] > self.barrier.multiplier[given.at] {
+                (given.side, given.at) = (side, at);
+            }
+        }
+        found.into_iter().flatten().collect()
+    }
+}

@@ -1,0 +1,225 @@
+//! What is done where limits are not kept: a motion that keeps them, or what they would have to give.
+
+use super::infeasible::relaxed;
+use super::interior::{End, Interior};
+use super::points::PointDynamics;
+use super::solve::halved;
+use super::spline::Spline;
+use crate::constants::direct as constants;
+use crate::problem::{FinalTime, Problem};
+use crate::progress::{Iteration, Phase};
+use crate::result::infeasibility::Infeasibility;
+use crate::solve::Recorder;
+use crate::solve::recorder::Interruption;
+use costate::EvalError;
+
+/// How an elastic phase ended.
+#[derive(Debug)]
+pub(super) enum Restored {
+    /// With a motion that keeps all limits at its points, perhaps on a finer mesh.
+    Kept,
+    /// At a local minimum of what limits give.
+    Infeasible(Infeasibility),
+    /// Without an answer; the motion is that of before.
+    Unknown,
+    Interrupted(Interruption),
+}
+
+/// How the elastic phase ended on a mesh.
+enum OnMesh {
+    Kept,
+    /// The largest violation, in parts of the range.
+    Least(f64),
+    Stuck,
+    Interrupted(Interruption),
+}
+
+/// Looks for a motion that keeps all limits, beginning at the iterate, or at `guess` if that is closer to them and
+/// the iterate is far away. The barrier is then that of this gap, in parts of the cost.
+///
+/// # Errors
+/// A motion that cannot be evaluated.
+pub(super) fn restore<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+    guess: &Spline,
+    gap: f64,
+    recorder: &mut Recorder<'_>,
+) -> Result<Restored, EvalError> {
+    if interior.barrier.sides().is_empty() {
+        return Ok(Restored::Unknown);
+    }
+    let before = interior.spline.clone();
+    let from = |interior: &mut Interior<D>, spline: Spline| {
+        interior.spline = spline;
+        interior.start(None).map(|()| interior.figures.violation)
+    };
+    let guess = guess.on_nodes(before.mesh.nodes.clone());
+    let (far, near) = (from(interior, before.clone())?, from(interior, guess)?);
+    if far <= near || far < constants::WILD {
+        from(interior, before.clone())?;
+    }
+    let (mut last, mut price) = (f64::INFINITY, None);
+    for _ in 0..constants::ELASTIC_MESHES {
+        let kept = interior.relax(price)?;
+        let found = least(interior, price.is_none(), recorder)?;
+        let part = match found {
+            OnMesh::Kept => {
+                interior.tighten(kept, gap)?;
+                return Ok(Restored::Kept);
+            }
+            OnMesh::Least(part) => part,
+            OnMesh::Stuck | OnMesh::Interrupted(_) => {
+                interior.spline = before;
+                interior.tighten(kept, gap)?;
+                return Ok(match found {
+                    OnMesh::Interrupted(interruption) => Restored::Interrupted(interruption),
+                    _ => Restored::Unknown,
+                });
+            }
+        };
+        if part > constants::SAME_RELIEF * last {
+            let mut infeasible = relaxed(problem, interior);
+            interior.tighten(kept, gap)?;
+            infeasible.final_time = later(problem, interior, &infeasible, recorder)?;
+            return Ok(Restored::Infeasible(infeasible));
+        }
+        // On a finer mesh less may be enough.
+        last = part;
+        price = Some(interior.relaxation.price());
+        let mesh = &interior.spline.mesh;
+        let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
+        interior.spline = interior.spline.on_nodes(halved(&mesh.nodes));
+        interior.tighten(kept, gap)?;
+        if is_fine {
+            break;
+        }
+    }
+    interior.spline = before;
+    interior.start(None)?;
+    Ok(Restored::Unknown)
+}
+
+/// Minimises what limits give on a mesh, at a price that is raised until it does not matter, if it `raises`.
+fn least<D: PointDynamics>(
+    interior: &mut Interior<D>,
+    raises: bool,
+    recorder: &mut Recorder<'_>,
+) -> Result<OnMesh, EvalError> {
+    let mut last = f64::INFINITY;
+    for _ in 0..constants::PRICES {
+        let end = steps(interior, recorder, |iterate| iterate.violation_without_relief() <= 0.0)?;
+        let part = interior.violation_without_relief();
+        if part <= 0.0 {
+            return Ok(OnMesh::Kept);
+        }
+        match end {
+            End::Interrupted(interruption) => return Ok(OnMesh::Interrupted(interruption)),
+            End::Solved => {}
+            End::NoProgress | End::IterationLimit if last.is_infinite() => return Ok(OnMesh::Stuck),
+            // The minimum at a lower price is one too.
+            End::NoProgress | End::IterationLimit => break,
+        }
+        if part > constants::SAME_PRICE * last || !raises {
+            break;
+        }
+        last = part;
+        interior.raise_price(constants::DEARER);
+    }
+    Ok(OnMesh::Least(interior.violation_without_relief()))
+}
+
+/// Iterates until the problem is solved roughly or `enough` says so.
+fn steps<D: PointDynamics>(
+    interior: &mut Interior<D>,
+    recorder: &mut Recorder<'_>,
+    enough: impl Fn(&Interior<D>) -> bool,
+) -> Result<End, EvalError> {
+    let first = interior.figures.iterations;
+    let watch = |iterate: &Interior<D>, step: f64| {
+        let figures = &iterate.figures;
+        recorder.record(Iteration {
+            phase: Phase::Restoration,
+            nodes: iterate.spline.mesh.points(),
+            number: figures.iterations - first,
+            residual: iterate.violation_without_relief().max(0.0),
+            step,
+            final_time: iterate.spline.time,
+            cost: figures.cost,
+        });
+        // Any interruption ends the iteration; which one is asked for below.
+        if enough(iterate) { Some(Interruption::Cancelled) } else { recorder.interruption() }
+    };
+    let end = interior.iterate(constants::ELASTIC_PRECISION, constants::ELASTIC_STEPS, watch)?;
+    Ok(match (end, recorder.interruption()) {
+        (End::Interrupted(_), None) => End::Solved,
+        (_, Some(interruption)) => End::Interrupted(interruption),
+        (end, None) => end,
+    })
+}
+
+/// A final time with which a motion keeps all limits, if a longer one helps and is found soon: the motion is
+/// slowed down until it keeps them, then its time is minimised with the limits.
+fn later<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+    infeasible: &Infeasibility,
+    recorder: &mut Recorder<'_>,
+) -> Result<Option<f64>, EvalError> {
+    let FinalTime::Fixed(time) = problem.time else { return Ok(None) };
+    if !infeasible.depends_on_time() {
+        return Ok(None);
+    }
+    let before = interior.spline.clone();
+    let slowed = |interior: &mut Interior<D>, factor: f64| {
+        interior.spline = before.clone();
+        interior.slow_down(factor * time);
+        interior.start(None).map(|()| interior.figures.violation <= constants::VIOLATION_AT_POINTS)
+    };
+    let mut found = None;
+    for factor in constants::SLOWER {
+        if slowed(interior, factor)? {
+            found = Some(factor * time);
+            break;
+        }
+    }
+    if found.is_some() {
+        let running = interior.running.time;
+        interior.running.time = running + constants::HURRY * interior.figures.size / interior.spline.time;
+        interior.ends.free_time = true;
+        interior.start(None)?;
+        let end = steps(interior, recorder, |_| false)?;
+        if end == End::Solved && interior.figures.violation <= constants::VIOLATION_ACCEPTED {
+            found = found.map(|time: f64| time.min(interior.spline.time));
+        }
+        interior.ends.free_time = false;
+        interior.running.time = running;
+    }
+    interior.spline = before;
+    interior.start(None)?;
+    Ok(found)
+}
+
+/// Whether an iteration still makes progress towards its limits.
+#[derive(Debug)]
+pub(super) struct Patience {
+    best: f64,
+    waited: usize,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self { best: f64::INFINITY, waited: 0 }
+    }
+}
+
+impl Patience {
+    /// Whether limits were violated for so many steps that none reduced the violation noticeably.
+    pub fn is_over(&mut self, violation: f64) -> bool {
+        if violation <= constants::VIOLATION_ACCEPTED || violation < constants::PROGRESS * self.best {
+            *self = Self { best: violation, waited: 0 };
+        }
+        self.waited += 1;
+        self.waited > constants::PATIENCE
+    }
+}

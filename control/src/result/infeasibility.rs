@@ -1,0 +1,56 @@
+//! What keeps a problem from having a solution.
+
+use serde::{Deserialize, Serialize};
+
+/// Why no motion keeps all limits, as far as that was found: what would have to give.
+///
+/// At a motion that keeps the relaxed limits, the sum of what limits give, in parts of their ranges, has a local
+/// minimum. Each limit gives by the same amount all along the motion.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Infeasibility {
+    /// The limits that give, the one that gives by the largest part of its range first.
+    pub limits: Vec<RelaxedLimit>,
+    /// A final time (s) with which a motion was found that keeps all limits at its points, if the time is fixed
+    /// and a longer one helps.
+    #[serde(default)]
+    pub final_time: Option<f64>,
+    /// A final time (s) below which no motion keeps the limits on rates and accelerations, whatever its torques
+    /// are, if that is longer than the one that is given.
+    #[serde(default)]
+    pub least_time: Option<f64>,
+    /// Whether it is proven that no motion keeps the limits: one of the joints has too little time, or all
+    /// limits are linear in the motion. Else another guess may find one.
+    pub is_global: bool,
+}
+
+/// A limit that has to give.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct RelaxedLimit {
+    /// "position", "rate", "acceleration", "torque", "power", "torque_speed" or "task".
+    pub kind: String,
+    /// Name of the joint, "all joints", or the name of what a tool or a body shall keep.
+    /// In JSON its key is `joint`.
+    #[serde(rename = "joint")]
+    pub name: String,
+    /// "min" or "max"; "equal" for an equation.
+    pub side: String,
+    /// When the limit matters most (s).
+    pub time: f64,
+    /// By how much it has to give.
+    pub amount: f64,
+    /// The unit of `amount` and `limit`.
+    pub unit: String,
+    /// The limit; none for tools and bodies. That of a motor that drives fast depends on its rate: the one at
+    /// `time`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
+}
+
+impl Infeasibility {
+    /// Whether a slower motion may need less.
+    pub(crate) fn depends_on_time(&self) -> bool {
+        self.limits.iter().all(|limit| !matches!(&limit.kind[..], "position" | "task"))
+    }
+}

@@ -1,0 +1,91 @@
+//! Problems that cannot be solved: which limit has to give, when, by how much.
+
+use crate::sledge;
+use costate::robot::Robot;
+use costate_control::{
+    Bounds, Infeasibility, Keep, Kept, MotionLimits, Polish, Problem, RelaxedLimit, Solution, Solver,
+    SolverOptions, Status, Task,
+};
+use std::f64::consts::FRAC_PI_2;
+
+const INF: f64 = f64::INFINITY;
+
+fn solve(problem: &Problem) -> Solution {
+    Solver::new(problem, SolverOptions::direct().with_polish(Polish::Never)).unwrap().solve()
+}
+
+/// What a problem lacks.
+fn lacks(problem: &Problem) -> Infeasibility {
+    let solution = solve(problem);
+    assert_eq!(solution.motion.status, Status::Infeasible, "{:?}", solution.limits);
+    assert!(!solution.motion.status.is_solved() && solution.trajectory.t.len() > 1);
+    let saved: Solution = serde_json::from_value(serde_json::to_value(&solution).unwrap()).unwrap();
+    assert_eq!((&saved.limits, saved.motion.status), (&solution.limits, Status::Infeasible));
+    solution.limits.infeasible.unwrap()
+}
+
+/// A metre in a second with a mass of one kilogram.
+fn metre(limits: MotionLimits) -> Problem {
+    Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_limits(limits)
+}
+
+fn only(found: &Infeasibility) -> &RelaxedLimit {
+    assert_eq!(found.limits.len(), 1, "{found:?}");
+    &found.limits[0]
+}
+
+fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found / expected - 1.0).abs() < tolerance, "{found} instead of {expected}");
+}
+
+#[test]
+fn a_force_that_is_too_small_gives_as_far_as_from_bound_to_bound() {
+    // From bound to bound that takes 4 N, or two seconds.
+    let found = lacks(&metre(MotionLimits::none().with_torque_max(vec![1.0])));
+    let limit = only(&found);
+    assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("torque", "x", "N"));
+    assert_eq!(limit.limit.map(f64::abs), Some(1.0));
+    close(limit.amount, 3.0, 2e-3);
+    close(found.final_time.unwrap(), 2.0, 2e-2);
+    assert!(found.least_time.is_none() && !found.is_global, "{found:?}");
+    // Both sides give alike: 2 / (8 + e) + 2 / (1 + e) = 1.
+    let mut braked = metre(MotionLimits::none());
+    braked.bounds = Some(Bounds::new(vec![-1.0], vec![8.0]));
+    close(only(&lacks(&braked)).amount, 0.5 * (65.0_f64.sqrt() - 5.0), 0.02);
+}
+
+#[test]
+fn a_rate_or_an_acceleration_that_is_too_small_is_proven() {
+    let found = lacks(&metre(MotionLimits::none().with_a_max(vec![1.0])));
+    let limit = only(&found);
+    assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("acceleration", "x", "m/s^2"));
+    close(limit.amount, 3.0, 2e-3);
+    close(found.least_time.unwrap(), 2.0, 1e-9);
+    close(found.final_time.unwrap(), 2.0, 2e-2);
+    assert!(found.is_global);
+    // A quarter turn in a second at no more than 1 rad/s; the way to full speed takes no time.
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let arm = Problem::rest_to_rest(robot, &[0.0; 2], &[FRAC_PI_2; 2], 1.0);
+    let found = lacks(&arm.clone().with_limits(MotionLimits::none().with_v_max(vec![1.0, INF])));
+    let limit = only(&found);
+    assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("rate", "shoulder", "rad/s"));
+    assert!(limit.amount > FRAC_PI_2 - 1.0 && limit.amount < 0.62, "{limit:?}");
+    assert_eq!((limit.limit, &limit.side[..]), (Some(1.0), "max"));
+    close(found.least_time.unwrap(), FRAC_PI_2, 1e-9);
+    // A motion that slides for all of its time is not rest to rest.
+    assert!(found.final_time.unwrap() > FRAC_PI_2 && found.final_time.unwrap() < 2.0, "{found:?}");
+    // Both joints.
+    let found = lacks(&arm.with_limits(MotionLimits::none().with_v_max(vec![1.0, 1.2])));
+    let names: Vec<_> = found.limits.iter().map(|limit| &limit.name[..]).collect();
+    assert_eq!(names, ["shoulder", "elbow"], "{found:?}");
+}
+
+#[test]
+fn a_tool_that_is_too_slow_is_told() {
+    let task = Task::default().with_keep(Keep::new("x", Kept::Speed { max: 0.5 }));
+    let found = lacks(&metre(MotionLimits::none()).with_task(task));
+    let limit = only(&found);
+    assert_eq!((&limit.kind[..], &limit.unit[..], limit.limit), ("task", "m/s", None));
+    assert!(limit.name.contains("speed of the tool"), "{limit:?}");
+    assert!(limit.amount > 0.5 && limit.amount < 0.56, "{limit:?}");
+}
