@@ -38,8 +38,8 @@ impl<D: PointDynamics> Interior<D> {
         Ok(kept)
     }
 
-    /// Ends the elastic phase, with the barrier of before on the mesh as it is now, and this gap in parts of the
-    /// cost.
+    /// Ends the elastic phase, with the barrier of before on the mesh as it is now, and this gap in parts of
+    /// the cost.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.

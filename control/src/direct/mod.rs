@@ -32,6 +32,7 @@ mod jumps;
 mod limits;
 mod measures;
 mod metric;
+mod move_inside;
 mod multipliers;
 mod neighbours;
 mod point_terms;

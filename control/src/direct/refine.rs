@@ -12,7 +12,7 @@ use crate::constants::direct as constants;
 use costate::EvalError;
 
 /// Places of an interval at which limits are checked between points: those of Gauss's rule with eight.
-const BETWEEN: [f64; 8] = [
+pub(super) const BETWEEN: [f64; 8] = [
     0.019_855_071_751_231_856,
     0.101_666_761_293_186_64,
     0.237_233_795_041_835_5,
@@ -42,7 +42,7 @@ pub(crate) struct Resolution {
     /// Nodes of this mesh that were moved.
     moves: Vec<Move>,
     points: Points,
-    distance: Vec<f64>,
+    pub(super) distance: Vec<f64>,
 }
 
 /// A node that was moved.
@@ -161,30 +161,6 @@ impl Resolution {
         self.add_errors_of_limits(interior);
     }
 
-    /// Moves limits inside by what they are exceeded between points, in the intervals where that is too much.
-    /// Whether this may be enough: equations and bodies that pass through each other need narrower intervals.
-    pub fn move_limits_inside<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
-        let count = interior.barrier.sides().len();
-        let mut most = vec![0.0_f64; self.violations.len()];
-        for k in 0..self.violations.len() {
-            for i in 0..count {
-                let side = interior.barrier.sides()[i];
-                if side.limited.jumps() || side.is_equation {
-                    continue;
-                }
-                let places =
-                    self.distance[count * BETWEEN.len() * k..].chunks_exact(count).take(BETWEEN.len());
-                let over = places.map(|distances| side.violation(distances[i])).fold(0.0, f64::max);
-                most[k] = most[k].max(over);
-                if over > constants::MOVED_FROM * constants::VIOLATION_BETWEEN {
-                    interior.barrier.move_inside(k, i, constants::MOVED * over * side.range);
-                }
-            }
-        }
-        let enough = |(all, moved): (&f64, &f64)| *all <= moved.max(constants::VIOLATION_BETWEEN);
-        self.violations.iter().zip(&most).all(enough)
-    }
-
     /// Adds to the error of each interval what multiplier times distance make in the mean between
     /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
     /// each point, and next to nothing is left.
@@ -274,6 +250,15 @@ impl Resolution {
         let before = self.moves.iter().find(|before| before.place == from);
         before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)
     }
+}
+
+/// All intervals in two that are not too narrow.
+pub(super) fn halved(nodes: &[f64]) -> Vec<f64> {
+    let parts = nodes.windows(2).flat_map(|ends| {
+        let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
+        middle.into_iter().chain([ends[1]])
+    });
+    std::iter::once(nodes[0]).chain(parts).collect()
 }
 
 /// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.

@@ -72,8 +72,8 @@ fn limits_of(sides: &[Side]) -> Vec<usize> {
 }
 
 impl Relaxation {
-    /// For a barrier that has been measured without it: all distances become positive, by this room in parts of
-    /// ranges and of what limits must give.
+    /// For a barrier that has been measured without it: all distances become positive, by this room in parts
+    /// of ranges and of what limits must give.
     pub fn of(barrier: &Barrier, price: f64, room: f64) -> Self {
         let sides = barrier.sides();
         let limits = limits_of(sides);

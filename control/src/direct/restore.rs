@@ -3,7 +3,7 @@
 use super::infeasible::relaxed;
 use super::interior::{End, Interior};
 use super::points::PointDynamics;
-use super::solve::halved;
+use super::refine::halved;
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use crate::problem::{FinalTime, Problem};
@@ -34,8 +34,8 @@ enum OnMesh {
     Interrupted(Interruption),
 }
 
-/// Looks for a motion that keeps all limits, beginning at the iterate, or at `guess` if that is closer to them and
-/// the iterate is far away. The barrier is then that of this gap, in parts of the cost.
+/// Looks for a motion that keeps all limits, beginning at the iterate, or at `guess` if that is closer to
+/// them and the iterate is far away. The barrier is then that of this gap, in parts of the cost.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.

@@ -113,8 +113,8 @@ impl<D: PointDynamics> Interior<D> {
         true
     }
 
-    /// Takes the last step of a solved problem, which is known, if limits are kept after it: the error that is
-    /// left is about its square.
+    /// Takes the last step of a solved problem, which is known, if limits are kept after it: the error that
+    /// is left is about its square.
     pub fn take_last_step(&mut self) {
         let (primal, dual) = self.steps_of(self.mu);
         if primal < 1.0 || !self.evaluate_trial(1.0) {

@@ -10,7 +10,7 @@ pub(super) use super::points::RobotPoints as FastPoints;
 use super::power::Powers;
 #[cfg(feature = "jit")]
 pub(super) use super::program_points::ProgramPoints as FastPoints;
-use super::refine::Resolution;
+use super::refine::{Resolution, halved};
 use super::report::report;
 use super::restore::{Patience, Restored, restore};
 use super::running::Running;
@@ -295,15 +295,6 @@ impl Refined {
     fn without(status: Status) -> Self {
         Self { status, error: f64::INFINITY, again: None, infeasible: None }
     }
-}
-
-/// All intervals in two that are not too narrow.
-pub(super) fn halved(nodes: &[f64]) -> Vec<f64> {
-    let parts = nodes.windows(2).flat_map(|ends| {
-        let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
-        middle.into_iter().chain([ends[1]])
-    });
-    std::iter::once(nodes[0]).chain(parts).collect()
 }
 
 /// All limits of the joints of a problem.
