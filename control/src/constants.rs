@@ -387,8 +387,8 @@ pub(crate) mod direct {
     /// It begins at the first guess if that violates limits less, and the iterate by more than this part of a
     /// range.
     pub const WILD: f64 = 0.5;
-    /// Room of limits at the start of the elastic phase, in parts of ranges and of what they must give, and the
-    /// gap there in parts of cost and price..
+    /// Room of limits at the start of the elastic phase, in parts of ranges and of what they must give, and
+    /// the gap there in parts of cost and price..
     pub const ELASTIC_COLD: (f64, f64) = (0.3, 0.1);
     /// .. and near a minimum of a coarser mesh.
     pub const ELASTIC_WARM: (f64, f64) = (0.02, 1e-3);
@@ -412,7 +412,8 @@ pub(crate) mod direct {
     pub const OFF_EQUATIONS: f64 = 1e-3;
     /// Meshes of the elastic phase, ..
     pub const ELASTIC_MESHES: usize = 4;
-    /// .. each with intervals of half the width, until what limits give is more than this part of what it was.
+    /// .. each with intervals of half the width, until what limits give is more than this part of what it
+    /// was.
     pub const SAME_RELIEF: f64 = 0.8;
     /// Finer meshes than this are not divided in the elastic phase.
     pub const ELASTIC_INTERVALS: usize = 100;

@@ -85,9 +85,9 @@ pub enum Status {
     /// The direct method found no motion that keeps all hard limits. The motion is the one with which it
     /// stopped; [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.
     LimitsNotKept,
-    /// No motion nearby keeps all hard limits: at the motion, which exceeds them, what they would have to give
-    /// has a local minimum. [`LimitReport::infeasible`](crate::LimitReport::infeasible) says which, when, and
-    /// by how much.
+    /// No motion nearby keeps all hard limits: at the motion, which exceeds them, what they would have to
+    /// give has a local minimum. [`LimitReport::infeasible`](crate::LimitReport::infeasible) says which,
+    /// when, and by how much.
     Infeasible,
     /// Cancelled by the caller.
     Cancelled,

@@ -72,22 +72,19 @@ fn limits_of(sides: &[Side]) -> Vec<usize> {
 }
 
 impl Relaxation {
-    /// For a barrier that has been measured without it: all distances become positive, by this room in parts of
-    /// ranges and of what limits must give.
+    /// For a barrier that has been measured without it: all distances become positive, by this room in parts
+    /// of ranges and of what limits must give.
     pub fn of(barrier: &Barrier, price: f64, room: f64) -> Self {
         let sides = barrier.sides();
         let limits = limits_of(sides);
         let count = limits.iter().max().map_or(0, |last| last + 1);
         let mut give = vec![0.0_f64; count];
-        for at in (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0) {
-            if let Some(side) = barrier.side_index(at) {
-                let give = &mut give[limits[side]];
-                *give = give.max(sides[side].violation(barrier.distance[at]));
-            }
+        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
+            give[limit] = give[limit].max(violation);
         }
         give.iter_mut().for_each(|give| *give += room * (1.0 + *give));
         Self {
-            ranges: sides.iter().map(|side| side.range).collect(),
+            ranges: barrier.ranges(),
             corner: vec![0.0; count],
             gradient: [vec![0.0; count], vec![0.0; count]],
             steps: [vec![0.0; count], vec![0.0; count]],
@@ -101,6 +98,16 @@ impl Relaxation {
     /// What it adds to the distances of each side.
     pub fn relief(&self) -> impl Iterator<Item = f64> {
         self.limits.iter().zip(&self.ranges).map(|(&limit, range)| range * self.give[limit])
+    }
+
+    /// Ranges in which limits give: as large as the largest violation at the start, where that is larger.
+    pub fn widened(barrier: &Barrier) -> Vec<f64> {
+        let limits = limits_of(barrier.sides());
+        let mut scale = vec![1.0_f64; limits.len()];
+        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
+            scale[limit] = scale[limit].max(violation);
+        }
+        barrier.ranges().iter().zip(&limits).map(|(range, &limit)| range * scale[limit]).collect()
     }
 
     /// The limit of each side.

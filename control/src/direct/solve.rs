@@ -174,12 +174,13 @@ impl Direct<'_> {
             precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
             let enough = tolerance * figures.size;
             let nodes = match (violated, accurate) {
-                (true, _) => halved(&interior.spline.mesh.nodes),
+                (true, _) => interior.spline.mesh.halved(),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
                 (false, false) => resolution.nodes(&interior.spline, enough),
             };
-            let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes) } else { nodes };
+            let nodes =
+                if nodes == interior.spline.mesh.nodes { interior.spline.mesh.halved() } else { nodes };
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }
@@ -281,15 +282,6 @@ impl Refined {
     fn without(status: Status) -> Self {
         Self { status, error: f64::INFINITY, again: None, infeasible: None }
     }
-}
-
-/// All intervals in two that are not too narrow.
-pub(super) fn halved(nodes: &[f64]) -> Vec<f64> {
-    let parts = nodes.windows(2).flat_map(|ends| {
-        let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
-        middle.into_iter().chain([ends[1]])
-    });
-    std::iter::once(nodes[0]).chain(parts).collect()
 }
 
 /// All limits of the joints of a problem.

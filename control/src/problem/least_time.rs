@@ -20,8 +20,8 @@ impl Problem {
     /// The joint that needs the longest time, if that is longer than the one that is given: a proof that no
     /// motion keeps the limits. Only joints whose way is given count.
     ///
-    /// With |v| <= V a way D takes |D| / V. With |a| <= A too, and given rates at both ends, the fastest motion
-    /// accelerates to a peak, perhaps stays at V, and brakes.
+    /// With |v| <= V a way D takes |D| / V. With |a| <= A too, and given rates at both ends, the fastest
+    /// motion accelerates to a peak, perhaps stays at V, and brakes.
     pub(crate) fn too_short(&self) -> Option<TooShort> {
         let FinalTime::Fixed(time) = self.time else { return None };
         let (start, end) = (&self.start, &self.end);

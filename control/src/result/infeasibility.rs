@@ -4,19 +4,19 @@ use serde::{Deserialize, Serialize};
 
 /// Why no motion keeps all limits, as far as that was found: what would have to give.
 ///
-/// At a motion that keeps the relaxed limits, the sum of what limits give, in parts of their ranges, has a local
-/// minimum. Each limit gives by the same amount all along the motion.
+/// At a motion that keeps the relaxed limits, the sum of what limits give, in parts of their ranges, has a
+/// local minimum. Each limit gives by the same amount all along the motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Infeasibility {
     /// The limits that give, the one that gives by the largest part of its range first.
     pub limits: Vec<RelaxedLimit>,
-    /// A final time (s) with which a motion was found that keeps all limits at its points, if the time is fixed
-    /// and a longer one helps.
+    /// A final time (s) with which a motion was found that keeps all limits at its points, if the time is
+    /// fixed and a longer one helps.
     #[serde(default)]
     pub final_time: Option<f64>,
-    /// A final time (s) below which no motion keeps the limits on rates and accelerations, whatever its torques
-    /// are, if that is longer than the one that is given.
+    /// A final time (s) below which no motion keeps the limits on rates and accelerations, whatever its
+    /// torques are, if that is longer than the one that is given.
     #[serde(default)]
     pub least_time: Option<f64>,
     /// Whether it is proven that no motion keeps the limits: one of the joints has too little time, or all

@@ -1,5 +1,5 @@
-//! Wrong and impossible input: every key of limits, costs, times, tools and obstacles, with exit status, line,
-//! key and culprit.
+//! Wrong and impossible input: every key of limits, costs, times, tools and obstacles, with exit status,
+//! line, key and culprit.
 
 use super::{optimize, robot, two_link};
 use crate::child::stderr;
