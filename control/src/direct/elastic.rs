@@ -19,18 +19,20 @@ pub(super) struct Given {
 
 impl<D: PointDynamics> Interior<D> {
     /// Lets all limits give so much that the motion keeps them; equations along the motion become two limits.
-    /// With a price, that of a minimum on a coarser mesh, the motion is near one. The barrier that was there
+    /// With price and ranges of a coarser mesh the motion is near its minimum. The barrier that was there
     /// before.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.
-    pub fn relax(&mut self, price: Option<f64>) -> Result<Barrier, EvalError> {
+    pub fn relax(&mut self, coarser: Option<&(f64, Vec<f64>)>) -> Result<Barrier, EvalError> {
         // Without relief, for the distances.
         let relaxed = self.barrier.with_halves();
         let kept = std::mem::replace(&mut self.barrier, relaxed);
         self.start(None)?;
-        let (room, gap) = if price.is_some() { constants::ELASTIC_WARM } else { constants::ELASTIC_COLD };
-        let price = price.unwrap_or(constants::PRICE * self.figures.size);
+        let (room, gap) = if coarser.is_some() { constants::ELASTIC_WARM } else { constants::ELASTIC_COLD };
+        let cold = || (constants::PRICE * self.figures.size, Relaxation::widened(&self.barrier));
+        let (price, ranges) = coarser.cloned().unwrap_or_else(cold);
+        self.barrier.set_ranges(&ranges);
         self.relaxation = Relaxation::of(&self.barrier, price, room);
         self.barrier.relief = self.relaxation.relief().collect();
         self.start(None)?;

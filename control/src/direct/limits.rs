@@ -64,6 +64,27 @@ impl Barrier {
         Self::new(sides, [start.to_vec(), end.to_vec()])
     }
 
+    /// Largest violation of each side, in parts of its range; 0 for none.
+    pub fn violations(&self) -> Vec<f64> {
+        let mut most = vec![0.0_f64; self.sides.len()];
+        for at in (0..self.weight.len()).filter(|&at| self.weight[at] > 0.0) {
+            if let Some(side) = self.side_index(at) {
+                most[side] = most[side].max(self.sides[side].violation(self.distance[at]));
+            }
+        }
+        most
+    }
+
+    /// Ranges of all sides.
+    pub fn ranges(&self) -> Vec<f64> {
+        self.sides.iter().map(|side| side.range).collect()
+    }
+
+    /// Measures sides in other ranges; for the entries of the next mesh.
+    pub fn set_ranges(&mut self, ranges: &[f64]) {
+        self.sides.iter_mut().zip(ranges).for_each(|(side, &range)| side.range = range);
+    }
+
     /// Room for the entries of a mesh, with their weights.
     pub fn resize(&mut self, mesh: &Mesh, ends: &Ends) {
         self.points = mesh.points();

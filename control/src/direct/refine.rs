@@ -252,15 +252,6 @@ impl Resolution {
     }
 }
 
-/// All intervals in two that are not too narrow.
-pub(super) fn halved(nodes: &[f64]) -> Vec<f64> {
-    let parts = nodes.windows(2).flat_map(|ends| {
-        let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
-        middle.into_iter().chain([ends[1]])
-    });
-    std::iter::once(nodes[0]).chain(parts).collect()
-}
-
 /// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.
 fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
     let mut order: Vec<usize> = (0..errors.len()).collect();

@@ -79,15 +79,12 @@ impl Relaxation {
         let limits = limits_of(sides);
         let count = limits.iter().max().map_or(0, |last| last + 1);
         let mut give = vec![0.0_f64; count];
-        for at in (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0) {
-            if let Some(side) = barrier.side_index(at) {
-                let give = &mut give[limits[side]];
-                *give = give.max(sides[side].violation(barrier.distance[at]));
-            }
+        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
+            give[limit] = give[limit].max(violation);
         }
         give.iter_mut().for_each(|give| *give += room * (1.0 + *give));
         Self {
-            ranges: sides.iter().map(|side| side.range).collect(),
+            ranges: barrier.ranges(),
             corner: vec![0.0; count],
             gradient: [vec![0.0; count], vec![0.0; count]],
             steps: [vec![0.0; count], vec![0.0; count]],
@@ -106,6 +103,16 @@ impl Relaxation {
     /// Whether limits may give.
     pub fn is_on(&self) -> bool {
         !self.limits.is_empty()
+    }
+
+    /// Ranges in which limits give: as large as the largest violation at the start, where that is larger.
+    pub fn widened(barrier: &Barrier) -> Vec<f64> {
+        let limits = limits_of(barrier.sides());
+        let mut scale = vec![1.0_f64; limits.len()];
+        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
+            scale[limit] = scale[limit].max(violation);
+        }
+        barrier.ranges().iter().zip(&limits).map(|(range, &limit)| range * scale[limit]).collect()
     }
 
     /// The limit of each side.

@@ -3,7 +3,6 @@
 use super::infeasible::relaxed;
 use super::interior::{End, Interior};
 use super::points::PointDynamics;
-use super::refine::halved;
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use crate::problem::{FinalTime, Problem};
@@ -59,10 +58,10 @@ pub(super) fn restore<D: PointDynamics>(
     if far <= near || far < constants::WILD {
         from(interior, before.clone())?;
     }
-    let (mut last, mut price) = (f64::INFINITY, None);
+    let (mut last, mut coarser) = (f64::INFINITY, None);
     for _ in 0..constants::ELASTIC_MESHES {
-        let kept = interior.relax(price)?;
-        let found = least(interior, price.is_none(), recorder)?;
+        let kept = interior.relax(coarser.as_ref())?;
+        let found = least(interior, coarser.is_none(), recorder)?;
         let part = match found {
             OnMesh::Kept => {
                 interior.tighten(kept, gap)?;
@@ -86,10 +85,10 @@ pub(super) fn restore<D: PointDynamics>(
         }
         // On a finer mesh less may be enough.
         last = part;
-        price = Some(interior.relaxation.price());
+        coarser = Some((interior.relaxation.price(), interior.barrier.ranges()));
         let mesh = &interior.spline.mesh;
         let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
-        interior.spline = interior.spline.on_nodes(halved(&mesh.nodes));
+        interior.spline = interior.spline.on_nodes(mesh.halved());
         interior.tighten(kept, gap)?;
         if is_fine {
             break;

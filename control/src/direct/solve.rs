@@ -10,7 +10,7 @@ pub(super) use super::points::RobotPoints as FastPoints;
 use super::power::Powers;
 #[cfg(feature = "jit")]
 pub(super) use super::program_points::ProgramPoints as FastPoints;
-use super::refine::{Resolution, halved};
+use super::refine::Resolution;
 use super::report::report;
 use super::restore::{Patience, Restored, restore};
 use super::running::Running;
@@ -188,12 +188,13 @@ impl Direct<'_> {
             precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
             let enough = tolerance * figures.size;
             let nodes = match (violated, accurate) {
-                (true, _) => halved(&interior.spline.mesh.nodes),
+                (true, _) => interior.spline.mesh.halved(),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
                 (false, false) => resolution.nodes(&interior.spline, enough),
             };
-            let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes) } else { nodes };
+            let nodes =
+                if nodes == interior.spline.mesh.nodes { interior.spline.mesh.halved() } else { nodes };
             if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }

@@ -1,6 +1,7 @@
 //! Motions as piecewise polynomials in s = t/T.
 
 use super::basis::{Basis, PLACES, POINTS, WEIGHTS};
+use crate::constants::direct::NARROWEST;
 use std::sync::Arc;
 
 /// Intervals of [0, 1] with the points at which a motion is evaluated.
@@ -39,6 +40,15 @@ impl Mesh {
         let (k, j) = (p / POINTS, p % POINTS);
         let h = self.width(k);
         (self.nodes[k] + PLACES[j] * h, WEIGHTS[j] * h)
+    }
+
+    /// Nodes with all intervals in two that are not too narrow.
+    pub fn halved(&self) -> Vec<f64> {
+        let parts = self.nodes.windows(2).flat_map(|ends| {
+            let middle = (ends[1] - ends[0] > NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
+            middle.into_iter().chain([ends[1]])
+        });
+        std::iter::once(self.nodes[0]).chain(parts).collect()
     }
 
     /// The interval that holds s, and the part of it before s.
