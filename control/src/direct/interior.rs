@@ -80,10 +80,13 @@ pub(super) struct Trial {
     pub multiplier_step: Vec<f64>,
     /// Change of z at a point.
     pub dz: Vec<f64>,
+    /// Changes of the torques of an interval, of jerks and of rates of torques.
+    pub torques: Vec<f64>,
+    pub rates: [Vec<f64>; 2],
 }
 
 impl<D: PointDynamics> Interior<D> {
-    /// `sides` are the limits of positions, rates, accelerations and torques.
+    /// `sides` are the limits of positions, rates, accelerations, torques, jerks and rates of torques.
     pub fn new(
         spline: Spline,
         mut sides: Vec<Side>,
@@ -93,7 +96,7 @@ impl<D: PointDynamics> Interior<D> {
         ends: Ends,
         dynamics: D,
     ) -> Self {
-        let n = spline.dof;
+        let (n, shape) = (spline.dof, spline.mesh.shape);
         sides.extend(powers.sides());
         sides.extend(tasks.sides());
         Self {
@@ -105,7 +108,7 @@ impl<D: PointDynamics> Interior<D> {
             dynamics,
             figures: Figures::default(),
             least_size: 0.0,
-            system: System::new(n, [tasks.rows(), powers.rows()]),
+            system: System::new(n, shape, [tasks.rows(), powers.rows()]),
             tasks,
             powers,
             filter: Filter::default(),
@@ -135,14 +138,8 @@ impl<D: PointDynamics> Interior<D> {
             self.dynamics.contract(&mut self.points)?;
             self.least_size = self.small_cost();
         }
-        self.dynamics.evaluate(&mut self.points)?;
-        self.tasks.evaluate(&mut self.points)?;
-        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
-        self.powers.evaluate(&mut self.points);
         self.barrier.resize(&self.spline.mesh, &self.ends);
-        let mut distance = std::mem::take(&mut self.barrier.distance);
-        self.barrier.measure(&self.spline, &self.points, &mut distance);
-        self.barrier.distance = distance;
+        self.evaluate()?;
         self.measure_cost();
         self.barrier.stiffness = constants::STIFFNESS * self.figures.size;
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
@@ -160,6 +157,20 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.damping = 0.0;
         self.measure_figures();
+        Ok(())
+    }
+
+    /// Values at the points of the motion, and distances to all limits.
+    pub(super) fn evaluate(&mut self) -> Result<(), EvalError> {
+        self.spline.evaluate(&mut self.points.z);
+        self.dynamics.evaluate(&mut self.points)?;
+        self.tasks.evaluate(&mut self.points)?;
+        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
+        self.powers.evaluate(&mut self.points);
+        self.points.evaluate_rates(&self.spline);
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(&self.spline, &self.points, &mut distance);
+        self.barrier.distance = distance;
         Ok(())
     }
 
@@ -216,7 +227,7 @@ impl<D: PointDynamics> Interior<D> {
         self.figures.size / self.spline.time / (range * range)
     }
 
-    /// Cost of the efforts and of the energy that move each joint alone by [`constants::SMALL_MOTION`] in
+    /// Cost of the efforts, of the energy, of the jerks and of the rates of torques that move each joint alone by [`constants::SMALL_MOTION`] in
     /// it: the torque is M_ii times that motion over the squared time.
     fn small_cost(&self) -> f64 {
         let (n, time) = (self.spline.dof, self.spline.time);
@@ -224,7 +235,13 @@ impl<D: PointDynamics> Interior<D> {
         let cost = |(i, r): (usize, &f64)| {
             let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
             let power = torque * constants::SMALL_MOTION / time;
-            0.5 * r * torque * torque + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
+            let rates = &self.running.rates;
+            let of = |weights: &[f64], y: f64| weights.get(i).map_or(0.0, |w| 0.5 * w * y * y);
+            let jerk = constants::SMALL_MOTION / (time * time * time);
+            0.5 * r * torque * torque
+                + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
+                + of(&rates.jerk, jerk)
+                + of(&rates.torque, torque / time)
         };
         let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
         (time * costs).max(f64::MIN_POSITIVE.sqrt())

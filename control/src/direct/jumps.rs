@@ -1,7 +1,7 @@
 //! Where torques and accelerations jump inside of intervals.
 
-use super::basis::{PLACES, POINTS, WEIGHTS};
 use super::points::Points;
+use super::shape::{PLACES, POINTS, Shape, WEIGHTS};
 use crate::constants::direct as constants;
 
 /// A value on an interval: the quadratic through the points.
@@ -31,7 +31,8 @@ impl Piece {
     }
 }
 
-/// Torques, then accelerations, of all intervals as quadratics.
+/// Torques, then accelerations, of all intervals as quadratics; where these are continuous their rates: rates
+/// of torques, then jerks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Jumps {
     /// Values of an interval: torques and accelerations of all joints.
@@ -53,10 +54,15 @@ pub(super) struct Cut {
 }
 
 impl Jumps {
-    /// Takes the torques and accelerations at the points of a motion on intervals of these widths.
-    pub fn measure(&mut self, points: &Points, widths: impl Iterator<Item = f64>) {
+    /// Takes the values at Gauss's points of a motion on intervals of these widths.
+    pub fn measure(&mut self, points: &Points, shape: Shape, widths: impl Iterator<Item = f64>) {
         let n = points.dof;
-        let value = |p: usize, i: usize| if i < n { points.tau(p)[i] } else { points.z(p)[n + i] };
+        let value = |p: usize, i: usize| match (shape.is_smooth(), i < n) {
+            (false, true) => points.tau(p)[i],
+            (false, false) => points.z(p)[n + i],
+            (true, true) => points.rates.torque[n * p + i],
+            (true, false) => points.rates.jerk[n * p + i - n],
+        };
         self.count = 2 * n;
         self.widths.clear();
         self.widths.extend(widths);
@@ -67,7 +73,7 @@ impl Jumps {
         }
         self.range.clear();
         self.range.extend((0..2 * n).map(|i| {
-            let values = || (0..points.count()).map(|p| value(p, i));
+            let values = || (0..POINTS * self.widths.len()).map(|p| value(p, i));
             values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
         }));
     }
@@ -88,7 +94,7 @@ impl Jumps {
         jumps.reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// The mean square of the jumps of torque i at both ends of an interval; without that of an end at which
+    /// The mean square of the jumps of value i at both ends of an interval; without that of an end at which
     /// the exact motion jumps, as is likely if one is large and much larger than the other. The first and the
     /// last interval have one jump, which counts.
     pub fn mean_square(&self, k: usize, i: usize) -> f64 {
@@ -177,7 +183,7 @@ mod tests {
         points.resize_values(1, [0; 2], tau.len());
         points.tau.copy_from_slice(tau);
         let mut jumps = Jumps::default();
-        jumps.measure(&points, (0..tau.len() / POINTS).map(|_| 0.1));
+        jumps.measure(&points, Shape::Quartic, (0..tau.len() / POINTS).map(|_| 0.1));
         jumps
     }
 

@@ -1,18 +1,20 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
-use super::basis::{PLACES, POINTS, WEIGHTS as PART};
 use super::interior::Interior;
 use super::jumps::Jumps;
 use super::limits::measure;
 use super::multipliers::Multipliers;
 use super::points::{PointDynamics, Points};
+use super::rates::RateCosts;
+use super::rates_between::RatesBetween;
+use super::shape::{POINTS, quadratic};
 use super::side::{Limited, Side};
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
 
 /// Places of an interval at which limits are checked between points: those of Gauss's rule with eight.
-const BETWEEN: [f64; 8] = [
+pub(super) const BETWEEN: [f64; 8] = [
     0.019_855_071_751_231_856,
     0.101_666_761_293_186_64,
     0.237_233_795_041_835_5,
@@ -43,6 +45,7 @@ pub(crate) struct Resolution {
     moves: Vec<Move>,
     points: Points,
     distance: Vec<f64>,
+    rates: RatesBetween,
 }
 
 /// A node that was moved.
@@ -69,6 +72,11 @@ impl Resolution {
         &self.distance
     }
 
+    /// The same of jerks and rates of torques.
+    pub fn rate_distances(&self) -> &[f64] {
+        &self.rates.distance
+    }
+
     /// Measures a solved motion.
     pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let intervals = interior.spline.mesh.intervals();
@@ -92,10 +100,14 @@ impl Resolution {
     /// polynomial of degree three on each interval, which vanishes at the points. At a node the two that meet
     /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the
     /// metric of the effort; the square of the polynomial has the mean 1/7.
+    ///
+    /// Where accelerations are continuous this holds for rates of torques and for jerks, and torques differ by
+    /// the integral of the polynomial, whose square has the mean 1/630, times the width.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
-        self.jumps.measure(&interior.points, widths);
+        let shape = spline.mesh.shape;
+        self.jumps.measure(&interior.points, shape, widths);
         if self.errors.len() == 1 {
             // Nothing to compare with.
             self.errors[0] = f64::INFINITY;
@@ -103,12 +115,18 @@ impl Resolution {
         }
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
-            *error = (0..n)
-                .map(|i| {
-                    let square = 0.25 * self.jumps.mean_square(k, i) / 7.0;
-                    0.5 * interior.running.effort[i] * square * length
-                })
-                .sum();
+            let square = |i: usize| 0.25 * self.jumps.mean_square(k, i);
+            let effort = |i: usize| interior.running.effort[i] * square(i);
+            let squares = (0..n).map(|i| match shape.is_smooth() {
+                false => effort(i) / 7.0,
+                true => {
+                    let RateCosts { jerk, torque } = &interior.running.rates;
+                    let of =
+                        |weights: &[f64], at: usize| weights.get(i).map_or(0.0, |w| w * square(at) / 7.0);
+                    effort(i) * length * length / 630.0 + of(torque, i) + of(jerk, n + i)
+                }
+            });
+            *error = 0.5 * length * squares.sum::<f64>();
         }
     }
 
@@ -121,7 +139,8 @@ impl Resolution {
         }
         interior.dynamics.evaluate(&mut self.points)?;
         interior.powers.evaluate(&mut self.points);
-        interior.tasks.evaluate(&mut self.points)
+        interior.tasks.evaluate(&mut self.points)?;
+        self.rates.evaluate(interior, &mut self.points)
     }
 
     /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
@@ -131,10 +150,13 @@ impl Resolution {
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
             let mut rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
-            let coarse: f64 = (0..POINTS).map(|j| PART[j] * rate(points, POINTS * k + j)).sum();
+            let shape = spline.mesh.shape;
+            let weights = shape.weights().iter().enumerate();
+            let coarse: f64 = weights.map(|(j, part)| part * rate(points, shape.stride() * k + j)).sum();
             let places = 0..BETWEEN.len();
             let fine: f64 = places.map(|at| weight(at) * rate(&self.points, BETWEEN.len() * k + at)).sum();
-            let fine = length * fine;
+            let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
+            let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
             *error += (fine - length * coarse).abs();
             self.cost += fine;
         }
@@ -142,16 +164,17 @@ impl Resolution {
 
     /// Looks for limits that are exceeded between the points.
     fn look_between<D>(&mut self, interior: &Interior<D>) {
-        let sides: &[Side] = interior.barrier.sides();
+        let (sides, shape): (&[Side], _) = (interior.barrier.sides(), interior.spline.mesh.shape);
         if sides.is_empty() {
-            return;
+            self.distance.clear();
+            return self.add_errors_of_limits(interior);
         }
         self.distance.resize(sides.len() * self.points.count(), 0.0);
         measure(sides, &self.points, &mut self.distance);
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
             let most = &mut self.violations[at / BETWEEN.len()];
             // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
-            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps());
+            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps(shape));
             *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
             let (k, part) = (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.time);
             let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
@@ -166,21 +189,30 @@ impl Resolution {
     /// each point, and next to nothing is left.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
         let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
-        let sides = interior.barrier.sides();
+        let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
             for (i, side) in sides.iter().enumerate() {
-                let densities = [0, 1, 2].map(|j| multipliers.at_point(POINTS * k + j, i));
                 let (mut signed, mut unsigned) = (0.0, 0.0);
                 for (at, &x) in BETWEEN.iter().enumerate() {
-                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    let parts = shape.parts(x).into_iter().take(shape.places().len()).enumerate();
+                    let density = |j: usize| multipliers.at_point(shape.stride() * k + j, i);
+                    let density: f64 = parts.map(|(j, part)| part * density(j)).sum();
                     let density = if side.is_equation { density } else { density.max(0.0) };
                     let product = weight(at) * density * distances[sides.len() * at + i];
                     signed += product;
                     unsigned += product.abs();
                 }
-                let smooth = side.limited.jumps() || side.is_equation;
+                let smooth = side.limited.jumps(shape) || side.is_equation;
                 *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
+            }
+            for i in 0..interior.barrier.rate_sides().len() {
+                let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
+                let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
+                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    weight(at) * density.max(0.0) * self.rates.distance(BETWEEN.len() * k + at)[i]
+                });
+                *error += interior.spline.mesh.width(k) * signed.sum::<f64>().abs();
             }
         }
     }
@@ -190,8 +222,11 @@ impl Resolution {
     /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
     /// evenly.
     pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
-        let mut chosen: Vec<bool> =
-            self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
+        let beyond = |k: usize| {
+            self.violations[k] > constants::VIOLATION_BETWEEN
+                || self.rates.violations.get(k).is_some_and(|&most| most > constants::VIOLATION_OF_RATES)
+        };
+        let mut chosen: Vec<bool> = (0..self.errors.len()).map(beyond).collect();
         choose(&mut chosen, &self.errors, tolerance);
         self.divided(spline, &chosen, tolerance)
     }
@@ -265,14 +300,6 @@ fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
 }
 
 /// The weight of a place between the points.
-fn weight(at: usize) -> f64 {
+pub(super) fn weight(at: usize) -> f64 {
     WEIGHTS[at.min(BETWEEN.len() - 1 - at)]
-}
-
-/// Parts at `x` of values at the points of an interval in the quadratic through them.
-fn quadratic(x: f64) -> [f64; POINTS] {
-    [0, 1, 2].map(|j| {
-        let others = (0..POINTS).filter(|&l| l != j);
-        others.map(|l| (x - PLACES[l]) / (PLACES[j] - PLACES[l])).product()
-    })
 }

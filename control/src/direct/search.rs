@@ -88,6 +88,7 @@ impl<D: PointDynamics> Interior<D> {
         if !forward {
             return false;
         }
+        self.ends.put_accelerations(&mut trial.spline);
         let rows = [self.tasks.rows(), self.powers.rows()];
         trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.points());
         trial.points.ends.resize(self.spline.dof, self.tasks.end_rows());
@@ -101,6 +102,7 @@ impl<D: PointDynamics> Interior<D> {
             return false;
         }
         self.powers.evaluate(&mut trial.points);
+        trial.points.evaluate_rates(&trial.spline);
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
@@ -120,6 +122,8 @@ impl<D: PointDynamics> Interior<D> {
         std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
         std::mem::swap(&mut self.points.g, &mut self.trial.points.g);
         std::mem::swap(&mut self.points.h, &mut self.trial.points.h);
+        std::mem::swap(&mut self.points.rates.jerk, &mut self.trial.points.rates.jerk);
+        std::mem::swap(&mut self.points.rates.torque, &mut self.trial.points.rates.torque);
         std::mem::swap(&mut self.points.ends.g, &mut self.trial.points.ends.g);
         std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);

@@ -12,6 +12,7 @@ pub(super) use super::program_points::ProgramPoints as FastPoints;
 use super::refine::Resolution;
 use super::report::report;
 use super::running::Running;
+use super::shape::Shape;
 use super::side::{Limited, Side};
 use super::tasks::Tasks;
 use super::verify::integrate;
@@ -32,9 +33,6 @@ use crate::status::Status;
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use costate::EvalError;
-
-/// Points of an interval in the count of nodes.
-const POINTS: usize = super::basis::POINTS;
 
 /// A problem that the direct method solves from one or several guesses.
 pub(crate) struct Direct<'a> {
@@ -144,7 +142,8 @@ impl Direct<'_> {
                 (false, false) => resolution.nodes(&interior.spline, enough),
             };
             let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes) } else { nodes };
-            if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
+            let stride = interior.spline.mesh.shape.stride();
+            if stride * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }
             interior.move_to(nodes)?;
@@ -247,7 +246,7 @@ pub(super) fn interior(
     number: usize,
     saved: Option<&Trajectory>,
 ) -> Interior<FastPoints> {
-    let intervals = ((options.nodes - 1) / POINTS).max(1);
+    let intervals = ((options.nodes - 1) / Shape::of(problem).stride()).max(1);
     let reached = with_tools_reached(problem, rows, number);
     let disturbance = Disturbance::draw(&reached, options.seed, number);
     let spline = guess(&reached, saved, &disturbance, intervals);
@@ -309,6 +308,8 @@ fn sides(problem: &Problem) -> Vec<Side> {
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
         .chain(of(Limited::Acceleration, |limits| [-limits.a, limits.a]))
+        .chain(of(Limited::Jerk, |limits| [-limits.jerk, limits.jerk]))
+        .chain(of(Limited::TorqueRate, |limits| [-limits.torque_rate, limits.torque_rate]))
         .chain(torque)
         .chain(without)
         .collect()
