@@ -362,8 +362,10 @@ pub(crate) mod direct {
     /// Most parts into which an interval is divided at once.
     pub const MOST_PARTS: f64 = 4.0;
     /// Intervals below this part of the whole are not divided: rounding of positions would be large in their
-    /// accelerations.
+    /// accelerations..
     pub const NARROWEST: f64 = 1e-5;
+    /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
+    pub const ROUNDING_OF_RATES: f64 = 3e-8;
     /// Torques and accelerations that change by less than this part of their range over an interval do
     /// not jump in it.
     pub const LEAST_JUMP: f64 = 0.01;

@@ -56,6 +56,8 @@ pub(crate) struct Interior<D> {
     pub figures: Figures,
     /// Least size of the cost.
     least_size: f64,
+    /// Violations that may be rounding.
+    pub(super) least_violation: f64,
     pub(super) system: System,
     pub(super) filter: Filter,
     pub(super) damping: f64,
@@ -108,6 +110,7 @@ impl<D: PointDynamics> Interior<D> {
             dynamics,
             figures: Figures::default(),
             least_size: 0.0,
+            least_violation: constants::VIOLATION_AT_POINTS,
             system: System::new(n, shape, [tasks.rows(), powers.rows()]),
             tasks,
             powers,
@@ -156,6 +159,7 @@ impl<D: PointDynamics> Interior<D> {
             self.barrier.multiplier[at] = if slack > 0.0 { self.mu * weight / slack } else { 0.0 };
         }
         self.damping = 0.0;
+        self.least_violation = self.find_least_violation();
         self.measure_figures();
         Ok(())
     }
@@ -366,7 +370,7 @@ impl<D: PointDynamics> Interior<D> {
     fn is_solved(&self, tolerance: f64) -> bool {
         let Figures { size, gap, violation, decrement, .. } = self.figures;
         let scale = tolerance * size;
-        decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
+        decrement.abs() <= scale && gap <= scale && violation <= self.least_violation
     }
 
     pub(super) fn factorise(&mut self, damping: f64) -> bool {

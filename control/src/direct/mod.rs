@@ -46,6 +46,7 @@ mod report;
 mod resolve;
 mod resolve_error;
 mod resolved;
+mod rounding;
 mod running;
 mod search;
 mod shape;

@@ -46,6 +46,8 @@ pub(crate) struct Resolution {
     points: Points,
     distance: Vec<f64>,
     rates: RatesBetween,
+    /// Intervals that are narrower are not divided.
+    pub narrowest: f64,
 }
 
 /// A node that was moved.
@@ -80,6 +82,7 @@ impl Resolution {
     /// Measures a solved motion.
     pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let intervals = interior.spline.mesh.intervals();
+        self.narrowest = interior.narrowest();
         self.errors.clear();
         self.errors.resize(intervals, 0.0);
         self.cut.clear();
@@ -107,7 +110,7 @@ impl Resolution {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
         let shape = spline.mesh.shape;
-        self.jumps.measure(&interior.points, shape, widths);
+        self.jumps.measure(&interior.points, shape, interior.barrier.rate_sides(), widths);
         if self.errors.len() == 1 {
             // Nothing to compare with.
             self.errors[0] = f64::INFINITY;
@@ -239,25 +242,30 @@ impl Resolution {
     }
 
     fn divided(&mut self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
+        let (narrowest, smooth) = (self.narrowest, spline.mesh.shape.is_smooth());
         let share = tolerance / self.errors.len() as f64;
         let mut moves = Vec::new();
         let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
         for k in (0..chosen.len()).filter(|&k| chosen[k]) {
             let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
-            if width < constants::NARROWEST {
-                continue;
-            }
-            let cuts = self.jumps.cuts(k);
-            for cut in &cuts {
+            let (cuts, is_narrow) = (self.jumps.cuts(k), width < narrowest);
+            for cut in cuts.iter().filter(|_| smooth || !is_narrow) {
                 let place = left + width * cut.place;
+                // Where accelerations are continuous, nodes move where there is no room for another one.
+                let (near, part) = if cut.place < 0.5 { (k, cut.place) } else { (k + 1, 1.0 - cut.place) };
+                let no_room = width * part < narrowest && near > 0 && near < self.errors.len();
+                let replaces = if smooth { no_room.then_some(near) } else { cut.replaces };
+                if smooth && is_narrow && replaces.is_none() {
+                    continue;
+                }
                 added.push(place);
-                if let Some(node) = cut.replaces {
+                if let Some(node) = replaces {
                     let from = spline.mesh.nodes[node];
                     moved[node] = self.approaches(from, place);
                     moves.push(Move { place, distance: (place - from).abs() });
                 }
             }
-            if cuts.is_empty() {
+            if cuts.is_empty() && !is_narrow {
                 // The error of a motion that is smooth in an interval falls with the seventh power of
                 // its width.
                 let parts = (self.errors[k] / share).powf(1.0 / 7.0).ceil().clamp(2.0, constants::MOST_PARTS);
@@ -267,7 +275,8 @@ impl Resolution {
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
         let mut nodes: Vec<f64> = kept.chain(added).collect();
         nodes.sort_by(f64::total_cmp);
-        nodes.dedup_by(|b, a| *b - *a < 0.1 * constants::NARROWEST);
+        let closest = if smooth { 0.7 } else { 0.1 };
+        nodes.dedup_by(|b, a| *b - *a < closest * narrowest);
         // The last node is the end, whatever was close to it.
         if let Some(last) = nodes.last_mut() {
             *last = 1.0;

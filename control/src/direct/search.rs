@@ -30,7 +30,7 @@ impl<D: PointDynamics> Interior<D> {
             }
         }
         let now = Figure {
-            theta: noticed(self.infeasibility(&self.barrier.distance, &self.barrier.slack)),
+            theta: self.noticed(self.infeasibility(&self.barrier.distance, &self.barrier.slack)),
             cost: self.figures.cost,
             logarithms: self.logarithms(&self.barrier.slack),
         };
@@ -42,7 +42,7 @@ impl<D: PointDynamics> Interior<D> {
                 let trial = &self.trial;
                 let cost = self.running.cost(&trial.spline, &trial.points);
                 let new = Figure {
-                    theta: noticed(self.infeasibility(&trial.distance, &trial.slack)),
+                    theta: self.noticed(self.infeasibility(&trial.distance, &trial.slack)),
                     cost,
                     logarithms: self.logarithms(&trial.slack),
                 };
@@ -141,9 +141,9 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.measure_figures_of(cost);
     }
-}
 
-/// An infeasibility, or zero where it is rounding.
-fn noticed(theta: f64) -> f64 {
-    if theta <= constants::VIOLATION_AT_POINTS { 0.0 } else { theta }
+    /// An infeasibility, or zero where it is rounding.
+    fn noticed(&self, theta: f64) -> f64 {
+        if theta <= self.least_violation { 0.0 } else { theta }
+    }
 }

@@ -135,13 +135,14 @@ impl Direct<'_> {
             }
             precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
             let enough = tolerance * figures.size;
+            let narrowest = resolution.narrowest;
             let nodes = match (violated, accurate) {
-                (true, _) => halved(&interior.spline.mesh.nodes),
+                (true, _) => halved(&interior.spline.mesh.nodes, narrowest),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
                 (false, false) => resolution.nodes(&interior.spline, enough),
             };
-            let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes) } else { nodes };
+            let nodes = if nodes == interior.spline.mesh.nodes { halved(&nodes, narrowest) } else { nodes };
             let stride = interior.spline.mesh.shape.stride();
             if stride * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
@@ -280,9 +281,9 @@ struct Again {
 }
 
 /// All intervals in two that are not too narrow.
-fn halved(nodes: &[f64]) -> Vec<f64> {
+fn halved(nodes: &[f64], narrowest: f64) -> Vec<f64> {
     let parts = nodes.windows(2).flat_map(|ends| {
-        let middle = (ends[1] - ends[0] > constants::NARROWEST).then_some(0.5 * (ends[0] + ends[1]));
+        let middle = (ends[1] - ends[0] > narrowest).then_some(0.5 * (ends[0] + ends[1]));
         middle.into_iter().chain([ends[1]])
     });
     std::iter::once(nodes[0]).chain(parts).collect()
