@@ -334,8 +334,8 @@ pub(crate) mod direct {
     pub const VIOLATION_AT_POINTS: f64 = 1e-9;
     /// Largest violation of a position or rate between points, in parts of its range.
     pub const VIOLATION_BETWEEN: f64 = 1e-4;
-    /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its range
-    /// are divided with those that have large errors.
+    /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
+    /// range are divided with those that have large errors.
     pub const VIOLATION_OF_RATES: f64 = 0.01;
     /// A motion that exceeds a limit by more than this part of its range does not keep it.
     pub const VIOLATION_ACCEPTED: f64 = 1e-7;

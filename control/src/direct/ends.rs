@@ -5,8 +5,8 @@ use super::side::{Limited, Side};
 use super::spline::{Mesh, Spline};
 use crate::problem::{BoundaryState, FinalTime, Problem, ToolPose};
 
-/// For each unknown (q and its derivatives in s) of the first and of the last node: `None` if it is free, else
-/// the given derivative in time, zero for q: q' = T v and q'' = T^2 a change with T.
+/// For each unknown (q and its derivatives in s) of the first and of the last node: `None` if it is free,
+/// else the given derivative in time, zero for q: q' = T v and q'' = T^2 a change with T.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends {
     /// Start and end.

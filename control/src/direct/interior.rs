@@ -231,8 +231,9 @@ impl<D: PointDynamics> Interior<D> {
         self.figures.size / self.spline.time / (range * range)
     }
 
-    /// Cost of the efforts, of the energy, of the jerks and of the rates of torques that move each joint alone by [`constants::SMALL_MOTION`] in
-    /// it: the torque is M_ii times that motion over the squared time.
+    /// Cost of the efforts, of the energy, of the jerks and of the rates of torques that move each joint
+    /// alone by [`constants::SMALL_MOTION`] in it: the torque is M_ii times that motion over the squared
+    /// time.
     fn small_cost(&self) -> f64 {
         let (n, time) = (self.spline.dof, self.spline.time);
         let tau_z = self.points.tau_z(0);

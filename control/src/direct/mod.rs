@@ -10,11 +10,11 @@
 //! rows h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
 //! tridiagonal, 2n unknowns a node. Where jerks or rates of torques are limited or cost anything ([`rates`]),
 //! q'' is continuous and an unknown at the nodes too, in place of the bubbles: [`shape`] says what changes.
-//! [`interior`] iterates, [`refine`] finds intervals that are too wide,
-//! [`solve`] puts it together.
+//! [`interior`] iterates, [`refine`] finds intervals that are too wide, [`solve`] puts it together.
 
 mod again;
 mod basis;
+mod between;
 mod costates;
 mod end_columns;
 mod ends;
@@ -39,6 +39,7 @@ mod program_points;
 #[cfg(feature = "jit")]
 mod programs;
 mod rate_rows;
+mod rate_terms;
 mod rates;
 mod rates_between;
 mod refine;
@@ -56,6 +57,7 @@ mod solve;
 mod spline;
 mod step;
 mod system;
+mod system_rates;
 mod tasks;
 mod verify;
 

@@ -1,10 +1,10 @@
 //! Jerks and rates of torques between the points of a motion.
 
+use super::between::{BETWEEN, weight};
 use super::interior::Interior;
 use super::limits::measure_rates;
 use super::points::{PointDynamics, Points};
 use super::rates::RateCosts;
-use super::refine::{BETWEEN, weight};
 use super::shape::{POINTS, WEIGHTS};
 use costate::EvalError;
 

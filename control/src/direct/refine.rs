@@ -1,5 +1,6 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
+use super::between::{BETWEEN, weight};
 use super::interior::Interior;
 use super::jumps::Jumps;
 use super::limits::measure;
@@ -12,22 +13,6 @@ use super::side::{Limited, Side};
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
-
-/// Places of an interval at which limits are checked between points: those of Gauss's rule with eight.
-pub(super) const BETWEEN: [f64; 8] = [
-    0.019_855_071_751_231_856,
-    0.101_666_761_293_186_64,
-    0.237_233_795_041_835_5,
-    0.408_282_678_752_175_1,
-    0.591_717_321_247_825,
-    0.762_766_204_958_164_5,
-    0.898_333_238_706_813_4,
-    0.980_144_928_248_768_1,
-];
-
-/// The weights of these places; the other half is the same in the opposite order.
-const WEIGHTS: [f64; 4] =
-    [0.050_614_268_145_188_13, 0.111_190_517_226_687_24, 0.156_853_322_938_943_65, 0.181_341_891_689_181];
 
 /// What a mesh does not resolve.
 #[derive(Clone, Debug, Default)]
@@ -104,8 +89,8 @@ impl Resolution {
     /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the
     /// metric of the effort; the square of the polynomial has the mean 1/7.
     ///
-    /// Where accelerations are continuous this holds for rates of torques and for jerks, and torques differ by
-    /// the integral of the polynomial, whose square has the mean 1/630, times the width.
+    /// Where accelerations are continuous this holds for rates of torques and for jerks, and torques differ
+    /// by the integral of the polynomial, whose square has the mean 1/630, times the width.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
@@ -306,9 +291,4 @@ fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
         chosen[k] = true;
         rest -= errors[k];
     }
-}
-
-/// The weight of a place between the points.
-pub(super) fn weight(at: usize) -> f64 {
-    WEIGHTS[at.min(BETWEEN.len() - 1 - at)]
 }

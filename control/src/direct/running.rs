@@ -46,7 +46,8 @@ impl Running {
         spline.time * (at_points + points.rates.cost(spline, &self.rates))
     }
 
-    /// l at a point without the costs of jerks and of rates of torques; infinite where tools cannot be evaluated.
+    /// l at a point without the costs of jerks and of rates of torques; infinite where tools cannot be
+    /// evaluated.
     pub fn rate(&mut self, z: &[f64], tau: &[f64]) -> f64 {
         let n = tau.len();
         let (q, v) = (&z[..n], &z[n..2 * n]);

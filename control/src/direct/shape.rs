@@ -8,13 +8,14 @@
 //! motion, and multipliers of torques are costates.
 //!
 //! Otherwise accelerations are continuous, and the position is the quintic with the positions and the first
-//! two derivatives of both ends. Now the jerk is the quadratic that may jump at the nodes, with as many values
-//! at Gauss's points as the quintic has coefficients beside the state (q, q', q'') at its left end. Jerks and
-//! rates of torques are limited there. The acceleration is a cubic without jumps: values at Gauss's points
-//! would not see one that is Legendre's polynomial of degree three on each interval, with a sign that changes
-//! from interval to interval. So everything else is evaluated at Lobatto's five points. Two intervals share
-//! the node between them, which leaves four new points for each interval, as many as Gauss's rule of the same
-//! order has. The torques at the five points have the rates of the polynomial of degree four through them.
+//! two derivatives of both ends. Now the jerk is the quadratic that may jump at the nodes, with as many
+//! values at Gauss's points as the quintic has coefficients beside the state (q, q', q'') at its left end.
+//! Jerks and rates of torques are limited there. The acceleration is a cubic without jumps: values at Gauss's
+//! points would not see one that is Legendre's polynomial of degree three on each interval, with a sign that
+//! changes from interval to interval. So everything else is evaluated at Lobatto's five points. Two intervals
+//! share the node between them, which leaves four new points for each interval, as many as Gauss's rule of
+//! the same order has. The torques at the five points have the rates of the polynomial of degree four through
+//! them.
 
 use crate::problem::Problem;
 

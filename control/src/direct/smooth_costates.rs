@@ -10,10 +10,10 @@ use super::shape::POINTS;
 
 /// From an iterate whose points are contracted.
 ///
-/// The state is (q, v, a). Its costate at a node is minus the derivative by it of the Lagrange function of what
-/// remains: the part that the interval to the right adds. An interval has no other unknowns than the states
-/// at its ends, so the derivative of its part by its duration, at constant states, is -H*. Between the nodes
-/// the costates of q and v are linear.
+/// The state is (q, v, a). Its costate at a node is minus the derivative by it of the Lagrange function of
+/// what remains: the part that the interval to the right adds. An interval has no other unknowns than the
+/// states at its ends, so the derivative of its part by its duration, at constant states, is -H*. Between the
+/// nodes the costates of q and v are linear.
 pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
     let (n, node, time, mesh) = (spline.dof, spline.node(), spline.time, &spline.mesh);

@@ -84,8 +84,8 @@ impl ChainMatrix {
         &mut self.node_rows[k * length..(k + 1) * length]
     }
 
-    /// Adds a multiple of the square of a row over the unknowns of interval `k`: inner ones, those of the left
-    /// and of the right node.
+    /// Adds a multiple of the square of a row over the unknowns of interval `k`: inner ones, those of the
+    /// left and of the right node.
     pub fn add_square(&mut self, k: usize, factor: f64, row: &[f64]) {
         let (node, inner, width) = (self.node, self.inner, self.inner_width());
         let (of_inner, left, right) = self.interval(k);

@@ -20,8 +20,8 @@ pub struct MotionLimits {
     pub torque_max: Option<Vec<f64>>,
     /// Limits of the jerks |dddot q| (rad/s^3, m/s^3). With them accelerations are continuous.
     pub jerk_max: Option<Vec<f64>>,
-    /// Limits of the rates of the torques and forces at the joints, |d tau/dt| (N m/s, N/s). With them torques
-    /// are continuous.
+    /// Limits of the rates of the torques and forces at the joints, |d tau/dt| (N m/s, N/s). With them
+    /// torques are continuous.
     pub torque_rate_max: Option<Vec<f64>>,
     /// Limits of the mechanical power |tau v| of each joint (W).
     pub power_max: Option<Vec<f64>>,

@@ -139,7 +139,7 @@ fn least_time() {
     assert_eq!(options.method, Method::Direct);
     let solution = Solver::new(&problem, options).unwrap().solve();
     check(&solution, 1.44097514, 1e-5);
-    kept(solution.limits.torque.as_ref(), 50.0, &["elbow"]);
+    kept(solution.limits.torque.as_ref(), 50.0, &["shoulder", "elbow"]);
 }
 
 /// H* is constant, and both H* and the costates are derivatives of the cost.
