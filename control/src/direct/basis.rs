@@ -36,21 +36,24 @@ const QUINTIC: [Powers; 6] = [
 impl Basis {
     /// At the part `x` of an interval of width `h`.
     pub fn at(shape: Shape, x: f64, h: f64) -> Self {
-        let (polynomials, degrees): (&[Powers], [i32; MOST_COEFFICIENTS]) = match shape {
+        let (polynomials, degrees): (&[Powers], [usize; MOST_COEFFICIENTS]) = match shape {
             Shape::Quartic => (&QUARTIC, [0, 0, 1, 0, 1, 0]),
             Shape::Quintic => (&QUINTIC, [0, 1, 2, 0, 1, 2]),
         };
+        let inverse = 1.0 / h;
+        // From h^-3 to h^2.
+        let scales = [inverse * inverse * inverse, inverse * inverse, inverse, 1.0, h, h * h];
         let mut rows = [[0.0; MOST_COEFFICIENTS]; 4];
         for (i, powers) in polynomials.iter().enumerate() {
-            let mut derivatives = [0.0; 4];
+            let [mut value, mut first, mut second, mut third] = [0.0; 4];
             for &power in powers.iter().rev() {
-                for order in (1..4).rev() {
-                    derivatives[order] = derivatives[order] * x + order as f64 * derivatives[order - 1];
-                }
-                derivatives[0] = derivatives[0] * x + power;
+                third = third * x + 3.0 * second;
+                second = second * x + 2.0 * first;
+                first = first * x + value;
+                value = value * x + power;
             }
-            for (order, row) in rows.iter_mut().enumerate() {
-                row[i] = derivatives[order] * h.powi(degrees[i] - order as i32);
+            for (order, (row, derivative)) in rows.iter_mut().zip([value, first, second, third]).enumerate() {
+                row[i] = derivative * scales[degrees[i] + 3 - order];
             }
         }
         Self { rows }
