@@ -373,6 +373,9 @@ pub(crate) mod direct {
     pub const MOVED_FROM: f64 = 0.5;
     /// .. so many times on one mesh.
     pub const MOVES: usize = 3;
+    /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
+    /// range are divided with those that have large errors.
+    pub const VIOLATION_OF_RATES: f64 = 0.01;
     /// A motion that exceeds a limit by more than this part of its range does not keep it.
     pub const VIOLATION_ACCEPTED: f64 = 1e-7;
     /// A limit is active where the distance to it is within this part of its range.
@@ -398,8 +401,10 @@ pub(crate) mod direct {
     /// Most parts into which an interval is divided at once.
     pub const MOST_PARTS: f64 = 4.0;
     /// Intervals below this part of the whole are not divided: rounding of positions would be large in their
-    /// accelerations.
+    /// accelerations..
     pub const NARROWEST: f64 = 1e-5;
+    /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
+    pub const ROUNDING_OF_RATES: f64 = 3e-8;
     /// Torques and accelerations that change by less than this part of their range over an interval do
     /// not jump in it.
     pub const LEAST_JUMP: f64 = 0.01;

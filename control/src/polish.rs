@@ -81,7 +81,8 @@ fn as_bounds(problem: &Problem, limits: &[JointLimits], found: &Solution) -> Res
     let LimitReport { position, rate, power, torque_speed, .. } = &found.limits;
     let uses = [position, rate, power, torque_speed].into_iter().flatten();
     let active = uses.into_iter().any(|usage| !usage.active.is_empty()) || problem.cost.has_energy();
-    if active || !problem.task.is_empty() || limits.iter().any(|limits| limits.a.is_finite()) {
+    let rates = problem.first_of_rates().is_some();
+    if active || rates || !problem.task.is_empty() || limits.iter().any(|limits| limits.a.is_finite()) {
         return Err(PolishOutcome::Limited);
     }
     let of = |side: usize| {
@@ -179,6 +180,8 @@ fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitR
         rate: none(&direct.rate),
         acceleration: None,
         torque: none(&direct.torque),
+        jerk: None,
+        torque_rate: None,
         power: none(&direct.power),
         torque_speed: none(&direct.torque_speed),
         task: None,

@@ -48,6 +48,13 @@ pub enum SensitivityError {
         /// What the problem asks of tools or bodies first.
         key: Key,
     },
+    /// The torques of the motion matter by their rates too, or its accelerations are continuous: these
+    /// derivatives are not computed.
+    #[error("{key}: derivatives of the cost are not computed with this; remove it")]
+    Rates {
+        /// What the problem limits, gives or what costs something first.
+        key: Key,
+    },
     /// The dynamics cannot be evaluated along the motion.
     #[error(transparent)]
     Evaluation(#[from] EvalError),
@@ -141,6 +148,9 @@ fn check(problem: &Problem, solution: &Solution, parameters: &ParameterSet) -> R
     }
     if *parameters.robot() != problem.robot {
         return Err(SensitivityError::OtherRobot { what: "parameters are those" });
+    }
+    if let Some(key) = problem.first_of_rates() {
+        return Err(SensitivityError::Rates { key });
     }
     let Some(key) = problem.task.first_key() else { return Ok(()) };
     let moving = parameters.parameters().iter().zip(parameters.names()).find(|(one, _)| moves_links(one));

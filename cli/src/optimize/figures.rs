@@ -42,6 +42,8 @@ pub fn limit_units(kind: &str) -> units::Units {
         "rate" => units::RATE,
         "acceleration" => units::ACCELERATION,
         "power" => units::POWER,
+        "jerk" => units::JERK,
+        "torque_rate" => units::EFFORT_RATE,
         _ => units::EFFORT,
     }
 }
@@ -144,6 +146,8 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "position" => "beyond position limits",
             "rate" => "beyond rate limits",
             "acceleration" => "beyond acceleration limits",
+            "jerk" => "beyond jerk limits",
+            "torque_rate" => "beyond torque-rate limits",
             "power" => "beyond power limits",
             "torque_speed" => "beyond torque-speed limits",
             "task" => "beyond tools and clearances",

@@ -18,10 +18,14 @@ pub fn criterion(problem: &Problem, solution: &Solution) -> String {
         weight => Some(format!("{} T", short(weight, 6))),
     };
     let energy = problem.cost.has_energy();
+    let costs = |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w != 0.0));
+    let (rate, jerk) = (costs(&problem.cost.torque_rate), costs(&problem.cost.jerk));
     let terms = [
         time,
         effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned()),
         energy.then(|| "\u{222b} \u{3a3} e\u{1d62} (\u{3c4}\u{1d62} v\u{1d62})\u{207a} dt".to_owned()),
+        rate.then(|| "\u{222b} \u{bd} \u{3a3} w\u{1d62} (d\u{3c4}\u{1d62}/dt)\u{b2} dt".to_owned()),
+        jerk.then(|| "\u{222b} \u{bd} \u{3a3} w\u{1d62} (da\u{1d62}/dt)\u{b2} dt".to_owned()),
     ];
     let terms: Vec<_> = terms.into_iter().flatten().collect();
     let minimum = match terms.is_empty() {
@@ -123,7 +127,11 @@ fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
         let (value, limit) = (short(worst.value, 4), short(worst.limit, 4));
         let whose = if name == "all joints" { name.clone() } else { format!("joint '{name}'") };
         // Where a motor drives fast, its torque is limited to less.
-        let what = if kind == "torque_speed" { "torque" } else { kind };
+        let what = match kind {
+            "torque_speed" => "torque",
+            "torque_rate" => "rate of the torque",
+            kind => kind,
+        };
         format!(
             "the {what} of {whose} would have to be {value} {unit} instead of {limit} {unit} at t = {time} s"
         )

@@ -68,6 +68,9 @@ impl Parameter {
         if problem.cost.has_energy() {
             return refuse(ContinuationCause::Energy);
         }
+        if problem.first_of_rates().is_some() {
+            return refuse(ContinuationCause::Rates);
+        }
         let mut changed = problem.clone();
         match (self, &mut changed) {
             (Self::PenaltyWeight, Problem { penalty: Some(penalty), .. }) => penalty.weight = value,

@@ -84,7 +84,10 @@ impl<D: PointDynamics> Interior<D> {
             self.barrier.multiplier[at] = self.barrier.multiplier[at].clamp(near[0], near[1]);
         }
         self.figures.gap = self.barrier.complementarity();
-        debug_assert_eq!(self.spline.unknowns.len(), Spline::size(n, self.spline.mesh.intervals()));
+        debug_assert_eq!(
+            self.spline.unknowns.len(),
+            Spline::size(n, self.spline.mesh.intervals(), self.spline.mesh.shape)
+        );
         Ok(())
     }
 
@@ -100,18 +103,6 @@ impl<D: PointDynamics> Interior<D> {
                 }
             }
         }
-    }
-
-    /// Torques, rows and distances of this motion.
-    fn evaluate(&mut self) -> Result<(), EvalError> {
-        self.spline.evaluate(&mut self.points.z);
-        self.dynamics.evaluate(&mut self.points)?;
-        self.tasks.evaluate(&mut self.points)?;
-        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
-        let mut distance = std::mem::take(&mut self.barrier.distance);
-        self.barrier.measure(&self.spline, &self.points, &mut distance);
-        self.barrier.distance = distance;
-        Ok(())
     }
 
     /// Begins the motion later by `dt` (s). With a free time the rest remains; with a fixed one the motion
@@ -143,7 +134,7 @@ impl<D: PointDynamics> Interior<D> {
         for k in 0..old.mesh.intervals() {
             let h = old.mesh.width(k);
             let (_, ends) = new.of_interval(&new.unknowns, k);
-            Basis::at(0.5, h).combine(n, &again.none, ends, &mut again.z);
+            Basis::at(old.mesh.shape, 0.5, h).combine(n, &again.none, ends, &mut again.z);
             let bubble = 2 * n * nodes.len() + n * k;
             let bubble = &mut new.unknowns[bubble..bubble + n];
             bubble.iter_mut().zip(&again.z).for_each(|(bubble, cubic)| *bubble = -cubic);
@@ -210,7 +201,7 @@ fn beyond(spline: &Spline, s: f64, scale: f64, z: &mut [f64]) {
     let n = spline.dof;
     let (k, x) = spline.mesh.place(s.min(1.0));
     let (inner, ends) = spline.of_interval(&spline.unknowns, k);
-    Basis::at(x, spline.mesh.width(k)).combine(n, inner, ends, z);
+    Basis::at(spline.mesh.shape, x, spline.mesh.width(k)).combine(n, inner, ends, z);
     let (q, rates) = z.split_at_mut(n);
     for (q, rate) in q.iter_mut().zip(rates) {
         *q += (s - 1.0).max(0.0) * *rate;

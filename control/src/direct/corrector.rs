@@ -7,7 +7,6 @@
 //! primal-dual method for linear programming, Computational Optimization and Applications 6, 1996, pages
 //! 137-156).
 
-use super::basis::POINTS;
 use super::ends::Ends;
 use super::interior::Interior;
 use super::interval::add_gradient;
@@ -22,7 +21,8 @@ use crate::numerics::chain::dot;
 impl<D: PointDynamics> Interior<D> {
     /// Corrects the step for the barrier that was chosen, as long as that makes it longer.
     pub(super) fn correct(&mut self) {
-        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() {
+        let smooth = self.spline.mesh.shape.is_smooth();
+        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() || smooth {
             return;
         }
         let mut reached = self.steps_of(self.mu);
@@ -119,13 +119,14 @@ impl System {
             }
             work.differentiate_in_time(points.z(p), inverse);
             self.time_correction += dot(&work.z[0], &work.z_t);
-            let factors = spline.mesh.basis[p].in_time(inverse);
-            add_gradient(spline, p / POINTS, &factors, &work.z[0], &mut self.correction);
+            let (k, j) = spline.mesh.interval_of(p);
+            let factors = spline.mesh.basis(k, j).in_time(inverse);
+            add_gradient(spline, k, &factors, &work.z[0], &mut self.correction);
         }
         for k in 0..spline.mesh.nodes.len() {
             for at in barrier.at_node(k) {
                 let side = barrier.side(at);
-                let (value, i) = (of(at, side.sign), 2 * n * k + side.index(n));
+                let (value, i) = (of(at, side.sign), spline.node() * k + side.index(n));
                 let is_rate = side.limited == Limited::Rate;
                 self.correction[i] += if is_rate { inverse * value } else { value };
                 if is_rate {
@@ -133,8 +134,8 @@ impl System {
                 }
             }
         }
-        for (k, i, tangent) in ends.all(spline.mesh.intervals()) {
-            let at = 2 * n * k + i;
+        for (k, i, tangent) in ends.all(spline.mesh.intervals(), spline.time) {
+            let at = spline.node() * k + i;
             self.time_correction += tangent * self.correction[at];
             self.correction[at] = 0.0;
         }

@@ -1,10 +1,10 @@
 //! Costates of a motion from the multipliers of the direct method.
 
-use super::basis::{COEFFICIENTS, PLACES, POINTS};
 use super::interior::Interior;
 use super::interval::add_gradient;
 use super::point_terms::Work;
 use super::points::PointDynamics;
+use super::shape::{PLACES, POINTS};
 use super::side::Limited;
 
 /// Costates of (q, v), 2n a row, and H*.
@@ -40,9 +40,9 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
     let mut gradient = vec![0.0; spline.unknowns.len()];
     for k in 0..mesh.intervals() {
         gradient.fill(0.0);
-        for p in POINTS * k..POINTS * (k + 1) {
+        for (j, p) in (POINTS * k..POINTS * (k + 1)).enumerate() {
             work.collect(p, false, spline, &interior.points, &interior.barrier, &mut interior.running);
-            add_gradient(spline, k, &mesh.basis[p].in_time(1.0 / time), &work.z[0], &mut gradient);
+            add_gradient(spline, k, &mesh.basis(k, j).in_time(1.0 / time), &work.z[0], &mut gradient);
         }
         let state = |k: usize, sign: f64| -> Vec<f64> {
             let scale = |i: usize| if i < n { sign } else { sign * time };
@@ -120,7 +120,7 @@ fn mass_times(tau_z: &[f64], y: &[f64]) -> Vec<f64> {
 }
 
 /// Derivatives at place `j` of the Lagrange polynomials of the places 0, [`PLACES`], 1 of an interval.
-fn slopes(j: usize) -> [f64; COEFFICIENTS] {
+fn slopes(j: usize) -> [f64; POINTS + 2] {
     let [a, b, c] = PLACES;
     let places = [0.0, a, b, c, 1.0];
     std::array::from_fn(|l| {

@@ -81,7 +81,9 @@ impl<D: PointDynamics> Interior<D> {
     pub fn slow_down(&mut self, time: f64) {
         let n = self.spline.dof;
         self.spline.time = time;
-        for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals()).filter(|(_, i, _)| *i >= n) {
+        for (k, i, tangent) in
+            self.ends.all(self.spline.mesh.intervals(), self.spline.time).filter(|(_, i, _)| *i >= n)
+        {
             self.spline.unknowns[2 * n * k + i] = tangent * time;
         }
     }

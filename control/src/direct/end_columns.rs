@@ -1,5 +1,6 @@
 //! What Newton's equations have for the given ends, before these are taken out of them.
 
+use super::shape::Shape;
 use crate::numerics::chain::ChainMatrix;
 
 /// The columns of K for the states of both end nodes, with the entries of other vectors there.
@@ -20,15 +21,16 @@ pub(super) struct EndColumns {
 
 impl EndColumns {
     /// Room for n joints.
-    pub fn new(n: usize) -> Self {
-        let matrix = || ChainMatrix::new(2 * n, n);
+    pub fn new(n: usize, shape: Shape) -> Self {
+        let (node, inner) = (shape.node() * n, shape.inner() * n);
+        let matrix = || ChainMatrix::new(node, inner);
         Self {
             intervals: [matrix(), matrix()],
             border: Default::default(),
             gradient: Vec::new(),
             count: 0,
-            node: 2 * n,
-            inner: n,
+            node,
+            inner,
         }
     }
 

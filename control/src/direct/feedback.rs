@@ -1,6 +1,6 @@
 //! How an optimal motion changes with its ends: what a controller needs near it.
 
-use super::basis::{PLACES, POINTS};
+use super::shape::{PLACES, POINTS};
 
 /// Derivatives of an optimal motion by its start and its end, at its points: neighbouring optimal feedback.
 ///

@@ -1,9 +1,10 @@
 //! What the direct method found: the motion with its costates at all nodes and points.
 
-use super::basis::POINTS;
-use super::costates::costates;
+use super::costates::{Costates, costates};
 use super::interior::Interior;
 use super::points::PointDynamics;
+use super::shape::POINTS;
+use super::smooth_costates::smooth_costates;
 use crate::problem::Problem;
 use crate::problem::limits::JointLimits;
 use crate::result::trajectory::Trajectory;
@@ -19,6 +20,9 @@ pub(super) fn trajectory<D: PointDynamics>(
     interior: &mut Interior<D>,
 ) -> Result<Trajectory, EvalError> {
     interior.refresh()?;
+    if interior.spline.mesh.shape.is_smooth() {
+        return smooth_trajectory(problem, interior);
+    }
     let costates = costates(interior);
     let (spline, points) = (&interior.spline, &interior.points);
     let mut rows = Rows::new(problem);
@@ -45,8 +49,22 @@ pub(super) fn trajectory<D: PointDynamics>(
             )?;
         }
     }
-    let trajectory = Trajectory::from_rows(rows.times, rows.columns).with_hamiltonian(rows.hamiltonian);
-    Ok(trajectory.with_accelerations(rows.accelerations))
+    Ok(rows.trajectory())
+}
+
+/// The same where nothing jumps at nodes, which are points.
+fn smooth_trajectory<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+) -> Result<Trajectory, EvalError> {
+    let Costates { at_points, hamiltonian, .. } = smooth_costates(interior);
+    let (spline, points) = (&interior.spline, &interior.points);
+    let mut rows = Rows::new(problem);
+    for (p, (costate, hamiltonian)) in at_points.into_iter().zip(hamiltonian).enumerate() {
+        let time = spline.mesh.point(p).0 * spline.time;
+        rows.add(time, points.z(p), points.tau(p), costate, hamiltonian)?;
+    }
+    Ok(rows.trajectory())
 }
 
 /// q, v, a.
@@ -80,6 +98,11 @@ impl<'a> Rows<'a> {
             hamiltonian: Vec::new(),
             accelerations: Vec::new(),
         }
+    }
+
+    fn trajectory(self) -> Trajectory {
+        let trajectory = Trajectory::from_rows(self.times, self.columns).with_hamiltonian(self.hamiltonian);
+        trajectory.with_accelerations(self.accelerations)
     }
 
     /// Adds a time: torques cut to their limits, costates of (q, v) as those of (q, p).

@@ -1,5 +1,6 @@
 //! Where the direct method begins.
 
+use super::shape::Shape;
 use super::spline::{Mesh, Spline};
 use crate::path::cubics::{Cubics, Disturbance};
 use crate::problem::Problem;
@@ -20,7 +21,7 @@ pub(super) fn guess(
     let cubics = Cubics { problem, disturbance, goal: 1.0 };
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
     // q and dq/ds at a place.
-    let state = |s: f64, q: &mut [f64], rate: &mut [f64]| {
+    let at = |s: f64, q: &mut [f64], rate: &mut [f64]| {
         let found = saved.zip(duration).and_then(|(saved, duration)| {
             Some((saved.at((saved.t[0] + s * duration).min(*saved.t.last()?))?, duration))
         });
@@ -38,7 +39,22 @@ pub(super) fn guess(
         }
     };
     let nodes = (0..=intervals).map(|k| k as f64 / intervals as f64).collect();
-    let mut spline = Spline::through(n, Mesh::new(nodes), duration.unwrap_or(time), state);
+    // The second derivative is that of rates around the place: for a guess as good as the exact one.
+    let step = NEIGHBOUR / intervals as f64;
+    let (mut q, mut before, mut after) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let state = |s: f64, z: &mut [f64]| {
+        let (left, right) = ((s - step).max(0.0), (s + step).min(1.0));
+        at(left, &mut q, &mut before);
+        at(right, &mut q, &mut after);
+        let (position, rates) = z.split_at_mut(n);
+        let (rate, curvature) = rates.split_at_mut(n);
+        at(s, position, rate);
+        for ((to, before), after) in curvature.iter_mut().zip(&before).zip(&after) {
+            *to = (after - before) / (right - left);
+        }
+    };
+    let mesh = Mesh::new(nodes, Shape::of(problem));
+    let mut spline = Spline::through(n, mesh, duration.unwrap_or(time), state);
     if matches!(problem.time, crate::problem::FinalTime::Fixed(_)) {
         spline.time = time;
     }
@@ -46,16 +62,25 @@ pub(super) fn guess(
     spline
 }
 
-/// Puts the given positions and rates of both ends into the unknowns.
+/// Distance of the places at which rates are compared, in parts of an interval.
+const NEIGHBOUR: f64 = 0.25;
+
+/// Puts the given positions, rates and accelerations of both ends into the unknowns.
 fn meet_ends(problem: &Problem, spline: &mut Spline) {
-    let (n, time, last) = (spline.dof, spline.time, 2 * spline.dof * spline.mesh.intervals());
-    for (end, offset) in [(&problem.start, 0), (&problem.end, last)] {
+    let (n, time) = (spline.dof, spline.time);
+    let offsets = [0, 1].map(|end| spline.end_unknowns(end).start);
+    for (end, offset) in [&problem.start, &problem.end].into_iter().zip(offsets) {
         for i in 0..n {
             if !end.q_free.contains(&i) {
                 spline.unknowns[offset + i] = end.q[i];
             }
             if !end.v_free.contains(&i) {
                 spline.unknowns[offset + n + i] = time * end.v[i];
+            }
+        }
+        if let Some(a) = &end.a {
+            for (i, a) in a.iter().enumerate() {
+                spline.unknowns[offset + 2 * n + i] = time * time * a;
             }
         }
     }

@@ -42,6 +42,8 @@ pub(crate) struct Interior<D> {
     pub figures: Figures,
     /// Least size of the cost.
     pub(super) least_size: f64,
+    /// Violations that may be rounding.
+    pub(super) least_violation: f64,
     pub(super) system: System,
     /// How far limits give; not at all outside of the elastic phase.
     pub(super) relaxation: Relaxation,
@@ -78,10 +80,13 @@ pub(super) struct Trial {
     pub multiplier_step: Vec<f64>,
     /// Change of z at a point.
     pub dz: Vec<f64>,
+    /// Changes of the torques of an interval, of jerks and of rates of torques.
+    pub torques: Vec<f64>,
+    pub rates: [Vec<f64>; 2],
 }
 
 impl<D: PointDynamics> Interior<D> {
-    /// `sides` are the limits of positions, rates, accelerations and torques.
+    /// `sides` are the limits of positions, rates, accelerations, torques, jerks and rates of torques.
     pub fn new(
         spline: Spline,
         mut sides: Vec<Side>,
@@ -91,7 +96,7 @@ impl<D: PointDynamics> Interior<D> {
         ends: Ends,
         dynamics: D,
     ) -> Self {
-        let n = spline.dof;
+        let (n, shape) = (spline.dof, spline.mesh.shape);
         sides.extend(powers.sides());
         sides.extend(tasks.sides());
         Self {
@@ -103,7 +108,8 @@ impl<D: PointDynamics> Interior<D> {
             dynamics,
             figures: Figures::default(),
             least_size: 0.0,
-            system: System::new(n, [tasks.rows(), powers.rows()]),
+            least_violation: constants::VIOLATION_AT_POINTS,
+            system: System::new(n, shape, [tasks.rows(), powers.rows()]),
             tasks,
             powers,
             relaxation: Relaxation::default(),
@@ -139,14 +145,8 @@ impl<D: PointDynamics> Interior<D> {
             self.dynamics.contract(&mut self.points)?;
             self.least_size = self.small_cost();
         }
-        self.dynamics.evaluate(&mut self.points)?;
-        self.tasks.evaluate(&mut self.points)?;
-        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
-        self.powers.evaluate(&mut self.points);
         self.barrier.resize(&self.spline.mesh, &self.ends);
-        let mut distance = std::mem::take(&mut self.barrier.distance);
-        self.barrier.measure(&self.spline, &self.points, &mut distance);
-        self.barrier.distance = distance;
+        self.evaluate()?;
         self.measure_cost();
         self.barrier.stiffness = constants::STIFFNESS * self.figures.size;
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
@@ -163,7 +163,22 @@ impl<D: PointDynamics> Interior<D> {
             self.barrier.multiplier[at] = if slack > 0.0 { self.mu * weight / slack } else { 0.0 };
         }
         self.damping = 0.0;
+        self.least_violation = self.find_least_violation();
         self.measure_figures();
+        Ok(())
+    }
+
+    /// Values at the points of the motion, and distances to all limits.
+    pub(super) fn evaluate(&mut self) -> Result<(), EvalError> {
+        self.spline.evaluate(&mut self.points.z);
+        self.dynamics.evaluate(&mut self.points)?;
+        self.tasks.evaluate(&mut self.points)?;
+        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
+        self.powers.evaluate(&mut self.points);
+        self.points.evaluate_rates(&self.spline);
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(&self.spline, &self.points, &mut distance);
+        self.barrier.distance = distance;
         Ok(())
     }
 
@@ -253,7 +268,7 @@ impl<D: PointDynamics> Interior<D> {
     fn is_solved(&self, tolerance: f64) -> bool {
         let Figures { size, gap, violation, decrement, .. } = self.figures;
         let scale = tolerance * size;
-        decrement.abs() <= scale && gap <= scale && violation <= constants::VIOLATION_AT_POINTS
+        decrement.abs() <= scale && gap <= scale && violation <= self.least_violation
     }
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares
@@ -261,7 +276,8 @@ impl<D: PointDynamics> Interior<D> {
     fn has_squares_alone(&self) -> bool {
         let barrier = &self.barrier;
         let equations = barrier.sides().iter().any(|side| side.is_equation) || !barrier.at_ends().is_empty();
-        self.running.effort.iter().any(|weight| *weight > 0.0) && !equations
+        let smooth = self.spline.mesh.shape.is_smooth();
+        self.running.effort.iter().any(|weight| *weight > 0.0) && !equations && !smooth
     }
 
     pub(super) fn assemble(&mut self) {

@@ -2,9 +2,10 @@
 
 use super::super::ends::Ends;
 use super::super::guess::guess;
-use super::super::points::{PointDynamics, RobotPoints};
+use super::super::points::RobotPoints;
 use super::super::power::Powers;
 use super::super::running::Running;
+use super::super::shape::Shape;
 use super::super::side::{Limited, Side};
 use super::super::tasks::Tasks;
 use super::Interior;
@@ -15,7 +16,7 @@ use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
-pub(in super::super) fn started() -> Interior<RobotPoints> {
+pub(in super::super) fn started(shape: Shape) -> Interior<RobotPoints> {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
     problem.time = FinalTime::Free { guess: 1.2 };
@@ -26,7 +27,11 @@ pub(in super::super) fn started() -> Interior<RobotPoints> {
         .with_torque_max(vec![1.1; 2])
         .with_torque_speed(vec![0.3; 2], vec![1.2; 2]);
     problem.start.v = vec![0.3, -0.2];
-    let kinds = [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
+    let mut kinds = vec![Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
+    if shape.is_smooth() {
+        problem.start.a = Some(vec![0.2, 0.1]);
+        kinds.extend([Limited::Jerk, Limited::TorqueRate]);
+    }
     let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.1, 1.1));
     let sides = kinds.into_iter().flat_map(pair).collect();
     let spline = guess(&problem, None, &Disturbance::default(), 3);
@@ -49,7 +54,7 @@ pub(in super::super) fn started() -> Interior<RobotPoints> {
 
 #[test]
 fn slacks_and_multipliers_begin_on_the_central_path() {
-    let interior = started();
+    let interior = started(Shape::Quartic);
     let barrier = &interior.barrier;
     assert!(interior.figures.violation > 0.1, "the guess exceeds a limit");
     let nodes = interior.spline.mesh.nodes.len();
@@ -79,8 +84,17 @@ fn slacks_and_multipliers_begin_on_the_central_path() {
 }
 
 #[test]
-fn steps_are_those_of_the_linearised_conditions() {
-    let mut interior = started();
+fn steps_where_accelerations_jump() {
+    steps_are_those_of_the_linearised_conditions(Shape::Quartic);
+}
+
+#[test]
+fn steps_where_accelerations_are_continuous() {
+    steps_are_those_of_the_linearised_conditions(Shape::Quintic);
+}
+
+fn steps_are_those_of_the_linearised_conditions(shape: Shape) {
+    let mut interior = started(shape);
     interior.refresh().unwrap();
     interior.system.assemble(
         &interior.spline,
@@ -101,13 +115,12 @@ fn steps_are_those_of_the_linearised_conditions() {
             let pairs = spline.unknowns.iter_mut().zip(&interior.steps[part]);
             pairs.for_each(|(unknown, dx)| *unknown += factor * dx);
             spline.time += factor * interior.time_steps[part];
-            spline.evaluate(&mut interior.points.z);
-            interior.dynamics.evaluate(&mut interior.points).unwrap();
-            interior.tasks.evaluate(&mut interior.points).unwrap();
-            interior.tasks.evaluate_ends(&spline, &mut interior.points).unwrap();
-            interior.powers.evaluate(&mut interior.points);
-            let mut distance = vec![0.0; interior.barrier.count()];
-            interior.barrier.measure(&spline, &interior.points, &mut distance);
+            interior.ends.put_accelerations(&mut spline);
+            interior.spline = spline;
+            interior.evaluate().unwrap();
+            let distance = interior.barrier.distance.clone();
+            interior.spline = base.clone();
+            interior.evaluate().unwrap();
             distance
         };
         let (above, below) = (along(1.0), along(-1.0));
@@ -144,7 +157,7 @@ fn steps_are_those_of_the_linearised_conditions() {
 
 #[test]
 fn corrections_bring_products_closer_to_the_central_path() {
-    let mut interior = started();
+    let mut interior = started(Shape::Quartic);
     interior.refresh().unwrap();
     interior.assemble();
     assert!(interior.factorise(1.0));
@@ -184,7 +197,7 @@ fn corrections_bring_products_closer_to_the_central_path() {
 
 #[test]
 fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
-    let mut interior = started();
+    let mut interior = started(Shape::Quartic);
     let side = interior.barrier.sides().iter().position(|side| side.limited == Limited::Rate).unwrap();
     let before = interior.barrier.distance.clone();
     interior.barrier.move_inside(1, side, 0.01);

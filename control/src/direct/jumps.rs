@@ -1,8 +1,10 @@
 //! Where torques and accelerations jump inside of intervals.
 
-use super::basis::{PLACES, POINTS, WEIGHTS};
 use super::points::Points;
+use super::shape::{PLACES, POINTS, Shape, WEIGHTS};
+use super::side::{Limited, Side};
 use crate::constants::direct as constants;
+use std::ops::Range;
 
 /// A value on an interval: the quadratic through the points.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,7 +33,8 @@ impl Piece {
     }
 }
 
-/// Torques, then accelerations, of all intervals as quadratics.
+/// Torques, then accelerations, of all intervals as quadratics; where these are continuous their rates: rates
+/// of torques, then jerks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Jumps {
     /// Values of an interval: torques and accelerations of all joints.
@@ -41,6 +44,8 @@ pub(super) struct Jumps {
     widths: Vec<f64>,
     /// Largest less smallest value along the motion.
     range: Vec<f64>,
+    /// Where accelerations are continuous: the values that limits make jump.
+    limited: Option<Range<usize>>,
 }
 
 /// Where an interval is to be cut.
@@ -53,10 +58,27 @@ pub(super) struct Cut {
 }
 
 impl Jumps {
-    /// Takes the torques and accelerations at the points of a motion on intervals of these widths.
-    pub fn measure(&mut self, points: &Points, widths: impl Iterator<Item = f64>) {
+    /// Takes the values at Gauss's points of a motion on intervals of these widths; `rates` are the limits of
+    /// jerks and rates of torques.
+    pub fn measure(
+        &mut self,
+        points: &Points,
+        shape: Shape,
+        rates: &[Side],
+        widths: impl Iterator<Item = f64>,
+    ) {
         let n = points.dof;
-        let value = |p: usize, i: usize| if i < n { points.tau(p)[i] } else { points.z(p)[n + i] };
+        let any = |limited| rates.iter().any(|side| side.limited == limited);
+        self.limited = shape.is_smooth().then(|| {
+            let first = if any(Limited::TorqueRate) { 0 } else { n };
+            first..if any(Limited::Jerk) { 2 * n } else { n }
+        });
+        let value = |p: usize, i: usize| match (shape.is_smooth(), i < n) {
+            (false, true) => points.tau(p)[i],
+            (false, false) => points.z(p)[n + i],
+            (true, true) => points.rates.torque[n * p + i],
+            (true, false) => points.rates.jerk[n * p + i - n],
+        };
         self.count = 2 * n;
         self.widths.clear();
         self.widths.extend(widths);
@@ -67,7 +89,7 @@ impl Jumps {
         }
         self.range.clear();
         self.range.extend((0..2 * n).map(|i| {
-            let values = || (0..points.count()).map(|p| value(p, i));
+            let values = || (0..POINTS * self.widths.len()).map(|p| value(p, i));
             values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
         }));
     }
@@ -88,7 +110,7 @@ impl Jumps {
         jumps.reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// The mean square of the jumps of torque i at both ends of an interval; without that of an end at which
+    /// The mean square of the jumps of value i at both ends of an interval; without that of an end at which
     /// the exact motion jumps, as is likely if one is large and much larger than the other. The first and the
     /// last interval have one jump, which counts.
     pub fn mean_square(&self, k: usize, i: usize) -> f64 {
@@ -109,7 +131,7 @@ impl Jumps {
         if k == 0 || k + 1 == self.widths.len() {
             return cuts;
         }
-        for i in 0..self.count {
+        for i in self.limited.clone().unwrap_or(0..self.count) {
             let Some(place) = self.jump(k, i) else { continue };
             // Accelerations of all joints jump with a torque.
             if cuts.iter().any(|cut| (cut.place - place).abs() < constants::SAME_JUMP) {
@@ -153,11 +175,13 @@ impl Jumps {
         (NEAREST..=1.0 - NEAREST).contains(&place).then_some(place)
     }
 
-    /// Whether the torque of another joint than that of value `i` jumps at a node.
+    /// Whether the torque of another joint than that of value `i` jumps at a node; where accelerations are
+    /// continuous, the rate of its torque or its jerk, whatever the value is.
     fn is_needed(&self, node: usize, i: usize) -> bool {
         let n = self.count / 2;
+        let first = if self.limited.is_some() { i / n * n } else { 0 };
         let jumps = |l: usize| self.at_node(node, l).map_or(0.0, f64::abs);
-        (0..n).any(|l| l != i % n && jumps(l) > constants::NEEDED * self.range[l])
+        (first..first + n).any(|l| l % n != i % n && jumps(l) > constants::NEEDED * self.range[l])
     }
 }
 
@@ -177,7 +201,7 @@ mod tests {
         points.resize_values(1, [0; 2], tau.len());
         points.tau.copy_from_slice(tau);
         let mut jumps = Jumps::default();
-        jumps.measure(&points, (0..tau.len() / POINTS).map(|_| 0.1));
+        jumps.measure(&points, Shape::Quartic, &[], (0..tau.len() / POINTS).map(|_| 0.1));
         jumps
     }
 

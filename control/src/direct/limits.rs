@@ -1,8 +1,8 @@
 //! Hard limits at the points, nodes and ends of a motion, one side at a time.
 
-use super::basis::POINTS;
 use super::ends::Ends;
 use super::points::Points;
+use super::shape::POINTS;
 use super::side::{Limited, Side};
 use super::spline::{Mesh, Spline};
 use std::ops::Range;
@@ -12,7 +12,8 @@ use std::ops::Range;
 const NODE_WEIGHT: f64 = 0.1;
 
 /// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
-/// point p; then those of positions and rates at the nodes; then the rows of tasks at both ends.
+/// point p; then those of positions and rates at the nodes, unless these are points; then those of jerks and
+/// rates of torques at Gauss's points; then the rows of tasks at both ends.
 ///
 /// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a
 /// solution. A side that is off (that of an end that is given) has an infinite slack and neither
@@ -23,13 +24,16 @@ const NODE_WEIGHT: f64 = 0.1;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Barrier {
     sides: Vec<Side>,
-    /// Number of sides of positions and rates, which come first.
+    /// Sides of jerks and rates of torques.
+    rates: Vec<Side>,
+    /// Number of sides of positions and rates, which come first, at a node; none where nodes are points.
     states: usize,
     /// Rows of tasks at the start, then at the end.
     at_ends: Vec<Side>,
     /// How many of them are at the start.
     at_start: usize,
     points: usize,
+    gauss_points: usize,
     intervals: usize,
     /// Sum of the weights of all limits without the equations.
     total_weight: f64,
@@ -53,8 +57,8 @@ impl Barrier {
     /// Without entries; `at_ends` has the sides at the start and at the end.
     pub fn new(mut sides: Vec<Side>, at_ends: [Vec<Side>; 2]) -> Self {
         sides.sort_by_key(|side| side.limited);
-        let states = sides.partition_point(|side| side.limited < Limited::Acceleration);
-        Self { sides, states, at_start: at_ends[0].len(), at_ends: at_ends.concat(), ..Self::default() }
+        let rates = sides.split_off(sides.partition_point(|side| side.limited < Limited::Jerk));
+        Self { sides, rates, at_start: at_ends[0].len(), at_ends: at_ends.concat(), ..Self::default() }
     }
 
     /// The same without entries, each equation along the motion as two limits.
@@ -88,15 +92,16 @@ impl Barrier {
     /// Room for the entries of a mesh, with their weights.
     pub fn resize(&mut self, mesh: &Mesh, ends: &Ends) {
         self.points = mesh.points();
+        self.gauss_points = mesh.gauss_points();
         self.intervals = mesh.intervals();
+        self.states = match mesh.shape.is_smooth() {
+            true => 0,
+            false => self.sides.partition_point(|side| side.limited < Limited::Acceleration),
+        };
         self.weight.clear();
         for p in 0..mesh.points() {
             let weight = mesh.point(p).1;
-            // The end holds equations already; with a point beside it there would be one too many.
-            let is_given =
-                [(0, 0), (mesh.points() - 1, 1)].iter().any(|&(at, end)| p == at && ends.keeps(end));
-            let equation = |side: &Side| side.limited == Limited::Task && (side.is_equation || side.is_half);
-            let on = |side: &Side| !(equation(side) && is_given);
+            let on = |side: &Side| !ends.is_settled(mesh, p, side);
             self.weight.extend(self.sides.iter().map(|side| if on(side) { weight } else { 0.0 }));
         }
         let last = mesh.intervals();
@@ -108,6 +113,10 @@ impl Barrier {
                 Some(end) if ends.is_given(end, side) => 0.0,
                 _ => NODE_WEIGHT * (left + right),
             }));
+        }
+        for p in 0..mesh.gauss_points() {
+            let weight = mesh.gauss_point(p).1;
+            self.weight.extend(self.rates.iter().map(|_| weight));
         }
         self.weight.extend(self.at_ends.iter().map(|_| 1.0));
         let limits = (0..self.weight.len()).filter(|&at| !self.side(at).is_equation);
@@ -123,9 +132,14 @@ impl Barrier {
         }
     }
 
-    /// All sides, those of positions and rates first.
+    /// The sides at the points, those of positions and rates first.
     pub fn sides(&self) -> &[Side] {
         &self.sides
+    }
+
+    /// The sides of jerks, then those of rates of torques.
+    pub fn rate_sides(&self) -> &[Side] {
+        &self.rates
     }
 
     /// Number of entries.
@@ -144,6 +158,12 @@ impl Barrier {
         first..first + self.states
     }
 
+    /// The entries of one of Gauss's points: the sides of jerks and rates of torques.
+    pub fn at_gauss_point(&self, p: usize) -> Range<usize> {
+        let first = self.first_of_rates() + self.rates.len() * p;
+        first..first + self.rates.len()
+    }
+
     /// The entries of the rows at both ends: equations, one side a row.
     pub fn at_ends(&self) -> Range<usize> {
         self.first_at_ends()..self.weight.len()
@@ -159,8 +179,12 @@ impl Barrier {
         usize::from(at >= self.first_at_ends() + self.at_start)
     }
 
-    fn first_at_ends(&self) -> usize {
+    fn first_of_rates(&self) -> usize {
         self.sides.len() * self.points + self.states * (self.intervals + 1)
+    }
+
+    fn first_at_ends(&self) -> usize {
+        self.first_of_rates() + self.rates.len() * self.gauss_points
     }
 
     /// Number of points.
@@ -168,20 +192,23 @@ impl Barrier {
         self.points
     }
 
-    /// The number of the side of an entry; `None` for a row at an end.
+    /// The number of the side of an entry, those of jerks and rates of torques after the others; `None` for a
+    /// row at an end.
     pub fn side_index(&self, at: usize) -> Option<usize> {
-        let nodes = self.sides.len() * self.points;
+        let (nodes, rates) = (self.sides.len() * self.points, self.first_of_rates());
         if at < nodes {
             Some(at % self.sides.len())
+        } else if at < rates {
+            Some((at - nodes) % self.states)
         } else {
-            (at < self.first_at_ends()).then(|| (at - nodes) % self.states)
+            (at < self.first_at_ends()).then(|| self.sides.len() + (at - rates) % self.rates.len())
         }
     }
 
     /// The side of an entry.
     pub fn side(&self, at: usize) -> &Side {
         match self.side_index(at) {
-            Some(index) => &self.sides[index],
+            Some(index) => self.sides.get(index).unwrap_or_else(|| &self.rates[index - self.sides.len()]),
             None => &self.at_ends[at - self.first_at_ends()],
         }
     }
@@ -196,8 +223,10 @@ impl Barrier {
         let nodes = self.sides.len() * self.points;
         if at < nodes {
             spline.mesh.point(at / self.sides.len()).0
-        } else if at < self.first_at_ends() {
+        } else if at < self.first_of_rates() {
             spline.mesh.nodes[(at - nodes) / self.states]
+        } else if at < self.first_at_ends() {
+            spline.mesh.gauss_point((at - self.first_of_rates()) / self.rates.len()).0
         } else {
             self.end_of(at) as f64
         }
@@ -253,15 +282,17 @@ impl Barrier {
         for ((distance, side), g) in at_ends.iter_mut().zip(&self.at_ends).zip(&points.ends.g) {
             *distance = side.sign * (g - side.bound);
         }
+        let (others, of_rates) = others.split_at_mut(self.first_of_rates());
+        let n = points.dof;
+        let values = points.rates.jerk.chunks_exact(n).zip(points.rates.torque.chunks_exact(n));
+        measure_rates(&self.rates, values, of_rates);
         if self.sides.is_empty() {
             return;
         }
-        let n = points.dof;
         let (at_points, at_nodes) = others.split_at_mut(self.sides.len() * points.count());
         measure(&self.sides, points, at_points);
-        let rate = 1.0 / spline.time;
-        let nodes = at_nodes.chunks_exact_mut(self.states.max(1)).zip(spline.unknowns.chunks(2 * n));
-        for (distance, state) in nodes {
+        let (rate, states) = (1.0 / spline.time, spline.unknowns.chunks(spline.node()));
+        for (distance, state) in at_nodes.chunks_exact_mut(self.states.max(1)).zip(states) {
             for (distance, side) in distance.iter_mut().zip(&self.sides) {
                 let factor = if side.limited == Limited::Rate { rate } else { 1.0 };
                 *distance = side.sign * (factor * state[side.index(n)] - side.bound);
@@ -284,6 +315,23 @@ impl Barrier {
     /// Sum of the weights of all limits without the equations.
     pub fn total_weight(&self) -> f64 {
         self.total_weight
+    }
+}
+
+/// d from jerks and rates of torques.
+pub(super) fn measure_rates<'a>(
+    sides: &[Side],
+    values: impl Iterator<Item = (&'a [f64], &'a [f64])>,
+    distance: &mut [f64],
+) {
+    if sides.is_empty() {
+        return;
+    }
+    for (distance, (jerk, torque)) in distance.chunks_exact_mut(sides.len()).zip(values) {
+        for (distance, side) in distance.iter_mut().zip(sides) {
+            let values = if side.limited == Limited::Jerk { jerk } else { torque };
+            *distance = side.sign * (values[side.joint] - side.bound);
+        }
     }
 }
 

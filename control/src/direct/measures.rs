@@ -5,15 +5,22 @@ use super::points::PointDynamics;
 use crate::constants::direct as constants;
 
 impl<D: PointDynamics> Interior<D> {
-    /// Cost of the efforts and of the energy that move each joint alone by [`constants::SMALL_MOTION`] in
-    /// it: the torque is M_ii times that motion over the squared time.
+    /// Cost of the efforts, of the energy, of the jerks and of the rates of torques that move each joint
+    /// alone by [`constants::SMALL_MOTION`] in it: the torque is M_ii times that motion over the squared
+    /// time.
     pub(super) fn small_cost(&self) -> f64 {
         let (n, time) = (self.spline.dof, self.spline.time);
         let tau_z = self.points.tau_z(0);
         let cost = |(i, r): (usize, &f64)| {
             let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
             let power = torque * constants::SMALL_MOTION / time;
-            0.5 * r * torque * torque + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
+            let rates = &self.running.rates;
+            let of = |weights: &[f64], y: f64| weights.get(i).map_or(0.0, |w| 0.5 * w * y * y);
+            let jerk = constants::SMALL_MOTION / (time * time * time);
+            0.5 * r * torque * torque
+                + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
+                + of(&rates.jerk, jerk)
+                + of(&rates.torque, torque / time)
         };
         let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
         (time * costs).max(f64::MIN_POSITIVE.sqrt())

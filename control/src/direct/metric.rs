@@ -1,9 +1,9 @@
 //! The metric of damping: how far a step moves the accelerations, as torques.
 
-use super::basis::POINTS;
 use super::ends::Ends;
 use super::interval::IntervalHessian;
 use super::points::Points;
+use super::shape::Shape;
 use super::spline::Spline;
 use crate::numerics::chain::ChainMatrix;
 
@@ -16,8 +16,8 @@ pub(super) struct Metric {
 
 impl Metric {
     /// Room for n joints.
-    pub fn new(n: usize) -> Self {
-        Self { hessian: vec![0.0; 9 * n * n], interval: IntervalHessian::new(n) }
+    pub fn new(n: usize, shape: Shape) -> Self {
+        Self { hessian: vec![0.0; 9 * n * n], interval: IntervalHessian::new(n, shape) }
     }
 
     /// Adds `sum w T (M da)' R (M da)` to a matrix of zeros; R is diagonal, `weights`.
@@ -42,12 +42,14 @@ impl Metric {
                     self.hessian[width * (2 * n + i) + 2 * n + j] = weight * entries.sum::<f64>();
                 }
             }
-            let (k, j) = (p / POINTS, p % POINTS);
-            self.interval.take(j, n, spline.mesh.basis[p].in_time(1.0 / spline.time), &self.hessian);
-            if j + 1 == POINTS {
-                self.interval.add_to(matrix, k, n);
+            let (k, j) = spline.mesh.interval_of(p);
+            let factors = spline.mesh.basis(k, j).in_time(1.0 / spline.time);
+            self.interval.take(j, n, factors, &self.hessian);
+            let points = spline.mesh.own_points(k);
+            if j + 1 == points {
+                self.interval.add_to(matrix, k, n, points);
             }
         }
-        ends.all(spline.mesh.intervals()).for_each(|(k, i, _)| matrix.remove(k, i));
+        ends.all(spline.mesh.intervals(), spline.time).for_each(|(k, i, _)| matrix.remove(k, i));
     }
 }

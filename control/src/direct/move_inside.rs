@@ -1,8 +1,9 @@
 //! Limits that are exceeded between points by little.
 
+use super::between::BETWEEN;
 use super::interior::Interior;
 use super::points::PointDynamics;
-use super::refine::{BETWEEN, Resolution};
+use super::refine::Resolution;
 use crate::constants::direct as constants;
 
 impl Resolution {
@@ -14,7 +15,7 @@ impl Resolution {
         for (k, most) in most.iter_mut().enumerate() {
             for i in 0..count {
                 let side = interior.barrier.sides()[i];
-                if side.limited.jumps() || side.is_equation {
+                if side.limited.jumps(interior.spline.mesh.shape) || side.is_equation {
                     continue;
                 }
                 let places =

@@ -1,7 +1,7 @@
 //! Multipliers of limits between the points.
 
-use super::basis::POINTS;
 use super::limits::Barrier;
+use super::shape::POINTS;
 use super::spline::Spline;
 
 /// The multipliers of a motion over its weights, at the points.
@@ -11,6 +11,10 @@ pub(super) struct Multipliers {
     sides: usize,
     /// All sides of a point, one point after the other.
     densities: Vec<f64>,
+    /// Gauss's points, and the sides of jerks and rates of torques there.
+    gauss_places: Vec<f64>,
+    rate_sides: usize,
+    rate_densities: Vec<f64>,
 }
 
 impl Multipliers {
@@ -38,19 +42,26 @@ impl Multipliers {
             }
         }
         densities.iter_mut().zip(&barrier.weight).for_each(|(density, weight)| *density /= weight);
-        // An equation that is off beside an end has the density of the next point.
-        if points > 1 {
-            for i in 0..sides {
-                for (off, next) in [(i, sides + i), (sides * (points - 1) + i, sides * (points - 2) + i)] {
-                    if barrier.weight[off] == 0.0 {
-                        densities[off] = densities[next];
-                    }
-                }
+        // What is off at a point has the mean density of the points beside it.
+        for i in 0..sides {
+            let is_on = |p: &usize| barrier.weight[sides * p + i] != 0.0;
+            for p in (0..points).filter(|p| !is_on(p)) {
+                let (before, after) = ((0..p).rev().find(is_on), (p + 1..points).find(is_on));
+                let beside = || before.into_iter().chain(after);
+                let sum: f64 = beside().map(|p| densities[sides * p + i]).sum();
+                densities[sides * p + i] = sum / beside().count().max(1) as f64;
             }
         }
+        let (mesh, gauss_points) = (&spline.mesh, spline.mesh.gauss_points());
         places.clear();
-        places.extend((0..points).map(|p| spline.mesh.point(p).0));
+        places.extend((0..points).map(|p| mesh.point(p).0));
         self.sides = sides;
+        self.gauss_places.clear();
+        self.gauss_places.extend((0..gauss_points).map(|p| mesh.gauss_point(p).0));
+        self.rate_sides = barrier.rate_sides().len();
+        self.rate_densities.clear();
+        let rates = (0..gauss_points).flat_map(|p| barrier.at_gauss_point(p));
+        self.rate_densities.extend(rates.map(|at| barrier.multiplier[at] / barrier.weight[at]));
     }
 
     /// At a point.
@@ -58,13 +69,22 @@ impl Multipliers {
         self.densities[self.sides * p + side]
     }
 
-    /// Linear between the points.
+    /// That of a jerk or the rate of a torque at one of Gauss's points.
+    pub fn at_gauss_point(&self, p: usize, side: usize) -> f64 {
+        self.rate_densities[self.rate_sides * p + side]
+    }
+
+    /// Linear between the points; sides of jerks and rates of torques come after the others.
     pub fn density(&self, s: f64, side: usize) -> f64 {
-        let last = self.places.len() - 1;
-        let right = self.places.partition_point(|&place| place < s).clamp(1, last);
-        let (a, b) = (self.places[right - 1], self.places[right]);
+        let is_rate = side >= self.sides;
+        let places = if is_rate { &self.gauss_places } else { &self.places };
+        let right = places.partition_point(|&place| place < s).clamp(1, places.len() - 1);
+        let (a, b) = (places[right - 1], places[right]);
         let part = ((s - a) / (b - a)).clamp(0.0, 1.0);
-        let of = |p: usize| self.at_point(p, side);
+        let of = |p: usize| match is_rate {
+            true => self.at_gauss_point(p, side - self.sides),
+            false => self.at_point(p, side),
+        };
         (1.0 - part) * of(right - 1) + part * of(right)
     }
 }

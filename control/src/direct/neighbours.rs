@@ -40,7 +40,7 @@ impl System {
                 }
             }
         }
-        for (k, i, tangent) in ends.all(intervals) {
+        for (k, i, tangent) in ends.all(intervals, spline.time) {
             let at = 2 * n * k + i;
             at_time += tangent * dx[at];
             dx[at] = 0.0;
@@ -51,7 +51,7 @@ impl System {
             dt = (at_time - dot(&self.border, dx)) / self.schur;
             dx.iter_mut().zip(&self.border_solved).for_each(|(dx, b)| *dx -= dt * b);
         }
-        for (k, i, tangent) in ends.all(intervals) {
+        for (k, i, tangent) in ends.all(intervals, spline.time) {
             let change = changes[usize::from(k > 0)][i];
             dx[2 * n * k + i] = tangent * dt + delta(i, change);
         }

@@ -13,6 +13,7 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
     let (n, rows, powers) = (points.dof, points.rows, points.powers);
     points.g_weights.fill(0.0);
     points.h_weights.fill(0.0);
+    points.rates.collect(spline, barrier, &running.rates);
     for (weight, at) in points.ends.weights.iter_mut().zip(barrier.at_ends()) {
         *weight = -barrier.side(at).sign * barrier.multiplier[at];
     }
@@ -21,6 +22,10 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
         let weights = &mut points.weights[n * p..][..n];
         for ((w, &tau), &r) in weights.iter_mut().zip(&points.tau[n * p..]).zip(&running.effort) {
             *w = weight * r * tau;
+        }
+        if points.rates.has_torques {
+            let by_rates = &points.rates.by_torques[0][n * p..];
+            weights.iter_mut().zip(by_rates).for_each(|(w, by_rate)| *w += by_rate);
         }
         for i in 0..running.energy.weights.len() {
             points.h_weights[powers * p + i] =
@@ -144,6 +149,11 @@ impl Work {
             at_zero.copy_from_slice(gradient);
         }
         self.add_sides(p, n, barrier);
+        if points.rates.has_torques {
+            for (tau, by_rates) in self.tau.iter_mut().zip(&points.rates.by_torques) {
+                tau.iter_mut().zip(&by_rates[n * p..]).for_each(|(tau, by_rate)| *tau += by_rate);
+            }
+        }
         let (g_x, h_z) = (points.g_x(p), points.h_z(p));
         let rows = self.tau.iter().zip(&self.g).zip(&self.h);
         for (((tau, g), h), z) in rows.zip(&mut self.z) {

@@ -1,5 +1,7 @@
 //! Torques, and what tools and clearances are, with their derivatives at the points of a motion.
 
+use super::rates::Rates;
+use super::spline::Spline;
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
@@ -31,6 +33,7 @@ pub(crate) struct Points {
     pub h_z: Vec<f64>,
     pub h_weights: Vec<f64>,
     pub ends: EndRows,
+    pub rates: Rates,
 }
 
 impl Points {
@@ -54,6 +57,12 @@ impl Points {
         self.g_weights.resize(self.rows * count, 0.0);
         self.h_z.resize(3 * n * self.powers * count, 0.0);
         self.h_weights.resize(self.powers * count, 0.0);
+    }
+
+    /// Jerks and rates of torques, where accelerations are continuous; from the torques.
+    pub fn evaluate_rates(&mut self, spline: &Spline) {
+        self.rates.resize(self.dof, spline.mesh.gauss_points());
+        self.rates.evaluate(spline, &self.tau);
     }
 
     /// Number of points.

@@ -1,31 +1,18 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
-use super::basis::{PLACES, POINTS, WEIGHTS as PART};
+use super::between::{BETWEEN, weight};
 use super::interior::Interior;
 use super::jumps::Jumps;
 use super::limits::measure;
 use super::multipliers::Multipliers;
 use super::points::{PointDynamics, Points};
+use super::rates::RateCosts;
+use super::rates_between::RatesBetween;
+use super::shape::{POINTS, quadratic};
 use super::side::{Limited, Side};
 use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
-
-/// Places of an interval at which limits are checked between points: those of Gauss's rule with eight.
-pub(super) const BETWEEN: [f64; 8] = [
-    0.019_855_071_751_231_856,
-    0.101_666_761_293_186_64,
-    0.237_233_795_041_835_5,
-    0.408_282_678_752_175_1,
-    0.591_717_321_247_825,
-    0.762_766_204_958_164_5,
-    0.898_333_238_706_813_4,
-    0.980_144_928_248_768_1,
-];
-
-/// The weights of these places; the other half is the same in the opposite order.
-const WEIGHTS: [f64; 4] =
-    [0.050_614_268_145_188_13, 0.111_190_517_226_687_24, 0.156_853_322_938_943_65, 0.181_341_891_689_181];
 
 /// What a mesh does not resolve.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +30,9 @@ pub(crate) struct Resolution {
     moves: Vec<Move>,
     points: Points,
     pub(super) distance: Vec<f64>,
+    rates: RatesBetween,
+    /// Intervals that are narrower are not divided.
+    pub narrowest: f64,
 }
 
 /// A node that was moved.
@@ -69,9 +59,15 @@ impl Resolution {
         &self.distance
     }
 
+    /// The same of jerks and rates of torques.
+    pub fn rate_distances(&self) -> &[f64] {
+        &self.rates.distance
+    }
+
     /// Measures a solved motion.
     pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let intervals = interior.spline.mesh.intervals();
+        self.narrowest = interior.narrowest();
         self.errors.clear();
         self.errors.resize(intervals, 0.0);
         self.cut.clear();
@@ -92,10 +88,14 @@ impl Resolution {
     /// polynomial of degree three on each interval, which vanishes at the points. At a node the two that meet
     /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the
     /// metric of the effort; the square of the polynomial has the mean 1/7.
+    ///
+    /// Where accelerations are continuous this holds for rates of torques and for jerks, and torques differ
+    /// by the integral of the polynomial, whose square has the mean 1/630, times the width.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
-        self.jumps.measure(&interior.points, widths);
+        let shape = spline.mesh.shape;
+        self.jumps.measure(&interior.points, shape, interior.barrier.rate_sides(), widths);
         if self.errors.len() == 1 {
             // Nothing to compare with.
             self.errors[0] = f64::INFINITY;
@@ -103,12 +103,18 @@ impl Resolution {
         }
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
-            *error = (0..n)
-                .map(|i| {
-                    let square = 0.25 * self.jumps.mean_square(k, i) / 7.0;
-                    0.5 * interior.running.effort[i] * square * length
-                })
-                .sum();
+            let square = |i: usize| 0.25 * self.jumps.mean_square(k, i);
+            let effort = |i: usize| interior.running.effort[i] * square(i);
+            let squares = (0..n).map(|i| match shape.is_smooth() {
+                false => effort(i) / 7.0,
+                true => {
+                    let RateCosts { jerk, torque } = &interior.running.rates;
+                    let of =
+                        |weights: &[f64], at: usize| weights.get(i).map_or(0.0, |w| w * square(at) / 7.0);
+                    effort(i) * length * length / 630.0 + of(torque, i) + of(jerk, n + i)
+                }
+            });
+            *error = 0.5 * length * squares.sum::<f64>();
         }
     }
 
@@ -121,7 +127,8 @@ impl Resolution {
         }
         interior.dynamics.evaluate(&mut self.points)?;
         interior.powers.evaluate(&mut self.points);
-        interior.tasks.evaluate(&mut self.points)
+        interior.tasks.evaluate(&mut self.points)?;
+        self.rates.evaluate(interior, &mut self.points)
     }
 
     /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
@@ -131,10 +138,13 @@ impl Resolution {
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.time * spline.mesh.width(k);
             let mut rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
-            let coarse: f64 = (0..POINTS).map(|j| PART[j] * rate(points, POINTS * k + j)).sum();
+            let shape = spline.mesh.shape;
+            let weights = shape.weights().iter().enumerate();
+            let coarse: f64 = weights.map(|(j, part)| part * rate(points, shape.stride() * k + j)).sum();
             let places = 0..BETWEEN.len();
             let fine: f64 = places.map(|at| weight(at) * rate(&self.points, BETWEEN.len() * k + at)).sum();
-            let fine = length * fine;
+            let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
+            let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
             *error += (fine - length * coarse).abs();
             self.cost += fine;
         }
@@ -142,16 +152,17 @@ impl Resolution {
 
     /// Looks for limits that are exceeded between the points.
     fn look_between<D>(&mut self, interior: &Interior<D>) {
-        let sides: &[Side] = interior.barrier.sides();
+        let (sides, shape): (&[Side], _) = (interior.barrier.sides(), interior.spline.mesh.shape);
         if sides.is_empty() {
-            return;
+            self.distance.clear();
+            return self.add_errors_of_limits(interior);
         }
         self.distance.resize(sides.len() * self.points.count(), 0.0);
         measure(sides, &self.points, &mut self.distance);
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
             let most = &mut self.violations[at / BETWEEN.len()];
             // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
-            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps());
+            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps(shape));
             *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
             let (k, part) = (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.time);
             let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
@@ -166,21 +177,30 @@ impl Resolution {
     /// each point, and next to nothing is left.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
         let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
-        let sides = interior.barrier.sides();
+        let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
             for (i, side) in sides.iter().enumerate() {
-                let densities = [0, 1, 2].map(|j| multipliers.at_point(POINTS * k + j, i));
                 let (mut signed, mut unsigned) = (0.0, 0.0);
                 for (at, &x) in BETWEEN.iter().enumerate() {
-                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    let parts = shape.parts(x).into_iter().take(shape.places().len()).enumerate();
+                    let density = |j: usize| multipliers.at_point(shape.stride() * k + j, i);
+                    let density: f64 = parts.map(|(j, part)| part * density(j)).sum();
                     let density = if side.is_equation { density } else { density.max(0.0) };
                     let product = weight(at) * density * distances[sides.len() * at + i];
                     signed += product;
                     unsigned += product.abs();
                 }
-                let smooth = side.limited.jumps() || side.is_equation;
+                let smooth = side.limited.jumps(shape) || side.is_equation;
                 *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
+            }
+            for i in 0..interior.barrier.rate_sides().len() {
+                let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
+                let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
+                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    weight(at) * density.max(0.0) * self.rates.distance(BETWEEN.len() * k + at)[i]
+                });
+                *error += interior.spline.mesh.width(k) * signed.sum::<f64>().abs();
             }
         }
     }
@@ -190,8 +210,11 @@ impl Resolution {
     /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
     /// evenly.
     pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
-        let mut chosen: Vec<bool> =
-            self.violations.iter().map(|&violation| violation > constants::VIOLATION_BETWEEN).collect();
+        let beyond = |k: usize| {
+            self.violations[k] > constants::VIOLATION_BETWEEN
+                || self.rates.violations.get(k).is_some_and(|&most| most > constants::VIOLATION_OF_RATES)
+        };
+        let mut chosen: Vec<bool> = (0..self.errors.len()).map(beyond).collect();
         choose(&mut chosen, &self.errors, tolerance);
         self.divided(spline, &chosen, tolerance)
     }
@@ -204,25 +227,30 @@ impl Resolution {
     }
 
     fn divided(&mut self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
+        let (narrowest, smooth) = (self.narrowest, spline.mesh.shape.is_smooth());
         let share = tolerance / self.errors.len() as f64;
         let mut moves = Vec::new();
         let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
         for k in (0..chosen.len()).filter(|&k| chosen[k]) {
             let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
-            if width < constants::NARROWEST {
-                continue;
-            }
-            let cuts = self.jumps.cuts(k);
-            for cut in &cuts {
+            let (cuts, is_narrow) = (self.jumps.cuts(k), width < narrowest);
+            for cut in cuts.iter().filter(|_| smooth || !is_narrow) {
                 let place = left + width * cut.place;
+                // Where accelerations are continuous, nodes move where there is no room for another one.
+                let (near, part) = if cut.place < 0.5 { (k, cut.place) } else { (k + 1, 1.0 - cut.place) };
+                let no_room = width * part < narrowest && near > 0 && near < self.errors.len();
+                let replaces = if smooth { no_room.then_some(near) } else { cut.replaces };
+                if smooth && is_narrow && replaces.is_none() {
+                    continue;
+                }
                 added.push(place);
-                if let Some(node) = cut.replaces {
+                if let Some(node) = replaces {
                     let from = spline.mesh.nodes[node];
                     moved[node] = self.approaches(from, place);
                     moves.push(Move { place, distance: (place - from).abs() });
                 }
             }
-            if cuts.is_empty() {
+            if cuts.is_empty() && !is_narrow {
                 // The error of a motion that is smooth in an interval falls with the seventh power of
                 // its width.
                 let by_error = (self.errors[k] / share).powf(1.0 / 7.0);
@@ -235,7 +263,8 @@ impl Resolution {
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
         let mut nodes: Vec<f64> = kept.chain(added).collect();
         nodes.sort_by(f64::total_cmp);
-        nodes.dedup_by(|b, a| *b - *a < 0.1 * constants::NARROWEST);
+        let closest = if smooth { 0.7 } else { 0.1 };
+        nodes.dedup_by(|b, a| *b - *a < closest * narrowest);
         // The last node is the end, whatever was close to it.
         if let Some(last) = nodes.last_mut() {
             *last = 1.0;
@@ -265,17 +294,4 @@ fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
         chosen[k] = true;
         rest -= errors[k];
     }
-}
-
-/// The weight of a place between the points.
-fn weight(at: usize) -> f64 {
-    WEIGHTS[at.min(BETWEEN.len() - 1 - at)]
-}
-
-/// Parts at `x` of values at the points of an interval in the quadratic through them.
-fn quadratic(x: f64) -> [f64; POINTS] {
-    [0, 1, 2].map(|j| {
-        let others = (0..POINTS).filter(|&l| l != j);
-        others.map(|l| (x - PLACES[l]) / (PLACES[j] - PLACES[l])).product()
-    })
 }

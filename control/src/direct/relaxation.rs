@@ -1,11 +1,11 @@
 //! How far limits give in the elastic phase, and what that adds to Newton's equations.
 
-use super::basis::POINTS;
 use super::ends::Ends;
 use super::interval::add_gradient;
 use super::limits::Barrier;
 use super::point_terms::side_terms;
 use super::points::Points;
+use super::shape::POINTS;
 use super::side::{Limited, Side};
 use super::spline::Spline;
 use super::system::System;
@@ -193,7 +193,7 @@ impl Relaxation {
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
-        for (k, i, tangent) in ends.all(spline.mesh.intervals()) {
+        for (k, i, tangent) in ends.all(spline.mesh.intervals(), spline.time) {
             let at = 2 * spline.dof * k + i;
             for column in &mut self.columns {
                 column[size - 1] += tangent * column[at];
@@ -214,7 +214,7 @@ impl Relaxation {
 
     fn add_point(&mut self, p: usize, spline: &Spline, points: &Points, barrier: &Barrier) {
         let (n, inverse) = (spline.dof, 1.0 / spline.time);
-        let factors = spline.mesh.basis[p].in_time(inverse);
+        let factors = spline.mesh.basis(p / POINTS, p % POINTS).in_time(inverse);
         let sides = barrier.sides();
         self.z.resize(3 * n, 0.0);
         let mut i = 0;

@@ -3,6 +3,7 @@
 use super::super::interior::Interior;
 use super::super::interior::tests::started;
 use super::super::points::{PointDynamics, RobotPoints};
+use super::super::shape::Shape;
 use super::price;
 use crate::constants::direct as constants;
 
@@ -23,7 +24,7 @@ fn the_price_is_smooth() {
 
 /// A motion that exceeds limits and an equation, in the elastic phase.
 fn relaxed() -> Interior<RobotPoints> {
-    let mut interior = started();
+    let mut interior = started(Shape::Quartic);
     assert!(interior.figures.violation > 0.1);
     interior.relax(None).unwrap();
     interior

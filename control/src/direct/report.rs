@@ -25,6 +25,8 @@ pub(super) fn report<D>(
         rate: usage(Limited::Rate),
         acceleration: usage(Limited::Acceleration),
         torque: usage(Limited::Torque),
+        jerk: usage(Limited::Jerk),
+        torque_rate: usage(Limited::TorqueRate),
         power: usage(Limited::Power),
         torque_speed: usage(Limited::TorqueSpeed),
         task: usage(Limited::Task),
@@ -40,11 +42,15 @@ fn usage<D>(
     resolution: &Resolution,
 ) -> Option<LimitUse> {
     let (spline, barrier) = (&interior.spline, &interior.barrier);
-    let sides = barrier.sides();
+    let is_rate = limited >= Limited::Jerk;
+    let (sides, distances) = match is_rate {
+        true => (barrier.rate_sides(), resolution.rate_distances()),
+        false => (barrier.sides(), resolution.distances()),
+    };
     let mut found: Option<LimitUse> = None;
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == limited) {
         let usage = found.get_or_insert_default();
-        let between = resolution.distances().iter().skip(i).step_by(sides.len());
+        let between = distances.iter().skip(i).step_by(sides.len());
         usage.between = between.fold(usage.between, |most, &d| most.max(excess(interior, side, None, d)));
         if !side.is_equation {
             usage.active.extend(spans(interior, i, side, name(interior, side, None, names)));
@@ -122,6 +128,8 @@ pub(super) fn unit<D>(
         Limited::Rate => of(["rad/s", "m/s"]),
         Limited::Acceleration => of(["rad/s^2", "m/s^2"]),
         Limited::Torque | Limited::TorqueSpeed => of(["N m", "N"]),
+        Limited::Jerk => of(["rad/s^3", "m/s^3"]),
+        Limited::TorqueRate => of(["N m/s", "N/s"]),
         Limited::Power => "W",
         Limited::Task => interior.tasks.row(end, side).unit,
     }
@@ -142,9 +150,15 @@ fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, name: &str) -> Vec<Ac
     let bound = if side.sign > 0.0 { "min" } else { "max" };
     let mut spans: Vec<ActiveLimit> = Vec::new();
     let mut open = false;
-    for p in 0..spline.mesh.points() {
-        let t = spline.mesh.point(p).0 * spline.time;
-        let active = barrier.distance[barrier.at_point(p)][i] <= ACTIVE * side.range;
+    let is_rate = side.limited >= Limited::Jerk;
+    let places = if is_rate { spline.mesh.gauss_points() } else { spline.mesh.points() };
+    for p in 0..places {
+        let (entries, s) = match is_rate {
+            true => (barrier.at_gauss_point(p), spline.mesh.gauss_point(p).0),
+            false => (barrier.at_point(p), spline.mesh.point(p).0),
+        };
+        let t = s * spline.time;
+        let active = barrier.distance[entries][i] <= ACTIVE * side.range;
         match spans.last_mut().filter(|_| open && active) {
             Some(span) => span.to = t,
             None if active => {

@@ -69,10 +69,14 @@ impl Resolve {
     /// Prepares a problem, whatever [`method`](SolverOptions::method) the options say: always the direct one.
     ///
     /// # Errors
-    /// [`ProblemError`] as [`Solver::new`](crate::Solver::new).
+    /// [`ProblemError`] as [`Solver::new`](crate::Solver::new), and [`ProblemError::NotAgain`] for limits or
+    /// costs of jerks and rates of torques and for given accelerations.
     pub fn new(problem: &Problem, options: SolverOptions) -> Result<Self, ProblemError> {
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
+        if let Some(key) = problem.first_of_rates() {
+            return Err(ProblemError::NotAgain { key });
+        }
         options.check()?;
         let n = problem.robot.dof();
         let state = |state: &BoundaryState| [&state.q[..], &state.v].concat();

@@ -88,7 +88,7 @@ pub(super) fn restore<D: PointDynamics>(
         coarser = Some((interior.relaxation.price(), interior.barrier.ranges()));
         let mesh = &interior.spline.mesh;
         let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
-        interior.spline = interior.spline.on_nodes(mesh.halved());
+        interior.spline = interior.spline.on_nodes(mesh.halved(constants::NARROWEST));
         interior.tighten(kept, gap)?;
         if is_fine {
             break;

@@ -2,13 +2,14 @@
 
 use super::energy::Energy;
 use super::points::Points;
+use super::rates::RateCosts;
 use super::spline::Spline;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
 use crate::problem::Problem;
 use crate::task::costs::ToolCosts;
 
-/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools`, per second.
+/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools + jerks + rates of torques`, per second.
 #[derive(Debug)]
 pub(crate) struct Running {
     /// c_t.
@@ -16,6 +17,7 @@ pub(crate) struct Running {
     /// r_i over the square of the gain.
     pub effort: Vec<f64>,
     pub energy: Energy,
+    pub rates: RateCosts,
     penalties: Penalties,
     terms: UserTerms<f64>,
     tools: ToolCosts,
@@ -28,7 +30,8 @@ impl Running {
         let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
         let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
         let energy = Energy::new(&problem.cost);
-        Self { time: problem.cost.time, effort, energy, penalties, terms, tools }
+        let rates = RateCosts::new(&problem.cost);
+        Self { time: problem.cost.time, effort, energy, rates, penalties, terms, tools }
     }
 
     /// Changes the value at which a row of a tool costs nothing.
@@ -39,10 +42,12 @@ impl Running {
     /// The cost of a motion.
     pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
         let rate = |p: usize| spline.mesh.point(p).1 * self.rate(points.z(p), points.tau(p));
-        spline.time * (0..points.count()).map(rate).sum::<f64>()
+        let at_points = (0..points.count()).map(rate).sum::<f64>();
+        spline.time * (at_points + points.rates.cost(spline, &self.rates))
     }
 
-    /// l at a point; infinite where tools cannot be evaluated.
+    /// l at a point without the costs of jerks and of rates of torques; infinite where tools cannot be
+    /// evaluated.
     pub fn rate(&mut self, z: &[f64], tau: &[f64]) -> f64 {
         let n = tau.len();
         let (q, v) = (&z[..n], &z[n..2 * n]);

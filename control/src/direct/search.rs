@@ -29,7 +29,7 @@ impl<D: PointDynamics> Interior<D> {
             }
         }
         let now = Figure {
-            theta: noticed(self.infeasibility(&self.barrier.distance, &self.barrier.slack)),
+            theta: self.noticed(self.infeasibility(&self.barrier.distance, &self.barrier.slack)),
             cost: self.figures.cost,
             logarithms: self.logarithms(&self.barrier.slack),
         };
@@ -41,7 +41,7 @@ impl<D: PointDynamics> Interior<D> {
                 let trial = &self.trial;
                 let cost = self.running.cost(&trial.spline, &trial.points) + self.relaxation.cost(alpha, mu);
                 let new = Figure {
-                    theta: noticed(self.infeasibility(&trial.distance, &trial.slack)),
+                    theta: self.noticed(self.infeasibility(&trial.distance, &trial.slack)),
                     cost,
                     logarithms: self.logarithms(&trial.slack),
                 };
@@ -88,6 +88,7 @@ impl<D: PointDynamics> Interior<D> {
         if !forward {
             return false;
         }
+        self.ends.put_accelerations(&mut trial.spline);
         let rows = [self.tasks.rows(), self.powers.rows()];
         trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.points());
         trial.points.ends.resize(self.spline.dof, self.tasks.end_rows());
@@ -101,6 +102,7 @@ impl<D: PointDynamics> Interior<D> {
             return false;
         }
         self.powers.evaluate(&mut trial.points);
+        trial.points.evaluate_rates(&trial.spline);
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         self.relaxation.add_step(alpha, mu, &self.barrier, &mut trial.distance);
@@ -138,6 +140,8 @@ impl<D: PointDynamics> Interior<D> {
         std::mem::swap(&mut self.points.tau, &mut self.trial.points.tau);
         std::mem::swap(&mut self.points.g, &mut self.trial.points.g);
         std::mem::swap(&mut self.points.h, &mut self.trial.points.h);
+        std::mem::swap(&mut self.points.rates.jerk, &mut self.trial.points.rates.jerk);
+        std::mem::swap(&mut self.points.rates.torque, &mut self.trial.points.rates.torque);
         std::mem::swap(&mut self.points.ends.g, &mut self.trial.points.ends.g);
         std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);
@@ -158,9 +162,9 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.measure_figures_of(cost);
     }
-}
 
-/// An infeasibility, or zero where it is rounding.
-fn noticed(theta: f64) -> f64 {
-    if theta <= constants::VIOLATION_AT_POINTS { 0.0 } else { theta }
+    /// An infeasibility, or zero where it is rounding.
+    fn noticed(&self, theta: f64) -> f64 {
+        if theta <= self.least_violation { 0.0 } else { theta }
+    }
 }

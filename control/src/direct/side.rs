@@ -1,5 +1,6 @@
 //! One side of a limit.
 
+use super::shape::Shape;
 use crate::task::row::Row;
 
 /// What is limited. The order is that of the values of a point.
@@ -15,6 +16,9 @@ pub(crate) enum Limited {
     TorqueSpeed,
     /// A row of a task.
     Task,
+    /// At Gauss's points of motions whose accelerations are continuous, as what follows.
+    Jerk,
+    TorqueRate,
 }
 
 impl Limited {
@@ -28,12 +32,18 @@ impl Limited {
             Self::Power => "power",
             Self::TorqueSpeed => "torque_speed",
             Self::Task => "task",
+            Self::Jerk => "jerk",
+            Self::TorqueRate => "torque_rate",
         }
     }
 
-    /// Whether it jumps where torques do: only its values at points are those of the motion that is meant.
-    pub fn jumps(self) -> bool {
-        matches!(self, Self::Acceleration | Self::Torque | Self::Power | Self::TorqueSpeed)
+    /// Whether it may jump at nodes: only its values at points are those of the motion that is meant.
+    pub fn jumps(self, shape: Shape) -> bool {
+        match self {
+            Self::Jerk | Self::TorqueRate => true,
+            Self::Acceleration | Self::Torque | Self::Power | Self::TorqueSpeed => !shape.is_smooth(),
+            Self::Position | Self::Rate | Self::Task => false,
+        }
     }
 }
 

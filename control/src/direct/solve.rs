@@ -14,6 +14,7 @@ use super::refine::Resolution;
 use super::report::report;
 use super::restore::{Patience, Restored, restore};
 use super::running::Running;
+use super::shape::Shape;
 use super::side::{Limited, Side};
 use super::tasks::Tasks;
 use super::verify::{Again, integrate_again};
@@ -35,9 +36,6 @@ use crate::status::Status;
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use costate::EvalError;
-
-/// Points of an interval in the count of nodes.
-const POINTS: usize = super::basis::POINTS;
 
 /// A problem that the direct method solves from one or several guesses.
 pub(crate) struct Direct<'a> {
@@ -92,6 +90,14 @@ impl Direct<'_> {
         let least = constants::PART_OF_TOLERANCE * tolerance;
         let mut precision = least.max(constants::FIRST_PRECISION);
         let (mut mesh, mut moved) = (0, 0);
+        // Limits neither give nor move where accelerations are continuous.
+        let smooth = interior.spline.mesh.shape.is_smooth();
+        if impossible && smooth {
+            interior.refresh()?;
+            resolution.measure(interior)?;
+            let infeasible = with_proof(problem, None);
+            return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
+        }
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let (mut patience, mut stuck) = (Patience::default(), false);
@@ -123,6 +129,7 @@ impl Direct<'_> {
             if is_over
                 && figures.violation > constants::VIOLATION_ACCEPTED
                 && restorations < constants::RESTORATIONS
+                && !smooth
             {
                 restorations += 1;
                 match restore(problem, interior, &guess, gap, recorder)? {
@@ -175,7 +182,7 @@ impl Direct<'_> {
                 continue;
             }
             let between = constants::VIOLATION_BETWEEN..constants::MOST_MOVED;
-            let only_between = error <= tolerance && between.contains(&resolution.violation());
+            let only_between = error <= tolerance && between.contains(&resolution.violation()) && !smooth;
             if only_between && end == End::Solved && moved < constants::MOVES {
                 moved += 1;
                 precision = least;
@@ -187,15 +194,17 @@ impl Direct<'_> {
             moved = 0;
             precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
             let enough = tolerance * figures.size;
+            let narrowest = resolution.narrowest;
             let nodes = match (violated, accurate) {
-                (true, _) => interior.spline.mesh.halved(),
+                (true, _) => interior.spline.mesh.halved(narrowest),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
                 (false, false) => resolution.nodes(&interior.spline, enough),
             };
-            let nodes =
-                if nodes == interior.spline.mesh.nodes { interior.spline.mesh.halved() } else { nodes };
-            if POINTS * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
+            let mesh_nodes = &interior.spline.mesh.nodes;
+            let nodes = if nodes == *mesh_nodes { interior.spline.mesh.halved(narrowest) } else { nodes };
+            let stride = interior.spline.mesh.shape.stride();
+            if stride * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
                 break;
             }
             interior.move_to(nodes)?;
@@ -266,7 +275,7 @@ pub(super) fn interior(
     number: usize,
     saved: Option<&Trajectory>,
 ) -> Interior<FastPoints> {
-    let intervals = ((options.nodes - 1) / POINTS).max(1);
+    let intervals = ((options.nodes - 1) / Shape::of(problem).stride()).max(1);
     let reached = with_tools_reached(problem, rows, number);
     let disturbance = Disturbance::draw(&reached, options.seed, number);
     let spline = guess(&reached, saved, &disturbance, intervals);
@@ -318,6 +327,8 @@ fn sides(problem: &Problem) -> Vec<Side> {
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
         .chain(of(Limited::Acceleration, |limits| [-limits.a, limits.a]))
+        .chain(of(Limited::Jerk, |limits| [-limits.jerk, limits.jerk]))
+        .chain(of(Limited::TorqueRate, |limits| [-limits.torque_rate, limits.torque_rate]))
         .chain(torque)
         .chain(without)
         .collect()

@@ -1,8 +1,9 @@
 //! Directions: from the factorised equations to steps of unknowns, slacks and multipliers.
 
-use super::basis::POINTS;
 use super::interior::Interior;
 use super::points::PointDynamics;
+use super::rates::{SLOPES, combine};
+use super::shape::{MOST_POINTS, POINTS};
 use super::side::Limited;
 use crate::constants::direct as constants;
 use crate::numerics::chain::dot;
@@ -29,9 +30,9 @@ impl<D: PointDynamics> Interior<D> {
 
     /// The steps of given ends, and the change of distances, of a part of the step.
     pub(super) fn finish_part(&mut self, part: usize) {
-        let (n, count) = (self.spline.dof, self.barrier.count());
-        for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals()) {
-            self.steps[part][2 * n * k + i] = tangent * self.time_steps[part];
+        let (node, count) = (self.spline.node(), self.barrier.count());
+        for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals(), self.spline.time) {
+            self.steps[part][node * k + i] = tangent * self.time_steps[part];
         }
         self.changes[part].resize(count, 0.0);
         if count > 0 {
@@ -54,6 +55,7 @@ impl<D: PointDynamics> Interior<D> {
     pub(super) fn change_distances(&mut self, part: usize) {
         self.change_at_points(part);
         self.change_at_nodes(part);
+        self.change_of_rates(part);
         self.change_at_ends(part);
     }
 
@@ -87,8 +89,9 @@ impl<D: PointDynamics> Interior<D> {
     pub(super) fn change_of_z(&mut self, p: usize, part: usize) {
         let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
         let (dz, z) = (&mut self.trial.dz, self.points.z(p));
-        let (inner, ends) = self.spline.of_interval(&self.steps[part], p / POINTS);
-        self.spline.mesh.basis[p].combine(n, inner, ends, dz);
+        let (k, j) = self.spline.mesh.interval_of(p);
+        let (inner, ends) = self.spline.of_interval(&self.steps[part], k);
+        self.spline.mesh.basis(k, j).combine(n, inner, ends, dz);
         for i in 0..n {
             dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
             dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
@@ -101,7 +104,7 @@ impl<D: PointDynamics> Interior<D> {
         for k in 0..self.spline.mesh.nodes.len() {
             for at in self.barrier.at_node(k) {
                 let side = self.barrier.side(at);
-                let i = 2 * n * k + side.index(n);
+                let i = self.spline.node() * k + side.index(n);
                 let step = self.steps[part][i];
                 let value = if side.limited == Limited::Rate {
                     rate * (step - rate * self.spline.unknowns[i] * dt)
@@ -113,13 +116,52 @@ impl<D: PointDynamics> Interior<D> {
         }
     }
 
+    /// Change of jerks and rates of torques by a part of the step.
+    fn change_of_rates(&mut self, part: usize) {
+        if self.barrier.rate_sides().is_empty() {
+            return;
+        }
+        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        let mut torques = std::mem::take(&mut self.trial.torques);
+        torques.resize(MOST_POINTS * n, 0.0);
+        let [mut jerk, mut torque] = std::mem::take(&mut self.trial.rates);
+        jerk.resize(n, 0.0);
+        torque.resize(n, 0.0);
+        for k in 0..self.spline.mesh.intervals() {
+            for (m, torques) in torques.chunks_exact_mut(n).enumerate() {
+                let p = self.spline.mesh.shape.stride() * k + m;
+                self.change_of_z(p, part);
+                let rows = self.points.tau_z(p).chunks_exact(3 * n);
+                torques.iter_mut().zip(rows).for_each(|(to, row)| *to = dot(row, &self.trial.dz));
+            }
+            let scale = rate / self.spline.mesh.width(k);
+            let (inner, ends) = self.spline.of_interval(&self.steps[part], k);
+            for (j, slopes) in SLOPES.iter().enumerate() {
+                let p = POINTS * k + j;
+                combine(slopes, &torques, &mut torque);
+                self.spline.mesh.gauss_basis(k, j).jerk(n, inner, ends, &mut jerk);
+                let values = &self.points.rates;
+                for i in 0..n {
+                    torque[i] = scale * torque[i] - rate * values.torque[n * p + i] * dt;
+                    jerk[i] = rate * rate * rate * jerk[i] - 3.0 * rate * values.jerk[n * p + i] * dt;
+                }
+                let changes = &mut self.changes[part][self.barrier.at_gauss_point(p)];
+                for (change, side) in changes.iter_mut().zip(self.barrier.rate_sides()) {
+                    let of = if side.limited == Limited::Jerk { &jerk } else { &torque };
+                    *change = side.sign * of[side.joint];
+                }
+            }
+        }
+        (self.trial.torques, self.trial.rates) = (torques, [jerk, torque]);
+    }
+
     /// Change of the rows at the ends by a part of the step.
     fn change_at_ends(&mut self, part: usize) {
         let n = self.spline.dof;
         let rows = self.points.ends.g_x.chunks_exact(2 * n);
         for (at, row) in self.barrier.at_ends().zip(rows) {
-            let k = self.barrier.end_of(at) * self.spline.mesh.intervals();
-            let step = &self.steps[part][2 * n * k..][..n];
+            let first = self.spline.end_unknowns(self.barrier.end_of(at)).start;
+            let step = &self.steps[part][first..first + n];
             self.changes[part][at] = self.barrier.side(at).sign * dot(&row[..n], step);
         }
     }

@@ -1,6 +1,5 @@
 //! Newton's equations: second derivatives of the Lagrangian of the barrier problem in the unknowns.
 
-use super::basis::POINTS;
 use super::end_columns::EndColumns;
 use super::ends::Ends;
 use super::interval::{IntervalHessian, add_gradient};
@@ -8,7 +7,9 @@ use super::limits::Barrier;
 use super::metric::Metric;
 use super::point_terms::{Work, add_squares, side_terms};
 use super::points::Points;
+use super::rate_rows::RateRows;
 use super::running::Running;
+use super::shape::Shape;
 use super::side::Limited;
 use super::spline::Spline;
 use crate::constants::direct::LEAST_CURVATURE;
@@ -19,7 +20,7 @@ use crate::numerics::widest::widest_fused;
 /// time T. Slacks and multipliers are eliminated at each point ([`side_terms`]).
 #[derive(Clone, Debug)]
 pub(crate) struct System {
-    matrix: ChainMatrix,
+    pub(super) matrix: ChainMatrix,
     pub(super) factor: ChainMatrix,
     damping: ChainMatrix,
     damping_is_current: bool,
@@ -28,7 +29,7 @@ pub(crate) struct System {
     pub(super) border: Vec<f64>,
     /// What the equations have for the given ends.
     pub(super) at_ends: EndColumns,
-    corner: f64,
+    pub(super) corner: f64,
     /// The metric of damping in T: cost over T squared.
     time_metric: f64,
     /// Gradients in T.
@@ -43,12 +44,13 @@ pub(crate) struct System {
     pub exact: bool,
     interval: IntervalHessian,
     metric: Metric,
+    pub(super) rate_rows: RateRows,
 }
 
 impl System {
     /// For n joints and so many rows of tasks and of powers.
-    pub fn new(n: usize, rows: [usize; 2]) -> Self {
-        let empty = || ChainMatrix::new(2 * n, n);
+    pub fn new(n: usize, shape: Shape, rows: [usize; 2]) -> Self {
+        let empty = || ChainMatrix::new(shape.node() * n, shape.inner() * n);
         Self {
             matrix: empty(),
             factor: empty(),
@@ -56,7 +58,7 @@ impl System {
             damping_is_current: false,
             gradient: [Vec::new(), Vec::new()],
             border: Vec::new(),
-            at_ends: EndColumns::new(n),
+            at_ends: EndColumns::new(n, shape),
             corner: 0.0,
             time_metric: 0.0,
             time_gradient: [0.0; 2],
@@ -66,8 +68,9 @@ impl System {
             time_correction: 0.0,
             work: Work::new(n, rows),
             exact: true,
-            interval: IntervalHessian::new(n),
-            metric: Metric::new(n),
+            interval: IntervalHessian::new(n, shape),
+            metric: Metric::new(n, shape),
+            rate_rows: RateRows::new(n),
         }
     }
 
@@ -106,6 +109,7 @@ impl System {
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier, running);
         }
+        self.add_rates(spline, points);
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
@@ -140,11 +144,12 @@ impl System {
             self.corner += work.z_t[i] * product;
             slope[i] += product + [0.0, -inverse, -2.0 * inverse][i / n] * gradient[i];
         }
-        let (k, j) = (p / POINTS, p % POINTS);
-        let factors = spline.mesh.basis[p].in_time(inverse);
+        let (k, j) = spline.mesh.interval_of(p);
+        let factors = spline.mesh.basis(k, j).in_time(inverse);
         self.interval.take(j, n, factors, &work.hessian);
-        if j + 1 == POINTS {
-            self.interval.add_to(&mut self.matrix, k, n);
+        let points = spline.mesh.own_points(k);
+        if j + 1 == points {
+            self.interval.add_to(&mut self.matrix, k, n, points);
         }
         for (to, from) in self.gradient.iter_mut().chain([&mut self.border]).zip(&work.z[1..]) {
             add_gradient(spline, k, &factors, from, to);
@@ -156,8 +161,8 @@ impl System {
 
     /// Adds the limits of positions and rates at a node.
     fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
-        let (n, inverse) = (spline.dof, 1.0 / spline.time);
-        let first = 2 * n * k;
+        let (n, node, inverse) = (spline.dof, spline.node(), 1.0 / spline.time);
+        let first = node * k;
         for at in barrier.at_node(k) {
             let side = barrier.side(at);
             let ([gradient, at_zero, of_mu], sigma) = side_terms(barrier, at, side.sign);
@@ -166,7 +171,7 @@ impl System {
             let scale = if is_rate { inverse } else { 1.0 };
             self.gradient[0][first + i] += scale * at_zero;
             self.gradient[1][first + i] += scale * of_mu;
-            self.matrix.node_rows(k)[(4 * n + 1) * i] += scale * scale * sigma;
+            self.matrix.node_rows(k)[(2 * node + 1) * i] += scale * scale * sigma;
             if is_rate {
                 // v = q'/T.
                 let v = inverse * spline.unknowns[first + i];
@@ -182,21 +187,21 @@ impl System {
     /// Adds the rows of tasks at both ends, which depend on positions.
     #[inline(always)]
     fn add_ends(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
-        let (n, mut done) = (spline.dof, [false; 2]);
+        let (n, node, mut done) = (spline.dof, spline.node(), [false; 2]);
         for (at, g_x) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)) {
             let (end, row) = (barrier.end_of(at), &g_x[..n]);
             let k = end * spline.mesh.intervals();
             let (parts, sigma) = side_terms(barrier, at, barrier.side(at).sign);
             let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
             for (gradient, part) in gradients.zip([parts[1], parts[2], parts[0]]) {
-                let gradient = gradient[2 * n * k..].iter_mut().zip(row);
+                let gradient = gradient[node * k..].iter_mut().zip(row);
                 gradient.for_each(|(to, entry)| *to += part * entry);
             }
             let rows = self.matrix.node_rows(k);
-            add_squares(rows, 4 * n, &[sigma], std::iter::once(row));
+            add_squares(rows, 2 * node, &[sigma], std::iter::once(row));
             if !std::mem::replace(&mut done[end], true) && self.exact {
                 let hessian = points.ends.hessian[end].chunks_exact(2 * n).take(n);
-                for (to, from) in rows.chunks_exact_mut(4 * n).zip(hessian) {
+                for (to, from) in rows.chunks_exact_mut(2 * node).zip(hessian) {
                     to.iter_mut().zip(&from[..n]).for_each(|(to, from)| *to += from);
                 }
             }
@@ -205,8 +210,11 @@ impl System {
 
     /// Takes the given ends out of the equations: their unknowns depend on T alone.
     fn fix(&mut self, ends: &Ends, spline: &Spline) {
-        let (intervals, node) = (spline.mesh.intervals(), 2 * spline.dof);
-        for (k, i, tangent) in ends.all(intervals).filter(|(_, _, tangent)| *tangent != 0.0) {
+        let (intervals, node) = (spline.mesh.intervals(), spline.node());
+        for (k, i, [_, curvature]) in ends.with_curvatures(intervals, spline.time) {
+            self.corner += curvature * self.at_ends.gradient(usize::from(k > 0), i);
+        }
+        for (k, i, tangent) in ends.all(intervals, spline.time).filter(|(_, _, tangent)| *tangent != 0.0) {
             // One after the other: each adds its products with the matrix.
             let at = node * k + i;
             self.time_gradient[0] += tangent * self.gradient[0][at];
@@ -214,7 +222,7 @@ impl System {
             self.corner += tangent * (2.0 * self.border[at] + tangent * self.matrix.entry(at, at));
             self.matrix.add_column(k, i, tangent, &mut self.border);
         }
-        for (k, i, _) in ends.all(intervals) {
+        for (k, i, _) in ends.all(intervals, spline.time) {
             self.matrix.remove(k, i);
             let vectors = self.gradient.iter_mut().chain([&mut self.border]);
             vectors.for_each(|vector| vector[node * k + i] = 0.0);

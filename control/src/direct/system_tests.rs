@@ -6,6 +6,7 @@ use super::super::point_terms::weigh;
 use super::super::points::{PointDynamics, Points, RobotPoints};
 use super::super::power::Powers;
 use super::super::running::Running;
+use super::super::shape::Shape;
 use super::super::side::{Limited, Side};
 use super::super::spline::{Mesh, Spline};
 use super::super::tasks::Tasks;
@@ -58,7 +59,7 @@ struct Case {
 }
 
 impl Case {
-    fn new() -> Self {
+    fn new(shape: Shape) -> Self {
         let robot = Robot::from_file("../robots/two_link.toml").unwrap();
         let mut problem = Problem::rest_to_rest(robot, &[0.1, 0.2], &[0.5, -0.3], 1.3);
         problem.time = FinalTime::Free { guess: 1.3 };
@@ -76,12 +77,19 @@ impl Case {
         problem.end.v = vec![0.3, 0.5];
         problem.start.v_free = vec![1];
         problem.end.q_free = vec![0];
-        let kinds = [Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
+        let mut kinds = vec![Limited::Position, Limited::Rate, Limited::Acceleration, Limited::Torque];
+        if shape.is_smooth() {
+            problem.cost = problem.cost.with_jerk(vec![0.02, 0.05]).with_torque_rate(vec![0.3, 0.0]);
+            // Accelerations that are given change with T, and not in proportion to it.
+            problem.start.a = Some(vec![0.7, -0.4]);
+            kinds.extend([Limited::Jerk, Limited::TorqueRate]);
+        }
+        assert_eq!(Shape::of(&problem), shape);
         let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.5, 2.0 + joint as f64));
         let sides: Vec<Side> = kinds.into_iter().flat_map(pair).collect();
         let mut random = fastrand::Rng::with_seed(11);
-        let mesh = Mesh::new(vec![0.0, 0.3, 0.55, 1.0]);
-        let unknowns = (0..Spline::size(2, 3)).map(|_| random.f64() - 0.5).collect();
+        let mesh = Mesh::new(vec![0.0, 0.3, 0.55, 1.0], shape);
+        let unknowns = (0..Spline::size(2, 3, shape)).map(|_| random.f64() - 0.5).collect();
         let spline = Spline { dof: 2, mesh, unknowns, time: 1.3 };
         problem.task = task();
         let ends = Ends::new(&problem);
@@ -112,7 +120,7 @@ impl Case {
             running: Running::new(&problem, ToolCosts::new(task.costs, task.weights, 2)),
             ends,
             shift: vec![0.0; count],
-            system: System::new(2, rows),
+            system: System::new(2, shape, rows),
             tasks,
             powers,
             spline,
@@ -123,8 +131,15 @@ impl Case {
 
     /// The derivative in T of a given unknown, if it is one.
     fn tangent(&self, at: usize) -> Option<f64> {
-        let mut given = self.ends.all(self.spline.mesh.intervals());
-        given.find(|(k, i, _)| 2 * self.spline.dof * k + i == at).map(|(_, _, tangent)| tangent)
+        let mut given = self.ends.all(self.spline.mesh.intervals(), self.spline.time);
+        given.find(|(k, i, _)| self.spline.node() * k + i == at).map(|(_, _, tangent)| tangent)
+    }
+
+    /// The second derivative in T of a given unknown.
+    fn curvature(&self, at: usize) -> f64 {
+        let mut given = self.ends.with_curvatures(self.spline.mesh.intervals(), self.spline.time);
+        let found = given.find(|(k, i, _)| self.spline.node() * k + i == at);
+        found.map_or(0.0, |(_, _, [_, curvature])| curvature)
     }
 
     /// Adds to an unknown; the one after the last is T, with which given rates move.
@@ -133,10 +148,12 @@ impl Case {
             self.spline.unknowns[at] += step;
             return;
         }
-        self.spline.time += step;
         for at in 0..self.spline.unknowns.len() {
-            self.spline.unknowns[at] += step * self.tangent(at).unwrap_or(0.0);
+            let tangent = self.tangent(at).unwrap_or(0.0);
+            let curvature = self.curvature(at);
+            self.spline.unknowns[at] += step * (tangent + 0.5 * step * curvature);
         }
+        self.spline.time += step;
     }
 
     /// Evaluates the points and their distances.
@@ -146,6 +163,7 @@ impl Case {
         self.tasks.evaluate(&mut self.points).unwrap();
         self.tasks.evaluate_ends(&self.spline, &mut self.points).unwrap();
         self.powers.evaluate(&mut self.points);
+        self.points.evaluate_rates(&self.spline);
         let mut distance = std::mem::take(&mut self.barrier.distance);
         self.barrier.measure(&self.spline, &self.points, &mut distance);
         self.barrier.distance = distance;
@@ -201,9 +219,8 @@ fn close(found: f64, expected: f64, scale: f64) -> bool {
     (found - expected).abs() < 1e-7 * scale
 }
 
-#[test]
-fn gradients_are_those_of_the_lagrange_function() {
-    let mut case = Case::new();
+fn gradients_are_those_of_the_lagrange_function(shape: Shape) {
+    let mut case = Case::new(shape);
     case.assemble();
     let gradients = [0, 1].map(|part| case.gradient(part));
     let scales =
@@ -227,9 +244,8 @@ fn gradients_are_those_of_the_lagrange_function() {
     }
 }
 
-#[test]
-fn the_matrix_is_the_derivative_of_the_gradient() {
-    let mut case = Case::new();
+fn the_matrix_is_the_derivative_of_the_gradient(shape: Shape) {
+    let mut case = Case::new(shape);
     case.evaluate();
     // Without the distances of this motion sigma d does not change the multipliers.
     case.shift.clone_from(&case.barrier.distance);
@@ -261,9 +277,8 @@ fn the_matrix_is_the_derivative_of_the_gradient() {
     }
 }
 
-#[test]
-fn steps_solve_the_bordered_equations() {
-    let mut case = Case::new();
+fn steps_solve_the_bordered_equations(shape: Shape) {
+    let mut case = Case::new(shape);
     // Large curvature of the limits makes the matrix positive definite.
     case.barrier.slack.iter_mut().for_each(|slack| *slack *= 1e-4);
     case.assemble();
@@ -281,4 +296,18 @@ fn steps_solve_the_bordered_equations() {
             assert!(close(product, -entry, scale), "{part} {i}: {product} {entry}");
         }
     }
+}
+
+#[test]
+fn derivatives_where_accelerations_jump() {
+    gradients_are_those_of_the_lagrange_function(Shape::Quartic);
+    the_matrix_is_the_derivative_of_the_gradient(Shape::Quartic);
+    steps_solve_the_bordered_equations(Shape::Quartic);
+}
+
+#[test]
+fn derivatives_where_accelerations_are_continuous() {
+    gradients_are_those_of_the_lagrange_function(Shape::Quintic);
+    the_matrix_is_the_derivative_of_the_gradient(Shape::Quintic);
+    steps_solve_the_bordered_equations(Shape::Quintic);
 }

@@ -47,7 +47,7 @@ impl ComponentEnds {
 
 impl GivenComponents {
     /// x = (q, v) of a robot.
-    pub fn of_robot(BoundaryState { q, v, q_free, v_free }: &BoundaryState) -> Self {
+    pub fn of_robot(BoundaryState { q, v, q_free, v_free, .. }: &BoundaryState) -> Self {
         let n = q.len();
         let free_q = (0..n).map(|j| q_free.contains(&j));
         let free = free_q.chain((0..n).map(|j| v_free.contains(&j))).collect();

@@ -84,6 +84,21 @@ impl ChainMatrix {
         &mut self.node_rows[k * length..(k + 1) * length]
     }
 
+    /// Adds a multiple of the square of a row over the unknowns of interval `k`: inner ones, those of the
+    /// left and of the right node.
+    pub fn add_square(&mut self, k: usize, factor: f64, row: &[f64]) {
+        let (node, inner, width) = (self.node, self.inner, self.inner_width());
+        let (of_inner, left, right) = self.interval(k);
+        let blocks = [(of_inner, width, 0), (left, 2 * node, inner), (right, 2 * node, inner + node)];
+        for (rows, width, first) in blocks {
+            let row = &row[first..];
+            for (i, to) in rows.chunks_exact_mut(width).enumerate() {
+                let factor = factor * row[i];
+                to[i..].iter_mut().zip(&row[i..]).for_each(|(to, entry)| *to += factor * entry);
+            }
+        }
+    }
+
     /// Takes the entries of another matrix.
     pub fn copy_from(&mut self, other: &Self) {
         self.intervals = other.intervals;

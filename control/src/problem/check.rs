@@ -46,8 +46,9 @@ impl Problem {
     ///
     /// # Errors
     /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`],
-    /// [`ProblemError::TaskNeedsDirect`] and [`ProblemError::EnergyNeedsDirect`] for limits, tasks and costs
-    /// of energy with another method.
+    /// [`ProblemError::TaskNeedsDirect`], [`ProblemError::EnergyNeedsDirect`] and
+    /// [`ProblemError::RatesNeedDirect`] for limits, tasks, costs of energy, and costs of jerks or rates of
+    /// torques or given accelerations with another method.
     pub fn check_for(&self, method: Method) -> Result<CheckedProblem<'_>, ProblemError> {
         if method != Method::Direct {
             let checked = self.check()?;
@@ -57,11 +58,20 @@ impl Problem {
             if self.cost.has_energy() {
                 return Err(ProblemError::EnergyNeedsDirect);
             }
-            return if self.limits.any_given() { Err(ProblemError::LimitsNeedDirect) } else { Ok(checked) };
+            if self.limits.any_given() {
+                return Err(ProblemError::LimitsNeedDirect);
+            }
+            return match self.first_of_rates() {
+                Some(key) => Err(ProblemError::RatesNeedDirect { key }),
+                None => Ok(checked),
+            };
         }
         let checked = self.check_lists(|j| {
             let limits = self.joint_limits();
-            limits[j].torque.iter().all(|torque| torque.is_finite())
+            let limited = limits[j].torque.iter().all(|torque| torque.is_finite());
+            let rates = limits[j].jerk.min(limits[j].torque_rate).is_finite();
+            let weight = |list: &Option<Vec<f64>>| list.as_ref().map_or(0.0, |list| list[j]);
+            limited || rates || weight(&self.cost.torque_rate).max(weight(&self.cost.jerk)) > 0.0
         })?;
         self.check_limits()?;
         check_task(self)?;
@@ -75,6 +85,9 @@ impl Problem {
         self.finite(Key::START_V, &start.v)?;
         self.finite(Key::END_Q, &end.q)?;
         self.finite(Key::END_V, &end.v)?;
+        for (key, a) in [(Key::START_A, &start.a), (Key::END_A, &end.a)] {
+            a.as_ref().map_or(Ok(()), |a| self.finite(key, a))?;
+        }
         self.exist(Key::START_Q_FREE, &start.q_free)?;
         self.exist(Key::START_V_FREE, &start.v_free)?;
         self.exist(Key::END_Q_FREE, &end.q_free)?;
@@ -87,7 +100,7 @@ impl Problem {
         self.check_limit_lists()?;
         self.check_bounds(bounded)?;
         let costs = self.cost.effort.iter().any(|&r| r > 0.0) || self.cost.has_energy();
-        let costs = costs || !self.terms.is_empty();
+        let costs = costs || !self.terms.is_empty() || self.cost.first_of_rates().is_some();
         if matches!(self.time, FinalTime::Fixed(_)) && !costs {
             return Err(ProblemError::NothingToMinimise);
         }
@@ -111,6 +124,9 @@ impl Problem {
             return Err(ProblemError::FreeTimeWithoutCost);
         }
         self.weights(Key::EFFORT, &self.cost.effort)?;
+        for (key, weights) in [(Key::TORQUE_RATE, &self.cost.torque_rate), (Key::JERK, &self.cost.jerk)] {
+            weights.as_ref().map_or(Ok(()), |weights| self.weights(key, weights))?;
+        }
         let Some(energy) = &self.cost.energy else { return Ok(()) };
         self.weights(Key::ENERGY, energy)?;
         let (key, value) = (Key::ENERGY_SMOOTHING, self.cost.energy_smoothing);

@@ -28,6 +28,8 @@ pub enum ContinuationCause {
     Task,
     /// A cost of energy, which a continuation does not take.
     Energy,
+    /// Costs of jerks or rates of torques, or given accelerations, which a continuation does not take.
+    Rates,
     /// The robot that would have this value is refused.
     Robot(Arc<RobotError>),
 }
@@ -47,6 +49,10 @@ impl fmt::Display for ContinuationCause {
             }
             Self::Task => "a continuation takes neither tools nor obstacles; remove them",
             Self::Energy => "a continuation takes no cost of energy; remove cost.energy",
+            Self::Rates => {
+                "a continuation takes neither costs of jerks or rates of torques nor given accelerations; remove \
+                 cost.jerk, cost.torque_rate, start.a and end.a"
+            }
             Self::Robot(error) => return error.fmt(f),
         })
     }

@@ -143,6 +143,16 @@ pub enum ProblemError {
     },
     /// A cost of energy with a method that does not take it.
     EnergyNeedsDirect,
+    /// A cost of jerks or of rates of torques, or a given acceleration, with a method that does not take it.
+    RatesNeedDirect {
+        /// The field.
+        key: Key,
+    },
+    /// Jerks, rates of torques or given accelerations, which [`Resolve`](crate::Resolve) does not take.
+    NotAgain {
+        /// The field.
+        key: Key,
+    },
     /// A control that costs nothing and is not bounded on both sides.
     UnboundedEffort {
         /// The joint.
@@ -185,6 +195,8 @@ impl ProblemError {
             | Self::OutsideLimits { key, .. }
             | Self::Task { key, .. }
             | Self::TorqueSpeed { key, .. }
+            | Self::RatesNeedDirect { key }
+            | Self::NotAgain { key }
             | Self::TaskNeedsDirect { key } => key,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
@@ -247,6 +259,8 @@ impl ProblemError {
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::TorqueSpeed { cause, .. } => cause.to_string(),
             Self::EnergyNeedsDirect => "a cost of energy is taken by method = \"direct\" only; choose it, or remove the cost".into(),
+            Self::RatesNeedDirect { .. } => "this is taken by method = \"direct\" only; choose it, or remove it".into(),
+            Self::NotAgain { .. } => "Resolve does not take this; solve the problem with Solver, or remove it".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
                  or finite bounds.u_min and bounds.u_max", joint = printable(joint)),

@@ -18,6 +18,8 @@ impl Problem {
                 v: entry(&own.v_max, i),
                 a: entry(&own.a_max, i),
                 torque: [-entry(&own.torque_max, i), entry(&own.torque_max, i)],
+                jerk: entry(&own.jerk_max, i),
+                torque_rate: entry(&own.torque_rate_max, i),
                 power: entry(&own.power_max, i),
                 speeds: [entry(&own.corner_speed, i), entry(&own.no_load_speed, i)],
             };
@@ -105,13 +107,17 @@ impl Problem {
                 let cause = TorqueSpeedError::NoTorqueLimit { joint: self.name(j) };
                 return Err(ProblemError::TorqueSpeed { key: Key::LIMIT_CORNER_SPEED, cause });
             }
-            let ends = [(&self.start, Key::START_Q, Key::START_V), (&self.end, Key::END_Q, Key::END_V)];
-            for (end, key_q, key_v) in ends {
+            let ends = [
+                (&self.start, [Key::START_Q, Key::START_V, Key::START_A]),
+                (&self.end, [Key::END_Q, Key::END_V, Key::END_A]),
+            ];
+            for (end, [key_q, key_v, key_a]) in ends {
                 let values = [
                     (key_q, end.q[j], limits.q, end.q_free.contains(&j)),
                     (key_v, end.v[j], [-limits.v, limits.v], end.v_free.contains(&j)),
                 ];
-                for (key, value, [low, high], free) in values {
+                let accelerations = end.a.as_ref().map(|a| (key_a, a[j], [-limits.a, limits.a], false));
+                for (key, value, [low, high], free) in values.into_iter().chain(accelerations) {
                     if !free && !(low..=high).contains(&value) {
                         return Err(ProblemError::OutsideLimits {
                             key,

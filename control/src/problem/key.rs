@@ -16,10 +16,12 @@ pub struct Key {
 impl Key {
     pub(crate) const START_Q: Self = Self::new("start", "q", "start.q");
     pub(crate) const START_V: Self = Self::new("start", "v", "start.v");
+    pub(crate) const START_A: Self = Self::new("start", "a", "start.a");
     pub(crate) const START_Q_FREE: Self = Self::new("start", "q_free", "start.q_free");
     pub(crate) const START_V_FREE: Self = Self::new("start", "v_free", "start.v_free");
     pub(crate) const END_Q: Self = Self::new("end", "q", "end.q");
     pub(crate) const END_V: Self = Self::new("end", "v", "end.v");
+    pub(crate) const END_A: Self = Self::new("end", "a", "end.a");
     pub(crate) const END_Q_FREE: Self = Self::new("end", "q_free", "end.q_free");
     pub(crate) const END_V_FREE: Self = Self::new("end", "v_free", "end.v_free");
     pub(crate) const FINAL_TIME: Self = Self::new("time", "final", "time");
@@ -29,6 +31,8 @@ impl Key {
     pub(crate) const EFFORT: Self = Self::new("cost", "effort", "cost.effort");
     pub(crate) const ENERGY: Self = Self::new("cost", "energy", "cost.energy");
     pub(crate) const ENERGY_SMOOTHING: Self = Self::new("cost", "energy_smoothing", "cost.energy_smoothing");
+    pub(crate) const TORQUE_RATE: Self = Self::new("cost", "torque_rate", "cost.torque_rate");
+    pub(crate) const JERK: Self = Self::new("cost", "jerk", "cost.jerk");
     pub(crate) const GAIN: Self = Self::new("actuation", "gain", "gain");
     pub(crate) const U_MIN: Self = Self::new("bounds", "u_min", "bounds.u_min");
     pub(crate) const U_MAX: Self = Self::new("bounds", "u_max", "bounds.u_max");
@@ -41,6 +45,9 @@ impl Key {
     pub(crate) const LIMIT_V_MAX: Self = Self::new("limits", "v_max", "limits.v_max");
     pub(crate) const LIMIT_A_MAX: Self = Self::new("limits", "a_max", "limits.a_max");
     pub(crate) const LIMIT_TORQUE_MAX: Self = Self::new("limits", "torque_max", "limits.torque_max");
+    pub(crate) const LIMIT_JERK_MAX: Self = Self::new("limits", "jerk_max", "limits.jerk_max");
+    pub(crate) const LIMIT_TORQUE_RATE_MAX: Self =
+        Self::new("limits", "torque_rate_max", "limits.torque_rate_max");
     pub(crate) const LIMIT_POWER_MAX: Self = Self::new("limits", "power_max", "limits.power_max");
     pub(crate) const LIMIT_TOTAL_POWER_MAX: Self =
         Self::new("limits", "total_power_max", "limits.total_power_max");

@@ -18,6 +18,11 @@ pub struct MotionLimits {
     /// Limits of the torques and forces |tau| at the joints (N m, N): tau is u times its gain. 0 for a joint
     /// without a motor.
     pub torque_max: Option<Vec<f64>>,
+    /// Limits of the jerks |dddot q| (rad/s^3, m/s^3). With them accelerations are continuous.
+    pub jerk_max: Option<Vec<f64>>,
+    /// Limits of the rates of the torques and forces at the joints, |d tau/dt| (N m/s, N/s). With them
+    /// torques are continuous.
+    pub torque_rate_max: Option<Vec<f64>>,
     /// Limits of the mechanical power |tau v| of each joint (W).
     pub power_max: Option<Vec<f64>>,
     /// Limit of the power of all joints together, $|\sum_i \tau_i v_i|$ (W).
@@ -42,6 +47,8 @@ impl Default for MotionLimits {
             v_max: None,
             a_max: None,
             torque_max: None,
+            jerk_max: None,
+            torque_rate_max: None,
             power_max: None,
             total_power_max: None,
             corner_speed: None,
@@ -62,6 +69,10 @@ pub(crate) struct JointLimits {
     pub a: f64,
     /// Least and largest torque: of `torque_max`, the robot and the bounds on u.
     pub torque: [f64; 2],
+    /// Largest |q'''|.
+    pub jerk: f64,
+    /// Largest |d tau/dt|.
+    pub torque_rate: f64,
     /// Largest |tau v|.
     pub power: f64,
     /// Corner speed and no-load speed.
@@ -85,13 +96,15 @@ impl MotionLimits {
     }
 
     /// All lists with their keys.
-    pub(crate) fn lists(&self) -> [(Key, &Option<Vec<f64>>); 8] {
+    pub(crate) fn lists(&self) -> [(Key, &Option<Vec<f64>>); 10] {
         [
             (Key::LIMIT_Q_MIN, &self.q_min),
             (Key::LIMIT_Q_MAX, &self.q_max),
             (Key::LIMIT_V_MAX, &self.v_max),
             (Key::LIMIT_A_MAX, &self.a_max),
             (Key::LIMIT_TORQUE_MAX, &self.torque_max),
+            (Key::LIMIT_JERK_MAX, &self.jerk_max),
+            (Key::LIMIT_TORQUE_RATE_MAX, &self.torque_rate_max),
             (Key::LIMIT_POWER_MAX, &self.power_max),
             (Key::LIMIT_CORNER_SPEED, &self.corner_speed),
             (Key::LIMIT_NO_LOAD_SPEED, &self.no_load_speed),
@@ -126,6 +139,27 @@ impl MotionLimits {
     #[must_use]
     pub fn with_torque_max(self, torque_max: Vec<f64>) -> Self {
         Self { torque_max: Some(torque_max), ..self }
+    }
+
+    /// With these limits of the jerks (rad/s^3, m/s^3).
+    #[must_use]
+    pub fn with_jerk_max(self, jerk_max: Vec<f64>) -> Self {
+        Self { jerk_max: Some(jerk_max), ..self }
+    }
+
+    /// With these limits of the rates of torques and forces (N m/s, N/s).
+    #[must_use]
+    pub fn with_torque_rate_max(self, torque_rate_max: Vec<f64>) -> Self {
+        Self { torque_rate_max: Some(torque_rate_max), ..self }
+    }
+
+    /// The first limit of jerks or rates of torques.
+    pub(crate) fn first_of_rates(&self) -> Option<Key> {
+        let limits =
+            |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|l| l.is_finite()));
+        let lists =
+            [(Key::LIMIT_JERK_MAX, &self.jerk_max), (Key::LIMIT_TORQUE_RATE_MAX, &self.torque_rate_max)];
+        lists.into_iter().find(|(_, list)| limits(list)).map(|(key, _)| key)
     }
 
     /// With these limits of |tau v| (W).

@@ -26,6 +26,7 @@ pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 pub use torque_speed_error::TorqueSpeedError;
 
+use crate::problem::key::Key;
 use crate::problem::running_cost::UserTerm;
 use costate::robot::Robot;
 
@@ -156,6 +157,14 @@ impl Problem {
     #[must_use]
     pub fn with_task(self, task: Task) -> Self {
         Self { task, ..self }
+    }
+
+    /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of
+    /// torques, or accelerations that are given at an end.
+    pub(crate) fn first_of_rates(&self) -> Option<Key> {
+        let given = |end: &BoundaryState, key| end.a.as_ref().map(|_| key);
+        let of_limits = self.limits.first_of_rates().or_else(|| self.cost.first_of_rates());
+        of_limits.or(given(&self.start, Key::START_A)).or(given(&self.end, Key::END_A))
     }
 
     /// Whether a relaxed problem may weaken the user terms. Not where they are the only cost of time.

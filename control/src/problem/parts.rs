@@ -1,5 +1,7 @@
 //! The parts of a problem: ends, final time, weights, bounds, penalties.
 
+use super::key::Key;
+
 /// State at one end of a motion, some components possibly free.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -8,6 +10,9 @@ pub struct BoundaryState {
     pub q: Vec<f64>,
     /// Rates (rad/s, m/s), n entries. Those of free joints only shape the first guess.
     pub v: Vec<f64>,
+    /// Accelerations (rad/s^2, m/s^2), n entries; `None` for free ones. With given accelerations those of the
+    /// whole motion are continuous. Needs [`Method::Direct`](crate::Method::Direct).
+    pub a: Option<Vec<f64>>,
     /// Joints whose position is free: $(y_q + P^\top y_p)_j = 0$ here, $P = \partial(M v)/\partial q$.
     pub q_free: Vec<usize>,
     /// Joints whose rate is free: $(M y_p)_j = 0$ here.
@@ -15,9 +20,15 @@ pub struct BoundaryState {
 }
 
 impl BoundaryState {
-    /// These positions and rates, nothing free.
+    /// These positions and rates, free accelerations.
     pub fn fixed(q: &[f64], v: &[f64]) -> Self {
-        Self { q: q.to_vec(), v: v.to_vec(), q_free: Vec::new(), v_free: Vec::new() }
+        Self { q: q.to_vec(), v: v.to_vec(), a: None, q_free: Vec::new(), v_free: Vec::new() }
+    }
+
+    /// With these accelerations.
+    #[must_use]
+    pub fn with_a(self, a: &[f64]) -> Self {
+        Self { a: Some(a.to_vec()), ..self }
     }
 
     /// With the positions of these joints free.
@@ -55,7 +66,11 @@ impl FinalTime {
     }
 }
 
-/// Weights of $c_t T + \int \left( \frac12 \sum_i r_i u_i^2 + \sum_i e_i \phi(\tau_i v_i) \right) dt$,
+/// Weights of
+///
+/// $$ c_t T + \int \sum_i \left( \frac12 r_i u_i^2 + e_i \phi(\tau_i v_i) + \frac12 w_i \dot\tau_i^2
+///    + \frac12 \bar w_i \dddot q_i^2 \right) dt $$
+///
 /// where $\phi(p) = \frac12 (p + \sqrt{p^2 + s^2} - s)$ is the positive part of the mechanical power,
 /// smoothed.
 ///
@@ -72,6 +87,12 @@ pub struct Objective {
     /// none. $\tau_i$ (N m, N) is the torque at the joint, after the gain. Needs
     /// [`Method::Direct`](crate::Method::Direct).
     pub energy: Option<Vec<f64>>,
+    /// $w_i$, the weights of the squared rates of the torques and forces at the joints, after the gain
+    /// ((N m/s)^2, (N/s)^2), n entries; `None` for none. Needs [`Method::Direct`](crate::Method::Direct).
+    pub torque_rate: Option<Vec<f64>>,
+    /// $\bar w_i$, the weights of the squared jerks ((rad/s^3)^2, (m/s^3)^2), n entries; `None` for none.
+    /// Needs [`Method::Direct`](crate::Method::Direct).
+    pub jerk: Option<Vec<f64>>,
     /// s (W), by default 1. Powers much smaller than this cost next to nothing; small values make corners
     /// which need more nodes.
     pub energy_smoothing: f64,
@@ -80,7 +101,8 @@ pub struct Objective {
 impl Objective {
     /// The cost of a second, and the weight of each control.
     pub fn new(time: f64, effort: Vec<f64>) -> Self {
-        Self { time, effort, energy: None, energy_smoothing: ENERGY_SMOOTHING }
+        let (energy_smoothing, torque_rate, jerk) = (ENERGY_SMOOTHING, None, None);
+        Self { time, effort, energy: None, torque_rate, jerk, energy_smoothing }
     }
 
     /// With this cost of a second.
@@ -105,6 +127,26 @@ impl Objective {
     #[must_use]
     pub fn with_energy_smoothing(self, energy_smoothing: f64) -> Self {
         Self { energy_smoothing, ..self }
+    }
+
+    /// With these weights of the squared rates of torques and forces.
+    #[must_use]
+    pub fn with_torque_rate(self, torque_rate: Vec<f64>) -> Self {
+        Self { torque_rate: Some(torque_rate), ..self }
+    }
+
+    /// With these weights of the squared jerks.
+    #[must_use]
+    pub fn with_jerk(self, jerk: Vec<f64>) -> Self {
+        Self { jerk: Some(jerk), ..self }
+    }
+
+    /// The first cost of rates of torques or of jerks.
+    pub(crate) fn first_of_rates(&self) -> Option<Key> {
+        let costs =
+            |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w != 0.0));
+        let lists = [(Key::TORQUE_RATE, &self.torque_rate), (Key::JERK, &self.jerk)];
+        lists.into_iter().find(|(_, list)| costs(list)).map(|(key, _)| key)
     }
 
     /// Whether energy costs anything.

@@ -23,6 +23,12 @@ pub struct LimitReport {
     /// tau (N m, N).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque: Option<LimitUse>,
+    /// The jerk (rad/s^3, m/s^3).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jerk: Option<LimitUse>,
+    /// d tau/dt (N m/s, N/s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque_rate: Option<LimitUse>,
     /// tau v (W); that of all joints together has the name "all joints".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<LimitUse>,
@@ -43,9 +49,9 @@ pub struct LimitReport {
 pub struct LimitUse {
     /// Largest violation at the points of the motion, in the unit of the limit.
     pub at_points: f64,
-    /// Largest violation between them. Where an acceleration or a power jumps inside of an interval it
-    /// overshoots by some percent there, the shorter the finer the mesh. Torques there are cut to their
-    /// limits in the trajectory; this is how much more the polynomial would need.
+    /// Largest violation between them. Where an acceleration, a power, a jerk or the rate of a torque jumps
+    /// inside of an interval it overshoots by some percent there, the shorter the finer the mesh. Torques
+    /// there are cut to their limits in the trajectory; this is how much more the polynomial would need.
     pub between: f64,
     /// The largest violation at the points, if there is any beyond rounding: 1e-7 of the distance between
     /// lower and upper limit.
@@ -109,6 +115,8 @@ impl LimitReport {
             ("rate", &self.rate),
             ("acceleration", &self.acceleration),
             ("torque", &self.torque),
+            ("jerk", &self.jerk),
+            ("torque_rate", &self.torque_rate),
             ("power", &self.power),
             ("torque_speed", &self.torque_speed),
             ("task", &self.task),

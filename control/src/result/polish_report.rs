@@ -27,8 +27,9 @@ pub struct PolishReport {
 pub enum PolishOutcome {
     /// The polished motion is shown: it is solved, or neither of the two is.
     Polished,
-    /// Not tried: accelerations are limited, energy costs something, or a limit on positions, rates or
-    /// powers is active. An extremal keeps the limits of controls only.
+    /// Not tried: accelerations, jerks or rates of torques are limited, energy, jerks or rates of torques
+    /// cost something, accelerations are given at an end, or a limit on positions, rates or powers is active.
+    /// An extremal keeps the limits of controls only.
     Limited,
     /// Not tried: the direct method found no motion to begin with.
     NoMotion,

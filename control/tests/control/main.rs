@@ -23,6 +23,7 @@ mod polish;
 mod power;
 mod problem_file;
 mod problems;
+mod rates;
 mod samples;
 mod second_variation;
 mod shooting;

@@ -102,6 +102,11 @@ pub enum DynamicsProblemError {
     /// A cost of mechanical energy.
     #[error("cost.energy is the work of joints of a robot: give the cost of a model by its running cost")]
     Energy,
+    /// A cost of jerks or of rates of torques.
+    #[error(
+        "cost.jerk and cost.torque_rate are those of joints of a robot: make rates of u states of the model"
+    )]
+    Rates,
     /// A control that costs nothing and is not bounded on both sides.
     #[error(
         "cost.effort[{control}] is zero and u[{control}] is not bounded on both sides: give it a weight, or bounds"
@@ -147,6 +152,9 @@ impl DynamicsProblem {
         let Objective { time, effort, .. } = &self.cost;
         if self.cost.has_energy() {
             return Err(Error::Energy);
+        }
+        if self.cost.first_of_rates().is_some() {
+            return Err(Error::Rates);
         }
         length("cost.effort", effort.len(), controls)?;
         let positive = |value: f64| value > 0.0 && value.is_finite();

@@ -92,7 +92,10 @@ impl Ends {
 }
 
 impl Given {
-    fn new(robot: &Robot, BoundaryState { q, v, q_free, v_free }: &BoundaryState) -> Result<Self, EvalError> {
+    fn new(
+        robot: &Robot,
+        BoundaryState { q, v, q_free, v_free, .. }: &BoundaryState,
+    ) -> Result<Self, EvalError> {
         let mut hamiltonian = Hamiltonian::<f64>::new(robot);
         hamiltonian.inverse_mass_matrix(q)?;
         let x = q.iter().chain(hamiltonian.momentum(q, v)?).copied().collect();

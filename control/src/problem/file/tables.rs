@@ -28,9 +28,9 @@ const ROOT: &[&str] = &[
     "start_from",
     "solver",
 ];
-const STATE: &[&str] = &["q", "v", "q_free", "v_free", "tool"];
+const STATE: &[&str] = &["q", "v", "a", "q_free", "v_free", "tool"];
 const TIME: &[&str] = &["final", "free", "guess"];
-const COST: &[&str] = &["time", "effort", "energy", "energy_smoothing", "tool"];
+const COST: &[&str] = &["time", "effort", "energy", "energy_smoothing", "torque_rate", "jerk", "tool"];
 const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
 const LIMITS: &[&str] = &[
@@ -39,6 +39,8 @@ const LIMITS: &[&str] = &[
     "v_max",
     "a_max",
     "torque_max",
+    "jerk_max",
+    "torque_rate_max",
     "power_max",
     "total_power_max",
     "corner_speed",
@@ -86,6 +88,8 @@ pub(super) struct Tables {
     effort: Option<Vec<f64>>,
     energy: Option<Energy>,
     energy_smoothing: Option<f64>,
+    torque_rate: Option<Vec<f64>>,
+    jerk: Option<Vec<f64>>,
     gain: Option<Vec<f64>>,
     bounds: Option<Bounds>,
     penalty: Option<Penalty>,
@@ -123,6 +127,7 @@ struct StateTable {
     /// `None`: those of the start, as a first guess.
     q: Option<Vec<f64>>,
     v: Option<Vec<f64>>,
+    a: Option<Vec<f64>>,
     /// `None`: no joint, or all of them where tools are given.
     q_free: Option<Vec<JointName>>,
     v_free: Vec<JointName>,
@@ -159,7 +164,11 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     let task = task::read(root)?;
     let energy = cost.map_or(Ok(None), energy)?;
     let limited = limits.as_ref().is_some_and(MotionLimits::any_given);
-    let direct = limited || !task.is_empty() || energy.as_ref().is_some_and(Energy::is_any);
+    let numbers = |name| cost.map_or(Ok(None), |cost| cost.numbers(name));
+    let (torque_rate, jerk) = (numbers("torque_rate")?, numbers("jerk")?);
+    let any = |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w != 0.0));
+    let rates = any(&torque_rate) || any(&jerk) || start.a.is_some() || end.a.is_some();
+    let direct = limited || rates || !task.is_empty() || energy.as_ref().is_some_and(Energy::is_any);
     Ok(Tables {
         robot,
         start,
@@ -169,6 +178,8 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         effort: cost.map_or(Ok(None), |cost| cost.numbers("effort"))?,
         energy,
         energy_smoothing: cost.map_or(Ok(None), |cost| cost.number("energy_smoothing"))?,
+        torque_rate,
+        jerk,
         gain: actuation.map_or(Ok(None), |actuation| actuation.numbers("gain"))?,
         bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
@@ -191,6 +202,7 @@ fn state(table: &Table<'_>) -> Result<StateTable, Fault> {
     Ok(StateTable {
         q: if has_tools { q } else { Some(table.need("q", q)?) },
         v: table.numbers("v")?,
+        a: table.numbers("a")?,
         q_free: joints("q_free")?,
         v_free: joints("v_free")?.unwrap_or_default(),
         has_tools,
@@ -236,6 +248,8 @@ fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
         v_max: table.numbers("v_max")?,
         a_max: table.numbers("a_max")?,
         torque_max: table.numbers("torque_max")?,
+        jerk_max: table.numbers("jerk_max")?,
+        torque_rate_max: table.numbers("torque_rate_max")?,
         power_max: table.numbers("power_max")?,
         total_power_max: table.number("total_power_max")?,
         corner_speed: table.numbers("corner_speed")?,
@@ -255,8 +269,8 @@ fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
     })
 }
 
-/// The options; where there are limits, a task or a cost of energy the method is direct unless another one is
-/// given.
+/// The options; where there are limits, a task, a cost that needs it or given accelerations the method is
+/// direct unless another one is given.
 fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fault> {
     let method = table.map_or(Ok(None), |table| table.choice("method", &METHODS))?;
     let defaults = match method {
@@ -312,11 +326,13 @@ impl Tables {
         let n = robot.dof();
         let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
         let from = self.start.q.as_deref().unwrap_or_default();
-        let fixed = |table: &StateTable| {
-            BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
+        let fixed = |table: &StateTable| BoundaryState {
+            a: table.a.clone(),
+            ..BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
         };
         let (start, end) = (fixed(&self.start), fixed(&self.end));
         let mut cost = Objective::new(self.cost_time, fill(&self.effort, 0.0));
+        (cost.torque_rate, cost.jerk) = (self.torque_rate.clone(), self.jerk.clone());
         cost.energy = self.energy.as_ref().map(|energy| energy.of_joints(n));
         if let Some(smoothing) = self.energy_smoothing {
             cost = cost.with_energy_smoothing(smoothing);
