@@ -11,6 +11,7 @@ use super::ends::Ends;
 use super::interior::Interior;
 use super::interval::add_gradient;
 use super::limits::Barrier;
+use super::point_terms::add_row;
 use super::points::{PointDynamics, Points};
 use super::side::Limited;
 use super::spline::Spline;
@@ -106,16 +107,7 @@ impl System {
                 if value == 0.0 {
                     continue;
                 }
-                let row = match side.limited {
-                    Limited::Torque => &points.tau_z(p)[3 * n * side.joint..][..3 * n],
-                    Limited::Power | Limited::TorqueSpeed => &points.h_z(p)[3 * n * side.joint..][..3 * n],
-                    Limited::Task => &points.g_x(p)[2 * n * side.joint..][..2 * n],
-                    _ => {
-                        z[side.index(n)] += value;
-                        continue;
-                    }
-                };
-                z.iter_mut().zip(row).for_each(|(z, row)| *z += value * row);
+                add_row(points, p, side, value, z);
             }
             work.differentiate_in_time(points.z(p), inverse);
             self.time_correction += dot(&work.z[0], &work.z_t);

@@ -176,9 +176,7 @@ impl<D: PointDynamics> Interior<D> {
         self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
         self.powers.evaluate(&mut self.points);
         self.points.evaluate_rates(&self.spline);
-        let mut distance = std::mem::take(&mut self.barrier.distance);
-        self.barrier.measure(&self.spline, &self.points, &mut distance);
-        self.barrier.distance = distance;
+        self.measure_distances();
         Ok(())
     }
 

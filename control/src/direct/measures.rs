@@ -26,6 +26,13 @@ impl<D: PointDynamics> Interior<D> {
         (time * costs).max(f64::MIN_POSITIVE.sqrt())
     }
 
+    /// Distances to all limits from the values at the points.
+    pub(super) fn measure_distances(&mut self) {
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(&self.spline, &self.points, &mut distance);
+        self.barrier.distance = distance;
+    }
+
     pub(super) fn measure_cost(&mut self) {
         let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
         self.take_cost(cost);

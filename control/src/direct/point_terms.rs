@@ -3,7 +3,7 @@
 use super::limits::Barrier;
 use super::points::Points;
 use super::running::Running;
-use super::side::Limited;
+use super::side::{Limited, Side};
 use super::spline::Spline;
 
 /// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`],
@@ -61,6 +61,22 @@ pub(super) fn side_terms(barrier: &Barrier, at: usize, sign: f64) -> ([f64; 3], 
     let sigma = barrier.curvature(at);
     let of_mu = if s > 0.0 { -sign * barrier.weight[at] / s } else { 0.0 };
     ([-sign * eta, -sign * (eta - sigma * d), of_mu], sigma)
+}
+
+/// Adds `factor` times the gradient in z of the value that a side limits at a point.
+#[inline(always)]
+pub(super) fn add_row(points: &Points, p: usize, side: &Side, factor: f64, z: &mut [f64]) {
+    let n = points.dof;
+    let row = match side.limited {
+        Limited::Torque => &points.tau_z(p)[3 * n * side.joint..][..3 * n],
+        Limited::Power | Limited::TorqueSpeed => &points.h_z(p)[3 * n * side.joint..][..3 * n],
+        Limited::Task => &points.g_x(p)[2 * n * side.joint..][..2 * n],
+        _ => {
+            z[side.index(n)] += factor;
+            return;
+        }
+    };
+    z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
 }
 
 /// Arrays of one point.

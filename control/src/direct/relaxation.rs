@@ -3,7 +3,7 @@
 use super::ends::Ends;
 use super::interval::add_gradient;
 use super::limits::Barrier;
-use super::point_terms::side_terms;
+use super::point_terms::{add_row, side_terms};
 use super::points::Points;
 use super::shape::POINTS;
 use super::side::{Limited, Side};
@@ -225,17 +225,7 @@ impl Relaxation {
             while i < sides.len() && self.limits[i] == limit {
                 let side = &sides[i];
                 let factor = self.add_entry(i, barrier.at_point(p).start + i, barrier);
-                let (row, width) = (side.joint, 3 * n);
-                let gradient = match side.limited {
-                    Limited::Torque => &points.tau_z(p)[width * row..][..width],
-                    Limited::Power | Limited::TorqueSpeed => &points.h_z(p)[width * row..][..width],
-                    Limited::Task => &points.g_x(p)[2 * n * row..][..2 * n],
-                    _ => {
-                        self.z[side.index(n)] += factor;
-                        &[]
-                    }
-                };
-                self.z.iter_mut().zip(gradient).for_each(|(to, from)| *to += factor * from);
+                add_row(points, p, side, factor, &mut self.z);
                 i += 1;
             }
             let column = &mut self.columns[limit];

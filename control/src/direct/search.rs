@@ -22,7 +22,7 @@ impl<D: PointDynamics> Interior<D> {
             }
             let (s, eta, d) =
                 (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
-            let change = self.changes[0][at] + mu * self.changes[1][at] + self.changes[2][at];
+            let change = self.change(at, mu);
             slope += (eta - self.barrier.curvature(at) * d) * change;
             if s > 0.0 {
                 slope -= mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;

@@ -46,6 +46,12 @@ impl<D: PointDynamics> Interior<D> {
         self.steps[0][i] + self.mu * self.steps[1][i] + self.steps[2][i]
     }
 
+    /// The change of a distance, all parts together.
+    #[inline(always)]
+    pub(super) fn change(&self, at: usize, mu: f64) -> f64 {
+        self.changes[0][at] + mu * self.changes[1][at] + self.changes[2][at]
+    }
+
     /// The step of T.
     pub(super) fn time_step(&self) -> f64 {
         self.time_steps[0] + self.mu * self.time_steps[1] + self.time_steps[2]
@@ -180,7 +186,7 @@ impl<D: PointDynamics> Interior<D> {
                 continue;
             }
             let weight = self.barrier.weight[at];
-            let change = self.changes[0][at] + mu * self.changes[1][at] + self.changes[2][at];
+            let change = self.change(at, mu);
             if s == 0.0 {
                 let sigma = self.barrier.curvature(at);
                 (self.trial.slack_step[at], self.trial.multiplier_step[at]) = (0.0, -sigma * (d + change));

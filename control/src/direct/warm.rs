@@ -26,9 +26,7 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Begins again on the same nodes, after limits were moved.
     pub fn begin_again(&mut self) {
-        let mut distance = std::mem::take(&mut self.barrier.distance);
-        self.barrier.measure(&self.spline, &self.points, &mut distance);
-        self.barrier.distance = distance;
+        self.measure_distances();
         self.measure_figures();
         self.recentre(self.figures.gap);
     }
