@@ -123,15 +123,6 @@ pub(crate) mod attempts {
     pub const LOOSE: f64 = 1e-4;
     /// Most Newton steps on one mesh where another attempt is left.
     pub const FEW_STEPS: usize = 25;
-    /// A path must be cheaper than a known solution by this part of its cost to be worth an attempt.
-    pub const NOTICEABLE: f64 = 1e-3;
-    /// The paths of low cost that are tried, in this order.
-    pub const PATHS: [PathAttempt; 4] = [
-        PathAttempt { smoothing: 0.1, penalty: 1.0, halvings: 0 },
-        PathAttempt { smoothing: 0.1, penalty: 1.0, halvings: 1 },
-        PathAttempt { smoothing: 1.0, penalty: 1e-2, halvings: 1 },
-        PathAttempt { smoothing: 1.0, penalty: 1e-2, halvings: 2 },
-    ];
     /// Factor of the penalties where they are relaxed.
     pub const WEAK_PENALTY: f64 = 1e-6;
     /// Relative smoothing of controls without effort at which the arcs are tried, in this order; 1 is a
@@ -146,17 +137,6 @@ pub(crate) mod attempts {
     /// A smoothed problem with more nodes than this is not made sharper without need: on singular arcs meshes
     /// would grow without end.
     pub const SMOOTHED_NODES: usize = 500;
-
-    /// What a path of low cost is computed for.
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    pub struct PathAttempt {
-        /// Smoothing of controls without effort, as in [`Relaxation`](crate::Relaxation).
-        pub smoothing: f64,
-        /// Factor of the penalties and of user terms.
-        pub penalty: f64,
-        /// How many times the intervals of the splines are halved.
-        pub halvings: usize,
-    }
 }
 
 /// Extremals from motions of the direct method ([`crate::polish`]).
@@ -167,6 +147,10 @@ pub(crate) mod polish {
     pub const SHARE: u32 = 10;
     /// A polish may take this long in any case.
     pub const LEAST_TIME: Duration = Duration::from_millis(20);
+    /// Tolerance of the direct method before a polish ..
+    pub const ROUGH: f64 = 1e-4;
+    /// .. and where torques are limited: when they reach their limits must be seen.
+    pub const ROUGH_BOUNDED: f64 = 1e-6;
     /// Points of the direct method in an interval of its mesh: that mesh is the first one of the polish.
     pub const STRIDE: usize = 4;
     /// How much more than the motion of the direct method an extremal may cost, in parts of the tolerance:
@@ -181,46 +165,12 @@ pub(crate) mod polish {
     pub const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 }
 
-/// Paths of low cost ([`crate::path`]).
-pub(crate) mod path {
-    /// Intervals of the first splines.
-    pub const INTERVALS: usize = 24;
-    /// How bounds and penalties are tightened from round to round.
-    pub const ROUNDS: [Round; 3] = [
-        Round { stiffness: 1.0, penalty: 1e-2 },
-        Round { stiffness: 10.0, penalty: 0.1 },
-        Round { stiffness: 100.0, penalty: 1.0 },
-    ];
-    /// Where the smooth control cost, whose slope is infinite at the bound, is continued by a parabola, in
-    /// half distances between the bounds.
-    pub const EDGE: f64 = 0.98;
-    /// Most descent steps in a round.
-    pub const MOST_STEPS: usize = 200;
-    /// Smallest decrease of a step, as a part of the cost.
-    pub const LEAST_GAIN: f64 = 1e-7;
-    /// A step must decrease the cost by at least this part of what the quadratic model predicts.
-    pub const SUFFICIENT_DECREASE: f64 = 1e-4;
-    /// Largest change of log T in a step.
-    pub const LARGEST_STRETCH: f64 = 0.7;
-    /// First damping (Levenberg, Marquardt), as a part of the diagonal of the Hessian.
-    pub const FIRST_DAMPING: f64 = 1e-3;
-    /// Smallest damping, likewise.
-    pub const LEAST_DAMPING: f64 = 1e-9;
-    /// Damping at which a descent gives up, likewise.
-    pub const MOST_DAMPING: f64 = 1e12;
+/// Disturbances of first guesses ([`crate::cubics`]).
+pub(crate) mod cubics {
     /// Amplitude of the disturbances of further starts, besides the distance from start to end (rad, m).
     pub const AMPLITUDE: f64 = 1.5;
     /// Share of the disturbances with one wave; the others have two.
     pub const ONE_WAVE: f64 = 0.7;
-
-    /// One round of a descent.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Round {
-        /// Stiffness of the bounds, as a multiple of the weight of the effort.
-        pub stiffness: f64,
-        /// Factor of the penalties.
-        pub penalty: f64,
-    }
 }
 
 /// Pseudo-arclength continuation ([`crate::continuation`]); lengths are along the branch, whose parameter
@@ -320,6 +270,12 @@ pub(crate) mod direct {
     pub const LEFT_OF_EQUATIONS: f64 = 0.1;
     /// .. that were violated by less than this before.
     pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
+    /// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of time.
+    pub const SMOOTHING: f64 = 1.0;
+    /// How many final times are tried for a guess to each side of its own ..
+    pub const TIMES: i32 = 8;
+    /// .. so many powers of two apart.
+    pub const OCTAVES: f64 = 0.5;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong

@@ -26,13 +26,13 @@ pub enum JacobianRoute {
 #[non_exhaustive]
 pub enum Method {
     /// Collocation at Lobatto points on refined meshes.
-    #[default]
     Collocation,
     /// Multiple shooting: adaptive integration from node to node, with the variational equations.
     Shooting,
     /// The direct method: motions as piecewise polynomials, torques from inverse dynamics, an interior-point
     /// method. The only one that keeps the [limits](crate::MotionLimits) of a problem. For robots: problems
     /// of other models are solved by collocation.
+    #[default]
     Direct,
 }
 
@@ -79,11 +79,11 @@ pub enum Verify {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Strategy {
-    /// Newton's method from the guess; from paths of low cost, if that fails or if they cost less; by
+    /// Newton's method from the motion that the direct method finds; from cubics, if that fails; by
     /// continuation from relaxed problems, if both fail.
     #[default]
     Full,
-    /// Newton's method from the guess alone; for comparison.
+    /// Newton's method from cubics alone; for comparison.
     Direct,
 }
 
@@ -170,10 +170,10 @@ impl Default for SolverOptions {
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
-            method: Method::Collocation,
+            method: Method::Direct,
             nodes: 21,
             max_nodes: 6001,
-            max_iterations: 60,
+            max_iterations: 200,
             jacobian: JacobianRoute::Exact,
             coordinates: Coordinates::Hamiltonian,
             strategy: Strategy::Full,
@@ -190,9 +190,15 @@ impl Default for SolverOptions {
 }
 
 impl SolverOptions {
-    /// The options of the direct method, which takes more and cheaper steps than the others.
+    /// The default options of a method. The direct one takes more and cheaper steps than the others.
+    pub fn of(method: Method) -> Self {
+        let max_iterations = if method == Method::Direct { 200 } else { 60 };
+        Self { method, max_iterations, ..Self::default() }
+    }
+
+    /// The default options.
     pub fn direct() -> Self {
-        Self { method: Method::Direct, max_iterations: 200, ..Self::default() }
+        Self::default()
     }
 }
 

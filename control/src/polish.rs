@@ -5,21 +5,18 @@
 //! with switching times as unknowns. What the direct method found is kept if that fails or costs more.
 
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
-use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SLACK, SLACK_UNSOLVED, STRIDE};
+use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SLACK, SLACK_UNSOLVED};
 use crate::direct::Powers;
-use crate::extremal::hamiltonian::RobotExtremal;
 use crate::options::{Method, Polish, SolverOptions, Verify};
-use crate::path::cubics::Disturbance;
 use crate::problem::limits::JointLimits;
 use crate::problem::{Bounds, MotionLimits, Problem};
 use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse};
 use crate::result::polish_report::{PolishOutcome, PolishReport};
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
-use crate::search::Search;
-use crate::search::guess::{RobotGuess, SavedMotion};
+use crate::search::guess::SavedMotion;
 use crate::solve::Recorder;
-use crate::starts::{saved, solution};
+use crate::starts::{Starts, of_direct};
 use crate::status::Status;
 use std::time::Duration;
 
@@ -36,23 +33,24 @@ pub(crate) fn polish(
     }
     let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
     let begin =
-        if can_begin(&found) { as_bounds(problem, &limits, &found) } else { Err(PolishOutcome::NoMotion) };
+        if found.is_motion() { as_bounds(problem, &limits, &found) } else { Err(PolishOutcome::NoMotion) };
     let problem = match begin {
         Ok(problem) => problem,
         Err(outcome) => return with_report(found, outcome, None),
     };
     let options = SolverOptions { method: Method::Collocation, ..options.clone() };
+    let motion = &found.trajectory.with_each_time_once();
     let polished = match options.polish {
-        Polish::Always => extremal_near(&problem, &options, &found.trajectory, recorder),
+        Polish::Always => extremal_near(&problem, &options, of_direct(motion), recorder),
         _ => {
             let most = (SHARE * taken).max(LEAST_TIME);
-            recorder.within(most, |recorder| extremal_near(&problem, &options, &found.trajectory, recorder))
+            recorder.within(most, |recorder| extremal_near(&problem, &options, of_direct(motion), recorder))
         }
     };
     let Some(polished) = polished else { return with_report(found, PolishOutcome::Failed, None) };
     let unverified = |status: &Status| *status == Status::NotVerified && options.verify == Verify::None;
     let solved = found.motion.status.is_solved() || unverified(&found.motion.status);
-    let slack = if solved { SLACK * options.tolerance } else { SLACK_UNSOLVED };
+    let slack = if solved { SLACK * found.options.tolerance } else { SLACK_UNSOLVED };
     let outcome = match &polished.motion.status {
         status if status.is_interruption() => PolishOutcome::OutOfTime,
         // Solved equations are more than a motion that is not solved either.
@@ -69,53 +67,68 @@ pub(crate) fn polish(
     with_report(found, outcome, Some((polished, usage)))
 }
 
-/// Whether there is a motion near which an extremal may be.
-fn can_begin(found: &Solution) -> bool {
-    let status = &found.motion.status;
-    let hopeless = matches!(status, Status::LimitsNotKept | Status::Infeasible | Status::EvaluationFailed(_));
-    !hopeless && found.trajectory.t.len() > 1 && found.total().is_finite()
+/// The extremal near a saved motion, if it is solved and keeps the limits of a problem without powers.
+pub(crate) fn polish_saved(
+    problem: &Problem,
+    options: &SolverOptions,
+    saved: SavedMotion<'_>,
+    recorder: &mut Recorder<'_>,
+) -> Option<Solution> {
+    let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
+    let indirect = SolverOptions { method: Method::Collocation, ..options.clone() };
+    let bounded = with_bounds(problem, &limits);
+    let found = extremal_near(&bounded, &indirect, saved, recorder)?;
+    let kept = keeps(&limits, &powers, &problem.gain, &found.trajectory);
+    (found.motion.status.is_converged() && kept).then(|| {
+        let any = |finite: fn(&JointLimits) -> bool| limits.iter().any(finite).then(LimitUse::default);
+        let limited = LimitReport {
+            position: any(|limits| limits.q.iter().any(|q| q.is_finite())),
+            rate: any(|limits| limits.v.is_finite()),
+            torque: any(|limits| limits.torque.iter().any(|torque| torque.is_finite())),
+            ..LimitReport::default()
+        };
+        let limits = usage(&limited, &bounded, &found.trajectory);
+        Solution { limits, options: options.clone(), ..found }
+    })
+}
+
+/// Whether a problem has nothing but controls to limit, unless an optimal motion does not reach the rest.
+pub(crate) fn may_polish(problem: &Problem) -> bool {
+    let costs = problem.cost.has_energy() || problem.first_of_rates().is_some();
+    let accelerations = problem.joint_limits().iter().any(|limits| limits.a.is_finite());
+    !costs && !accelerations && problem.task.is_empty()
 }
 
 /// The problem with its limits on torques as bounds on u and without the others, if none of them matters.
 fn as_bounds(problem: &Problem, limits: &[JointLimits], found: &Solution) -> Result<Problem, PolishOutcome> {
     let LimitReport { position, rate, power, torque_speed, .. } = &found.limits;
     let uses = [position, rate, power, torque_speed].into_iter().flatten();
-    let active = uses.into_iter().any(|usage| !usage.active.is_empty()) || problem.cost.has_energy();
-    let rates = problem.first_of_rates().is_some();
-    if active || rates || !problem.task.is_empty() || limits.iter().any(|limits| limits.a.is_finite()) {
+    if uses.into_iter().any(|usage| !usage.active.is_empty()) || !may_polish(problem) {
         return Err(PolishOutcome::Limited);
     }
+    Ok(with_bounds(problem, limits))
+}
+
+/// The problem with its limits on torques as bounds on u and without the others.
+fn with_bounds(problem: &Problem, limits: &[JointLimits]) -> Problem {
     let of = |side: usize| {
         let ends = limits.iter().zip(&problem.gain);
         ends.map(|(limits, gain)| limits.torque[if *gain > 0.0 { side } else { 1 - side }] / gain).collect()
     };
     let bounded = limits.iter().any(|limits| limits.torque.iter().any(|torque| torque.is_finite()));
     let bounds = bounded.then(|| Bounds::new(of(0), of(1)));
-    Ok(Problem { bounds, limits: MotionLimits::none(), ..problem.clone() })
+    Problem { bounds, limits: MotionLimits::none(), ..problem.clone() }
 }
 
-/// The extremal to which Newton's method leads from a motion; `None` where it cannot begin.
+/// The extremal to which Newton's method leads from a motion alone; `None` where it cannot begin.
 fn extremal_near(
     problem: &Problem,
     options: &SolverOptions,
-    motion: &Trajectory,
+    saved: SavedMotion<'_>,
     recorder: &mut Recorder<'_>,
 ) -> Option<Solution> {
-    let checked = problem.check().ok()?;
-    let motion = &motion.with_each_time_once();
-    let mut extremal = RobotExtremal::new(checked, options.jacobian).ok()?;
-    let mut momenta = extremal.clone();
-    let mut guess = RobotGuess {
-        problem,
-        disturbance: Disturbance::default(),
-        saved: Some(SavedMotion { stride: STRIDE, ..saved(motion) }),
-        momenta: extremal.clone(),
-        paths: Vec::new(),
-    };
-    let search = Search { extremal: &mut extremal, time: problem.time, guess: &mut guess, recorder };
-    let found = search.polish(options);
-    let found = found.into_solution(&mut extremal, recorder, options);
-    Some(solution(problem, options, found, &mut momenta))
+    let problem = problem.check().ok()?;
+    Starts { problem, options, saved: Some(saved), alone: true }.search_from(0, recorder).ok()
 }
 
 /// The one of the two that `outcome` says, with a report and the steps of both.

@@ -16,12 +16,6 @@ pub enum Phase {
     /// The problem with a free final time.
     #[serde(rename = "free time")]
     FreeTime,
-    /// The descent to a path of low cost; its steps are not Newton steps on an extremal.
-    #[serde(rename = "path")]
-    Path,
-    /// An extremal from a path of low cost.
-    #[serde(rename = "from path")]
-    FromPath,
     /// A relaxed problem: weak penalties and no bounds.
     #[serde(rename = "without limits")]
     WithoutLimits,
@@ -60,8 +54,6 @@ impl Phase {
         match self {
             Self::FixedTime => "fixed time",
             Self::FreeTime => "free time",
-            Self::Path => "path",
-            Self::FromPath => "from path",
             Self::WithoutLimits => "without limits",
             Self::NearerEnd => "nearer end",
             Self::Penalties => "penalties",
@@ -82,7 +74,7 @@ impl fmt::Display for Phase {
     }
 }
 
-/// One step: of Newton's method on an extremal, or of the descent to a path of low cost.
+/// One step of Newton's method, on an extremal or in the direct method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Iteration {
@@ -92,11 +84,10 @@ pub struct Iteration {
     pub nodes: usize,
     /// Number of the step on this mesh, from 1.
     pub number: usize,
-    /// Root mean square of the full correction, each component relative to its size; on a path, the relative
-    /// decrease of the cost.
+    /// Root mean square of the full correction, each component relative to its size; in the direct
+    /// method, the relative change of the cost that is expected, or the largest violation of a limit.
     pub residual: f64,
-    /// Damping in (0, 1]: the part of the correction that was taken; on a path, `1 / (1 + lambda)` with the
-    /// damping lambda of Levenberg and Marquardt.
+    /// Damping in (0, 1]: the part of the correction that was taken.
     pub step: f64,
     /// Final time T (s).
     pub final_time: f64,

@@ -1,8 +1,8 @@
 //! From a problem to the best motion found.
 
 use crate::direct::Direct;
-use crate::options::{Method, SolverOptions};
-use crate::polish::polish;
+use crate::options::{Method, Polish, SolverOptions, Verify};
+use crate::polish::{may_polish, polish, polish_saved};
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
@@ -12,7 +12,8 @@ use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::Recorder;
 use crate::solve::recorder::Stop;
-use crate::starts::{Starts, saved};
+use crate::starts::{Starts, rough_tolerance, saved as saved_motion};
+use crate::status::Status;
 use crate::task::build::TaskRows;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -21,9 +22,10 @@ use std::time::Instant;
 /// Solves a [`Problem`] from one or several guesses and keeps the cheapest motion found.
 ///
 /// The first guess is a saved motion if there is one, else cubics in the joint coordinates that meet both
-/// ends, p = M v, and zero costates. Further starts add seeded waves to the cubics. If a guess fails, or
-/// leads to a motion that costs more than a path of low cost near the cubics, the search continues from that
-/// path; if that fails too, from relaxed problems ([`Strategy`](crate::Strategy)).
+/// ends. Further starts add seeded waves to the cubics. The direct method begins there, and where nothing
+/// but controls is at its limits, what it found is the first guess of an extremal
+/// ([`Polish`](crate::Polish)). Collocation and shooting begin at what the direct method finds roughly, and
+/// go on from cubics and from relaxed problems where that fails ([`Strategy`](crate::Strategy)).
 ///
 /// ```
 /// use costate_control::{SolverOptions, Problem, Solver};
@@ -73,7 +75,7 @@ impl<'a> Solver<'a> {
         Ok(self)
     }
 
-    /// Calls `listener` after each Newton step and each descent step of a path. If it returns
+    /// Calls `listener` after each Newton step. If it returns
     /// [`ControlFlow::Break`], the search stops with [`Status::Cancelled`](crate::Status::Cancelled) and
     /// keeps the best iterate.
     pub fn on_iteration(mut self, listener: impl FnMut(&Iteration) -> ControlFlow<()> + Send + 'a) -> Self {
@@ -94,14 +96,49 @@ impl<'a> Solver<'a> {
         let Self { problem, rows, options, start, listener, cancel } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         if let Some(rows) = rows {
-            let began = Instant::now();
-            let direct = Direct { problem, rows: &rows, options: &options, saved: start.as_ref() };
-            let found = direct.solve(&mut recorder);
-            return polish(&problem, &options, found, began.elapsed(), &mut recorder);
+            return directly(problem, &rows, options, start, &mut recorder);
         }
-        let starts = Starts { problem, options: &options, saved: start.as_ref().map(saved) };
+        let starts =
+            Starts { problem, options: &options, saved: start.as_ref().map(saved_motion), alone: false };
         starts.solve(&mut recorder)
     }
+}
+
+/// By the direct method, with a polish. What a polish makes exact need not be exact before: the direct method
+/// is rough at first where a polish may apply, and goes on where that fails.
+fn directly(
+    problem: CheckedProblem<'_>,
+    rows: &TaskRows,
+    options: SolverOptions,
+    mut start: Option<Trajectory>,
+    recorder: &mut Recorder<'_>,
+) -> Solution {
+    let polishes = options.polish != Polish::Never && may_polish(&problem);
+    if let Some(saved) = start.as_ref().filter(|_| polishes && options.starts == 1 && !problem.needs_direct())
+        && let Some(found) = polish_saved(&problem, &options, saved_motion(saved), recorder)
+    {
+        return found;
+    }
+    let tolerance = rough_tolerance(&problem, &options);
+    let rough = polishes && tolerance > options.tolerance;
+    let (mut iterations, mut steps) = (Vec::new(), 0);
+    let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
+    for stage in rough.then_some(&first).into_iter().chain([&options]) {
+        let began = Instant::now();
+        let direct = Direct { problem, rows, options: stage, saved: start.as_ref() };
+        let found = direct.solve(recorder);
+        let mut found = polish(&problem, &options, found, began.elapsed(), recorder);
+        found.motion.iterations.splice(0..0, iterations);
+        let polished = found.polish.as_ref().is_some_and(|report| report.outcome.is_polished());
+        let is_last = std::ptr::eq(stage, &options) || recorder.interruption().is_some();
+        steps += found.newton_iterations;
+        if polished || is_last {
+            return Solution { newton_iterations: steps, options: options.clone(), ..found };
+        }
+        iterations = std::mem::take(&mut found.motion.iterations);
+        start = if found.is_motion() { Some(found.trajectory) } else { start };
+    }
+    Solution::missing(&problem.robot, Status::Cancelled, problem.time.value())
 }
 
 impl fmt::Debug for Solver<'_> {

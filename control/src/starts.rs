@@ -1,15 +1,15 @@
 //! The guesses of a problem, and the solution that each leads to.
 
+use crate::constants::polish::{ROUGH, ROUGH_BOUNDED, STRIDE};
+use crate::cubics::Disturbance;
+use crate::direct::Direct;
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::OfRobot;
-use crate::options::{Coordinates, SolverOptions};
+use crate::options::{Coordinates, Method, Polish, SolverOptions, Strategy, Verify};
 use crate::parallel::best_of_starts;
-use crate::path::PathMotion;
-use crate::path::cubics::Disturbance;
 use crate::problem::check::CheckedProblem;
-use crate::problem::{BoundaryState, Problem};
-use crate::progress::Phase;
+use crate::problem::{BoundaryState, MotionLimits, Problem};
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, ExtremalSolution, Motion};
 use crate::result::solution::{CostateStart, RobotNames, Solution};
@@ -19,6 +19,7 @@ use crate::search::guess::{RobotGuess, SavedMotion};
 use crate::search::mapped::Mapped;
 use crate::solve::Recorder;
 use crate::status::Status;
+use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// A motion as the start of a search.
@@ -27,12 +28,19 @@ pub(crate) fn saved(trajectory: &Trajectory) -> SavedMotion<'_> {
     SavedMotion { t, parts: [q, p, y_q, y_p], stride: 1, u }
 }
 
+/// The motion of the direct method, which has each time once, on the nodes of its mesh.
+pub(crate) fn of_direct(trajectory: &Trajectory) -> SavedMotion<'_> {
+    SavedMotion { stride: STRIDE, ..saved(trajectory) }
+}
+
 /// A problem that is solved from one or several guesses.
 pub(crate) struct Starts<'a> {
     pub problem: CheckedProblem<'a>,
     pub options: &'a SolverOptions,
     /// Where the first start begins.
     pub saved: Option<SavedMotion<'a>>,
+    /// Whether nothing else is tried if that fails.
+    pub alone: bool,
 }
 
 impl Starts<'_> {
@@ -90,55 +98,88 @@ impl Starts<'_> {
         Ok(Some(found))
     }
 
-    fn search_from(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+    /// From a saved motion, or from what the direct method finds.
+    pub fn search_from(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+        let saved = self.saved.filter(|_| number == 0);
+        let begun = match saved {
+            None if self.options.strategy == Strategy::Full => self.begin(number, recorder)?,
+            _ => None,
+        };
+        let once = begun.as_ref().map(|begun| begun.trajectory.with_each_time_once());
+        let saved = saved.or(once.as_ref().map(of_direct));
         let mut momenta = RobotExtremal::new(self.problem, self.options.jacobian)?;
-        let (found, path) = match self.options.coordinates {
-            Coordinates::Hamiltonian => self.search(number, &mut momenta.clone(), &momenta, recorder),
+        let found = match self.options.coordinates {
+            Coordinates::Hamiltonian => self.search(number, saved, &mut momenta.clone(), &momenta, recorder),
             Coordinates::Lagrangian => {
                 let mut extremal = LagrangianExtremal::new(self.problem, self.options.jacobian)?;
-                self.search(number, &mut extremal, &momenta, recorder)
+                self.search(number, saved, &mut extremal, &momenta, recorder)
             }
         };
         let found = solution(self.problem.problem(), self.options, found, &mut momenta);
-        Ok(match path {
-            Some(path) => along_path(found, path),
-            None => found,
+        Ok(match begun {
+            Some(begun) if found.motion.status.is_far() => unpolished(found, begun),
+            _ => found,
         })
     }
 
-    /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p). Also the motion along a path, if
-    /// there is one and no extremal was found.
+    /// The motion of the direct method, roughly; `None` where there is none.
+    fn begin(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Option<Solution>, EvalError> {
+        let problem = self.problem.problem().clone().with_limits(MotionLimits::none());
+        let (Ok(rows), Ok(checked)) = (TaskRows::new(&problem), problem.check_for(Method::Direct)) else {
+            return Ok(None);
+        };
+        let SolverOptions { machine_code, seed, .. } = *self.options;
+        let tolerance = rough_tolerance(&problem, self.options);
+        let options = SolverOptions {
+            tolerance,
+            machine_code,
+            seed,
+            verify: Verify::None,
+            polish: Polish::Never,
+            ..SolverOptions::direct()
+        };
+        let direct = Direct { problem: checked, rows: &rows, options: &options, saved: None };
+        let mut found = direct.start(number, recorder)?;
+        recorder.iterations.append(&mut found.motion.iterations);
+        Ok(found.is_motion().then_some(found))
+    }
+
+    /// In the coordinates of `extremal`; the motion is in (q, p, y_q, y_p).
     fn search<E: OfRobot>(
         &self,
         number: usize,
+        saved: Option<SavedMotion<'_>>,
         extremal: &mut E,
         momenta: &RobotExtremal,
         recorder: &mut Recorder<'_>,
-    ) -> (ExtremalSolution, Option<PathMotion>) {
+    ) -> ExtremalSolution {
         let guess = RobotGuess {
             problem: self.problem.problem(),
             disturbance: Disturbance::draw(&self.problem, self.options.seed, number),
-            saved: self.saved.filter(|_| number == 0),
+            saved,
             momenta: momenta.clone(),
-            paths: Vec::new(),
         };
         let mut guess = Mapped::<E>::new(guess, &self.problem.robot);
         let search = Search { extremal, time: self.problem.time, guess: &mut guess, recorder };
-        let found = search.run(self.options);
+        let found = if self.alone { search.polish(self.options) } else { search.run(self.options) };
         let mut solution = found.into_solution(extremal, recorder, self.options);
         solution.map(|z| E::give(&mut guess.map, z));
-        let path = if solution.motion.status.is_far() { guess.guess.path_motion() } else { None };
-        (solution, path)
+        solution
     }
 }
 
-/// The motion along a path in place of an iterate that is far from a solution.
-fn along_path(iterate: Solution, path: PathMotion) -> Solution {
-    let PathMotion { times, rows, cost, penalty_cost } = path;
-    let time = times.last().copied().unwrap_or(f64::NAN);
+/// The tolerance of the direct method where an extremal follows.
+pub(crate) fn rough_tolerance(problem: &Problem, options: &SolverOptions) -> f64 {
+    let torques = problem.joint_limits();
+    let bounded = torques.iter().any(|limits| limits.torque.iter().any(|torque| torque.is_finite()));
+    options.tolerance.max(if bounded { ROUGH_BOUNDED } else { ROUGH })
+}
+
+/// The motion that the direct method found, in place of an iterate that is far from a solution.
+fn unpolished(iterate: Solution, found: Solution) -> Solution {
     let iterations = iterate.motion.iterations;
-    let motion = Motion { cost, penalty_cost, iterations, ..Motion::missing(Status::PathOnly, time) };
-    Solution { motion, trajectory: Trajectory::from_rows(times, rows), end_defect: f64::INFINITY, ..iterate }
+    let motion = Motion { status: Status::PathOnly, iterations, ..found.motion };
+    Solution { motion, trajectory: found.trajectory, end_defect: f64::INFINITY, ..iterate }
 }
 
 /// The solution of a problem from that of its extremal: adds the velocities at the nodes and the largest
@@ -164,7 +205,7 @@ pub(crate) fn solution(
         (0..n).map(miss).fold(0.0, f64::max)
     });
     Solution {
-        newton_iterations: motion.iterations.iter().filter(|step| step.phase != Phase::Path).count(),
+        newton_iterations: motion.iterations.len(),
         end_defect,
         limits: LimitReport::default(),
         polish: None,

@@ -79,8 +79,8 @@ pub enum Status {
     /// There is no motion then; [`Motion::bound_violation`](crate::Motion::bound_violation) says how much is
     /// missing.
     BoundsNotReached,
-    /// No extremal was found. The motion is the cheapest one of the path search: it meets both ends and keeps
-    /// the bounds, and its cost is that of a motion nearby that is not quite optimal.
+    /// No extremal was found. The motion is that of the direct method from which the search began: it meets
+    /// both ends and keeps the bounds, and is not quite optimal.
     PathOnly,
     /// The direct method found no motion that keeps all hard limits. The motion is the one with which it
     /// stopped; [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.

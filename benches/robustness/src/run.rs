@@ -5,8 +5,8 @@ use crate::problems::problem;
 use crate::record::{Record, Search};
 use costate::hamiltonian::Hamiltonian;
 use costate_control::{
-    ControlLaw, Coordinates, Extremal, ExtremalSolution, JacobianRoute, LagrangianExtremal, Motion, Problem,
-    RobotExtremal, SolverOptions, Strategy, solve_extremal,
+    ControlLaw, Coordinates, Extremal, ExtremalSolution, JacobianRoute, LagrangianExtremal, Method, Motion,
+    Problem, RobotExtremal, SolverOptions, Strategy, solve_extremal,
 };
 use std::error::Error;
 use std::hint::black_box;
@@ -14,7 +14,7 @@ use std::time::Instant;
 
 /// The same for all: Newton's method from the guess, no other way.
 pub fn options(search: &Search) -> SolverOptions {
-    SolverOptions::default()
+    SolverOptions::of(Method::Collocation)
         .with_tolerance(1e-9)
         .with_jacobian(search.matrix)
         .with_coordinates(search.coordinates)

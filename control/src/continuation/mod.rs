@@ -249,6 +249,7 @@ impl Run<'_> {
             problem: first.check().map_err(crate::bvp::Failure::from)?,
             options: self.options,
             saved: None,
+            alone: false,
         };
         let solution = branch.first.insert(starts.solve(&mut walker.recorder));
         if solution.motion.status.is_solved() {

@@ -5,8 +5,8 @@ use super::walk::{Aim, Found, Walker};
 use crate::bvp::mesh::Mesh;
 use crate::bvp::timed::{Arcs, Clock};
 use crate::constants::branch::WIDE;
+use crate::cubics::Disturbance;
 use crate::extremal::{BoundaryValueProblem, Homotopy, Relaxation};
-use crate::path::cubics::Disturbance;
 use crate::problem::{FinalTime, Problem};
 use crate::progress::Phase;
 use crate::result::trajectory::Trajectory;
@@ -45,13 +45,7 @@ impl Walker<'_, '_> {
     /// A solution with smooth controls: first without bounds at a fixed time, then with bounds that tighten.
     pub fn smoothed(&mut self, problem: &Problem) -> Result<Discretisation, Status> {
         let momenta = self.extremal.clone();
-        let mut guess = RobotGuess {
-            problem,
-            disturbance: Disturbance::default(),
-            saved: None,
-            momenta,
-            paths: Vec::new(),
-        };
+        let mut guess = RobotGuess { problem, disturbance: Disturbance::default(), saved: None, momenta };
         let mut phase = Phase::FixedTime;
         let rough = self.attempt.loose();
         self.extremal.set_relaxation(Relaxation { bounds: f64::INFINITY, ..Relaxation::NONE });

@@ -1,6 +1,7 @@
 //! A solved motion as the start of the next problem: other ends, later times.
 
 use super::basis::Basis;
+use super::entries::complementarity;
 use super::interior::Interior;
 use super::points::PointDynamics;
 use super::spline::Spline;
@@ -83,7 +84,7 @@ impl<D: PointDynamics> Interior<D> {
             let near = [central / constants::OFF_CENTRE, constants::OFF_CENTRE * central];
             self.barrier.multiplier[at] = self.barrier.multiplier[at].clamp(near[0], near[1]);
         }
-        self.figures.gap = self.barrier.complementarity();
+        self.figures.gap = complementarity(&self.barrier, None);
         debug_assert_eq!(
             self.spline.unknowns.len(),
             Spline::size(n, self.spline.mesh.intervals(), self.spline.mesh.shape)

@@ -2,7 +2,7 @@
 
 use super::shape::Shape;
 use super::spline::{Mesh, Spline};
-use crate::path::cubics::{Cubics, Disturbance};
+use crate::cubics::{Cubics, Disturbance};
 use crate::problem::Problem;
 use crate::result::trajectory::Trajectory;
 use crate::task::build::TaskRows;

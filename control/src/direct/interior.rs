@@ -137,15 +137,12 @@ impl<D: PointDynamics> Interior<D> {
     /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
     /// it.
     pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
-        let n = self.spline.dof;
-        self.points.resize(n, self.rows(), self.spline.mesh.points());
-        self.points.ends.resize(n, self.tasks.end_rows());
+        self.prepare();
         self.spline.evaluate(&mut self.points.z);
         if self.least_size == 0.0 {
             self.dynamics.contract(&mut self.points)?;
             self.least_size = self.small_cost();
         }
-        self.barrier.resize(&self.spline.mesh, &self.ends);
         self.evaluate()?;
         self.measure_cost();
         self.barrier.stiffness = constants::STIFFNESS * self.figures.size;
@@ -166,6 +163,14 @@ impl<D: PointDynamics> Interior<D> {
         self.least_violation = self.find_least_violation();
         self.measure_figures();
         Ok(())
+    }
+
+    /// Room for the points and entries of the mesh.
+    pub(super) fn prepare(&mut self) {
+        let n = self.spline.dof;
+        self.points.resize(n, self.rows(), self.spline.mesh.points());
+        self.points.ends.resize(n, self.tasks.end_rows());
+        self.barrier.resize(&self.spline.mesh, &self.ends);
     }
 
     /// Values at the points of the motion, and distances to all limits.

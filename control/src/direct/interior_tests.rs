@@ -9,7 +9,7 @@ use super::super::shape::Shape;
 use super::super::side::{Limited, Side};
 use super::super::tasks::Tasks;
 use super::Interior;
-use crate::path::cubics::Disturbance;
+use crate::cubics::Disturbance;
 use crate::problem::{FinalTime, Keep, Kept, MotionLimits, Objective, Problem, Task, Tool, ToolPose};
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;

@@ -3,19 +3,23 @@
 use super::shape::{MOST_COEFFICIENTS, MOST_POINTS, Shape};
 use super::spline::Spline;
 use crate::numerics::chain::ChainMatrix;
+use crate::numerics::padded::{add_combined, combine, padded};
+
+/// Length of the rows of a Hessian in z: the last n entries may be read as a padded row.
+pub(super) fn row_length(n: usize) -> usize {
+    padded(2 * n + padded(n))
+}
 
 /// The Hessians of the points of an interval on their way into a matrix.
 ///
-/// All derivatives of z in the coefficients are numbers times the identity. So Hessians are kept as
-/// blocks, n x n for each pair of derivatives or of coefficients, and whole blocks are combined.
+/// All derivatives of z in the coefficients are numbers times the identity. So rows of Hessians are
+/// combined as wholes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IntervalHessian {
     shape: Shape,
-    /// The blocks of a Hessian in z: 3 x 3.
-    blocks: Vec<f64>,
-    /// B'H of each point: 3 blocks for each coefficient.
+    /// B'H of each point: n padded rows for each coefficient.
     products: Vec<f64>,
-    /// B'H B: a block for each pair of coefficients.
+    /// B'H B: n padded rows for each pair of coefficients.
     sums: Vec<f64>,
     /// B of each point: derivatives of q, v, a in the coefficients.
     factors: [[[f64; MOST_COEFFICIENTS]; 3]; MOST_POINTS],
@@ -27,60 +31,41 @@ impl IntervalHessian {
         let count = shape.coefficients();
         Self {
             shape,
-            blocks: vec![0.0; 9 * n * n],
-            products: vec![0.0; shape.places().len() * count * 3 * n * n],
-            sums: vec![0.0; count * (count + 1) / 2 * n * n],
+            products: vec![0.0; shape.places().len() * count * n * row_length(n)],
+            sums: vec![0.0; count * (count + 1) / 2 * n * padded(n)],
             ..Self::default()
         }
     }
 
-    /// Takes the Hessian of point `j`, 3n x 3n.
+    /// Takes the Hessian of point `j`: 3n rows of [`row_length`].
     #[inline(always)]
     pub fn take(&mut self, j: usize, n: usize, factors: [[f64; MOST_COEFFICIENTS]; 3], hessian: &[f64]) {
         self.factors[j] = factors;
-        let square = n * n;
-        for (row, entries) in hessian.chunks_exact(3 * n).enumerate() {
-            for (t, entries) in entries.chunks_exact(n).enumerate() {
-                self.blocks[(3 * (row / n) + t) * square + row % n * n..][..n].copy_from_slice(entries);
-            }
-        }
-        let size = self.shape.coefficients() * 3 * square;
-        let (of_q, rest) = self.blocks.split_at(3 * square);
-        let (of_v, of_a) = rest.split_at(3 * square);
-        let products = self.products[size * j..size * (j + 1)].chunks_exact_mut(3 * square);
+        let (count, width) = (self.shape.coefficients(), row_length(n));
+        let (of_q, rest) = hessian.split_at(n * width);
+        let (of_v, of_a) = rest.split_at(n * width);
+        let size = count * n * width;
+        let products = self.products[size * j..size * (j + 1)].chunks_exact_mut(n * width);
         for (a, product) in products.enumerate() {
-            let [f, g, h] = [factors[0][a], factors[1][a], factors[2][a]];
-            for (to, (q, (v, a))) in product.iter_mut().zip(of_q.iter().zip(of_v.iter().zip(of_a))) {
-                *to = f * q + (g * v + h * a);
-            }
+            combine(product, [0, 1, 2].map(|s| factors[s][a]), [of_q, of_v, of_a]);
         }
     }
 
     /// Adds B'H B of the first points, so many, to the rows of interval `k` and of its ends.
     #[inline(always)]
     pub fn add_to(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
-        let (square, count) = (n * n, self.shape.coefficients());
-        let size = count * 3 * square;
+        let (count, width, column) = (self.shape.coefficients(), row_length(n), padded(n));
+        let size = count * n * width;
         let pairs = (0..count).flat_map(|a| (a..count).map(move |b| (a, b)));
-        for ((a, b), sum) in pairs.zip(self.sums.chunks_exact_mut(square)) {
-            let mut overwrite = true;
+        for ((a, b), sum) in pairs.zip(self.sums.chunks_exact_mut(n * column)) {
+            sum.fill(0.0);
             let of_points = self.factors[..points].iter().zip(self.products.chunks_exact(size));
             for (factors, products) in of_points {
-                let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
-                let row = &products[3 * square * a..3 * square * (a + 1)];
-                let (of_q, rest) = row.split_at(square);
-                let (of_v, of_a) = rest.split_at(square);
-                let entries = of_q.iter().zip(of_v.iter().zip(of_a));
-                if overwrite {
-                    for (to, (q, (v, a))) in sum.iter_mut().zip(entries) {
-                        *to = f * q + (g * v + h * a);
-                    }
-                } else {
-                    for (to, (q, (v, a))) in sum.iter_mut().zip(entries) {
-                        *to += f * q + (g * v + h * a);
-                    }
+                let factors = [0, 1, 2].map(|s| factors[s][b]);
+                let rows = products[n * width * a..n * width * (a + 1)].chunks_exact(width);
+                for (to, row) in sum.chunks_exact_mut(column).zip(rows) {
+                    add_combined(to, factors, [0, n, 2 * n].map(|first| &row[first..first + column]));
                 }
-                overwrite = false;
             }
         }
         self.scatter(matrix, k, n);
@@ -93,7 +78,7 @@ impl IntervalHessian {
         let (inner, left, right) = matrix.interval(k);
         let [inner_width, node_width] = [count * n, 2 * node * n];
         let pairs = (0..count).flat_map(|a| (a..count).map(move |b| (a, b)));
-        for ((a, b), block) in pairs.zip(self.sums.chunks_exact(n * n)) {
+        for ((a, b), block) in pairs.zip(self.sums.chunks_exact(n * padded(n))) {
             let (rows, width, row, column) = if a < own {
                 (&mut inner[..], inner_width, a, b)
             } else if a < own + node {
@@ -102,7 +87,7 @@ impl IntervalHessian {
                 (&mut right[..], node_width, a - own - node, b - own - node)
             };
             let rows = rows[width * row * n..].chunks_exact_mut(width);
-            for (row, block) in rows.zip(block.chunks_exact(n)) {
+            for (row, block) in rows.zip(block.chunks_exact(padded(n))) {
                 row[column * n..][..n].iter_mut().zip(block).for_each(|(to, entry)| *to += entry);
             }
         }

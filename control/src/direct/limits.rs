@@ -37,6 +37,8 @@ pub(crate) struct Barrier {
     intervals: usize,
     /// Sum of the weights of all limits without the equations.
     total_weight: f64,
+    /// The entries of equations that count.
+    pub(super) equations: Vec<usize>,
     /// What the square of an equation costs, of weight and range one.
     pub stiffness: f64,
     /// Weight of an entry in the barrier.
@@ -121,6 +123,12 @@ impl Barrier {
         self.weight.extend(self.at_ends.iter().map(|_| 1.0));
         let limits = (0..self.weight.len()).filter(|&at| !self.side(at).is_equation);
         self.total_weight = limits.map(|at| self.weight[at]).sum();
+        self.equations.clear();
+        for at in (0..self.weight.len()).filter(|&at| self.weight[at] > 0.0) {
+            if self.side(at).is_equation {
+                self.equations.push(at);
+            }
+        }
         self.unit.clear();
         for at in 0..self.weight.len() {
             self.unit.push(1.0 / self.side(at).range);
@@ -239,6 +247,11 @@ impl Barrier {
         slack > 0.0 && slack.is_finite()
     }
 
+    /// The entries of equations that count.
+    pub fn equations(&self) -> impl Iterator<Item = usize> {
+        self.equations.iter().copied()
+    }
+
     /// Whether an entry counts.
     #[inline(always)]
     pub fn is_on(&self, at: usize) -> bool {
@@ -304,12 +317,6 @@ impl Barrier {
         for (at, distance) in others.iter_mut().enumerate() {
             *distance += self.side_index(at).map_or(0.0, |side| self.relief[side]);
         }
-    }
-
-    /// Sum of multiplier times slack.
-    pub fn complementarity(&self) -> f64 {
-        let on = self.slack.iter().zip(&self.multiplier).filter(|(slack, _)| slack.is_finite());
-        on.map(|(slack, multiplier)| slack * multiplier).sum()
     }
 
     /// Sum of the weights of all limits without the equations.

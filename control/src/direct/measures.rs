@@ -1,5 +1,6 @@
 //! Cost, gap and violations of an iterate.
 
+use super::entries::{complementarity, violation};
 use super::interior::Interior;
 use super::points::PointDynamics;
 use crate::constants::direct as constants;
@@ -51,19 +52,16 @@ impl<D: PointDynamics> Interior<D> {
     /// The figures of an iterate whose cost is known.
     pub(super) fn measure_figures_of(&mut self, cost: f64) {
         self.take_cost(cost);
-        self.figures.gap = self.barrier.complementarity();
+        self.figures.gap = complementarity(&self.barrier, None);
         [self.figures.equations, self.figures.violation] = self.violations();
     }
 
     /// Largest violation of an equation, and of all, in parts of ranges.
     fn violations(&self) -> [f64; 2] {
-        let (barrier, mut most) = (&self.barrier, [0.0_f64; 2]);
-        for at in (0..barrier.count()).filter(|&at| barrier.is_on(at)) {
-            let (d, is_equation) = (barrier.distance[at], barrier.slack[at] == 0.0);
-            let which = usize::from(!is_equation);
-            most[which] = most[which].max(barrier.unit[at] * if is_equation { d.abs() } else { -d });
-        }
-        [most[0], most[0].max(most[1])]
+        let barrier = &self.barrier;
+        let off = barrier.equations().map(|at| barrier.unit[at] * barrier.distance[at].abs());
+        let of_equations = off.fold(0.0, f64::max);
+        [of_equations, of_equations.max(violation(barrier))]
     }
 
     /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
@@ -75,20 +73,5 @@ impl<D: PointDynamics> Interior<D> {
             let most = constants::MOST_STIFFNESS * self.figures.size;
             self.barrier.stiffness = (constants::STIFFER * self.barrier.stiffness).min(most);
         }
-    }
-
-    /// Sum of |d - s| in parts of ranges, weighted.
-    pub(super) fn infeasibility(&self, distance: &[f64], slack: &[f64]) -> f64 {
-        let barrier = &self.barrier;
-        let pairs = distance.iter().zip(slack).zip(barrier.weight.iter().zip(&barrier.unit));
-        let on = pairs.filter(|((_, slack), _)| slack.is_finite());
-        on.map(|((distance, slack), (weight, unit))| weight * unit * (distance - slack).abs()).sum()
-    }
-
-    /// The sum of w log s.
-    pub(super) fn logarithms(&self, slack: &[f64]) -> f64 {
-        let pairs = slack.iter().zip(&self.barrier.weight);
-        let on = pairs.filter(|(slack, _)| **slack > 0.0 && slack.is_finite());
-        on.map(|(slack, weight)| weight * slack.ln()).sum()
     }
 }

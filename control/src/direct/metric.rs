@@ -1,7 +1,7 @@
 //! The metric of damping: how far a step moves the accelerations, as torques.
 
 use super::ends::Ends;
-use super::interval::IntervalHessian;
+use super::interval::{IntervalHessian, row_length};
 use super::points::Points;
 use super::shape::Shape;
 use super::spline::Spline;
@@ -17,7 +17,7 @@ pub(super) struct Metric {
 impl Metric {
     /// Room for n joints.
     pub fn new(n: usize, shape: Shape) -> Self {
-        Self { hessian: vec![0.0; 9 * n * n], interval: IntervalHessian::new(n, shape) }
+        Self { hessian: vec![0.0; 3 * n * row_length(n)], interval: IntervalHessian::new(n, shape) }
     }
 
     /// Adds `sum w T (M da)' R (M da)` to a matrix of zeros; R is diagonal, `weights`.
@@ -39,7 +39,7 @@ impl Metric {
                         let row = &tau_z[width * l + 2 * n..][..n];
                         weights[l] * row[i] * row[j]
                     });
-                    self.hessian[width * (2 * n + i) + 2 * n + j] = weight * entries.sum::<f64>();
+                    self.hessian[row_length(n) * (2 * n + i) + 2 * n + j] = weight * entries.sum::<f64>();
                 }
             }
             let (k, j) = spline.mesh.interval_of(p);

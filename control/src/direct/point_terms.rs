@@ -1,10 +1,12 @@
 //! First and second derivatives of the Lagrangian of the barrier problem at one point, in z = (q, v, a).
 
+use super::interval::row_length;
 use super::limits::Barrier;
 use super::points::Points;
 use super::running::Running;
 use super::side::{Limited, Side};
 use super::spline::Spline;
+use crate::numerics::padded::{add_multiple, add_squares, pad};
 
 /// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`],
 /// [`Points::g_weights`] and [`Points::h_weights`], and of the rows at the ends. Those of the torques are
@@ -82,43 +84,39 @@ pub(super) fn add_row(points: &Points, p: usize, side: &Side, factor: f64, z: &m
 /// Arrays of one point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Work {
-    /// Gradients in z: with the multipliers, at mu = 0, factor of mu, and H z_T.
+    /// Gradients in z: with the multipliers, at mu = 0, factor of mu, and H z_T; each of [`row_length`].
     pub z: [Vec<f64>; 4],
-    /// The same in tau, without the last one.
-    tau: [Vec<f64>; 3],
-    /// Second derivatives by limits of z, 3n, and of tau with the effort, n.
+    /// The same in the rows of this point, without the last one: torques, rows of tasks, rows of powers.
+    rows: [Vec<f64>; 3],
+    /// Second derivatives by limits of z, 3n, and of rows, with the effort.
     curvature: Vec<f64>,
-    tau_curvature: Vec<f64>,
-    /// The same for the rows of tasks.
-    g: [Vec<f64>; 3],
-    g_curvature: Vec<f64>,
-    /// The same for the rows of powers.
-    h: [Vec<f64>; 3],
-    h_curvature: Vec<f64>,
-    /// 3n x 3n: with the limits and the squares of the torques.
+    row_curvature: Vec<f64>,
+    /// The gradients of the rows in z, each of [`row_length`].
+    row_z: Vec<f64>,
+    /// 3n rows of [`row_length`]: with the limits and the squares of the torques.
     pub hessian: Vec<f64>,
     /// dz/dT at constant unknowns, and the second derivative.
     pub z_t: Vec<f64>,
     pub z_tt: Vec<f64>,
+    /// Numbers of rows of tasks and of powers.
+    counts: [usize; 2],
 }
 
 impl Work {
     /// Room for n joints and so many rows of tasks and of powers.
-    pub fn new(n: usize, rows: [usize; 2]) -> Self {
-        let zeros = || vec![0.0; 3 * n];
-        let three = |rows: usize| [vec![0.0; rows], vec![0.0; rows], vec![0.0; rows]];
+    pub fn new(n: usize, counts: [usize; 2]) -> Self {
+        let (width, rows) = (row_length(n), n + counts[0] + counts[1]);
+        let zeros = |length: usize| vec![0.0; length];
         Self {
-            z: [zeros(), zeros(), zeros(), zeros()],
-            tau: three(n),
-            curvature: zeros(),
-            tau_curvature: vec![0.0; n],
-            g: three(rows[0]),
-            g_curvature: vec![0.0; rows[0]],
-            h: three(rows[1]),
-            h_curvature: vec![0.0; rows[1]],
-            hessian: vec![0.0; 9 * n * n],
-            z_t: zeros(),
-            z_tt: zeros(),
+            z: [zeros(width), zeros(width), zeros(width), zeros(width)],
+            rows: [zeros(rows), zeros(rows), zeros(rows)],
+            curvature: zeros(3 * n),
+            row_curvature: zeros(rows),
+            row_z: zeros(rows * width),
+            hessian: zeros(3 * n * width),
+            z_t: zeros(3 * n),
+            z_tt: zeros(3 * n),
+            counts,
         }
     }
 
@@ -133,73 +131,73 @@ impl Work {
         barrier: &Barrier,
         running: &mut Running,
     ) -> (f64, f64) {
-        let (n, time) = (points.dof, spline.time);
+        let (n, time, width) = (points.dof, spline.time, row_length(points.dof));
         let (_, weight) = spline.mesh.point(p);
-        let (z, tau, tau_z) = (points.z(p), points.tau(p), points.tau_z(p));
-        let rows = self.tau.iter_mut().chain(&mut self.g).chain(&mut self.h);
-        self.z.iter_mut().chain(rows).for_each(|vector| vector.fill(0.0));
+        let (z, tau) = (points.z(p), points.tau(p));
+        self.z.iter_mut().chain(&mut self.rows).for_each(|vector| vector.fill(0.0));
         self.curvature.fill(0.0);
-        self.g_curvature.fill(0.0);
-        self.h_curvature.fill(0.0);
+        self.row_curvature.fill(0.0);
+        self.take_rows(p, points);
         // The running cost, then its effort and its energy.
         if exact {
-            self.hessian.copy_from_slice(points.hessian(p));
+            pad(points.hessian(p), 3 * n, &mut self.hessian, width);
         } else {
             self.hessian.fill(0.0);
         }
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
-        for i in 0..n {
+        for (i, row) in self.row_z[..n * width].chunks_exact(width).enumerate() {
             let force = running.effort[i] * tau[i];
             cost += 0.5 * force * tau[i];
-            self.tau[0][i] = time * weight * force;
-            self.tau_curvature[i] = time * weight * running.effort[i];
-            for (slope, &tau_z) in self.z[3].iter_mut().zip(&tau_z[3 * n * i..3 * n * (i + 1)]) {
-                *slope += weight * force * tau_z;
-            }
+            self.rows[0][i] = time * weight * force;
+            self.row_curvature[i] = time * weight * running.effort[i];
+            add_multiple(&mut self.z[3], weight * force, row);
         }
         cost += self.add_energy(p, [weight, time], points, running);
         let [gradient, at_zero, ..] = &mut self.z;
         at_zero.copy_from_slice(gradient);
-        for [gradient, at_zero, _] in [&mut self.tau, &mut self.h] {
-            at_zero.copy_from_slice(gradient);
-        }
+        let [gradient, at_zero, _] = &mut self.rows;
+        at_zero.copy_from_slice(gradient);
         self.add_sides(p, n, barrier);
         if points.rates.has_torques {
-            for (tau, by_rates) in self.tau.iter_mut().zip(&points.rates.by_torques) {
-                tau.iter_mut().zip(&by_rates[n * p..]).for_each(|(tau, by_rate)| *tau += by_rate);
+            for (rows, by_rates) in self.rows.iter_mut().zip(&points.rates.by_torques) {
+                rows[..n].iter_mut().zip(&by_rates[n * p..]).for_each(|(tau, by_rate)| *tau += by_rate);
             }
         }
-        let (g_x, h_z) = (points.g_x(p), points.h_z(p));
-        let rows = self.tau.iter().zip(&self.g).zip(&self.h);
-        for (((tau, g), h), z) in rows.zip(&mut self.z) {
-            let of_tau = tau.iter().zip(tau_z.chunks_exact(3 * n));
-            let of_g = g.iter().zip(g_x.chunks_exact(2 * n));
-            for (&factor, row) in of_tau.chain(of_g).chain(h.iter().zip(h_z.chunks_exact(3 * n))) {
-                z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
+        for (factors, z) in self.rows.iter().zip(&mut self.z) {
+            for (&factor, row) in factors.iter().zip(self.row_z.chunks_exact(width)) {
+                add_multiple(z, factor, row);
             }
         }
-        add_squares(&mut self.hessian, 3 * n, &self.tau_curvature, tau_z.chunks_exact(3 * n));
-        add_squares(&mut self.hessian, 3 * n, &self.g_curvature, g_x.chunks_exact(2 * n));
-        add_squares(&mut self.hessian, 3 * n, &self.h_curvature, h_z.chunks_exact(3 * n));
+        add_squares(&mut self.hessian, width, &self.row_curvature, &self.row_z);
         for i in 0..3 * n {
-            self.hessian[3 * n * i + i] += self.curvature[i];
+            self.hessian[width * i + i] += self.curvature[i];
         }
         (weight, cost)
+    }
+
+    /// Takes the gradients of the rows of a point.
+    #[inline(always)]
+    fn take_rows(&mut self, p: usize, points: &Points) {
+        let (n, width) = (points.dof, row_length(points.dof));
+        let (tau_z, others) = self.row_z.split_at_mut(n * width);
+        let (g_x, h_z) = others.split_at_mut(self.counts[0] * width);
+        pad(points.tau_z(p), 3 * n, tau_z, width);
+        pad(points.g_x(p), 2 * n, g_x, width);
+        pad(points.h_z(p), 3 * n, h_z, width);
     }
 
     /// The cost of energy at a point, a function of the first rows h. Its value.
     #[inline(always)]
     fn add_energy(&mut self, p: usize, [weight, time]: [f64; 2], points: &Points, running: &Running) -> f64 {
-        let (n, mut cost) = (points.dof, 0.0);
+        let (width, first, mut cost) = (row_length(points.dof), points.dof + self.counts[0], 0.0);
         for i in 0..running.energy.weights.len() {
             let term = running.energy.term(i, points.h(p)[i]);
             cost += term.value;
-            self.h[0][i] = time * weight * term.first;
-            self.h_curvature[i] = time * weight * term.second;
-            for (slope, &h_z) in self.z[3].iter_mut().zip(&points.h_z(p)[3 * n * i..3 * n * (i + 1)]) {
-                *slope += weight * term.first * h_z;
-            }
+            self.rows[0][first + i] = time * weight * term.first;
+            self.row_curvature[first + i] = time * weight * term.second;
+            let row = &self.row_z[width * (first + i)..width * (first + i + 1)];
+            add_multiple(&mut self.z[3], weight * term.first, row);
         }
         cost
     }
@@ -210,9 +208,11 @@ impl Work {
         for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
             let (parts, sigma) = side_terms(barrier, at, side.sign);
             let (gradients, curvatures, index) = match side.limited {
-                Limited::Torque => (&mut self.tau[..], &mut self.tau_curvature, side.joint),
-                Limited::Power | Limited::TorqueSpeed => (&mut self.h[..], &mut self.h_curvature, side.joint),
-                Limited::Task => (&mut self.g[..], &mut self.g_curvature, side.joint),
+                Limited::Torque => (&mut self.rows[..], &mut self.row_curvature, side.joint),
+                Limited::Task => (&mut self.rows[..], &mut self.row_curvature, n + side.joint),
+                Limited::Power | Limited::TorqueSpeed => {
+                    (&mut self.rows[..], &mut self.row_curvature, n + self.counts[0] + side.joint)
+                }
                 _ => (&mut self.z[..], &mut self.curvature, side.index(n)),
             };
             gradients.iter_mut().zip(parts).for_each(|(to, part)| to[index] += part);
@@ -229,22 +229,6 @@ impl Work {
             (self.z_t[i], self.z_t[n + i], self.z_t[2 * n + i]) = (0.0, -inverse * v, -2.0 * inverse * a);
             (self.z_tt[i], self.z_tt[n + i], self.z_tt[2 * n + i]) =
                 (0.0, 2.0 * square * v, 6.0 * square * a);
-        }
-    }
-}
-
-/// `H += J' C J` with the rows of J, which may be shorter than those of H.
-#[inline(always)]
-pub(super) fn add_squares<'a>(
-    hessian: &mut [f64],
-    width: usize,
-    curvatures: &[f64],
-    rows: impl Iterator<Item = &'a [f64]>,
-) {
-    for (row, &curvature) in rows.zip(curvatures).filter(|(_, curvature)| **curvature != 0.0) {
-        for (to, entry) in hessian.chunks_exact_mut(width).zip(row) {
-            let factor = curvature * entry;
-            to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
         }
     }
 }

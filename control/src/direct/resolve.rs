@@ -67,11 +67,14 @@ pub struct Resolve {
 
 impl Resolve {
     /// Prepares a problem, whatever [`method`](SolverOptions::method) the options say: always the direct one.
+    /// The limits of the robot are kept unless the problem says otherwise.
     ///
     /// # Errors
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new), and [`ProblemError::NotAgain`] for limits or
     /// costs of jerks and rates of torques and for given accelerations.
     pub fn new(problem: &Problem, options: SolverOptions) -> Result<Self, ProblemError> {
+        let from_robot = problem.limits.from_robot.unwrap_or(true);
+        let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
         if let Some(key) = problem.first_of_rates() {

@@ -88,8 +88,8 @@ impl Running {
         gradient.iter_mut().zip(&self.terms.gradient[n..]).for_each(|(to, from)| *to += from);
     }
 
-    /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian.
-    /// The value is l without effort and energy.
+    /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian,
+    /// whose rows are as long as the gradient, 3n or more. The value is l without effort and energy.
     pub fn add_terms(
         &mut self,
         z: &[f64],
@@ -98,7 +98,7 @@ impl Running {
         slope: &mut [f64],
         hessian: &mut [f64],
     ) -> f64 {
-        let (n, width) = (z.len() / 3, z.len());
+        let (n, width) = (z.len() / 3, gradient.len());
         let mut penalty = 0.0;
         if self.penalties.any() {
             for i in 0..n {

@@ -1,5 +1,6 @@
 //! How far to go along a direction.
 
+use super::entries::{self, infeasibility, logarithms};
 use super::filter::{Figure, is_better};
 use super::interior::Interior;
 use super::points::PointDynamics;
@@ -16,22 +17,12 @@ impl<D: PointDynamics> Interior<D> {
             slope += self.system.gradient[0][i] * self.step(i);
         }
         slope += self.system.time_gradient[0] * self.time_step() + self.relaxation.slope(mu, false);
-        for at in 0..self.barrier.slack.len() {
-            if !self.barrier.is_on(at) {
-                continue;
-            }
-            let (s, eta, d) =
-                (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
-            let change = self.change(at, mu);
-            slope += (eta - self.barrier.curvature(at) * d) * change;
-            if s > 0.0 {
-                slope -= mu * self.barrier.weight[at] * self.trial.slack_step[at] / s;
-            }
-        }
+        let [zero, of_mu, more, _] = &self.changes;
+        slope += entries::slope(&self.barrier, mu, [zero, of_mu, more], &self.trial.slack_step);
         let now = Figure {
-            theta: self.noticed(self.infeasibility(&self.barrier.distance, &self.barrier.slack)),
+            theta: self.noticed(infeasibility(&self.barrier, &self.barrier.distance, &self.barrier.slack)),
             cost: self.figures.cost,
-            logarithms: self.logarithms(&self.barrier.slack),
+            logarithms: logarithms(&self.barrier.slack, &self.barrier.weight),
         };
         let value = now.value(mu);
         let rounding = constants::ROUNDING * value.abs();
@@ -41,9 +32,9 @@ impl<D: PointDynamics> Interior<D> {
                 let trial = &self.trial;
                 let cost = self.running.cost(&trial.spline, &trial.points) + self.relaxation.cost(alpha, mu);
                 let new = Figure {
-                    theta: self.noticed(self.infeasibility(&trial.distance, &trial.slack)),
+                    theta: self.noticed(infeasibility(&self.barrier, &trial.distance, &trial.slack)),
                     cost,
-                    logarithms: self.logarithms(&trial.slack),
+                    logarithms: logarithms(&trial.slack, &self.barrier.weight),
                 };
                 let promised = (-alpha * slope / self.figures.size).max(0.0);
                 let descends =
@@ -107,11 +98,7 @@ impl<D: PointDynamics> Interior<D> {
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         self.relaxation.add_step(alpha, mu, &self.barrier, &mut trial.distance);
         trial.slack.clone_from(&self.barrier.slack);
-        for ((slack, step), &distance) in trial.slack.iter_mut().zip(&trial.slack_step).zip(&trial.distance) {
-            if *slack > 0.0 && slack.is_finite() {
-                *slack = (*slack + alpha * step).max(distance);
-            }
-        }
+        entries::trial_slacks(&mut trial.slack, alpha, &trial.slack_step, &trial.distance);
         true
     }
 
@@ -145,18 +132,8 @@ impl<D: PointDynamics> Interior<D> {
         std::mem::swap(&mut self.points.ends.g, &mut self.trial.points.ends.g);
         std::mem::swap(&mut self.barrier.slack, &mut self.trial.slack);
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);
-        for at in 0..self.barrier.multiplier.len() {
-            if !self.barrier.is_on(at) {
-                continue;
-            }
-            if !self.barrier.is_limit(at) {
-                self.barrier.multiplier[at] += alpha * self.trial.multiplier_step[at];
-            } else {
-                let eta = self.barrier.multiplier[at] + dual * self.trial.multiplier_step[at];
-                let central = self.mu * self.barrier.weight[at] / self.barrier.slack[at];
-                self.barrier.multiplier[at] = eta.clamp(central / constants::FAR, constants::FAR * central);
-            }
-        }
+        let step = &self.trial.multiplier_step;
+        entries::take_multipliers(&mut self.barrier, [alpha, dual], self.mu, step);
         if !self.barrier.relief.is_empty() {
             self.take_relief(alpha);
         }

@@ -19,12 +19,12 @@ use super::side::{Limited, Side};
 use super::tasks::Tasks;
 use super::verify::{Again, integrate_again};
 use crate::constants::direct as constants;
+use crate::cubics::Disturbance;
 use crate::options::{SolverOptions, Verify};
 use crate::parallel::best_of_starts;
-use crate::path::cubics::Disturbance;
-use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::limits::JointLimits;
+use crate::problem::{FinalTime, Problem};
 use crate::progress::{Iteration, Phase};
 use crate::result::infeasibility::Infeasibility;
 use crate::result::motion::Motion;
@@ -59,7 +59,7 @@ impl Direct<'_> {
     }
 
     /// One start.
-    fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+    pub fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let saved = self.saved.filter(|_| number == 0);
         let mut interior = interior(problem, self.rows, self.options, number, saved);
@@ -76,15 +76,23 @@ impl Direct<'_> {
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
         let tolerance = self.options.tolerance;
+        let problem = self.problem.problem();
+        let impossible = problem.too_short().is_some();
         interior.start(None)?;
+        if interior.needs_smoothing() && !impossible && self.saved.is_none() {
+            let effort = interior.smooth_effort();
+            let mut watch = |iterate: &Interior<FastPoints>, step: f64| {
+                recorder.record(iteration(iterate, 0, step));
+                recorder.interruption()
+            };
+            interior.begin_smoothed(effort, self.options.max_iterations, &mut watch)?;
+        }
         if let Some(interruption) = recorder.interruption() {
             interior.refresh()?;
             resolution.measure(interior)?;
             return Ok(Refined::without(interruption.into()));
         }
         let mut refined = Refined::without(Status::MeshLimit);
-        let problem = self.problem.problem();
-        let impossible = problem.too_short().is_some();
         let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
@@ -102,18 +110,8 @@ impl Direct<'_> {
             let first = interior.figures.iterations;
             let (mut patience, mut stuck) = (Patience::default(), false);
             let watch = |iterate: &Interior<FastPoints>, step: f64| {
-                let figures = &iterate.figures;
-                recorder.record(Iteration {
-                    phase: Phase::Direct,
-                    nodes: iterate.spline.mesh.points(),
-                    number: figures.iterations - first,
-                    residual: (figures.gap.max(figures.decrement.abs()) / figures.size)
-                        .max(figures.violation),
-                    step,
-                    final_time: iterate.spline.time,
-                    cost: figures.cost,
-                });
-                stuck = patience.is_over(figures.violation);
+                recorder.record(iteration(iterate, first, step));
+                stuck = patience.is_over(iterate.figures.violation);
                 if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
             let most = if impossible { 0 } else { self.options.max_iterations };
@@ -286,7 +284,29 @@ pub(super) fn interior(
     let costs = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), problem.robot.dof());
     let tasks = Tasks::new(rows, problem.robot.dof());
     let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
-    Interior::new(spline, sides(problem), tasks, Powers::new(problem), running, ends, dynamics)
+    let powers = Powers::new(problem);
+    let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
+    if saved.is_none() && interior.ends.free_time {
+        interior.choose_time(|time| {
+            let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
+            guess(&problem, None, &disturbance, intervals)
+        });
+    }
+    interior
+}
+
+/// A step for the log; `first` steps were made on other meshes.
+fn iteration(iterate: &Interior<FastPoints>, first: usize, step: f64) -> Iteration {
+    let figures = &iterate.figures;
+    Iteration {
+        phase: Phase::Direct,
+        nodes: iterate.spline.mesh.points(),
+        number: figures.iterations - first,
+        residual: (figures.gap.max(figures.decrement.abs()) / figures.size).max(figures.violation),
+        step,
+        final_time: iterate.spline.time,
+        cost: figures.cost,
+    }
 }
 
 /// How the refinement ended.

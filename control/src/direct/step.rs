@@ -1,6 +1,7 @@
 //! Directions: from the factorised equations to steps of unknowns, slacks and multipliers.
 
-use super::interior::Interior;
+use super::entries::{complementarity, steps};
+use super::interior::{Interior, Trial};
 use super::points::PointDynamics;
 use super::rates::{SLOPES, combine};
 use super::shape::{MOST_POINTS, POINTS};
@@ -44,12 +45,6 @@ impl<D: PointDynamics> Interior<D> {
     #[inline(always)]
     pub(super) fn step(&self, i: usize) -> f64 {
         self.steps[0][i] + self.mu * self.steps[1][i] + self.steps[2][i]
-    }
-
-    /// The change of a distance, all parts together.
-    #[inline(always)]
-    pub(super) fn change(&self, at: usize, mu: f64) -> f64 {
-        self.changes[0][at] + mu * self.changes[1][at] + self.changes[2][at]
     }
 
     /// The step of T.
@@ -174,34 +169,12 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Steps of slacks and multipliers for a barrier, and how far they may go.
     pub(super) fn steps_of(&mut self, mu: f64) -> (f64, f64) {
-        let count = self.barrier.count();
-        self.trial.slack_step.resize(count, 0.0);
-        self.trial.multiplier_step.resize(count, 0.0);
-        let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
-        let keep = 1.0 - constants::BOUNDARY;
-        for at in 0..count {
-            let (s, eta, d) =
-                (self.barrier.slack[at], self.barrier.multiplier[at], self.barrier.distance[at]);
-            if s.is_infinite() {
-                continue;
-            }
-            let weight = self.barrier.weight[at];
-            let change = self.change(at, mu);
-            if s == 0.0 {
-                let sigma = self.barrier.curvature(at);
-                (self.trial.slack_step[at], self.trial.multiplier_step[at]) = (0.0, -sigma * (d + change));
-                continue;
-            }
-            let ds = change + d - s;
-            let deta = (mu * weight + self.corrections[0][at] - eta * d - eta * change) / s;
-            if ds < 0.0 {
-                primal = primal.min(keep * s / -ds);
-            }
-            if deta < 0.0 {
-                dual = dual.min(keep * eta / -deta);
-            }
-            (self.trial.slack_step[at], self.trial.multiplier_step[at]) = (ds, deta);
-        }
+        let Self { barrier, changes: [zero, of_mu, more, _], corrections, trial, .. } = self;
+        trial.slack_step.resize(barrier.count(), 0.0);
+        trial.multiplier_step.resize(barrier.count(), 0.0);
+        let [slack, multiplier] = [&mut trial.slack_step, &mut trial.multiplier_step];
+        let most = steps(barrier, mu, [zero, of_mu, more], &corrections[0], slack, multiplier);
+        let [primal, dual] = most.map(|most| ((1.0 - constants::BOUNDARY) / most).min(1.0));
         (primal, dual)
     }
 
@@ -215,14 +188,9 @@ impl<D: PointDynamics> Interior<D> {
         let active = self.barrier.total_weight();
         let now = gap / active;
         let (primal, dual) = self.steps_of(0.0);
-        let mut left = 0.0;
-        for at in 0..self.barrier.slack.len() {
-            let (s, eta) = (self.barrier.slack[at], self.barrier.multiplier[at]);
-            if self.barrier.is_limit(at) {
-                left +=
-                    (s + primal * self.trial.slack_step[at]) * (eta + dual * self.trial.multiplier_step[at]);
-            }
-        }
+        let Trial { slack_step, multiplier_step, .. } = &self.trial;
+        let after = [(primal, &slack_step[..]), (dual, &multiplier_step[..])];
+        let left = complementarity(&self.barrier, Some(after));
         // A damped step is short, so what it would leave says nothing about the distance to a solution.
         let part = if self.damping > 0.0 { 1.0 } else { (left / gap).clamp(0.0, 1.0) };
         self.mu = now;
@@ -239,8 +207,7 @@ impl<D: PointDynamics> Interior<D> {
     /// -(g dx) for the step, without the squares of equations: where they are off these are large, and say
     /// nothing about limits.
     fn decrement_without_equations(&self) -> f64 {
-        let equations = (0..self.barrier.count()).filter(|&at| self.barrier.slack[at] == 0.0);
-        let squares = equations.map(|at| {
+        let squares = self.barrier.equations().map(|at| {
             let change = self.changes[0][at] + self.mu * self.changes[1][at];
             self.barrier.curvature(at) * self.barrier.distance[at] * change
         });

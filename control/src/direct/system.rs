@@ -2,10 +2,10 @@
 
 use super::end_columns::EndColumns;
 use super::ends::Ends;
-use super::interval::{IntervalHessian, add_gradient};
+use super::interval::{IntervalHessian, add_gradient, row_length};
 use super::limits::Barrier;
 use super::metric::Metric;
-use super::point_terms::{Work, add_squares, side_terms};
+use super::point_terms::{Work, side_terms};
 use super::points::Points;
 use super::rate_rows::RateRows;
 use super::running::Running;
@@ -139,7 +139,7 @@ impl System {
         self.time_gradient[0] += weight * cost + dot(at_zero, &work.z_t);
         self.time_gradient[1] += dot(of_mu, &work.z_t);
         self.corner += dot(gradient, &work.z_tt) + 2.0 * dot(slope, &work.z_t);
-        for (i, row) in work.hessian.chunks_exact(3 * n).enumerate() {
+        for (i, row) in work.hessian.chunks_exact(row_length(n)).enumerate() {
             let product = dot(row, &work.z_t);
             self.corner += work.z_t[i] * product;
             slope[i] += product + [0.0, -inverse, -2.0 * inverse][i / n] * gradient[i];
@@ -198,7 +198,10 @@ impl System {
                 gradient.for_each(|(to, entry)| *to += part * entry);
             }
             let rows = self.matrix.node_rows(k);
-            add_squares(rows, 2 * node, &[sigma], std::iter::once(row));
+            for (to, entry) in rows.chunks_exact_mut(2 * node).zip(row) {
+                let factor = sigma * entry;
+                to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
+            }
             if !std::mem::replace(&mut done[end], true) && self.exact {
                 let hessian = points.ends.hessian[end].chunks_exact(2 * n).take(n);
                 for (to, from) in rows.chunks_exact_mut(2 * node).zip(hessian) {

@@ -89,43 +89,44 @@ impl UserTerms<f64> {
 
 #[cfg(test)]
 mod tests {
-    use crate::constants::attempts::PathAttempt;
-    use crate::path::cubics::Disturbance;
-    use crate::path::lowest_path;
-    use crate::solve::Recorder;
-    use crate::{Problem, RunningCost, Solver, SolverOptions, UserTerm};
-    use costate::robot::Robot;
+    use super::UserTerms;
+    use crate::{RunningCost, UserTerm};
     use costate::scalar::Scalar;
 
+    /// `20 q'q + 3 v'v + q_0^2 v_1`.
     struct Springs;
 
     impl RunningCost for Springs {
         fn evaluate<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
-            q.iter()
+            let squares = q
+                .iter()
                 .zip(v)
-                .fold(S::zero(), |sum, (&q, &v)| sum + q * q.times(20.0) + (v * v).times(3.0) + q * v)
+                .fold(S::zero(), |sum, (&q, &v)| sum + (q * q).times(20.0) + (v * v).times(3.0));
+            squares + q[0] * q[0] * v[1]
         }
     }
 
     #[test]
-    fn user_terms_and_a_free_start_belong_to_a_path() {
-        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
-        let mut problem = Problem::rest_to_rest(robot, &[0.4, 0.2], &[1.0, -0.5], 1.2);
-        problem.terms = vec![UserTerm::new(Springs)];
-        let attempt = PathAttempt { smoothing: 0.0, penalty: 1.0, halvings: 0 };
-        for v_free in [vec![], vec![1]] {
-            problem.start.v_free = v_free;
-            let mut path =
-                lowest_path(&problem, &Disturbance::default(), attempt, &mut Recorder::default()).unwrap();
-            let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
-            assert!(solution.motion.status.is_converged());
-            let cost = solution.motion.cost;
-            assert!((path.cost() - cost).abs() < 2e-3 * cost, "{} {cost}", path.cost());
-            let (mut z, middle) = ([0.0; 8], solution.trajectory.t.partition_point(|&t| t < 0.6));
-            path.sample(solution.trajectory.t[middle] / 1.2, &mut z).unwrap();
-            let largest = solution.trajectory.y_q.iter().flatten().fold(0.0_f64, |most, y| most.max(y.abs()));
-            for (found, expected) in z[4..6].iter().zip(&solution.trajectory.y_q[middle]) {
-                assert!((found - expected).abs() < 0.02 * largest, "{found} {expected}");
+    fn derivatives_are_those_of_the_sum_of_all_terms() {
+        let terms = [UserTerm::new(Springs), UserTerm::new(Springs)];
+        let mut sum = UserTerms::<f64>::new(2, &terms);
+        let (q, v) = ([0.4, -0.7], [1.1, 0.3]);
+        let value = 20.0 * (0.16 + 0.49) + 3.0 * (1.21 + 0.09) + 0.16 * 0.3;
+        let gradient = [40.0 * 0.4 + 2.0 * 0.4 * 0.3, 40.0 * -0.7, 6.0 * 1.1, 6.0 * 0.3 + 0.16];
+        let hessian =
+            [[40.6, 0.0, 0.0, 0.8], [0.0, 40.0, 0.0, 0.0], [0.0, 0.0, 6.0, 0.0], [0.8, 0.0, 0.0, 6.0]];
+        for factor in [1.0, 0.01] {
+            sum.factor = factor;
+            let near = |found: f64, expected: f64| (found - 2.0 * factor * expected).abs() < 1e-13;
+            assert!(near(sum.at(&q, &v), value));
+            sum.first(&q, &v);
+            assert!(near(sum.value, value));
+            assert!(sum.gradient.iter().zip(gradient).all(|(&found, expected)| near(found, expected)));
+            sum.second(&q, &v);
+            assert!(near(sum.value, value));
+            for i in 0..4 {
+                assert!(near(sum.gradient[i], gradient[i]));
+                assert!((0..4).all(|j| near(sum.hessian[(i, j)], hessian[i][j])), "{i}");
             }
         }
     }

@@ -4,5 +4,6 @@ pub(crate) mod almost_block_diagonal;
 pub(crate) mod chain;
 pub(crate) mod dormand_prince;
 pub(crate) mod lu;
+pub(crate) mod padded;
 mod tiles;
 pub(crate) mod widest;

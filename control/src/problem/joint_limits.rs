@@ -9,7 +9,7 @@ use super::torque_speed_error::TorqueSpeedError;
 impl Problem {
     /// All limits of the joints, in their order.
     pub(crate) fn joint_limits(&self) -> Vec<JointLimits> {
-        let own = &self.limits;
+        let (own, from_robot) = (&self.limits, self.keeps_robot_limits());
         let entry = |list: &Option<Vec<f64>>, i: usize| list.as_ref().map_or(f64::INFINITY, |list| list[i]);
         let joints = self.robot.independent_joints().enumerate();
         let limits = joints.map(|(i, joint)| {
@@ -23,7 +23,7 @@ impl Problem {
                 power: entry(&own.power_max, i),
                 speeds: [entry(&own.corner_speed, i), entry(&own.no_load_speed, i)],
             };
-            if own.from_robot {
+            if from_robot {
                 let robot = &joint.limits;
                 limits.q = intersection(limits.q, [robot.lower, robot.upper]);
                 limits.v = limits.v.min(robot.velocity);

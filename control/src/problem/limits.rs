@@ -34,8 +34,10 @@ pub struct MotionLimits {
     pub corner_speed: Option<Vec<f64>>,
     /// Rates $v_0$ at which a motor gives no torque any more (rad/s, m/s).
     pub no_load_speed: Option<Vec<f64>>,
-    /// Whether the limits of the robot's joints are kept too: positions, rates and efforts.
-    pub from_robot: bool,
+    /// Whether the limits of the robot's joints are kept too: positions, rates and efforts. `None`: only if
+    /// something else in the problem needs the direct method, such as a limit or a tool; a motion that
+    /// exceeds them gets [warnings](crate::Problem::limit_warnings) otherwise.
+    pub from_robot: Option<bool>,
 }
 
 impl Default for MotionLimits {
@@ -53,7 +55,7 @@ impl Default for MotionLimits {
             total_power_max: None,
             corner_speed: None,
             no_load_speed: None,
-            from_robot: true,
+            from_robot: Some(true),
         }
     }
 }
@@ -87,7 +89,12 @@ impl MotionLimits {
 
     /// No limits at all.
     pub fn none() -> Self {
-        Self { from_robot: false, ..Self::default() }
+        Self { from_robot: Some(false), ..Self::default() }
+    }
+
+    /// Nothing is said about limits.
+    pub(crate) fn unsaid() -> Self {
+        Self { from_robot: None, ..Self::default() }
     }
 
     /// Whether any limit is given beside those of the robot.
@@ -184,6 +191,6 @@ impl MotionLimits {
     /// With or without the limits of the robot's joints.
     #[must_use]
     pub fn with_from_robot(self, from_robot: bool) -> Self {
-        Self { from_robot, ..self }
+        Self { from_robot: Some(from_robot), ..self }
     }
 }

@@ -93,7 +93,7 @@ impl Problem {
             gain: vec![1.0; n],
             bounds: None,
             penalty: None,
-            limits: MotionLimits::default(),
+            limits: MotionLimits::unsaid(),
             task: Task::default(),
         }
     }
@@ -157,6 +157,17 @@ impl Problem {
     #[must_use]
     pub fn with_task(self, task: Task) -> Self {
         Self { task, ..self }
+    }
+
+    /// Whether the limits of the robot's joints are limits of the motion.
+    pub(crate) fn keeps_robot_limits(&self) -> bool {
+        self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
+    }
+
+    /// Whether there is anything that only the direct method takes.
+    pub(crate) fn needs_direct(&self) -> bool {
+        let costs = self.cost.has_energy() || self.first_of_rates().is_some();
+        costs || self.limits.any_given() || !self.task.is_empty()
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of

@@ -11,15 +11,15 @@ fn fixed(x: f64) -> String {
 }
 
 impl Problem {
-    /// Where the motion exceeds the limits of the robot's joints, which only the direct method keeps; one
-    /// sentence each. None if [`MotionLimits::from_robot`](crate::MotionLimits::from_robot) is false.
+    /// Where the motion exceeds the limits of the robot's joints; one sentence each. None if
+    /// [`MotionLimits::from_robot`](crate::MotionLimits::from_robot) is false.
     pub fn limit_warnings(&self, trajectory: &Trajectory) -> Vec<String> {
         let range = |rows: &[Vec<f64>], i: usize, factor: f64| {
             let values = rows.iter().map(|row| factor * row[i]);
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
         };
         let mut warnings = Vec::new();
-        if !self.limits.from_robot {
+        if self.limits.from_robot == Some(false) {
             return warnings;
         }
         for (i, joint) in self.robot.independent_joints().enumerate() {

@@ -73,7 +73,7 @@ pub struct Motion {
     /// Estimated error of each component of z in the coordinates of the search, relative to its largest
     /// value.
     pub errors: Vec<f64>,
-    /// Newton steps, those of the path search included.
+    /// Newton steps, those of the direct method included.
     pub iterations: Vec<Iteration>,
     /// Times (s) at which a control reaches or leaves a bound.
     pub switches: Vec<f64>,

@@ -93,6 +93,14 @@ impl Solution {
         }
     }
 
+    /// Whether there is a motion near which an extremal may be.
+    pub(crate) fn is_motion(&self) -> bool {
+        let status = &self.motion.status;
+        let hopeless =
+            matches!(status, Status::LimitsNotKept | Status::Infeasible | Status::EvaluationFailed(_));
+        !hopeless && self.trajectory.t.len() > 1 && self.total().is_finite()
+    }
+
     /// A solution without a motion.
     pub(crate) fn missing(robot: &Robot, status: Status, final_time: f64) -> Self {
         Self {

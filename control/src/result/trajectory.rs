@@ -1,6 +1,6 @@
 //! The motion of a robot over time.
 
-use crate::path::cubics::{JointState, cubic};
+use crate::cubics::{JointState, cubic};
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
 use crate::result::quintic::{State, quintic};
 

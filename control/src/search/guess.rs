@@ -1,14 +1,11 @@
 //! Guesses: where a search begins.
 
 use crate::bvp::timed::Switch;
-use crate::constants::attempts::PathAttempt;
 use crate::constants::direct::ACTIVE as NEAR;
+use crate::cubics::{Cubics, Disturbance};
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::{BoundSide, SideChange};
-use crate::path::cubics::{Cubics, Disturbance};
-use crate::path::{Path, PathMotion, lowest_path};
 use crate::problem::Problem;
-use crate::solve::Recorder;
 use crate::solve::crossings::Crossing;
 
 /// Where a search begins: z at s = t/T.
@@ -31,21 +28,8 @@ pub(crate) trait Guess {
         Vec::new()
     }
 
-    /// Looks for a path of low cost.
-    fn find_path(&mut self, _attempt: PathAttempt, _recorder: &mut Recorder<'_>) -> Option<FoundPath> {
-        None
-    }
-
-    /// The path that was found last.
-    fn path(&mut self, _s: f64, _z: &mut [f64]) {}
-}
-
-/// A path of low cost.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FoundPath {
-    pub cost: f64,
-    /// s.
-    pub duration: f64,
+    /// The simple guess is another one from here on.
+    fn forget_saved(&mut self) {}
 }
 
 /// A guess of z alone.
@@ -130,24 +114,16 @@ impl SavedMotion<'_> {
     }
 }
 
-/// Guesses for a robot in z = (q, p, y_q, y_p): a saved motion or cubics, and paths of low cost.
+/// Guesses for a robot in z = (q, p, y_q, y_p): a saved motion or cubics.
 pub(crate) struct RobotGuess<'a> {
     pub problem: &'a Problem,
     pub disturbance: Disturbance,
     pub saved: Option<SavedMotion<'a>>,
     /// Evaluates momenta.
     pub momenta: RobotExtremal,
-    /// The paths that were found.
-    pub paths: Vec<Path>,
 }
 
 impl RobotGuess<'_> {
-    /// The cheapest of the paths that keep the bounds, as a motion of its own.
-    pub fn path_motion(&mut self) -> Option<PathMotion> {
-        let motions = self.paths.iter_mut().filter_map(|path| path.motion(self.problem).ok().flatten());
-        motions.min_by(|a, b| a.total().total_cmp(&b.total()))
-    }
-
     /// Cubics in the joint coordinates, p = M v, costates zero. Where the mass matrix cannot be evaluated, p
     /// = 0.
     fn cubics(&mut self, goal: f64, s: f64, z: &mut [f64]) {
@@ -186,16 +162,7 @@ impl Guess for RobotGuess<'_> {
         self.saved.as_ref().map_or_else(Vec::new, |saved| saved.crossings(self.problem))
     }
 
-    fn find_path(&mut self, attempt: PathAttempt, recorder: &mut Recorder<'_>) -> Option<FoundPath> {
-        let path = lowest_path(self.problem, &self.disturbance, attempt, recorder)?;
-        let found = FoundPath { cost: path.cost(), duration: path.time() };
-        self.paths.push(path);
-        Some(found)
-    }
-
-    fn path(&mut self, s: f64, z: &mut [f64]) {
-        if self.paths.last_mut().is_none_or(|path| path.sample(s, z).is_err()) {
-            z.fill(f64::NAN);
-        }
+    fn forget_saved(&mut self) {
+        self.saved = None;
     }
 }

@@ -1,9 +1,7 @@
 //! Guesses in other coordinates.
 
-use crate::constants::attempts::PathAttempt;
 use crate::extremal::legendre::{Legendre, OfRobot};
-use crate::search::guess::{FoundPath, Guess, RobotGuess};
-use crate::solve::Recorder;
+use crate::search::guess::{Guess, RobotGuess};
 use crate::solve::crossings::Crossing;
 use costate::robot::Robot;
 use std::marker::PhantomData;
@@ -40,12 +38,7 @@ impl<E: OfRobot> Guess for Mapped<'_, E> {
         self.guess.saved_crossings()
     }
 
-    fn find_path(&mut self, attempt: PathAttempt, recorder: &mut Recorder<'_>) -> Option<FoundPath> {
-        self.guess.find_path(attempt, recorder)
-    }
-
-    fn path(&mut self, s: f64, z: &mut [f64]) {
-        self.guess.path(s, z);
-        let _ = E::take(&mut self.map, z);
+    fn forget_saved(&mut self) {
+        self.guess.forget_saved();
     }
 }

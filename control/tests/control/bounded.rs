@@ -2,7 +2,9 @@
 
 use crate::{sharp, sledge};
 use costate::robot::Robot;
-use costate_control::{Bounds, FinalTime, Objective, Problem, Solution, Solver, Status};
+use costate_control::{
+    Bounds, FinalTime, Method, Objective, Problem, Solution, Solver, SolverOptions, Status,
+};
 
 fn solve(problem: &Problem) -> Solution {
     let solution = Solver::new(problem, sharp()).unwrap().solve();
@@ -113,8 +115,12 @@ fn bounds_that_are_not_reached_change_nothing() {
 fn a_time_too_short_for_the_bounds_is_not_converged() {
     let bounds = Bounds::symmetric(vec![3.0]);
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
-    let solution = Solver::new(&problem, sharp()).unwrap().solve();
-    assert!(!solution.motion.status.is_converged());
+    let directly = Solver::new(&problem, sharp()).unwrap().solve();
+    assert_eq!(directly.motion.status, Status::Infeasible);
+    let limit = &directly.limits.infeasible.as_ref().unwrap().limits[0];
+    assert!(limit.kind == "torque" && (limit.amount - 1.0).abs() < 0.05, "{limit:?}");
+    let options = SolverOptions::of(Method::Collocation).with_tolerance(1e-9);
+    let solution = Solver::new(&problem, options).unwrap().solve();
     assert_eq!(solution.motion.status, Status::BoundsNotReached);
     // A motion that breaks the bounds is no result.
     assert!(solution.trajectory.t.is_empty() && solution.end_defect == f64::INFINITY);

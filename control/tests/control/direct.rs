@@ -5,8 +5,8 @@ use crate::sharp;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Cancel, Continuation, FinalTime, MotionLimits, Objective, Parameter, Phase, Polish, Problem,
-    ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status, UserTerm,
+    Bounds, Cancel, Continuation, FinalTime, Method, MotionLimits, Objective, Parameter, Phase, Polish,
+    Problem, ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status, UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
@@ -200,7 +200,7 @@ fn limits_that_no_motion_can_keep_are_errors() {
     assert!(error.starts_with("limits.q_min") && error.contains("1 entry"), "{error}");
     // Limits of the robot's own.
     let file = ProblemFile::read("../examples/problems/ur5_reach.toml", LoadOptions::default()).unwrap();
-    let mut beyond = file.problem;
+    let mut beyond = file.problem.with_limits(MotionLimits::default());
     beyond.end.q[3] = -6.5;
     let error = refused(&beyond);
     assert!(error.starts_with("end.q") && error.contains("wrist_1_joint"), "{error}");
@@ -210,7 +210,7 @@ fn limits_that_no_motion_can_keep_are_errors() {
 #[test]
 fn limits_need_the_direct_method() {
     let limited = limited("two_link", &[INF, 7.0]);
-    let error = Solver::new(&limited, SolverOptions::default()).unwrap_err();
+    let error = Solver::new(&limited, SolverOptions::of(Method::Collocation)).unwrap_err();
     assert_eq!(error, ProblemError::LimitsNeedDirect);
     assert!(error.to_string().starts_with("method"), "{error}");
     let options = SolverOptions::direct();

@@ -4,7 +4,7 @@ use crate::{sharp, sledge};
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::{
     Certificate, FinalTime, JacobianRoute, Method, Objective, Problem, Solution, Solver, SolverOptions,
-    Status,
+    Status, Strategy,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -42,7 +42,9 @@ fn close(found: f64, expected: f64, digits: f64) {
 
 #[test]
 fn a_metre_in_a_second_costs_six() {
-    let solution = solve(&Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0));
+    let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0);
+    let options = SolverOptions::of(Method::Collocation).with_strategy(Strategy::Direct);
+    let solution = solve_with(&problem, options.with_tolerance(1e-9));
     close(solution.motion.cost, 6.0, 1e-12);
     close(solution.costate_start().y_q[0], 12.0, 1e-11);
     close(solution.costate_start().y_p[0], 6.0, 1e-11);
@@ -228,7 +230,8 @@ fn a_motion_that_needs_no_control_costs_nothing() {
 fn a_motion_that_is_not_verified_gets_no_certificate() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[3.0], &[PI], 5.0);
-    let motion = Solver::new(&problem, sharp()).unwrap().solve().motion;
+    let options = SolverOptions::of(Method::Collocation).with_tolerance(1e-9);
+    let motion = Solver::new(&problem, options).unwrap().solve().motion;
     assert_eq!(motion.status, Status::NotVerified);
     assert_eq!((motion.certificate, motion.conjugate_time), (Certificate::NotChecked, None));
 }

@@ -2,7 +2,7 @@
 
 use costate::robot::LoadOptions;
 use costate_control::{
-    Certificate, MotionLimits, Phase, Polish, PolishOutcome, Problem, ProblemFile, Solution, Solver,
+    Certificate, Method, MotionLimits, Phase, Polish, PolishOutcome, Problem, ProblemFile, Solution, Solver,
     SolverOptions, Status,
 };
 
@@ -29,7 +29,7 @@ fn polished(problem: &Problem) -> Solution {
     assert_eq!((report.outcome, &solution.motion.status), (PolishOutcome::Polished, &Status::Converged));
     assert_eq!(report.polished_total, Some(solution.total()));
     assert!(solution.motion.hamiltonian_drift < 1e-5, "{}", solution.motion.hamiltonian_drift);
-    let extremal = Solver::new(problem, SolverOptions::default()).unwrap().solve();
+    let extremal = Solver::new(problem, SolverOptions::of(Method::Collocation)).unwrap().solve();
     let close = |a: f64, b: f64, digits: f64| assert!((a - b).abs() <= digits * b.abs().max(1e-3), "{a} {b}");
     close(solution.total(), extremal.total(), 5e-8);
     close(solution.motion.final_time, extremal.motion.final_time, 1e-6);
@@ -47,8 +47,8 @@ fn smooth_motions_become_extremals() {
         let solution = polished(&problem(name));
         assert_eq!(solution.motion.certificate, Certificate::LocalMinimum, "{name}");
         let steps = |phase| solution.motion.iterations.iter().filter(|step| step.phase == phase).count();
-        // Newton's method has little left to do.
-        assert!((1..=4).contains(&steps(Phase::Polish)), "{name}: {}", steps(Phase::Polish));
+        // Newton's method has little left to do, though the first motion is rough.
+        assert!((1..=6).contains(&steps(Phase::Polish)), "{name}: {}", steps(Phase::Polish));
         assert!(steps(Phase::Direct) > 0, "{name}");
     }
 }

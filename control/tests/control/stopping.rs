@@ -41,7 +41,7 @@ fn a_listener_stops_a_search() {
     let solver = Solver::new(&problem, sharp()).unwrap();
     let solution = solver.on_iteration(|step: &Iteration| {
         steps += 1;
-        assert_eq!(step.phase, Phase::FixedTime);
+        assert_eq!(step.phase, Phase::Direct);
         if steps == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     stopped(&solution.solve(), Status::Cancelled);
@@ -104,7 +104,8 @@ fn bounds_that_are_too_tight_are_reported() {
         problem.bounds = bounds;
         problem
     };
-    let solution = Solver::new(&problem, sharp()).unwrap().solve();
+    let options = SolverOptions::of(Method::Collocation).with_tolerance(1e-9);
+    let solution = Solver::new(&problem, options).unwrap().solve();
     assert_eq!(solution.motion.status, Status::BoundsNotReached);
     let BoundViolation { control, time, u, bound, factor, .. } = solution.motion.bound_violation.unwrap();
     assert!(control == 0 && factor > 4.0 / 3.0 && factor < 1.5, "{factor}");
@@ -134,7 +135,7 @@ fn bounds_that_are_too_tight_are_reported() {
 
 #[test]
 fn phases_have_the_same_names_everywhere() {
-    for phase in [Phase::FixedTime, Phase::FromPath, Phase::Path, Phase::WithoutLimits, Phase::Switches] {
+    for phase in [Phase::FixedTime, Phase::Direct, Phase::WithoutLimits, Phase::Switches] {
         assert_eq!(serde_json::to_value(phase).unwrap(), phase.to_string());
     }
 }
@@ -147,19 +148,17 @@ fn several(options: SolverOptions, threads: usize) -> SolverOptions {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let problem = two_link().with_limits(MotionLimits::none());
-    for options in [SolverOptions::default(), SolverOptions::direct()] {
+    for options in [Method::Collocation, Method::Direct].map(SolverOptions::of) {
         let solve = |threads: usize| {
             let mut steps = 0;
             let solver = Solver::new(&problem, several(options.clone(), threads)).unwrap();
-            let solution = solver.on_iteration(|step| {
-                steps += usize::from(step.phase != Phase::Path);
+            let solver = solver.on_iteration(|_| {
+                steps += 1;
                 ControlFlow::Continue(())
             });
-            let solution = solution.solve();
+            let solution = solver.solve();
             assert_eq!(solution.starts.len(), 5);
-            if options.method == Method::Collocation {
-                assert_eq!(solution.newton_iterations, steps);
-            }
+            assert!(solution.newton_iterations >= steps);
             solution
         };
         let alone = solve(1);
@@ -177,7 +176,7 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn all_threads_stop_together() {
     let problem = two_link().with_limits(MotionLimits::none());
-    for options in [SolverOptions::default(), SolverOptions::direct()] {
+    for options in [Method::Collocation, Method::Direct].map(SolverOptions::of) {
         let options = several(options, 3).with_starts(1_000_000);
         let mut steps = 0;
         let solver = Solver::new(&problem, options.clone()).unwrap();

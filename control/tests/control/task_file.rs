@@ -307,7 +307,7 @@ fn errors_of_tasks_in_rust_name_the_entry() {
     assert!(valid.check_for(Method::Direct).is_ok());
     let error = valid.check_for(Method::Shooting).unwrap_err();
     assert!(matches!(error, ProblemError::TaskNeedsDirect { .. }), "{error}");
-    assert!(Solver::new(&valid, SolverOptions::default()).is_err());
+    assert!(Solver::new(&valid, SolverOptions::of(Method::Collocation)).is_err());
     let refused = Parameter::FinalTime.apply(&valid, 2.0).unwrap_err();
     assert!(refused.to_string().ends_with("takes neither tools nor obstacles; remove them"), "{refused}");
     let mut over =

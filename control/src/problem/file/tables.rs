@@ -107,13 +107,6 @@ enum Energy {
 }
 
 impl Energy {
-    fn is_any(&self) -> bool {
-        match self {
-            Self::Each(weight) => *weight != 0.0,
-            Self::Of(weights) => weights.iter().any(|&weight| weight != 0.0),
-        }
-    }
-
     /// Those of n joints.
     fn of_joints(&self, n: usize) -> Vec<f64> {
         match self {
@@ -163,12 +156,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     let limits = optional("limits", LIMITS)?.as_ref().map(limits).transpose()?;
     let task = task::read(root)?;
     let energy = cost.map_or(Ok(None), energy)?;
-    let limited = limits.as_ref().is_some_and(MotionLimits::any_given);
     let numbers = |name| cost.map_or(Ok(None), |cost| cost.numbers(name));
-    let (torque_rate, jerk) = (numbers("torque_rate")?, numbers("jerk")?);
-    let any = |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w != 0.0));
-    let rates = any(&torque_rate) || any(&jerk) || start.a.is_some() || end.a.is_some();
-    let direct = limited || rates || !task.is_empty() || energy.as_ref().is_some_and(Energy::is_any);
     Ok(Tables {
         robot,
         start,
@@ -178,15 +166,15 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         effort: cost.map_or(Ok(None), |cost| cost.numbers("effort"))?,
         energy,
         energy_smoothing: cost.map_or(Ok(None), |cost| cost.number("energy_smoothing"))?,
-        torque_rate,
-        jerk,
+        torque_rate: numbers("torque_rate")?,
+        jerk: numbers("jerk")?,
         gain: actuation.map_or(Ok(None), |actuation| actuation.numbers("gain"))?,
         bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
         limits,
         task,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
-        options: options(optional("solver", SOLVER)?.as_ref(), direct)?,
+        options: options(optional("solver", SOLVER)?.as_ref())?,
     })
 }
 
@@ -254,7 +242,7 @@ fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
         total_power_max: table.number("total_power_max")?,
         corner_speed: table.numbers("corner_speed")?,
         no_load_speed: table.numbers("no_load_speed")?,
-        from_robot: table.flag("from_robot")?.unwrap_or(none.from_robot),
+        from_robot: table.flag("from_robot")?.or(none.from_robot),
     })
 }
 
@@ -269,16 +257,11 @@ fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
     })
 }
 
-/// The options; where there are limits, a task, a cost that needs it or given accelerations the method is
-/// direct unless another one is given.
-fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fault> {
-    let method = table.map_or(Ok(None), |table| table.choice("method", &METHODS))?;
-    let defaults = match method {
-        None if direct => SolverOptions::direct(),
-        Some(Method::Direct) => SolverOptions::direct(),
-        _ => SolverOptions::default(),
-    };
-    let Some(table) = table else { return Ok(defaults) };
+/// The options.
+fn options(table: Option<&Table<'_>>) -> Result<SolverOptions, Fault> {
+    let Some(table) = table else { return Ok(SolverOptions::default()) };
+    let method = table.choice("method", &METHODS)?.unwrap_or_default();
+    let defaults = SolverOptions::of(method);
     let count = |name: &str, default: usize| -> Result<usize, Fault> {
         let found = table.whole(name)?;
         Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
@@ -290,7 +273,6 @@ fn options(table: Option<&Table<'_>>, direct: bool) -> Result<SolverOptions, Fau
         tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
         nodes: count("nodes", defaults.nodes)?,
         jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
-        method: method.unwrap_or(defaults.method),
         coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
         verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
         polish: polish(table)?.unwrap_or(defaults.polish),
@@ -346,7 +328,7 @@ impl Tables {
             gain: fill(&self.gain, 1.0),
             bounds: self.bounds.clone(),
             penalty: self.penalty.clone(),
-            limits: self.limits.clone().unwrap_or_default(),
+            limits: self.limits.clone().unwrap_or_else(MotionLimits::unsaid),
             task: self.task.clone(),
             robot,
         };

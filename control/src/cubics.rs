@@ -1,6 +1,6 @@
 //! Cubics in the joint coordinates from start to end, with disturbances.
 
-use crate::constants::path::{AMPLITUDE, ONE_WAVE};
+use crate::constants::cubics::{AMPLITUDE, ONE_WAVE};
 use crate::problem::Problem;
 
 /// Position and rate of a joint (rad, rad/s or m, m/s).
