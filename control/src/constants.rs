@@ -146,7 +146,7 @@ pub(crate) mod polish {
     /// A polish may take this many times the time of the direct method.
     pub const SHARE: u32 = 10;
     /// A polish may take this long in any case.
-    pub const LEAST_TIME: Duration = Duration::from_millis(20);
+    pub const LEAST_TIME: Duration = Duration::from_millis(250);
     /// Tolerance of the direct method before a polish ..
     pub const ROUGH: f64 = 1e-4;
     /// .. and where torques are limited: when they reach their limits must be seen.

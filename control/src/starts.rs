@@ -106,7 +106,7 @@ impl Starts<'_> {
             _ => None,
         };
         let once = begun.as_ref().map(|begun| begun.trajectory.with_each_time_once());
-        let saved = saved.or(once.as_ref().map(of_direct));
+        let saved = (saved.or(once.as_ref().map(of_direct)), begun.is_some());
         let mut momenta = RobotExtremal::new(self.problem, self.options.jacobian)?;
         let found = match self.options.coordinates {
             Coordinates::Hamiltonian => self.search(number, saved, &mut momenta.clone(), &momenta, recorder),
@@ -148,7 +148,7 @@ impl Starts<'_> {
     fn search<E: OfRobot>(
         &self,
         number: usize,
-        saved: Option<SavedMotion<'_>>,
+        (saved, begun): (Option<SavedMotion<'_>>, bool),
         extremal: &mut E,
         momenta: &RobotExtremal,
         recorder: &mut Recorder<'_>,
@@ -157,6 +157,7 @@ impl Starts<'_> {
             problem: self.problem.problem(),
             disturbance: Disturbance::draw(&self.problem, self.options.seed, number),
             saved,
+            begun,
             momenta: momenta.clone(),
         };
         let mut guess = Mapped::<E>::new(guess, &self.problem.robot);

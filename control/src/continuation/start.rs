@@ -45,7 +45,8 @@ impl Walker<'_, '_> {
     /// A solution with smooth controls: first without bounds at a fixed time, then with bounds that tighten.
     pub fn smoothed(&mut self, problem: &Problem) -> Result<Discretisation, Status> {
         let momenta = self.extremal.clone();
-        let mut guess = RobotGuess { problem, disturbance: Disturbance::default(), saved: None, momenta };
+        let mut guess =
+            RobotGuess { problem, disturbance: Disturbance::default(), saved: None, begun: false, momenta };
         let mut phase = Phase::FixedTime;
         let rough = self.attempt.loose();
         self.extremal.set_relaxation(Relaxation { bounds: f64::INFINITY, ..Relaxation::NONE });

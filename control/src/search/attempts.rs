@@ -8,8 +8,8 @@
 //!    ([`Solved::is_nearly_solved`]).
 //! 2. *From cubics* ([`Search::try_guess`]): Newton's method, roughly at first. Left out if there are
 //!    controls without effort, whose costates cannot be zero.
-//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed. The result
-//!    is returned as it is.
+//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the direct
+//!    method found no motion that may be given instead. The result is returned as it is.
 //!
 //! If the search is stopped, the last result is returned. All numbers are in [`crate::constants`].
 
@@ -97,6 +97,7 @@ impl Search<'_, '_> {
         }
         match (last, self.recorder.interruption()) {
             (Some(last), Some(stopped)) => last.with_status(stopped.into()),
+            (Some(last), None) if self.guess.is_replaceable() => last,
             _ => self.try_relaxed_problems(attempt),
         }
     }

@@ -30,6 +30,11 @@ pub(crate) trait Guess {
 
     /// The simple guess is another one from here on.
     fn forget_saved(&mut self) {}
+
+    /// Whether a motion is at hand that keeps all bounds, so that it is no loss if no extremal is found.
+    fn is_replaceable(&self) -> bool {
+        false
+    }
 }
 
 /// A guess of z alone.
@@ -119,6 +124,8 @@ pub(crate) struct RobotGuess<'a> {
     pub problem: &'a Problem,
     pub disturbance: Disturbance,
     pub saved: Option<SavedMotion<'a>>,
+    /// Whether the direct method found a motion.
+    pub begun: bool,
     /// Evaluates momenta.
     pub momenta: RobotExtremal,
 }
@@ -164,5 +171,9 @@ impl Guess for RobotGuess<'_> {
 
     fn forget_saved(&mut self) {
         self.saved = None;
+    }
+
+    fn is_replaceable(&self) -> bool {
+        self.begun
     }
 }

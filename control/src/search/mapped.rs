@@ -41,4 +41,8 @@ impl<E: OfRobot> Guess for Mapped<'_, E> {
     fn forget_saved(&mut self) {
         self.guess.forget_saved();
     }
+
+    fn is_replaceable(&self) -> bool {
+        self.guess.is_replaceable()
+    }
 }
