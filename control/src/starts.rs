@@ -217,3 +217,28 @@ pub(crate) fn solution(
         motion,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::unpolished;
+    use crate::options::{Polish, SolverOptions};
+    use crate::problem::Problem;
+    use crate::result::solution::Solution;
+    use crate::solver::Solver;
+    use crate::status::Status;
+    use costate::robot::Robot;
+
+    #[test]
+    fn a_failed_search_gives_the_motion_of_the_direct_method() {
+        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+        let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[1.0, -0.5], 1.0);
+        let options = SolverOptions::default().with_tolerance(1e-4).with_polish(Polish::Never);
+        let found = Solver::new(&problem, options).unwrap().solve();
+        assert!(found.motion.status.is_converged());
+        let iterate = Solution::missing(&problem.robot, Status::NewtonFailed, 1.0);
+        let given = unpolished(iterate, found.clone());
+        assert!(given.motion.status == Status::PathOnly && !given.motion.status.is_solved());
+        assert_eq!((given.total(), &given.trajectory), (found.total(), &found.trajectory));
+        assert!(given.motion.iterations.is_empty() && given.end_defect == f64::INFINITY);
+    }
+}

@@ -51,27 +51,6 @@ fn direct(verify: Verify) -> SolverOptions {
 }
 
 #[test]
-fn a_failed_search_gives_the_motion_of_the_direct_method() {
-    // A light wrist on a heavy arm with equal weights, and one step of Newton's method on each mesh.
-    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
-    let (from, to) =
-        ([-0.596, -1.953, 1.097, -0.818, 0.156, 0.758], [0.642, -0.618, -0.315, 0.002, -0.666, 0.871]);
-    let problem = Problem::rest_to_rest(robot, &from, &to, 1.0);
-    let solution = solve(&problem, SolverOptions::of(Method::Collocation).with_max_iterations(1));
-    assert_eq!(solution.motion.status, Status::PathOnly);
-    assert!(!solution.motion.status.is_solved() && solution.motion.verification == Verify::None);
-    let trajectory = &solution.trajectory;
-    let ends = [(trajectory.q.first(), &problem.start.q), (trajectory.q.last(), &problem.end.q)];
-    for (q, given) in ends {
-        assert!(q.unwrap().iter().zip(given).all(|(q, given)| (q - given).abs() < 1e-12), "{q:?}");
-    }
-    assert!(trajectory.v.last().unwrap().iter().all(|v| v.abs() < 1e-12));
-    let direct = SolverOptions::direct().with_tolerance(1e-4).with_polish(Polish::Never);
-    let other = solve(&problem, direct).motion.cost;
-    assert!((solution.motion.cost / other - 1.0).abs() < 1e-3, "{} {other}", solution.motion.cost);
-}
-
-#[test]
 fn a_saved_motion_keeps_its_mesh() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let free =
