@@ -142,10 +142,11 @@ fn least_time() {
     kept(solution.limits.torque.as_ref(), 50.0, &["shoulder", "elbow"]);
 }
 
-/// H* is constant, and both H* and the costates are derivatives of the cost.
+/// H* is constant, and both H* and the costates are derivatives of the cost; that of time belongs to it.
 #[test]
 fn costates_and_hamiltonian_are_derivatives_of_the_cost() {
-    let problem = at_rest(arm(none())).with_cost(Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]));
+    let cost = Objective::new(80.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]);
+    let problem = at_rest(arm(none())).with_cost(cost);
     let solution = solve_to(&problem, 1e-8);
     assert!(solution.motion.hamiltonian_drift < 1e-4, "{}", solution.motion.hamiltonian_drift);
     let cost = |change: &dyn Fn(&mut Problem, f64)| {
@@ -161,7 +162,8 @@ fn costates_and_hamiltonian_are_derivatives_of_the_cost() {
     assert!((by_time + hamiltonian).abs() < 1e-4 * hamiltonian.abs(), "{by_time} {hamiltonian}");
     let limits = none().with_torque_rate_max(vec![300.0, 150.0]);
     let limited = solve(&problem.clone().with_limits(limits));
-    check(&limited, 300.05160, 3e-6);
+    // The cost of time is that of a second.
+    check(&limited, 380.05160, 3e-6);
     // Where rates of torques jump beside a node rather than at it, that interval has another H*.
     assert!(limited.motion.hamiltonian_drift < 2e-2, "{}", limited.motion.hamiltonian_drift);
     // At rest p = M v does not change with q, so y_q is the derivative by q.
@@ -170,6 +172,20 @@ fn costates_and_hamiltonian_are_derivatives_of_the_cost() {
         let costate = solution.trajectory.y_q[0][joint];
         assert!((by_position + costate).abs() < 1e-4 * costate.abs().max(1.0), "{by_position} {costate}");
     }
+}
+
+/// At the best final time H* is zero.
+#[test]
+fn the_hamiltonian_vanishes_at_the_best_time() {
+    // Jerks alone: 720 d^2/T^5 + c T for both joints, least at T^6 = 3600 d^2/c.
+    let cost = Objective::new(50.0, vec![0.0; 2]).with_jerk(vec![1.0; 2]);
+    let mut problem = at_rest(arm(none())).with_cost(cost);
+    problem.time = FinalTime::Free { guess: 1.5 };
+    let solution = solve_to(&problem, 1e-9);
+    let time = (3600.0 * FRAC_PI_2 * FRAC_PI_2 / 50.0).powf(1.0 / 6.0);
+    assert!((solution.motion.final_time / time - 1.0).abs() < 1e-4, "{}", solution.motion.final_time);
+    check(&solution, 1.2 * 50.0 * time, 1e-8);
+    assert!(solution.motion.hamiltonian.abs() < 50.0 * 1e-3, "{}", solution.motion.hamiltonian);
 }
 
 /// Torques of a joint without a motor stay zero, which takes continuous accelerations into account.
