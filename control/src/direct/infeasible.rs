@@ -6,7 +6,7 @@ use super::points::PointDynamics;
 use super::report::{excess, name, of_rate, unit};
 use super::side::Limited;
 use crate::constants::direct as constants;
-use crate::problem::{FinalTime, Problem};
+use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
 use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
@@ -51,11 +51,8 @@ pub(super) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D
     let names = RobotNames::of(&problem.robot).joints;
     let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
     let limits = given.iter().map(|given| limit(interior, given, &names, &kinds)).collect();
-    // Positions, rates and accelerations at a fixed time are linear in the unknowns.
-    let is_linear = interior.barrier.sides().iter().all(|side| side.limited <= Limited::Acceleration)
-        && interior.barrier.at_ends().is_empty();
-    let is_global = is_linear && matches!(problem.time, FinalTime::Fixed(_));
-    Infeasibility { limits, is_global, ..Infeasibility::default() }
+    // No proof, linear limits or not: between the points of a mesh other motions keep more.
+    Infeasibility { limits, ..Infeasibility::default() }
 }
 
 fn limit<D: PointDynamics>(

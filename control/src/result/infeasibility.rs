@@ -19,8 +19,8 @@ pub struct Infeasibility {
     /// torques are, if that is longer than the one that is given.
     #[serde(default)]
     pub least_time: Option<f64>,
-    /// Whether it is proven that no motion keeps the limits: one of the joints has too little time, or all
-    /// limits are linear in the motion. Else another guess may find one.
+    /// Whether it is proven that no motion keeps the limits: one of the joints has too little time for its
+    /// way. Else another guess or a finer mesh may find one.
     pub is_global: bool,
 }
 

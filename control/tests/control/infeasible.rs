@@ -3,7 +3,7 @@
 use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
-    Bounds, Infeasibility, Keep, Kept, MotionLimits, Polish, Problem, RelaxedLimit, Solution, Solver,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Polish, Problem, RelaxedLimit, Solution, Solver,
     SolverOptions, Status, Task,
 };
 use std::f64::consts::FRAC_PI_2;
@@ -78,6 +78,25 @@ fn a_rate_or_an_acceleration_that_is_too_small_is_proven() {
     let found = lacks(&arm.with_limits(MotionLimits::none().with_v_max(vec![1.0, 1.2])));
     let names: Vec<_> = found.limits.iter().map(|limit| &limit.name[..]).collect();
     assert_eq!(names, ["shoulder", "elbow"], "{found:?}");
+}
+
+/// What splines on a mesh cannot keep is no proof, even where all limits are linear in the motion.
+#[test]
+fn a_mesh_proves_nothing() {
+    // A motion with |a| = 1 that switches once takes exactly a second. On six intervals splines need 1.000631
+    // at Gauss's points.
+    let mut tight = metre(MotionLimits::none().with_a_max(vec![1.0005]));
+    (tight.end.q, tight.end.v) = (vec![0.281677], vec![0.0655]);
+    let options = SolverOptions::direct().with_polish(Polish::Never).with_nodes(19);
+    let solution = Solver::new(&tight, options).unwrap().solve();
+    if let Some(found) = &solution.limits.infeasible {
+        assert!(!found.is_global && found.least_time.is_none(), "{found:?}");
+    }
+    // Against a wall: a joint that has time enough, but starts too fast to stop.
+    let mut wall = metre(MotionLimits::none().with_q_max(vec![1.05]).with_a_max(vec![8.0]));
+    (wall.start.v, wall.time) = (vec![8.0], FinalTime::Fixed(4.0));
+    let found = lacks(&wall);
+    assert!(!found.is_global && found.least_time.is_none() && !found.limits.is_empty(), "{found:?}");
 }
 
 #[test]
