@@ -204,3 +204,25 @@ fn no_link_passes_through_a_thin_plate() {
     }
     assert!(!(through && solution.motion.status == Status::Converged), "the hand went through the plate");
 }
+
+/// The same where accelerations are continuous.
+#[test]
+fn no_link_passes_through_a_thin_post_with_limited_jerks() {
+    let mut problem = two_link();
+    problem.end.q = vec![1.4, 0.0];
+    let (angle, size) = (0.7_f64, [0.5, 0.004, 1.0]);
+    let placement = Placement::from_xyz_rpy([1.95 * angle.cos(), 1.95 * angle.sin(), 0.0], [0.0, 0.0, angle]);
+    let task = Task::default()
+        .with_obstacle(Obstacle::new("post", Shape::Box { placement, size }))
+        .with_collision(Collision::along_links(0.02));
+    let limits = MotionLimits::none().with_jerk_max(vec![400.0, 400.0]);
+    let problem = problem.with_limits(limits).with_task(task);
+    let solution = solve_to(&problem, 1e-3);
+    // The tip goes by within the inner edge.
+    for point in samples(&solution, 4000) {
+        let (a, b) = (point.q[0], point.q[0] + point.q[1]);
+        let (x, y) = (a.cos() + b.cos(), a.sin() + b.sin());
+        let [across, along] = [angle.cos() * y - angle.sin() * x, angle.cos() * x + angle.sin() * y];
+        assert!(across.abs() > 0.002 || along < 1.7, "{} {along} {across}", point.t);
+    }
+}
