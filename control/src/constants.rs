@@ -254,6 +254,15 @@ pub(crate) mod branch {
     pub const WIDE: f64 = 1000.0;
 }
 
+/// Times that joints need at least ([`crate::problem::least_time`]).
+pub(crate) mod least_time {
+    /// A joint has too little time if it needs more by this part of it: less may be rounding.
+    pub const ROUNDING_OF_TIMES: f64 = 1e-9;
+    /// A way that differs from that of a single acceleration by less than this part of both, and of what
+    /// stopping from the rates takes, is one.
+    pub const ROUNDING_OF_WAYS: f64 = 1e-12;
+}
+
 /// The direct method ([`crate::direct`]).
 pub(crate) mod direct {
     /// Slacks and multipliers keep at least this part of themselves in a step.
