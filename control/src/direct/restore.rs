@@ -45,7 +45,8 @@ pub(super) fn restore<D: PointDynamics>(
     gap: f64,
     recorder: &mut Recorder<'_>,
 ) -> Result<Restored, EvalError> {
-    if interior.barrier.sides().is_empty() {
+    // Limits do not give where accelerations are continuous.
+    if interior.barrier.sides().is_empty() || interior.spline.mesh.shape.is_smooth() {
         return Ok(Restored::Unknown);
     }
     let before = interior.spline.clone();
