@@ -84,7 +84,9 @@ impl Direct<'_> {
         }
         let mut refined = Refined::without(Status::MeshLimit);
         let problem = self.problem.problem();
-        let impossible = problem.too_short().is_some();
+        if problem.too_short().is_some() {
+            return self.explain(interior, resolution, recorder);
+        }
         let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
         // A coarse mesh is not solved much better than it resolves the motion.
         let least = constants::PART_OF_TOLERANCE * tolerance;
@@ -92,12 +94,6 @@ impl Direct<'_> {
         let (mut mesh, mut moved) = (0, 0);
         // Limits neither give nor move where accelerations are continuous.
         let smooth = interior.spline.mesh.shape.is_smooth();
-        if impossible && smooth {
-            interior.refresh()?;
-            resolution.measure(interior)?;
-            let infeasible = with_proof(problem, None);
-            return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
-        }
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let (mut patience, mut stuck) = (Patience::default(), false);
@@ -116,8 +112,7 @@ impl Direct<'_> {
                 stuck = patience.is_over(figures.violation);
                 if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
-            let most = if impossible { 0 } else { self.options.max_iterations };
-            let mut end = interior.iterate(precision, most, watch)?;
+            let mut end = interior.iterate(precision, self.options.max_iterations, watch)?;
             if end == End::Solved && precision <= least {
                 interior.take_last_step();
             }
@@ -136,15 +131,10 @@ impl Direct<'_> {
                     Restored::Kept => continue,
                     Restored::Infeasible(infeasible) => {
                         resolution.measure(interior)?;
-                        let infeasible = with_proof(problem, Some(infeasible));
+                        let infeasible = Some(infeasible);
                         return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
                     }
                     Restored::Interrupted(interruption) => end = End::Interrupted(interruption),
-                    Restored::Unknown if impossible => {
-                        resolution.measure(interior)?;
-                        let infeasible = with_proof(problem, None);
-                        return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
-                    }
                     Restored::Unknown => {}
                 }
                 figures = interior.figures;
@@ -215,6 +205,27 @@ impl Direct<'_> {
             mesh += 1;
         }
         Ok(refined)
+    }
+
+    /// What limits would have to give where it is proven that no motion keeps them.
+    fn explain(
+        &self,
+        interior: &mut Interior<FastPoints>,
+        resolution: &mut Resolution,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<Refined, EvalError> {
+        let (problem, guess) = (self.problem.problem(), interior.spline.clone());
+        let restored = restore(problem, interior, &guess, constants::FIRST_GAP, recorder)?;
+        interior.refresh()?;
+        resolution.measure(interior)?;
+        let found = match restored {
+            Restored::Interrupted(interruption) => return Ok(Refined::without(interruption.into())),
+            Restored::Infeasible(infeasible) => Some(infeasible),
+            // Between its points the motion that keeps its limits there does not.
+            Restored::Kept | Restored::Unknown => None,
+        };
+        let infeasible = with_proof(problem, found);
+        Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) })
     }
 
     /// The solution, verified by integration where it converged.

@@ -99,6 +99,23 @@ fn a_mesh_proves_nothing() {
     assert!(!found.is_global && found.least_time.is_none() && !found.limits.is_empty(), "{found:?}");
 }
 
+/// A proof counts even where a motion on a mesh keeps its limits, or where limits do not give.
+#[test]
+fn a_proof_needs_no_motion() {
+    // From bound to bound 4 m/s^2 are enough; on a coarse mesh that is not resolved.
+    for lacking in [1e-2, 1e-4, 1e-6] {
+        let slow = metre(MotionLimits::none().with_a_max(vec![4.0 * (1.0 - lacking)]));
+        let found = lacks(&slow);
+        assert!(found.is_global && found.least_time.unwrap() > 1.0 && !found.limits.is_empty(), "{found:?}");
+    }
+    // Nearly at the end from the start, too fast to stop there.
+    let mut near = metre(MotionLimits::none().with_a_max(vec![1.0]));
+    (near.end.q, near.start.v) = (vec![1e-3], vec![0.6]);
+    assert!(lacks(&near).is_global);
+    let smooth = metre(MotionLimits::none().with_a_max(vec![1.0]).with_jerk_max(vec![1e4]));
+    assert!(lacks(&smooth).is_global);
+}
+
 #[test]
 fn a_tool_that_is_too_slow_is_told() {
     let task = Task::default().with_keep(Keep::new("x", Kept::Speed { max: 0.5 }));
