@@ -257,9 +257,13 @@ impl Resolve {
             End::Interrupted(_) => ResolveStatus::OutOfTime,
         };
         if status == ResolveStatus::Solved {
-            // The last step is known; what is left after it is about the square.
-            let _ = self.interior.search();
-            self.shown.take(&self.interior);
+            self.interior.take_last_step();
+            // What keeps its limits is shown whatever it costs: it is the solution.
+            if self.interior.figures.violation <= constants::VIOLATION_ACCEPTED {
+                self.shown.take(&self.interior);
+            } else {
+                self.shown.offer(&self.interior);
+            }
         }
         Ok(Resolved {
             status,
