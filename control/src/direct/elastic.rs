@@ -72,9 +72,11 @@ impl<D: PointDynamics> Interior<D> {
     /// Makes what limits give dearer, and multipliers with it.
     pub fn raise_price(&mut self, factor: f64) {
         self.relaxation.scale_price(factor);
-        self.barrier.stiffness *= factor;
         self.barrier.multiplier.iter_mut().for_each(|multiplier| *multiplier *= factor);
         self.measure_figures();
+        // As far as equations may become stiffer elsewhere.
+        let most = (constants::MOST_STIFFNESS * self.figures.size).max(self.barrier.stiffness);
+        self.barrier.stiffness = (factor * self.barrier.stiffness).min(most);
     }
 
     /// The same path in another time, with the rates that are given at its ends.

@@ -49,6 +49,18 @@ fn limits_give_as_far_as_the_motion_exceeds_them() {
 }
 
 #[test]
+fn equations_become_no_stiffer_than_elsewhere() {
+    let mut interior = relaxed();
+    // Limits that do not give cost next to nothing, however dear that is.
+    interior.relaxation.give.fill(-1e3);
+    for _ in 0..6 {
+        interior.raise_price(constants::DEARER);
+        let most = constants::MOST_STIFFNESS * interior.figures.size;
+        assert!(interior.barrier.stiffness <= most * (1.0 + 1e-12), "{}", interior.barrier.stiffness / most);
+    }
+}
+
+#[test]
 fn steps_solve_the_bordered_equations() {
     let mut interior = relaxed();
     interior.refresh().unwrap();
