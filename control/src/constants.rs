@@ -449,7 +449,7 @@ pub(crate) mod direct {
     pub const PRICE: f64 = 100.0;
     /// .. and the factor by which it rises..
     pub const DEARER: f64 = 100.0;
-    /// .. at most so many times, ..
+    /// .. so that at most so many prices are tried, ..
     pub const PRICES: usize = 3;
     /// .. until what limits give is more than this part of what it was.
     pub const SAME_PRICE: f64 = 0.95;

@@ -4,6 +4,7 @@ use super::interior::Interior;
 use super::limits::Barrier;
 use super::points::PointDynamics;
 use super::relaxation::Relaxation;
+use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
 
@@ -15,6 +16,14 @@ pub(super) struct Given {
     pub at: usize,
     /// The largest violation along the motion, in parts of the range.
     pub part: f64,
+}
+
+/// An iterate of the elastic phase.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    spline: Spline,
+    barrier: Barrier,
+    relaxation: Relaxation,
 }
 
 impl<D: PointDynamics> Interior<D> {
@@ -77,6 +86,26 @@ impl<D: PointDynamics> Interior<D> {
         // As far as equations may become stiffer elsewhere.
         let most = (constants::MOST_STIFFNESS * self.figures.size).max(self.barrier.stiffness);
         self.barrier.stiffness = (factor * self.barrier.stiffness).min(most);
+    }
+
+    /// What is needed to come back to this iterate of the elastic phase.
+    pub fn keep(&self) -> Kept {
+        Kept {
+            spline: self.spline.clone(),
+            barrier: self.barrier.clone(),
+            relaxation: self.relaxation.clone(),
+        }
+    }
+
+    /// Comes back to an iterate of the elastic phase.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated.
+    pub fn come_back(&mut self, kept: Kept) -> Result<(), EvalError> {
+        Kept { spline: self.spline, barrier: self.barrier, relaxation: self.relaxation } = kept;
+        self.evaluate()?;
+        self.measure_figures();
+        Ok(())
     }
 
     /// The same path in another time, with the rates that are given at its ends.

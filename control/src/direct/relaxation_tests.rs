@@ -61,6 +61,21 @@ fn equations_become_no_stiffer_than_elsewhere() {
 }
 
 #[test]
+fn an_iterate_is_found_again() {
+    let mut interior = relaxed();
+    let (kept, figures) = (interior.keep(), interior.figures);
+    let (distance, given) = (interior.barrier.distance.clone(), interior.given());
+    interior.raise_price(constants::DEARER);
+    interior.iterate(1e-9, 2, |_, _| None).unwrap();
+    assert!(interior.figures.cost != figures.cost);
+    interior.come_back(kept).unwrap();
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + b.abs());
+    assert!(close(interior.figures.cost, figures.cost) && close(interior.figures.gap, figures.gap));
+    assert!(interior.barrier.distance.iter().zip(&distance).all(|(a, b)| close(*a, *b)));
+    assert!(interior.given().iter().zip(&given).all(|(a, b)| close(a.part, b.part) && a.at == b.at));
+}
+
+#[test]
 fn steps_solve_the_bordered_equations() {
     let mut interior = relaxed();
     interior.refresh().unwrap();

@@ -106,8 +106,8 @@ fn least<D: PointDynamics>(
     raises: bool,
     recorder: &mut Recorder<'_>,
 ) -> Result<OnMesh, EvalError> {
-    let mut last = f64::INFINITY;
-    for _ in 0..constants::PRICES {
+    let (mut last, mut cheaper) = (f64::INFINITY, None);
+    for round in 1..=constants::PRICES {
         let end = steps(interior, recorder, |iterate| iterate.violation_without_relief() <= 0.0)?;
         let part = interior.violation_without_relief();
         if part <= 0.0 {
@@ -116,14 +116,17 @@ fn least<D: PointDynamics>(
         match end {
             End::Interrupted(interruption) => return Ok(OnMesh::Interrupted(interruption)),
             End::Solved => {}
-            End::NoProgress | End::IterationLimit if last.is_infinite() => return Ok(OnMesh::Stuck),
-            // The minimum at a lower price is one too.
-            End::NoProgress | End::IterationLimit => break,
+            End::NoProgress | End::IterationLimit => {
+                // The minimum at a lower price is one too.
+                let Some(kept) = cheaper else { return Ok(OnMesh::Stuck) };
+                interior.come_back(kept)?;
+                break;
+            }
         }
-        if part > constants::SAME_PRICE * last || !raises {
+        if part > constants::SAME_PRICE * last || !raises || round == constants::PRICES {
             break;
         }
-        last = part;
+        (last, cheaper) = (part, Some(interior.keep()));
         interior.raise_price(constants::DEARER);
     }
     Ok(OnMesh::Least(interior.violation_without_relief()))
