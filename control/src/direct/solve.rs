@@ -127,7 +127,7 @@ impl Direct<'_> {
                 && !smooth
             {
                 restorations += 1;
-                match restore(problem, interior, &guess, gap, recorder)? {
+                match restore(problem, interior, &guess, gap, self.options, recorder)? {
                     Restored::Kept => continue,
                     Restored::Infeasible(infeasible) => {
                         resolution.measure(interior)?;
@@ -215,7 +215,8 @@ impl Direct<'_> {
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
         let (problem, guess) = (self.problem.problem(), interior.spline.clone());
-        let restored = restore(problem, interior, &guess, constants::FIRST_GAP, recorder)?;
+        let gap = constants::FIRST_GAP;
+        let restored = restore(problem, interior, &guess, gap, self.options, recorder)?;
         interior.refresh()?;
         resolution.measure(interior)?;
         let found = match restored {

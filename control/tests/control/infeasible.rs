@@ -3,7 +3,7 @@
 use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
-    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Polish, Problem, RelaxedLimit, Solution, Solver,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit, Solution, Solver,
     SolverOptions, Status, Task,
 };
 use std::f64::consts::FRAC_PI_2;
@@ -114,6 +114,18 @@ fn a_proof_needs_no_motion() {
     assert!(lacks(&near).is_global);
     let smooth = metre(MotionLimits::none().with_a_max(vec![1.0]).with_jerk_max(vec![1e4]));
     assert!(lacks(&smooth).is_global);
+}
+
+/// The elastic phase takes no more nodes and steps than the options allow.
+#[test]
+fn an_elastic_phase_has_the_limits_of_the_options() {
+    let weak = metre(MotionLimits::none().with_torque_max(vec![1.0]));
+    let options = SolverOptions::direct().with_nodes(16).with_max_nodes(40).with_max_iterations(7);
+    let solution = Solver::new(&weak, options.with_polish(Polish::Never)).unwrap().solve();
+    assert!(!solution.motion.status.is_solved());
+    let iterations = &solution.motion.iterations;
+    assert!(iterations.iter().any(|iteration| iteration.phase == Phase::Restoration));
+    assert!(iterations.iter().all(|iteration| iteration.nodes <= 40 && iteration.number <= 7), "{iterations:?}");
 }
 
 #[test]
