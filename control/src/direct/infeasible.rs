@@ -46,7 +46,7 @@ pub(super) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
 pub(super) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D>) -> Infeasibility {
     let mut given = interior.given();
     given.sort_by(|a, b| b.part.total_cmp(&a.part));
-    let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part);
+    let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
     let names = RobotNames::of(&problem.robot).joints;
     let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();

@@ -83,6 +83,10 @@ pub(super) fn restore<D: PointDynamics>(
         if part > constants::SAME_RELIEF * last {
             let mut infeasible = relaxed(problem, interior);
             interior.tighten(kept, gap)?;
+            if infeasible.limits.is_empty() {
+                // Nothing but equations at the ends is off, which do not give.
+                break;
+            }
             infeasible.final_time = later(problem, interior, &infeasible, options, recorder)?;
             return Ok(Restored::Infeasible(infeasible));
         }
