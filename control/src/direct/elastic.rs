@@ -14,7 +14,9 @@ pub(super) struct Given {
     /// Its side, and its entry with the largest multiplier.
     pub side: usize,
     pub at: usize,
-    /// The largest violation along the motion, in parts of the range.
+    /// The largest violation along the motion, in the unit of the value..
+    pub amount: f64,
+    /// .. and in parts of the range that the limit has outside of the elastic phase.
     pub part: f64,
 }
 
@@ -38,11 +40,12 @@ impl<D: PointDynamics> Interior<D> {
         let relaxed = self.barrier.with_halves();
         let kept = std::mem::replace(&mut self.barrier, relaxed);
         self.start(None)?;
+        let own = self.barrier.ranges();
         let (room, gap) = if coarser.is_some() { constants::ELASTIC_WARM } else { constants::ELASTIC_COLD };
         let cold = || (constants::PRICE * self.figures.size, Relaxation::widened(&self.barrier));
         let (price, ranges) = coarser.cloned().unwrap_or_else(cold);
         self.barrier.set_ranges(&ranges);
-        self.relaxation = Relaxation::of(&self.barrier, price, room);
+        self.relaxation = Relaxation::of(&self.barrier, own, price, room);
         self.barrier.relief = self.relaxation.relief().collect();
         self.start(None)?;
         self.centre(gap);
@@ -155,9 +158,10 @@ impl<D: PointDynamics> Interior<D> {
         let mut found: Vec<Option<Given>> = vec![None; count];
         for at in (0..self.barrier.count()).filter(|&at| self.barrier.is_limit(at)) {
             let Some(side) = self.barrier.side_index(at) else { continue };
-            let part = self.part(at);
-            let given = found[limits[side]].get_or_insert(Given { side, at, part });
-            given.part = given.part.max(part);
+            let amount = self.part(at) * self.barrier.side(at).range;
+            let part = amount / self.relaxation.own_range(side);
+            let given = found[limits[side]].get_or_insert(Given { side, at, amount, part });
+            (given.amount, given.part) = (given.amount.max(amount), given.part.max(part));
             if self.barrier.multiplier[at] > self.barrier.multiplier[given.at] {
                 (given.side, given.at) = (side, at);
             }

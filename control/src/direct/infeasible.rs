@@ -29,6 +29,7 @@ pub(super) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
             side: if forward { "max" } else { "min" }.into(),
             time: 0.0,
             amount: short.amount,
+            part: 0.5 * short.amount / short.limit,
             unit: unit.into(),
             limit: Some(if forward { short.limit } else { -short.limit }),
         })
@@ -73,7 +74,8 @@ fn limit<D: PointDynamics>(
         }
         .into(),
         time: interior.barrier.place(given.at, &interior.spline) * interior.spline.time,
-        amount: excess(interior, side, None, -given.part * side.range),
+        amount: excess(interior, side, None, -given.amount),
+        part: given.part,
         unit: unit(interior, side, None, kinds).into(),
         limit: (side.limited != Limited::Task).then_some(side.bound - of_rate),
     }

@@ -1,5 +1,6 @@
 //! The elastic phase: its distances, and its bordered equations.
 
+use super::super::elastic::Given;
 use super::super::interior::Interior;
 use super::super::interior::tests::started;
 use super::super::points::{PointDynamics, RobotPoints};
@@ -46,6 +47,14 @@ fn limits_give_as_far_as_the_motion_exceeds_them() {
     let most = given.iter().map(|given| given.part).fold(0.0, f64::max);
     let halves = barrier.sides().iter().filter(|side| side.is_half).count();
     assert!(halves == 2 && most > 0.1, "{halves} {given:?}");
+    // Parts are those of the ranges outside of the elastic phase, which are narrower here.
+    let own = started(Shape::Quartic).barrier.with_halves();
+    let widened = |given: &&Given| barrier.sides()[given.side].range > 1.01 * own.sides()[given.side].range;
+    assert!(given.iter().any(|given| widened(&given)));
+    for Given { side, amount, part, .. } in given {
+        let expected = amount / own.sides()[side].range;
+        assert!((part - expected).abs() <= 1e-12 * expected.abs(), "{part} {expected}");
+    }
 }
 
 #[test]
