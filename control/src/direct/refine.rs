@@ -176,7 +176,7 @@ impl Resolution {
     /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
     /// each point, and next to nothing is left.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
-        let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
+        let multipliers = Multipliers::at_points(&interior.spline, &interior.barrier);
         let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
