@@ -307,6 +307,9 @@ pub(crate) mod direct {
     pub const DAMPING_DOWN: f64 = 0.1;
     /// With more damping than this there is no progress.
     pub const MOST_DAMPING: f64 = 1e10;
+    /// Part of changes of rates, over T, and of positions, over T squared, beside those of accelerations in
+    /// what is damped.
+    pub const REST_OF_METRIC: f64 = 1e-2;
     /// Shortest part of a step that is tried before the damping rises.
     pub const SHORTEST: f64 = 0.05;
     /// Slacks start at this part of the range of their limit, if the motion is not farther inside.
