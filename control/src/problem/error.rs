@@ -158,7 +158,7 @@ pub enum ProblemError {
         /// The joint.
         joint: String,
     },
-    /// A fixed time and no effort.
+    /// A fixed time, and nothing that costs anything.
     NothingToMinimise,
     /// An option out of range.
     BadOption {
@@ -233,7 +233,7 @@ impl ProblemError {
                 format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
             }
             Self::FreeTimeWithoutCost => {
-                "a free final time needs cost.time > 0, or a term of the running cost: otherwise the slowest motion \
+                "a free final time needs cost.time > 0, a term of the running cost or a cost of tools: otherwise the slowest motion \
                  is the cheapest"
                     .into()
             }

@@ -3,8 +3,9 @@
 use costate::kinematics::Kinematics;
 use costate::robot::{Placement, Robot};
 use costate_control::{
-    Collision, Keep, Kept, LinkCapsule, MotionLimits, Obstacle, Polish, Problem, Shape, Solution, Solver,
-    SolverOptions, Status, Task, Tool, ToolCost, ToolPose, TrajectoryPoint,
+    Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Penalty, Polish, Problem,
+    ProblemError, Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
+    TrajectoryPoint,
 };
 use nalgebra::Vector3;
 
@@ -176,6 +177,33 @@ fn costs_of_tools_pull_them_to_their_place() {
     assert!(pulled.motion.cost < free.motion.cost + 1000.0 * far(&free));
     assert!(pulled.motion.cost > free.motion.cost);
     assert!(pulled.motion.hamiltonian_drift < 1e-3);
+}
+
+#[test]
+fn costs_of_tools_and_penalties_are_costs() {
+    let limits = MotionLimits::none().with_torque_max(vec![50.0; 2]);
+    let bare = two_link().with_limits(limits).with_cost(Objective::new(0.0, vec![0.0; 2]));
+    let free = |problem: &Problem| {
+        let mut problem = problem.clone();
+        problem.time = FinalTime::Free { guess: 1.0 };
+        problem
+    };
+    let error = |problem: &Problem| Solver::new(problem, options()).unwrap_err();
+    assert_eq!(error(&bare), ProblemError::NothingToMinimise);
+    assert_eq!(error(&free(&bare)), ProblemError::FreeTimeWithoutCost);
+    let with_tool = |weight: f64| {
+        let pose = ToolPose::of(tip()).with_position([1.2, 1.2, FREE]);
+        bare.clone().with_task(Task::default().with_tool_cost(ToolCost::new(pose, weight, 0.0)))
+    };
+    assert_eq!(error(&with_tool(0.0)), ProblemError::NothingToMinimise);
+    for problem in [with_tool(1.0), free(&with_tool(1.0))] {
+        assert!(Solver::new(&problem, options()).is_ok());
+    }
+    let mut penalised = bare.clone();
+    penalised.penalty = Some(Penalty::new(10.0).with_v_max(vec![1.0; 2]));
+    assert!(Solver::new(&penalised, options()).is_ok());
+    // A slow motion avoids penalties.
+    assert_eq!(error(&free(&penalised)), ProblemError::FreeTimeWithoutCost);
 }
 
 #[test]
