@@ -417,6 +417,11 @@ pub(crate) mod direct {
     pub const NARROWEST: f64 = 1e-5;
     /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
     pub const ROUNDING_OF_RATES: f64 = 3e-8;
+    /// New nodes are farther from others than this part of the narrowest width: pairs that close enclose a jump
+    /// whose place is known roughly..
+    pub const CLOSEST: f64 = 0.1;
+    /// .. but farther than this where accelerations are continuous, whose jerks rounding would spoil.
+    pub const CLOSEST_SMOOTH: f64 = 0.7;
     /// Torques and accelerations that change by less than this part of their range over an interval do
     /// not jump in it.
     pub const LEAST_JUMP: f64 = 0.01;
