@@ -213,3 +213,11 @@ fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
     }
     assert_eq!(moved, 3 + 2);
 }
+
+#[test]
+fn damping_of_squares_is_that_of_one_mesh() {
+    let mut interior = started(Shape::Quartic);
+    interior.squares.damping = 1e3;
+    interior.iterate(1e-3, 0, |_, _| None).unwrap();
+    assert_eq!(interior.squares.damping, 0.0);
+}
