@@ -214,12 +214,17 @@ impl Resolve {
     /// Solves the problem with what was set since the last time.
     ///
     /// # Errors
-    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then.
+    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion that
+    /// was shown last.
     pub fn solve_again(&mut self, budget: Budget) -> Result<Resolved, EvalError> {
         let began = Instant::now();
         let found = self.try_again(budget, began);
         if found.is_err() {
             (self.started, self.factorised) = (false, false);
+            // What cannot be evaluated is no guess.
+            if self.shown.spline.dof > 0 {
+                self.interior.spline.copy_from(&self.shown.spline);
+            }
         }
         found
     }

@@ -134,6 +134,22 @@ fn motions_go_on_when_time_does() {
 }
 
 #[test]
+fn a_start_that_cannot_be_evaluated_leaves_the_motion_as_it_was() {
+    let arm = problem("two_link").with_limits(MotionLimits::none());
+    let mut motion = Resolve::new(&arm, options(8, 1e-6)).unwrap();
+    let first = motion.solve().unwrap();
+    motion.set_start(&arm.start.q, &[f64::MAX; 2]).unwrap();
+    motion.solve_again(Budget::steps(9)).unwrap_err();
+    let mut z = [0.0; 6];
+    motion.state_at(0.0, &mut z).unwrap();
+    assert_eq!(z[2..4], arm.start.v);
+    motion.set_start(&arm.start.q, &arm.start.v).unwrap();
+    let found = motion.solve_again(Budget::steps(9)).unwrap();
+    assert_eq!(found.status, ResolveStatus::Solved, "{found:?}");
+    assert!((found.cost / first.cost - 1.0).abs() < 1e-5 && found.iterations < first.iterations);
+}
+
+#[test]
 fn what_no_motion_can_meet_is_refused() {
     let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
     let arm = Problem::rest_to_rest(robot, &[0.0; 6], &[0.5; 6], 1.0);
