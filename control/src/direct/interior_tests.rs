@@ -221,3 +221,20 @@ fn damping_of_squares_is_that_of_one_mesh() {
     interior.iterate(1e-3, 0, |_, _| None).unwrap();
     assert_eq!(interior.squares.damping, 0.0);
 }
+
+#[test]
+fn what_is_undefined_keeps_no_limit() {
+    let mut interior = started(Shape::Quartic);
+    for kind in [Limited::Torque, Limited::Task] {
+        let barrier = &interior.barrier;
+        let is = |at: &usize| barrier.is_on(*at) && barrier.side(*at).limited == kind;
+        let at = (0..barrier.count()).find(is).unwrap();
+        assert_eq!(barrier.side(at).violation(f64::NAN), f64::INFINITY);
+        let distance = std::mem::replace(&mut interior.barrier.distance[at], f64::NAN);
+        interior.measure_figures();
+        assert_eq!(interior.figures.violation, f64::INFINITY);
+        interior.barrier.distance[at] = distance;
+        interior.measure_figures();
+        assert!(interior.figures.violation.is_finite());
+    }
+}

@@ -61,7 +61,8 @@ impl<D: PointDynamics> Interior<D> {
         for at in (0..barrier.count()).filter(|&at| barrier.is_on(at)) {
             let (d, is_equation) = (barrier.distance[at], barrier.slack[at] == 0.0);
             let which = usize::from(!is_equation);
-            most[which] = most[which].max(barrier.unit[at] * if is_equation { d.abs() } else { -d });
+            let part = barrier.unit[at] * if is_equation { d.abs() } else { -d };
+            most[which] = if part.is_nan() { f64::INFINITY } else { most[which].max(part) };
         }
         [most[0], most[0].max(most[1])]
     }
