@@ -74,6 +74,7 @@ impl Problem {
             limited || rates || weight(&self.cost.torque_rate).max(weight(&self.cost.jerk)) > 0.0
         })?;
         self.check_limits()?;
+        self.check_given_ends()?;
         check_task(self)?;
         Ok(checked)
     }

@@ -120,6 +120,19 @@ pub enum ProblemError {
         /// Upper limit.
         high: f64,
     },
+    /// Positions, rates and accelerations of an end that need more torque or power than there is.
+    BeyondLimit {
+        /// The accelerations.
+        key: Key,
+        /// The joint; none for all together.
+        joint: Option<String>,
+        /// "torque" or "power".
+        quantity: &'static str,
+        /// What they need (N m, N or W).
+        value: f64,
+        /// The limit, that of a motor at this rate.
+        limit: f64,
+    },
     /// Hard limits with a method that does not keep them.
     LimitsNeedDirect,
     /// A part of the [`Task`](crate::Task).
@@ -193,6 +206,7 @@ impl ProblemError {
             | Self::NoRoom { key, .. }
             | Self::EmptyLimits { key, .. }
             | Self::OutsideLimits { key, .. }
+            | Self::BeyondLimit { key, .. }
             | Self::Task { key, .. }
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
@@ -254,6 +268,12 @@ impl ProblemError {
                 "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
                  limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
                 joint = printable(joint)),
+            Self::BeyondLimit { joint, quantity, value, limit, .. } => format!(
+                "with the positions and rates that are given there {} need a {quantity} of {}, beyond the limit \
+                 {}; change the accelerations or leave some of them free, or widen the limit",
+                joint.as_ref().map_or_else(
+                    || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
+                number(*value), number(*limit)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),

@@ -247,6 +247,33 @@ fn wrong_limits_costs_and_accelerations_are_refused() {
     assert!(refused(&only).contains("'elbow'"), "{}", refused(&only));
 }
 
+/// Where nothing is left to choose, torques and powers are checked before.
+#[test]
+fn ends_that_need_too_much_are_refused() {
+    let refused = |limits: MotionLimits, v: [f64; 2]| {
+        let mut problem = arm(limits.with_jerk_max(vec![1e3; 2]));
+        // Of the unit arm stretched out: M = [[20/3, 17/6], [17/6, 4/3]].
+        problem.start = BoundaryState::fixed(&[0.0; 2], &v).with_a(&[3.0, 0.0]);
+        Solver::new(&problem, SolverOptions::direct()).map_err(|error| error.to_string()).err()
+    };
+    let torque = |limit: f64| refused(none().with_torque_max(vec![30.0, limit]), [0.0; 2]);
+    assert_eq!(torque(8.51), None);
+    let error = torque(8.4).unwrap();
+    assert!(error.starts_with("start.a") && error.contains("'elbow'") && error.contains("torque"), "{error}");
+    assert!(error.contains("8.5") && error.contains("8.4"), "{error}");
+    let power = |limit: f64| refused(none().with_power_max(vec![limit, INF]), [0.1, 0.0]);
+    assert_eq!(power(2.01), None);
+    assert!(power(1.99).unwrap().contains("power"));
+    let total = |limit: f64| refused(none().with_total_power_max(limit), [0.1, 0.0]);
+    assert_eq!(total(2.01), None);
+    assert!(total(1.99).unwrap().contains("all joints"));
+    // At 2 rad/s half of 30 N m is left.
+    let speeds = none().with_torque_max(vec![30.0; 2]).with_torque_speed(vec![1.0; 2], vec![3.0; 2]);
+    let error = refused(speeds.clone(), [2.0, 0.0]).unwrap();
+    assert!(error.contains("'shoulder'") && error.contains("limit 15"), "{error}");
+    assert_eq!(refused(speeds, [-2.0, 0.0]), None);
+}
+
 #[test]
 fn what_does_not_take_jerks_refuses_them() {
     let costly = arm(none()).with_cost(Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]));
@@ -290,8 +317,8 @@ fn problem_files_choose_the_direct_method() {
         let text = text.replace("START", start).replace("END", end);
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default()).unwrap()
     };
-    let found = file("STARTa = [0.0, 0.5]\nEND");
-    assert_eq!((found.options, found.problem.start.a), (SolverOptions::direct(), Some(vec![0.0, 0.5])));
+    let found = file("STARTa = [0.0, 0.1]\nEND");
+    assert_eq!((found.options, found.problem.start.a), (SolverOptions::direct(), Some(vec![0.0, 0.1])));
     let found = file("START ENDjerk = [0.5, 0]\ntorque_rate = [0, 2]\n");
     assert_eq!(found.options, SolverOptions::direct());
     let expected =
