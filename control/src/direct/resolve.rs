@@ -24,7 +24,8 @@ use std::time::{Duration, Instant};
 /// The mesh has `(nodes - 1) / 3` equal intervals of the [options](SolverOptions::nodes), whose tolerance is
 /// that of each solve. The first solve begins at the guess of [`Solver`](crate::Solver). Every later one
 /// begins at the motion that is optimal for the new ends to first order ([`Feedback`]), with the multipliers
-/// it has there and the barrier where the last solve ended. After the first solve nothing is allocated.
+/// it has there and the barrier where the last solve ended. After the first solve, and the first
+/// [`feedback`](Self::feedback), nothing is allocated.
 ///
 /// ```
 /// use costate::robot::Robot;
@@ -236,6 +237,7 @@ impl Resolve {
         } else {
             self.interior.put_ends(states);
             self.interior.start(None)?;
+            self.interior.reserve(&mut self.again);
         }
         self.shown.take(&self.interior);
         let first = self.interior.figures.iterations;

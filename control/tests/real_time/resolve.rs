@@ -92,6 +92,24 @@ fn nothing_is_allocated_after_the_first_solve() {
 }
 
 #[test]
+fn nothing_is_allocated_where_the_first_solve_was_easy_and_the_next_is_not() {
+    let arm = problem("ur5_limits");
+    let mut motion = Resolve::new(&arm, options(20, 1e-4)).unwrap();
+    let easy = motion.solve().unwrap();
+    // Fast, away from the end.
+    let far = later(&arm.start.q, &[0.8, -0.6, 0.9, 0.5, -0.7, 1.0], -1.0);
+    let fast = [-2.0, 1.5, -2.0, 1.0, 2.0, -2.5];
+    let mut hard = None;
+    let found = allocations(|| {
+        motion.advance(0.1);
+        motion.set_start(&far, &fast).unwrap();
+        hard = Some(motion.solve_again(Budget::steps(200)).unwrap());
+    });
+    let hard = hard.unwrap();
+    assert!(found == 0 && hard.iterations > easy.iterations, "{found} allocations: {easy:?} {hard:?}");
+}
+
+#[test]
 fn budgets_are_kept_and_the_best_motion_is_shown() {
     let arm = problem("ur5_limits");
     let mut motion = Resolve::new(&arm, options(20, 1e-6)).unwrap();
