@@ -218,7 +218,7 @@ fn no_link_passes_through_a_thin_plate() {
         .with_obstacle(Obstacle::new("plate", Shape::Box { placement, size }))
         .with_collision(Collision::along_links(0.02));
     let problem = Problem::rest_to_rest(panda(), &PANDA, &end, 1.0).with_task(task);
-    let solution = Solver::new(&problem, options().with_tolerance(1e-3)).unwrap().solve();
+    let solution = solve_to(&problem, 1e-3);
     // The hand: whether it is at the plate, within its edges.
     let mut hand = Frame::new(&problem.robot, "panda_link7");
     let mut through = false;
@@ -230,7 +230,7 @@ fn no_link_passes_through_a_thin_plate() {
         through |= inside && before.is_some_and(|before| before * across < 0.0);
         before = Some(across);
     }
-    assert!(!(through && solution.motion.status == Status::Converged), "the hand went through the plate");
+    assert!(!through, "the hand went through the plate");
 }
 
 /// The same where accelerations are continuous.
