@@ -265,6 +265,9 @@ pub(crate) mod least_time {
 
 /// The direct method ([`crate::direct`]).
 pub(crate) mod direct {
+    /// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
+    /// rates are limited; without it rates could swing between the points.
+    pub const NODE_WEIGHT: f64 = 0.1;
     /// Slacks and multipliers keep at least this part of themselves in a step.
     pub const BOUNDARY: f64 = 0.005;
     /// Steps are cut short that are shorter than this..
@@ -332,6 +335,9 @@ pub(crate) mod direct {
     pub const LEFT_OF_EQUATIONS: f64 = 0.1;
     /// .. that were violated by less than this before.
     pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
+    /// Second derivatives of a guess are differences of its first ones at places that are this part of an
+    /// interval away.
+    pub const NEIGHBOUR: f64 = 0.25;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
@@ -402,6 +408,8 @@ pub(crate) mod direct {
     pub const LEAST_SCALE: f64 = 0.01;
     /// .. and this (rad, rad/s, m, m/s): what the integration resolves.
     pub const REST: f64 = 1e-6;
+    /// Relative tolerance of a step of this integration.
+    pub const INTEGRATION: f64 = 1e-10;
     /// The problem on the first mesh is solved to this part of the cost.
     pub const FIRST_PRECISION: f64 = 1e-3;
     /// Those on later meshes to this part of the estimated error before.
@@ -431,6 +439,10 @@ pub(crate) mod direct {
     /// A jump at a node is one of the exact motion if it is larger than this part of the range of the
     /// torque, and that at the other end of an interval smaller than this part of it.
     pub const EXACT_JUMP: f64 = 0.05;
+    /// Steps of the fixed point of the place of a jump: its error falls with the width in each.
+    pub const STEPS_OF_JUMP: usize = 6;
+    /// A jump that is closer to a node than this part of the interval is one at the node.
+    pub const NEAREST_JUMP: f64 = 0.01;
     /// Jumps at places of an interval that differ by less than this part of it are one.
     pub const SAME_JUMP: f64 = 0.1;
     /// A node at which a torque jumps by more than this part of its range stays.
