@@ -64,9 +64,10 @@ impl Shared {
         let motion = &solution.motion;
         self.starts.push((number, StartResult { total: motion.total(), status: motion.status.clone() }));
         self.newton_iterations += solution.newton_iterations;
-        let better = self.best.as_ref().is_none_or(|(kept, best)| {
-            compare(&solution, best).then(number.cmp(kept)) == Ordering::Less
-        });
+        let better = self
+            .best
+            .as_ref()
+            .is_none_or(|(kept, best)| compare(&solution, best).then(number.cmp(kept)) == Ordering::Less);
         if better {
             self.best = Some((number, solution));
         }

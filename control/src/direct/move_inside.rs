@@ -26,7 +26,7 @@ impl Resolution {
         }
         let least = constants::MOVED_FROM * constants::VIOLATION_BETWEEN;
         let all = (0..self.violations.len()).flat_map(|k| (0..count).map(move |i| (k, i)));
-        let all = all.filter(|(_, i)| moves(i)).map(|(k, i)| (k, i, over(k, i) , sides[i].range));
+        let all = all.filter(|(_, i)| moves(i)).map(|(k, i)| (k, i, over(k, i), sides[i].range));
         let far: Vec<_> = all.filter(|&(_, _, over, _)| over > least).collect();
         for (k, i, over, range) in far {
             interior.barrier.move_inside(k, i, constants::MOVED * over * range);

@@ -35,7 +35,11 @@ impl Problem {
             let limit = value.max(low).min(high);
             let is_kept = (value - limit).abs() <= VIOLATION_ACCEPTED * size;
             let joint = joint.map(|joint| self.name(joint));
-            if is_kept { Ok(()) } else { Err(ProblemError::BeyondLimit { key, joint, quantity, value, limit }) }
+            if is_kept {
+                Ok(())
+            } else {
+                Err(ProblemError::BeyondLimit { key, joint, quantity, value, limit })
+            }
         };
         for (j, ((limits, &v), &tau)) in all.iter().zip(v).zip(tau).enumerate() {
             // The unit of a joint without a motor is what the other motors give.

@@ -3,8 +3,8 @@
 use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
-    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit, Solution, Solver,
-    SolverOptions, Status, Task,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit,
+    Solution, Solver, SolverOptions, Status, Task,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -112,6 +112,10 @@ fn a_proof_needs_no_motion() {
     let mut near = metre(MotionLimits::none().with_a_max(vec![1.0]));
     (near.end.q, near.start.v) = (vec![1e-3], vec![0.6]);
     assert!(lacks(&near).is_global);
+    // The straight way at constant rate is too fast by what counts as kept at points.
+    let mut slides = metre(MotionLimits::none().with_v_max(vec![1.0 - 2e-8]));
+    (slides.start.v_free, slides.end.v_free) = (vec![0], vec![0]);
+    assert!(lacks(&slides).is_global);
     let smooth = metre(MotionLimits::none().with_a_max(vec![1.0]).with_jerk_max(vec![1e4]));
     assert!(lacks(&smooth).is_global);
 }
@@ -120,12 +124,15 @@ fn a_proof_needs_no_motion() {
 #[test]
 fn an_elastic_phase_has_the_limits_of_the_options() {
     let weak = metre(MotionLimits::none().with_torque_max(vec![1.0]));
-    let options = SolverOptions::direct().with_nodes(16).with_max_nodes(40).with_max_iterations(7);
+    let options = SolverOptions::direct().with_nodes(16).with_max_nodes(20).with_max_iterations(3);
     let solution = Solver::new(&weak, options.with_polish(Polish::Never)).unwrap().solve();
     assert!(!solution.motion.status.is_solved());
     let iterations = &solution.motion.iterations;
     assert!(iterations.iter().any(|iteration| iteration.phase == Phase::Restoration));
-    assert!(iterations.iter().all(|iteration| iteration.nodes <= 40 && iteration.number <= 7), "{iterations:?}");
+    assert!(
+        iterations.iter().all(|iteration| iteration.nodes <= 20 && iteration.number <= 3),
+        "{iterations:?}"
+    );
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use costate::kinematics::Kinematics;
 use costate::robot::{Placement, Robot};
 use costate_control::{
-    Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Penalty, Polish, Problem,
-    ProblemError, Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
+    Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Penalty, Polish,
+    Problem, ProblemError, Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
     TrajectoryPoint,
 };
 use nalgebra::Vector3;
