@@ -204,8 +204,20 @@ pub(crate) mod branch {
     pub const WIDE: f64 = 1000.0;
 }
 
+/// Times that joints need at least ([`crate::problem::least_time`]).
+pub(crate) mod least_time {
+    /// A joint has too little time if it needs more by this part of it: less may be rounding.
+    pub const ROUNDING_OF_TIMES: f64 = 1e-9;
+    /// A way that differs from that of a single acceleration by less than this part of both, and of what
+    /// stopping from the rates takes, is one.
+    pub const ROUNDING_OF_WAYS: f64 = 1e-12;
+}
+
 /// The direct method ([`crate::direct`]).
 pub(crate) mod direct {
+    /// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
+    /// rates are limited; without it rates could swing between the points.
+    pub const NODE_WEIGHT: f64 = 0.1;
     /// Slacks and multipliers keep at least this part of themselves in a step.
     pub const BOUNDARY: f64 = 0.005;
     /// Steps are cut short that are shorter than this..
@@ -248,6 +260,9 @@ pub(crate) mod direct {
     pub const DAMPING_DOWN: f64 = 0.1;
     /// With more damping than this there is no progress.
     pub const MOST_DAMPING: f64 = 1e10;
+    /// Part of changes of rates, over T, and of positions, over T squared, beside those of accelerations in
+    /// what is damped.
+    pub const REST_OF_METRIC: f64 = 1e-2;
     /// Shortest part of a step that is tried before the damping rises.
     pub const SHORTEST: f64 = 0.05;
     /// Slacks start at this part of the range of their limit, if the motion is not farther inside.
@@ -276,6 +291,9 @@ pub(crate) mod direct {
     pub const TIMES: i32 = 8;
     /// .. so many powers of two apart.
     pub const OCTAVES: f64 = 0.5;
+    /// Second derivatives of a guess are differences of its first ones at places that are this part of an
+    /// interval away.
+    pub const NEIGHBOUR: f64 = 0.25;
     /// Gap at the start, as a part of the cost of the guess.
     pub const FIRST_GAP: f64 = 1.0;
     /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
@@ -346,6 +364,8 @@ pub(crate) mod direct {
     pub const LEAST_SCALE: f64 = 0.01;
     /// .. and this (rad, rad/s, m, m/s): what the integration resolves.
     pub const REST: f64 = 1e-6;
+    /// Relative tolerance of a step of this integration.
+    pub const INTEGRATION: f64 = 1e-10;
     /// The problem on the first mesh is solved to this part of the cost.
     pub const FIRST_PRECISION: f64 = 1e-3;
     /// Those on later meshes to this part of the estimated error before.
@@ -361,6 +381,11 @@ pub(crate) mod direct {
     pub const NARROWEST: f64 = 1e-5;
     /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
     pub const ROUNDING_OF_RATES: f64 = 3e-8;
+    /// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
+    /// whose place is known roughly..
+    pub const CLOSEST: f64 = 0.1;
+    /// .. but farther than this where accelerations are continuous, whose jerks rounding would spoil.
+    pub const CLOSEST_SMOOTH: f64 = 0.7;
     /// Torques and accelerations that change by less than this part of their range over an interval do
     /// not jump in it.
     pub const LEAST_JUMP: f64 = 0.01;
@@ -370,6 +395,10 @@ pub(crate) mod direct {
     /// A jump at a node is one of the exact motion if it is larger than this part of the range of the
     /// torque, and that at the other end of an interval smaller than this part of it.
     pub const EXACT_JUMP: f64 = 0.05;
+    /// Steps of the fixed point of the place of a jump: its error falls with the width in each.
+    pub const STEPS_OF_JUMP: usize = 6;
+    /// A jump that is closer to a node than this part of the interval is one at the node.
+    pub const NEAREST_JUMP: f64 = 0.01;
     /// Jumps at places of an interval that differ by less than this part of it are one.
     pub const SAME_JUMP: f64 = 0.1;
     /// A node at which a torque jumps by more than this part of its range stays.
@@ -396,7 +425,7 @@ pub(crate) mod direct {
     pub const PRICE: f64 = 100.0;
     /// .. and the factor by which it rises..
     pub const DEARER: f64 = 100.0;
-    /// .. at most so many times, ..
+    /// .. so that at most so many prices are tried, ..
     pub const PRICES: usize = 3;
     /// .. until what limits give is more than this part of what it was.
     pub const SAME_PRICE: f64 = 0.95;

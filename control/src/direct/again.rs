@@ -34,6 +34,16 @@ impl Again {
 }
 
 impl<D: PointDynamics> Interior<D> {
+    /// Makes room for what the first solve may not need and a later one does: damping, entries of the filter,
+    /// multipliers of warm starts and of later times.
+    pub fn reserve(&mut self, again: &mut Again) {
+        self.filter.reserve();
+        self.system.reserve_damping(self.spline.mesh.intervals());
+        self.multipliers.fill(&self.spline, &self.barrier);
+        again.multipliers.clone_from(&self.barrier.multiplier);
+        self.trial.spline.copy_from(&self.spline);
+    }
+
     /// Takes the motion to other states at its ends (those of what is free do not count), along the optimal
     /// motions nearby if the equations are factorised, and puts slacks and multipliers near the central path
     /// at the barrier where it stands; farther from it where limits are exceeded.

@@ -4,6 +4,7 @@ use super::interior::Interior;
 use super::limits::Barrier;
 use super::points::PointDynamics;
 use super::relaxation::Relaxation;
+use super::spline::Spline;
 use crate::constants::direct as constants;
 use costate::EvalError;
 
@@ -13,8 +14,18 @@ pub(super) struct Given {
     /// Its side, and its entry with the largest multiplier.
     pub side: usize,
     pub at: usize,
-    /// The largest violation along the motion, in parts of the range.
+    /// The largest violation along the motion, in the unit of the value..
+    pub amount: f64,
+    /// .. and in parts of the range that the limit has outside of the elastic phase.
     pub part: f64,
+}
+
+/// An iterate of the elastic phase.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    spline: Spline,
+    barrier: Barrier,
+    relaxation: Relaxation,
 }
 
 impl<D: PointDynamics> Interior<D> {
@@ -29,11 +40,12 @@ impl<D: PointDynamics> Interior<D> {
         let relaxed = self.barrier.with_halves();
         let kept = std::mem::replace(&mut self.barrier, relaxed);
         self.start(None)?;
+        let own = self.barrier.ranges();
         let (room, gap) = if coarser.is_some() { constants::ELASTIC_WARM } else { constants::ELASTIC_COLD };
         let cold = || (constants::PRICE * self.figures.size, Relaxation::widened(&self.barrier));
         let (price, ranges) = coarser.cloned().unwrap_or_else(cold);
         self.barrier.set_ranges(&ranges);
-        self.relaxation = Relaxation::of(&self.barrier, price, room);
+        self.relaxation = Relaxation::of(&self.barrier, own, price, room);
         self.barrier.relief = self.relaxation.relief().collect();
         self.start(None)?;
         self.centre(gap);
@@ -72,9 +84,31 @@ impl<D: PointDynamics> Interior<D> {
     /// Makes what limits give dearer, and multipliers with it.
     pub fn raise_price(&mut self, factor: f64) {
         self.relaxation.scale_price(factor);
-        self.barrier.stiffness *= factor;
         self.barrier.multiplier.iter_mut().for_each(|multiplier| *multiplier *= factor);
         self.measure_figures();
+        // As far as equations may become stiffer elsewhere.
+        let most = (constants::MOST_STIFFNESS * self.figures.size).max(self.barrier.stiffness);
+        self.barrier.stiffness = (factor * self.barrier.stiffness).min(most);
+    }
+
+    /// What is needed to come back to this iterate of the elastic phase.
+    pub fn keep(&self) -> Kept {
+        Kept {
+            spline: self.spline.clone(),
+            barrier: self.barrier.clone(),
+            relaxation: self.relaxation.clone(),
+        }
+    }
+
+    /// Comes back to an iterate of the elastic phase.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated.
+    pub fn come_back(&mut self, kept: Kept) -> Result<(), EvalError> {
+        Kept { spline: self.spline, barrier: self.barrier, relaxation: self.relaxation } = kept;
+        self.evaluate()?;
+        self.measure_figures();
+        Ok(())
     }
 
     /// The same path in another time, with the rates that are given at its ends.
@@ -124,9 +158,10 @@ impl<D: PointDynamics> Interior<D> {
         let mut found: Vec<Option<Given>> = vec![None; count];
         for at in (0..self.barrier.count()).filter(|&at| self.barrier.is_limit(at)) {
             let Some(side) = self.barrier.side_index(at) else { continue };
-            let part = self.part(at);
-            let given = found[limits[side]].get_or_insert(Given { side, at, part });
-            given.part = given.part.max(part);
+            let amount = self.part(at) * self.barrier.side(at).range;
+            let part = amount / self.relaxation.own_range(side);
+            let given = found[limits[side]].get_or_insert(Given { side, at, amount, part });
+            (given.amount, given.part) = (given.amount.max(amount), given.part.max(part));
             if self.barrier.multiplier[at] > self.barrier.multiplier[given.at] {
                 (given.side, given.at) = (side, at);
             }

@@ -245,7 +245,7 @@ pub(super) fn take_multipliers(
     }
 }
 
-/// Largest violation of a limit in parts of its range; 0 for none.
+/// Largest violation of a limit in parts of its range; 0 for none, infinite where a value is not a number.
 pub(super) fn violation(barrier: &Barrier) -> f64 {
     let (slack, distance, unit) = (&barrier.slack[..], &barrier.distance[..], &barrier.unit[..]);
     let mut most = Lanes::zeros();
@@ -254,7 +254,10 @@ pub(super) fn violation(barrier: &Barrier) -> f64 {
         |_| {
             for_vectors!(at in slack.len(), N => {
                 let (s, d, unit) = (part::<N>(slack, at), part::<N>(distance, at), part::<N>(unit, at));
-                let of = |c: usize| if is_limit(s[c]) { -d[c] * unit[c] } else { 0.0 };
+                let of = |c: usize| {
+                    let part = if is_limit(s[c]) { -d[c] * unit[c] } else { 0.0 };
+                    if part.is_nan() { f64::INFINITY } else { part }
+                };
                 most.keep_largest::<N>(std::array::from_fn(of));
             });
         },

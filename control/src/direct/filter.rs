@@ -40,6 +40,11 @@ impl Filter {
         again
     }
 
+    /// Makes room for all entries that there will be.
+    pub fn reserve(&mut self) {
+        self.entries.reserve(constants::FILTER - self.entries.len());
+    }
+
     /// Begins anew.
     pub fn clear(&mut self) {
         self.entries.clear();

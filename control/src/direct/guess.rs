@@ -2,6 +2,7 @@
 
 use super::shape::Shape;
 use super::spline::{Mesh, Spline};
+use crate::constants::direct::NEIGHBOUR;
 use crate::cubics::{Cubics, Disturbance};
 use crate::problem::Problem;
 use crate::result::trajectory::Trajectory;
@@ -61,9 +62,6 @@ pub(super) fn guess(
     meet_ends(problem, &mut spline);
     spline
 }
-
-/// Distance of the places at which rates are compared, in parts of an interval.
-const NEIGHBOUR: f64 = 0.25;
 
 /// Puts the given positions, rates and accelerations of both ends into the unknowns.
 fn meet_ends(problem: &Problem, spline: &mut Spline) {

@@ -6,7 +6,7 @@ use super::points::PointDynamics;
 use super::report::{excess, name, of_rate, unit};
 use super::side::Limited;
 use crate::constants::direct as constants;
-use crate::problem::{FinalTime, Problem};
+use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
 use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
@@ -29,6 +29,7 @@ pub(super) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
             side: if forward { "max" } else { "min" }.into(),
             time: 0.0,
             amount: short.amount,
+            part: 0.5 * short.amount / short.limit,
             unit: unit.into(),
             limit: Some(if forward { short.limit } else { -short.limit }),
         })
@@ -46,16 +47,13 @@ pub(super) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
 pub(super) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D>) -> Infeasibility {
     let mut given = interior.given();
     given.sort_by(|a, b| b.part.total_cmp(&a.part));
-    let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part);
+    let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
     let names = RobotNames::of(&problem.robot).joints;
     let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
     let limits = given.iter().map(|given| limit(interior, given, &names, &kinds)).collect();
-    // Positions, rates and accelerations at a fixed time are linear in the unknowns.
-    let is_linear = interior.barrier.sides().iter().all(|side| side.limited <= Limited::Acceleration)
-        && interior.barrier.at_ends().is_empty();
-    let is_global = is_linear && matches!(problem.time, FinalTime::Fixed(_));
-    Infeasibility { limits, is_global, ..Infeasibility::default() }
+    // No proof, linear limits or not: between the points of a mesh other motions keep more.
+    Infeasibility { limits, ..Infeasibility::default() }
 }
 
 fn limit<D: PointDynamics>(
@@ -76,7 +74,8 @@ fn limit<D: PointDynamics>(
         }
         .into(),
         time: interior.barrier.place(given.at, &interior.spline) * interior.spline.time,
-        amount: excess(interior, side, None, -given.part * side.range),
+        amount: excess(interior, side, None, -given.amount),
+        part: given.part,
         unit: unit(interior, side, None, kinds).into(),
         limit: (side.limited != Limited::Task).then_some(side.bound - of_rate),
     }

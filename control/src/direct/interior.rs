@@ -215,8 +215,8 @@ impl<D: PointDynamics> Interior<D> {
         mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         self.filter.clear();
-        self.squares.left =
-            if self.has_squares_alone() && !self.relaxation.is_on() { constants::SQUARES } else { 0 };
+        let squares = self.has_squares_alone() && !self.relaxation.is_on();
+        self.squares = Squares { left: if squares { constants::SQUARES } else { 0 }, damping: 0.0 };
         self.short_steps = 0;
         for _ in 0..most {
             self.figures.iterations += 1;

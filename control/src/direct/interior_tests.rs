@@ -155,6 +155,19 @@ fn steps_are_those_of_the_linearised_conditions(shape: Shape) {
     }
 }
 
+/// How far the products of slacks and multipliers are from the central path after these parts of the step:
+/// the mean of |log(product / (mu w))|.
+fn products_off_centre(interior: &Interior<RobotPoints>, (primal, dual): (f64, f64)) -> f64 {
+    let barrier = &interior.barrier;
+    let of = |at: usize| {
+        let slack = barrier.slack[at] + primal * interior.trial.slack_step[at];
+        let multiplier = barrier.multiplier[at] + dual * interior.trial.multiplier_step[at];
+        (slack * multiplier / (interior.mu * barrier.weight[at])).ln().abs()
+    };
+    let on = (0..barrier.count()).filter(|&at| barrier.is_limit(at));
+    on.clone().map(of).sum::<f64>() / on.count() as f64
+}
+
 #[test]
 fn corrections_bring_products_closer_to_the_central_path() {
     let mut interior = started(Shape::Quartic);
@@ -177,9 +190,14 @@ fn corrections_bring_products_closer_to_the_central_path() {
 
     // Products after a corrected step are those that are aimed at; a step that is kept is no shorter.
     let before = interior.steps_of(interior.mu);
+    let worst = products_off_centre(&interior, before);
     interior.correct();
     let after = interior.steps_of(interior.mu);
+    assert!(interior.corrections[0].iter().any(|correction| *correction != 0.0), "a correction is kept");
     assert!(after.0 >= before.0 && after.1 >= before.1, "{before:?} {after:?}");
+    assert!(after.0 + after.1 >= before.0 + before.1 + crate::constants::direct::LEAST_GAIN);
+    let left = products_off_centre(&interior, after);
+    assert!(left < worst, "{left} {worst}");
     interior.aim([0.5, 0.5]);
     interior.solve_correction();
     interior.swap_corrections();
@@ -212,4 +230,29 @@ fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
         assert!(!barrier.is_limit(at) || (barrier.slack[at] > 0.0 && barrier.multiplier[at] > 0.0));
     }
     assert_eq!(moved, 3 + 2);
+}
+
+#[test]
+fn damping_of_squares_is_that_of_one_mesh() {
+    let mut interior = started(Shape::Quartic);
+    interior.squares.damping = 1e3;
+    interior.iterate(1e-3, 0, |_, _| None).unwrap();
+    assert_eq!(interior.squares.damping, 0.0);
+}
+
+#[test]
+fn what_is_undefined_keeps_no_limit() {
+    let mut interior = started(Shape::Quartic);
+    for kind in [Limited::Torque, Limited::Task] {
+        let barrier = &interior.barrier;
+        let is = |at: &usize| barrier.is_on(*at) && barrier.side(*at).limited == kind;
+        let at = (0..barrier.count()).find(is).unwrap();
+        assert_eq!(barrier.side(at).violation(f64::NAN), f64::INFINITY);
+        let distance = std::mem::replace(&mut interior.barrier.distance[at], f64::NAN);
+        interior.measure_figures();
+        assert_eq!(interior.figures.violation, f64::INFINITY);
+        interior.barrier.distance[at] = distance;
+        interior.measure_figures();
+        assert!(interior.figures.violation.is_finite());
+    }
 }

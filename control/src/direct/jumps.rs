@@ -167,12 +167,12 @@ impl Jumps {
         let of_before = before.right[1] * self.widths[k] / self.widths[k - 1];
         let of_after = after.left[1] * self.widths[k] / self.widths[k + 1];
         let mut place = 0.5;
-        for _ in 0..STEPS {
+        for _ in 0..constants::STEPS_OF_JUMP {
             let a = before.right[0] + 0.5 * place * of_before;
             let b = after.left[0] - 0.5 * (1.0 - place) * of_after;
             place = ((self.piece(k, i).mean - b) / (a - b)).clamp(0.0, 1.0);
         }
-        (NEAREST..=1.0 - NEAREST).contains(&place).then_some(place)
+        (constants::NEAREST_JUMP..=1.0 - constants::NEAREST_JUMP).contains(&place).then_some(place)
     }
 
     /// Whether the torque of another joint than that of value `i` jumps at a node; where accelerations are
@@ -184,12 +184,6 @@ impl Jumps {
         (first..first + n).any(|l| l % n != i % n && jumps(l) > constants::NEEDED * self.range[l])
     }
 }
-
-/// Steps of the fixed point of a place: its error falls with the width in each.
-const STEPS: usize = 6;
-
-/// A node does not move by less than this part of an interval.
-const NEAREST: f64 = 0.01;
 
 #[cfg(test)]
 mod tests {

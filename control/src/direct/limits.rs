@@ -5,11 +5,8 @@ use super::points::Points;
 use super::shape::POINTS;
 use super::side::{Limited, Side};
 use super::spline::{Mesh, Spline};
+use crate::constants::direct::NODE_WEIGHT;
 use std::ops::Range;
-
-/// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
-/// rates are limited; without it rates could swing between the points.
-const NODE_WEIGHT: f64 = 0.1;
 
 /// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
 /// point p; then those of positions and rates at the nodes, unless these are points; then those of jerks and

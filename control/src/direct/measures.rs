@@ -59,8 +59,10 @@ impl<D: PointDynamics> Interior<D> {
     /// Largest violation of an equation, and of all, in parts of ranges.
     fn violations(&self) -> [f64; 2] {
         let barrier = &self.barrier;
-        let off = barrier.equations().map(|at| barrier.unit[at] * barrier.distance[at].abs());
-        let of_equations = off.fold(0.0, f64::max);
+        let of_equations = barrier.equations().fold(0.0, |most: f64, at| {
+            let off = barrier.unit[at] * barrier.distance[at].abs();
+            if off.is_nan() { f64::INFINITY } else { most.max(off) }
+        });
         [of_equations, of_equations.max(violation(barrier))]
     }
 

@@ -15,33 +15,44 @@ pub(super) struct Multipliers {
     gauss_places: Vec<f64>,
     rate_sides: usize,
     rate_densities: Vec<f64>,
+    /// The weights that the multipliers of points are divided by.
+    weights: Vec<f64>,
 }
 
 impl Multipliers {
-    /// Those of a motion. A node shares its multipliers between the points beside it.
-    pub fn of(spline: &Spline, barrier: &Barrier) -> Self {
+    /// Those of a motion, with all of them at the points: for an integral over the points alone.
+    pub fn at_points(spline: &Spline, barrier: &Barrier) -> Self {
         let mut found = Self::default();
-        found.fill(spline, barrier);
+        found.take(spline, barrier, false);
         found
     }
 
-    /// Takes those of a motion; allocates only for a longer one than ever before.
+    /// Takes those of a motion for points and nodes of another mesh; allocates only for a longer one than
+    /// ever before.
     pub fn fill(&mut self, spline: &Spline, barrier: &Barrier) {
+        self.take(spline, barrier, true);
+    }
+
+    /// Multipliers over weights. A node shares its multipliers between the points beside it, and its weight
+    /// too if the nodes shall have their part again.
+    fn take(&mut self, spline: &Spline, barrier: &Barrier, with_nodes: bool) {
         let (sides, points) = (barrier.sides().len(), barrier.points());
-        let Self { densities, places, .. } = self;
+        let Self { densities, places, weights, .. } = self;
         densities.clear();
         densities.extend_from_slice(&barrier.multiplier[..sides * points]);
+        weights.clear();
+        weights.extend_from_slice(&barrier.weight[..sides * points]);
         for k in 0..spline.mesh.nodes.len() {
             for (i, at) in barrier.at_node(k).enumerate() {
-                let beside =
-                    [(k > 0).then(|| POINTS * k - 1), (k < spline.mesh.intervals()).then_some(POINTS * k)];
-                let count = beside.iter().flatten().count() as f64;
-                for p in beside.into_iter().flatten() {
-                    densities[sides * p + i] += barrier.multiplier[at] / count;
+                for (p, share) in beside(spline, k).into_iter().flatten() {
+                    densities[sides * p + i] += share * barrier.multiplier[at];
+                    if with_nodes {
+                        weights[sides * p + i] += share * barrier.weight[at];
+                    }
                 }
             }
         }
-        densities.iter_mut().zip(&barrier.weight).for_each(|(density, weight)| *density /= weight);
+        densities.iter_mut().zip(weights).for_each(|(density, weight)| *density /= *weight);
         // What is off at a point has the mean density of the points beside it.
         for i in 0..sides {
             let is_on = |p: &usize| barrier.weight[sides * p + i] != 0.0;
@@ -86,5 +97,51 @@ impl Multipliers {
             false => self.at_point(p, side),
         };
         (1.0 - part) * of(right - 1) + part * of(right)
+    }
+}
+
+/// The points beside a node, with their parts of what is linear between them.
+fn beside(spline: &Spline, k: usize) -> [Option<(usize, f64)>; 2] {
+    let (mesh, last) = (&spline.mesh, spline.mesh.intervals());
+    let [left, right] = [(k > 0).then(|| POINTS * k - 1), (k < last).then_some(POINTS * k)];
+    let part = match (left, right) {
+        (Some(left), Some(right)) => {
+            let [a, b] = [left, right].map(|p| mesh.point(p).0);
+            (mesh.nodes[k] - a) / (b - a)
+        }
+        (left, _) => f64::from(left.is_none()),
+    };
+    [left.map(|p| (p, 1.0 - part)), right.map(|p| (p, part))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::interior::tests::started;
+    use super::super::shape::Shape;
+    use super::Multipliers;
+
+    /// The sum of the multipliers of a side is what the cost falls by when its limit moves, on any mesh.
+    #[test]
+    fn points_and_nodes_together_keep_the_sums() {
+        let mut interior = started(Shape::Quartic);
+        interior.move_to(vec![0.0, 0.2, 0.7, 0.8, 1.0]).unwrap();
+        let barrier = &mut interior.barrier;
+        let mut random = fastrand::Rng::with_seed(9);
+        for at in (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0) {
+            barrier.multiplier[at] = random.f64();
+        }
+        let (mut multipliers, sides) = (Multipliers::default(), barrier.sides().len());
+        multipliers.fill(&interior.spline, barrier);
+        let (mut before, mut after) = (vec![0.0; sides], vec![0.0; sides]);
+        for at in 0..barrier.count() {
+            if let Some(side) = barrier.side_index(at) {
+                let density = multipliers.density(barrier.place(at, &interior.spline), side);
+                before[side] += barrier.multiplier[at];
+                after[side] += barrier.weight[at] * density;
+            }
+        }
+        for (i, (before, after)) in before.iter().zip(after).enumerate() {
+            assert!((after / before - 1.0).abs() < 1e-12, "{i}: {before} {after}");
+        }
     }
 }

@@ -176,7 +176,7 @@ impl Resolution {
     /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
     /// each point, and next to nothing is left.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
-        let multipliers = Multipliers::of(&interior.spline, &interior.barrier);
+        let multipliers = Multipliers::at_points(&interior.spline, &interior.barrier);
         let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
@@ -261,16 +261,9 @@ impl Resolution {
             }
         }
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
-        let mut nodes: Vec<f64> = kept.chain(added).collect();
-        nodes.sort_by(f64::total_cmp);
-        let closest = if smooth { 0.7 } else { 0.1 };
-        nodes.dedup_by(|b, a| *b - *a < closest * narrowest);
-        // The last node is the end, whatever was close to it.
-        if let Some(last) = nodes.last_mut() {
-            *last = 1.0;
-        }
+        let closest = if smooth { constants::CLOSEST_SMOOTH } else { constants::CLOSEST };
         self.moves = moves;
-        nodes
+        with_added(kept.collect(), added, closest * narrowest)
     }
 
     /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not
@@ -279,6 +272,20 @@ impl Resolution {
         let before = self.moves.iter().find(|before| before.place == from);
         before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)
     }
+}
+
+/// Nodes in their order with those that are added, one after the other, unless they are closer than this to
+/// another one.
+fn with_added(mut nodes: Vec<f64>, mut added: Vec<f64>, closest: f64) -> Vec<f64> {
+    added.sort_by(f64::total_cmp);
+    for place in added {
+        let right = nodes.partition_point(|&node| node < place);
+        let beside = nodes[right.saturating_sub(1)..].iter().take(2);
+        if beside.into_iter().all(|node| (node - place).abs() >= closest) {
+            nodes.insert(right, place);
+        }
+    }
+    nodes
 }
 
 /// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.
@@ -293,5 +300,18 @@ fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
         }
         chosen[k] = true;
         rest -= errors[k];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_added;
+
+    #[test]
+    fn nodes_that_are_kept_stay() {
+        // Two that are close to each other; an added one close to each of them, to the ends, to another one.
+        let nodes = vec![0.0, 0.4, 0.405, 1.0];
+        let added = vec![0.996, 0.7, 0.395, 0.41, 0.004, 0.2, 0.705];
+        assert_eq!(with_added(nodes, added, 0.01), [0.0, 0.2, 0.4, 0.405, 0.7, 1.0]);
     }
 }

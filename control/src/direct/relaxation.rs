@@ -37,6 +37,8 @@ pub(super) struct Relaxation {
     /// The limit that each side of the barrier belongs to.
     limits: Vec<usize>,
     ranges: Vec<f64>,
+    /// Those outside of the elastic phase.
+    own: Vec<f64>,
     /// e, in parts of ranges.
     give: Vec<f64>,
     /// P.
@@ -72,9 +74,10 @@ fn limits_of(sides: &[Side]) -> Vec<usize> {
 }
 
 impl Relaxation {
-    /// For a barrier that has been measured without it: all distances become positive, by this room in parts
-    /// of ranges and of what limits must give.
-    pub fn of(barrier: &Barrier, price: f64, room: f64) -> Self {
+    /// For a barrier that has been measured without it, whose sides have the ranges `own` outside of the
+    /// elastic phase: all distances become positive, by this room in parts of ranges and of what limits must
+    /// give.
+    pub fn of(barrier: &Barrier, own: Vec<f64>, price: f64, room: f64) -> Self {
         let sides = barrier.sides();
         let limits = limits_of(sides);
         let count = limits.iter().max().map_or(0, |last| last + 1);
@@ -91,6 +94,7 @@ impl Relaxation {
             limits,
             give,
             price,
+            own,
             ..Self::default()
         }
     }
@@ -113,6 +117,11 @@ impl Relaxation {
             scale[limit] = scale[limit].max(violation);
         }
         barrier.ranges().iter().zip(&limits).map(|(range, &limit)| range * scale[limit]).collect()
+    }
+
+    /// The range of a side outside of the elastic phase.
+    pub fn own_range(&self, side: usize) -> f64 {
+        self.own[side]
     }
 
     /// The limit of each side.

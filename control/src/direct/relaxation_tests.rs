@@ -1,5 +1,6 @@
 //! The elastic phase: its distances, and its bordered equations.
 
+use super::super::elastic::Given;
 use super::super::interior::Interior;
 use super::super::interior::tests::started;
 use super::super::points::{PointDynamics, RobotPoints};
@@ -46,6 +47,41 @@ fn limits_give_as_far_as_the_motion_exceeds_them() {
     let most = given.iter().map(|given| given.part).fold(0.0, f64::max);
     let halves = barrier.sides().iter().filter(|side| side.is_half).count();
     assert!(halves == 2 && most > 0.1, "{halves} {given:?}");
+    // Parts are those of the ranges outside of the elastic phase, which are narrower here.
+    let own = started(Shape::Quartic).barrier.with_halves();
+    let widened = |given: &&Given| barrier.sides()[given.side].range > 1.01 * own.sides()[given.side].range;
+    assert!(given.iter().any(|given| widened(&given)));
+    for Given { side, amount, part, .. } in given {
+        let expected = amount / own.sides()[side].range;
+        assert!((part - expected).abs() <= 1e-12 * expected.abs(), "{part} {expected}");
+    }
+}
+
+#[test]
+fn equations_become_no_stiffer_than_elsewhere() {
+    let mut interior = relaxed();
+    // Limits that do not give cost next to nothing, however dear that is.
+    interior.relaxation.give.fill(-1e3);
+    for _ in 0..6 {
+        interior.raise_price(constants::DEARER);
+        let most = constants::MOST_STIFFNESS * interior.figures.size;
+        assert!(interior.barrier.stiffness <= most * (1.0 + 1e-12), "{}", interior.barrier.stiffness / most);
+    }
+}
+
+#[test]
+fn an_iterate_is_found_again() {
+    let mut interior = relaxed();
+    let (kept, figures) = (interior.keep(), interior.figures);
+    let (distance, given) = (interior.barrier.distance.clone(), interior.given());
+    interior.raise_price(constants::DEARER);
+    interior.iterate(1e-9, 2, |_, _| None).unwrap();
+    assert!(interior.figures.cost != figures.cost);
+    interior.come_back(kept).unwrap();
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + b.abs());
+    assert!(close(interior.figures.cost, figures.cost) && close(interior.figures.gap, figures.gap));
+    assert!(interior.barrier.distance.iter().zip(&distance).all(|(a, b)| close(*a, *b)));
+    assert!(interior.given().iter().zip(&given).all(|(a, b)| close(a.part, b.part) && a.at == b.at));
 }
 
 #[test]

@@ -24,7 +24,8 @@ use std::time::{Duration, Instant};
 /// The mesh has `(nodes - 1) / 3` equal intervals of the [options](SolverOptions::nodes), whose tolerance is
 /// that of each solve. The first solve begins at the guess of [`Solver`](crate::Solver). Every later one
 /// begins at the motion that is optimal for the new ends to first order ([`Feedback`]), with the multipliers
-/// it has there and the barrier where the last solve ended. After the first solve nothing is allocated.
+/// it has there and the barrier where the last solve ended. After the first solve, and the first
+/// [`feedback`](Self::feedback), nothing is allocated.
 ///
 /// ```
 /// use costate::robot::Robot;
@@ -217,12 +218,17 @@ impl Resolve {
     /// Solves the problem with what was set since the last time.
     ///
     /// # Errors
-    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then.
+    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion
+    /// that was shown last.
     pub fn solve_again(&mut self, budget: Budget) -> Result<Resolved, EvalError> {
         let began = Instant::now();
         let found = self.try_again(budget, began);
         if found.is_err() {
             (self.started, self.factorised) = (false, false);
+            // What cannot be evaluated is no guess.
+            if self.shown.spline.dof > 0 {
+                self.interior.spline.copy_from(&self.shown.spline);
+            }
         }
         found
     }
@@ -234,6 +240,7 @@ impl Resolve {
         } else {
             self.interior.put_ends(states);
             self.interior.start(None)?;
+            self.interior.reserve(&mut self.again);
         }
         self.shown.take(&self.interior);
         let first = self.interior.figures.iterations;
@@ -260,9 +267,13 @@ impl Resolve {
             End::Interrupted(_) => ResolveStatus::OutOfTime,
         };
         if status == ResolveStatus::Solved {
-            // The last step is known; what is left after it is about the square.
-            let _ = self.interior.search();
-            self.shown.take(&self.interior);
+            self.interior.take_last_step();
+            // What keeps its limits is shown whatever it costs: it is the solution.
+            if self.interior.figures.violation <= constants::VIOLATION_ACCEPTED {
+                self.shown.take(&self.interior);
+            } else {
+                self.shown.offer(&self.interior);
+            }
         }
         Ok(Resolved {
             status,

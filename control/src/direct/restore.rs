@@ -5,6 +5,7 @@ use super::interior::{End, Interior};
 use super::points::PointDynamics;
 use super::spline::Spline;
 use crate::constants::direct as constants;
+use crate::options::SolverOptions;
 use crate::problem::{FinalTime, Problem};
 use crate::progress::{Iteration, Phase};
 use crate::result::infeasibility::Infeasibility;
@@ -43,9 +44,11 @@ pub(super) fn restore<D: PointDynamics>(
     interior: &mut Interior<D>,
     guess: &Spline,
     gap: f64,
+    options: &SolverOptions,
     recorder: &mut Recorder<'_>,
 ) -> Result<Restored, EvalError> {
-    if interior.barrier.sides().is_empty() {
+    // Limits do not give where accelerations are continuous.
+    if interior.barrier.sides().is_empty() || interior.spline.mesh.shape.is_smooth() {
         return Ok(Restored::Unknown);
     }
     let before = interior.spline.clone();
@@ -61,7 +64,7 @@ pub(super) fn restore<D: PointDynamics>(
     let (mut last, mut coarser) = (f64::INFINITY, None);
     for _ in 0..constants::ELASTIC_MESHES {
         let kept = interior.relax(coarser.as_ref())?;
-        let found = least(interior, coarser.is_none(), recorder)?;
+        let found = least(interior, coarser.is_none(), options, recorder)?;
         let part = match found {
             OnMesh::Kept => {
                 interior.tighten(kept, gap)?;
@@ -80,7 +83,11 @@ pub(super) fn restore<D: PointDynamics>(
         if part > constants::SAME_RELIEF * last {
             let mut infeasible = relaxed(problem, interior);
             interior.tighten(kept, gap)?;
-            infeasible.final_time = later(problem, interior, &infeasible, recorder)?;
+            if infeasible.limits.is_empty() {
+                // Nothing but equations at the ends is off, which do not give.
+                break;
+            }
+            infeasible.final_time = later(problem, interior, &infeasible, options, recorder)?;
             return Ok(Restored::Infeasible(infeasible));
         }
         // On a finer mesh less may be enough.
@@ -88,9 +95,13 @@ pub(super) fn restore<D: PointDynamics>(
         coarser = Some((interior.relaxation.price(), interior.barrier.ranges()));
         let mesh = &interior.spline.mesh;
         let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
-        interior.spline = interior.spline.on_nodes(mesh.halved(constants::NARROWEST));
+        let nodes = mesh.halved(constants::NARROWEST);
+        let is_full = mesh.shape.stride() * (nodes.len() - 1) + 1 > options.max_nodes;
+        if !is_full {
+            interior.spline = interior.spline.on_nodes(nodes);
+        }
         interior.tighten(kept, gap)?;
-        if is_fine {
+        if is_fine || is_full {
             break;
         }
     }
@@ -103,11 +114,12 @@ pub(super) fn restore<D: PointDynamics>(
 fn least<D: PointDynamics>(
     interior: &mut Interior<D>,
     raises: bool,
+    options: &SolverOptions,
     recorder: &mut Recorder<'_>,
 ) -> Result<OnMesh, EvalError> {
-    let mut last = f64::INFINITY;
-    for _ in 0..constants::PRICES {
-        let end = steps(interior, recorder, |iterate| iterate.violation_without_relief() <= 0.0)?;
+    let (mut last, mut cheaper) = (f64::INFINITY, None);
+    for round in 1..=constants::PRICES {
+        let end = steps(interior, options, recorder, |iterate| iterate.violation_without_relief() <= 0.0)?;
         let part = interior.violation_without_relief();
         if part <= 0.0 {
             return Ok(OnMesh::Kept);
@@ -115,14 +127,17 @@ fn least<D: PointDynamics>(
         match end {
             End::Interrupted(interruption) => return Ok(OnMesh::Interrupted(interruption)),
             End::Solved => {}
-            End::NoProgress | End::IterationLimit if last.is_infinite() => return Ok(OnMesh::Stuck),
-            // The minimum at a lower price is one too.
-            End::NoProgress | End::IterationLimit => break,
+            End::NoProgress | End::IterationLimit => {
+                // The minimum at a lower price is one too.
+                let Some(kept) = cheaper else { return Ok(OnMesh::Stuck) };
+                interior.come_back(kept)?;
+                break;
+            }
         }
-        if part > constants::SAME_PRICE * last || !raises {
+        if part > constants::SAME_PRICE * last || !raises || round == constants::PRICES {
             break;
         }
-        last = part;
+        (last, cheaper) = (part, Some(interior.keep()));
         interior.raise_price(constants::DEARER);
     }
     Ok(OnMesh::Least(interior.violation_without_relief()))
@@ -131,6 +146,7 @@ fn least<D: PointDynamics>(
 /// Iterates until the problem is solved roughly or `enough` says so.
 fn steps<D: PointDynamics>(
     interior: &mut Interior<D>,
+    options: &SolverOptions,
     recorder: &mut Recorder<'_>,
     enough: impl Fn(&Interior<D>) -> bool,
 ) -> Result<End, EvalError> {
@@ -149,7 +165,8 @@ fn steps<D: PointDynamics>(
         // Any interruption ends the iteration; which one is asked for below.
         if enough(iterate) { Some(Interruption::Cancelled) } else { recorder.interruption() }
     };
-    let end = interior.iterate(constants::ELASTIC_PRECISION, constants::ELASTIC_STEPS, watch)?;
+    let most = constants::ELASTIC_STEPS.min(options.max_iterations);
+    let end = interior.iterate(constants::ELASTIC_PRECISION, most, watch)?;
     Ok(match (end, recorder.interruption()) {
         (End::Interrupted(_), None) => End::Solved,
         (_, Some(interruption)) => End::Interrupted(interruption),
@@ -163,6 +180,7 @@ fn later<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
     infeasible: &Infeasibility,
+    options: &SolverOptions,
     recorder: &mut Recorder<'_>,
 ) -> Result<Option<f64>, EvalError> {
     let FinalTime::Fixed(time) = problem.time else { return Ok(None) };
@@ -187,7 +205,7 @@ fn later<D: PointDynamics>(
         interior.running.time = running + constants::HURRY * interior.figures.size / interior.spline.time;
         interior.ends.free_time = true;
         interior.start(None)?;
-        let end = steps(interior, recorder, |_| false)?;
+        let end = steps(interior, options, recorder, |_| false)?;
         if end == End::Solved && interior.figures.violation <= constants::VIOLATION_ACCEPTED {
             found = found.map(|time: f64| time.min(interior.spline.time));
         }

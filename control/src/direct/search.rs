@@ -110,11 +110,12 @@ impl<D: PointDynamics> Interior<D> {
             return;
         }
         let cost = self.running.cost(&self.trial.spline, &self.trial.points);
-        let beyond = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at)).map(|at| {
+        let mut beyond = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at)).map(|at| {
             let distance = self.trial.distance[at];
             self.barrier.unit[at] * if self.barrier.is_limit(at) { -distance } else { distance.abs() }
         });
-        if cost.is_finite() && beyond.fold(0.0, f64::max) <= constants::VIOLATION_AT_POINTS {
+        // Not true for NaN.
+        if cost.is_finite() && beyond.all(|part| part <= constants::VIOLATION_AT_POINTS) {
             self.take(1.0, dual, cost);
         }
     }

@@ -116,9 +116,10 @@ impl Side {
         all.into_iter().flatten()
     }
 
-    /// How far it is exceeded at a distance, in parts of its range.
+    /// How far it is exceeded at a distance, in parts of its range; infinitely where that is undefined.
     pub fn violation(&self, distance: f64) -> f64 {
-        (if self.is_equation { distance.abs() } else { -distance }) / self.range
+        let part = (if self.is_equation { distance.abs() } else { -distance }) / self.range;
+        if part.is_nan() { f64::INFINITY } else { part }
     }
 
     /// Where its value stands among q, v, a of a point.

@@ -26,7 +26,8 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
     let has_torques = std::mem::replace(&mut interior.points.rates.has_torques, false);
     for k in 0..mesh.intervals() {
         gradient.fill(0.0);
-        let mut by_time = 0.0;
+        // The cost of time, which does not depend on the unknowns.
+        let mut by_time = interior.running.time * mesh.width(k);
         for (j, part) in mesh.shape.weights().iter().enumerate() {
             let p = mesh.shape.stride() * k + j;
             let (weight, cost) =

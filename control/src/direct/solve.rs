@@ -77,9 +77,11 @@ impl Direct<'_> {
     ) -> Result<Refined, EvalError> {
         let tolerance = self.options.tolerance;
         let problem = self.problem.problem();
-        let impossible = problem.too_short().is_some();
         interior.start(None)?;
-        if interior.needs_smoothing() && !impossible && self.saved.is_none() {
+        if problem.too_short().is_some() && recorder.interruption().is_none() {
+            return self.explain(interior, resolution, recorder);
+        }
+        if interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
             let mut watch = |iterate: &Interior<FastPoints>, step: f64| {
                 recorder.record(iteration(iterate, 0, step));
@@ -100,12 +102,6 @@ impl Direct<'_> {
         let (mut mesh, mut moved) = (0, 0);
         // Limits neither give nor move where accelerations are continuous.
         let smooth = interior.spline.mesh.shape.is_smooth();
-        if impossible && smooth {
-            interior.refresh()?;
-            resolution.measure(interior)?;
-            let infeasible = with_proof(problem, None);
-            return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
-        }
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let (mut patience, mut stuck) = (Patience::default(), false);
@@ -114,8 +110,7 @@ impl Direct<'_> {
                 stuck = patience.is_over(iterate.figures.violation);
                 if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
-            let most = if impossible { 0 } else { self.options.max_iterations };
-            let mut end = interior.iterate(precision, most, watch)?;
+            let mut end = interior.iterate(precision, self.options.max_iterations, watch)?;
             if end == End::Solved && precision <= least {
                 interior.take_last_step();
             }
@@ -130,19 +125,14 @@ impl Direct<'_> {
                 && !smooth
             {
                 restorations += 1;
-                match restore(problem, interior, &guess, gap, recorder)? {
+                match restore(problem, interior, &guess, gap, self.options, recorder)? {
                     Restored::Kept => continue,
                     Restored::Infeasible(infeasible) => {
                         resolution.measure(interior)?;
-                        let infeasible = with_proof(problem, Some(infeasible));
+                        let infeasible = Some(infeasible);
                         return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
                     }
                     Restored::Interrupted(interruption) => end = End::Interrupted(interruption),
-                    Restored::Unknown if impossible => {
-                        resolution.measure(interior)?;
-                        let infeasible = with_proof(problem, None);
-                        return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
-                    }
                     Restored::Unknown => {}
                 }
                 figures = interior.figures;
@@ -213,6 +203,28 @@ impl Direct<'_> {
             mesh += 1;
         }
         Ok(refined)
+    }
+
+    /// What limits would have to give where it is proven that no motion keeps them.
+    fn explain(
+        &self,
+        interior: &mut Interior<FastPoints>,
+        resolution: &mut Resolution,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<Refined, EvalError> {
+        let (problem, guess) = (self.problem.problem(), interior.spline.clone());
+        let gap = constants::FIRST_GAP;
+        let restored = restore(problem, interior, &guess, gap, self.options, recorder)?;
+        interior.refresh()?;
+        resolution.measure(interior)?;
+        let found = match restored {
+            Restored::Interrupted(interruption) => return Ok(Refined::without(interruption.into())),
+            Restored::Infeasible(infeasible) => Some(infeasible),
+            // Between its points the motion that keeps its limits there does not.
+            Restored::Kept | Restored::Unknown => None,
+        };
+        let infeasible = with_proof(problem, found);
+        Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) })
     }
 
     /// The solution, verified by integration where it converged.

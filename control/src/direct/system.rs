@@ -263,6 +263,12 @@ impl System {
         Ok(())
     }
 
+    /// Makes room for the metric of damping.
+    pub fn reserve_damping(&mut self, intervals: usize) {
+        self.damping.reset(intervals);
+        self.damping_is_current = false;
+    }
+
     /// Solves for the part of the step that belongs to the gradient `part`.
     pub fn solve(&mut self, part: usize, free_time: bool, dx: &mut Vec<f64>) -> f64 {
         dx.clear();

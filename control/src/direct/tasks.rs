@@ -19,8 +19,8 @@ pub(crate) struct Tasks {
     state: Vec<f64>,
     /// Largest |q| and |dq/dx| on an interval.
     bounds: [Vec<f64>; 2],
-    /// dq/dx of each joint at four places of an interval.
-    cubics: Vec<[f64; 4]>,
+    /// dq/dx of each joint at five places of an interval.
+    quartics: Vec<[f64; 5]>,
     /// q, v, a.
     z: Vec<f64>,
 }
@@ -35,7 +35,7 @@ impl Tasks {
             hessian: vec![0.0; 4 * n * n],
             state: vec![0.0; 2 * n],
             bounds: [vec![0.0; n], vec![0.0; n]],
-            cubics: vec![[0.0; 4]; n],
+            quartics: vec![[0.0; 5]; n],
             z: vec![0.0; 3 * n],
         }
     }
@@ -163,16 +163,15 @@ impl Tasks {
             return Ok(0.0);
         }
         let n = spline.dof;
-        // dq/dx is a cubic: it is within the range of its Bernstein coefficients.
+        // dq/dx is a quartic, or a cubic.
         let length = spline.time * spline.mesh.width(k);
-        for j in 0..4 {
-            spline.in_interval(k, j as f64 / 3.0, &mut self.z);
-            self.cubics.iter_mut().zip(&self.z[n..]).for_each(|(cubic, v)| cubic[j] = length * v);
+        for j in 0..5 {
+            spline.in_interval(k, j as f64 / 4.0, &mut self.z);
+            self.quartics.iter_mut().zip(&self.z[n..]).for_each(|(quartic, v)| quartic[j] = length * v);
         }
         let [positions, rates] = &mut self.bounds;
-        for (i, &[a, b, c, d]) in self.cubics.iter().enumerate() {
-            let inner = [-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d, 2.0 * a - 9.0 * b + 18.0 * c - 5.0 * d];
-            let most = inner.iter().map(|value| value.abs() / 6.0).fold(a.abs().max(d.abs()), f64::max);
+        for (i, values) in self.quartics.iter().enumerate() {
+            let most = bound_of_quartic(values);
             // z is that of the end of the interval.
             (rates[i], positions[i]) = (most, self.z[i].abs() + most);
         }
@@ -198,5 +197,46 @@ impl Tasks {
     pub fn row(&self, end: Option<usize>, side: &Side) -> &Row {
         let functions = end.map_or(&self.along, |end| &self.ends[end]);
         &functions.bounds()[side.joint]
+    }
+}
+
+/// A bound of a polynomial of degree four on [0, 1], from its values at 0, 1/4, 1/2, 3/4 and 1: the largest
+/// of its Bernstein coefficients, in whose range it is.
+fn bound_of_quartic(&[a, b, c, d, e]: &[f64; 5]) -> f64 {
+    let sum = (16.0 * (b + d) - 18.0 * c - 4.0 * (a + e)) / 3.0;
+    let difference = (16.0 * (b - d) - 5.0 * (a - e)) / 6.0;
+    let middle = (16.0 * c - a - e - 4.0 * sum) / 6.0;
+    let coefficients = [a, 0.5 * (sum + difference), middle, 0.5 * (sum - difference), e];
+    coefficients.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bound_of_quartic;
+
+    /// The bound, and the largest value at many places.
+    fn compare(f: impl Fn(f64) -> f64) -> (f64, f64) {
+        let bound = bound_of_quartic(&std::array::from_fn(|j| f(j as f64 / 4.0)));
+        let largest = (0..=1000).map(|j| f(f64::from(j) / 1000.0).abs()).fold(0.0, f64::max);
+        (bound, largest)
+    }
+
+    #[test]
+    fn quartics_stay_within_their_bounds() {
+        // Zero at the four places that tell a cubic.
+        let (bound, largest) = compare(|x| x * (x - 1.0 / 3.0) * (x - 2.0 / 3.0) * (x - 1.0));
+        assert!(largest > 0.01 && bound >= largest && bound < 10.0 * largest, "{bound} {largest}");
+        let mut random = fastrand::Rng::with_seed(2);
+        for _ in 0..300 {
+            let c: [f64; 5] = std::array::from_fn(|_| 2.0 * random.f64() - 1.0);
+            let (bound, largest) = compare(|x| c.iter().fold(0.0, |sum, c| sum * x + c));
+            assert!(bound >= largest * (1.0 - 1e-12) && bound < 12.0 * largest, "{c:?} {bound} {largest}");
+        }
+        // Bernstein's polynomials themselves.
+        for (i, factor) in [1.0, 4.0, 6.0, 4.0, 1.0].into_iter().enumerate() {
+            let power = i as i32;
+            let (bound, _) = compare(|x| factor * x.powi(power) * (1.0 - x).powi(4 - power));
+            assert!((bound - 1.0).abs() < 1e-13, "{i} {bound}");
+        }
     }
 }

@@ -11,9 +11,6 @@ use crate::problem::Problem;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 
-/// Relative tolerance of one integration step.
-const TOLERANCE: f64 = 1e-10;
-
 /// A motion integrated again.
 pub(super) struct Again {
     /// (q, v) at the end.
@@ -83,7 +80,7 @@ fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
     spline.in_interval(0, 0.0, &mut z);
     let mut x = z[..2 * n].to_vec();
     let mut tau = vec![0.0; n];
-    let mut integrator = DormandPrince::new(2 * n, TOLERANCE);
+    let mut integrator = DormandPrince::new(2 * n, constants::INTEGRATION);
     for k in 0..spline.mesh.intervals() {
         let length = spline.mesh.width(k) * spline.time;
         integrator.integrate(&mut x, 0.0..length, |t, x, rate| -> Result<(), EvalError> {

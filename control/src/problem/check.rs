@@ -3,7 +3,7 @@
 use crate::options::Method;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
-use crate::problem::{Bounds, FinalTime, Penalty, Problem};
+use crate::problem::{Bounds, FinalTime, Penalty, Problem, ToolCost};
 use crate::task::check::check_task;
 use std::ops::Deref;
 
@@ -74,6 +74,7 @@ impl Problem {
             limited || rates || weight(&self.cost.torque_rate).max(weight(&self.cost.jerk)) > 0.0
         })?;
         self.check_limits()?;
+        self.check_given_ends()?;
         check_task(self)?;
         Ok(checked)
     }
@@ -100,7 +101,8 @@ impl Problem {
         self.check_limit_lists()?;
         self.check_bounds(bounded)?;
         let costs = self.cost.effort.iter().any(|&r| r > 0.0) || self.cost.has_energy();
-        let costs = costs || !self.terms.is_empty() || self.cost.first_of_rates().is_some();
+        let penalty = self.penalty.as_ref().is_some_and(|penalty| penalty.weight > 0.0);
+        let costs = costs || self.cost.first_of_rates().is_some() || penalty || self.has_cost_of_states();
         if matches!(self.time, FinalTime::Fixed(_)) && !costs {
             return Err(ProblemError::NothingToMinimise);
         }
@@ -108,6 +110,13 @@ impl Problem {
             self.check_penalty(penalty)?;
         }
         Ok(CheckedProblem { problem: self })
+    }
+
+    /// Whether positions or rates cost anything all along the motion: terms, tools.
+    fn has_cost_of_states(&self) -> bool {
+        let tools = &self.task.tool_costs;
+        let costs = |cost: &ToolCost| cost.position_weight.max(cost.orientation_weight) > 0.0;
+        !self.terms.is_empty() || tools.iter().any(costs)
     }
 
     /// Final time and weights.
@@ -120,7 +129,8 @@ impl Problem {
             return Err(ProblemError::NotPositive { key, value: time });
         }
         not_negative(Key::COST_TIME, self.cost.time)?;
-        if matches!(self.time, FinalTime::Free { .. }) && self.cost.time == 0.0 && self.terms.is_empty() {
+        let is_free = matches!(self.time, FinalTime::Free { .. });
+        if is_free && self.cost.time == 0.0 && !self.has_cost_of_states() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }
         self.weights(Key::EFFORT, &self.cost.effort)?;

@@ -120,6 +120,19 @@ pub enum ProblemError {
         /// Upper limit.
         high: f64,
     },
+    /// Positions, rates and accelerations of an end that need more torque or power than there is.
+    BeyondLimit {
+        /// The accelerations.
+        key: Key,
+        /// The joint; none for all together.
+        joint: Option<String>,
+        /// "torque" or "power".
+        quantity: &'static str,
+        /// What they need (N m, N or W).
+        value: f64,
+        /// The limit, that of a motor at this rate.
+        limit: f64,
+    },
     /// Hard limits with a method that does not keep them.
     LimitsNeedDirect,
     /// A part of the [`Task`](crate::Task).
@@ -158,7 +171,7 @@ pub enum ProblemError {
         /// The joint.
         joint: String,
     },
-    /// A fixed time and no effort.
+    /// A fixed time, and nothing that costs anything.
     NothingToMinimise,
     /// An option out of range.
     BadOption {
@@ -193,6 +206,7 @@ impl ProblemError {
             | Self::NoRoom { key, .. }
             | Self::EmptyLimits { key, .. }
             | Self::OutsideLimits { key, .. }
+            | Self::BeyondLimit { key, .. }
             | Self::Task { key, .. }
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
@@ -233,7 +247,7 @@ impl ProblemError {
                 format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
             }
             Self::FreeTimeWithoutCost => {
-                "a free final time needs cost.time > 0, or a term of the running cost: otherwise the slowest motion \
+                "a free final time needs cost.time > 0, a term of the running cost or a cost of tools: otherwise the slowest motion \
                  is the cheapest"
                     .into()
             }
@@ -254,6 +268,12 @@ impl ProblemError {
                 "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
                  limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
                 joint = printable(joint)),
+            Self::BeyondLimit { joint, quantity, value, limit, .. } => format!(
+                "with the positions and rates that are given there {} need a {quantity} of {}, beyond the limit \
+                 {}; change the accelerations or leave some of them free, or widen the limit",
+                joint.as_ref().map_or_else(
+                    || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
+                number(*value), number(*limit)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),

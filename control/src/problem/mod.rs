@@ -5,6 +5,7 @@ pub(crate) mod continuation_cause;
 pub(crate) mod error;
 #[cfg(feature = "toml")]
 pub(crate) mod file;
+mod given_ends;
 mod joint_limits;
 pub(crate) mod key;
 pub(crate) mod least_time;

@@ -4,12 +4,14 @@ use serde::{Deserialize, Serialize};
 
 /// Why no motion keeps all limits, as far as that was found: what would have to give.
 ///
-/// At a motion that keeps the relaxed limits, the sum of what limits give, in parts of their ranges, has a
-/// local minimum. Each limit gives by the same amount all along the motion.
+/// At a motion that keeps the relaxed limits, the sum of what limits give has a local minimum, each in parts
+/// of its range, or of what it lacks at the start of the search if that is more. Each limit gives by the same
+/// amount all along the motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Infeasibility {
-    /// The limits that give, the one that gives by the largest part of its range first.
+    /// The limits that give, the one that gives by the largest part of its range first. Those that give by
+    /// less than a hundredth of that part are left out.
     pub limits: Vec<RelaxedLimit>,
     /// A final time (s) with which a motion was found that keeps all limits at its points, if the time is
     /// fixed and a longer one helps.
@@ -19,8 +21,8 @@ pub struct Infeasibility {
     /// torques are, if that is longer than the one that is given.
     #[serde(default)]
     pub least_time: Option<f64>,
-    /// Whether it is proven that no motion keeps the limits: one of the joints has too little time, or all
-    /// limits are linear in the motion. Else another guess may find one.
+    /// Whether it is proven that no motion keeps the limits: one of the joints has too little time for its
+    /// way. Else another guess or a finer mesh may find one.
     pub is_global: bool,
 }
 
@@ -40,6 +42,9 @@ pub struct RelaxedLimit {
     pub time: f64,
     /// By how much it has to give.
     pub amount: f64,
+    /// The same in parts of its range, the distance between lower and upper limit.
+    #[serde(default)]
+    pub part: f64,
     /// The unit of `amount` and `limit`.
     pub unit: String,
     /// The limit; none for tools and bodies. That of a motor that drives fast depends on its rate: the one at

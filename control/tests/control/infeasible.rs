@@ -3,8 +3,8 @@
 use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
-    Bounds, Infeasibility, Keep, Kept, MotionLimits, Polish, Problem, RelaxedLimit, Solution, Solver,
-    SolverOptions, Status, Task,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit,
+    Solution, Solver, SolverOptions, Status, Task,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -78,6 +78,61 @@ fn a_rate_or_an_acceleration_that_is_too_small_is_proven() {
     let found = lacks(&arm.with_limits(MotionLimits::none().with_v_max(vec![1.0, 1.2])));
     let names: Vec<_> = found.limits.iter().map(|limit| &limit.name[..]).collect();
     assert_eq!(names, ["shoulder", "elbow"], "{found:?}");
+}
+
+/// What splines on a mesh cannot keep is no proof, even where all limits are linear in the motion.
+#[test]
+fn a_mesh_proves_nothing() {
+    // A motion with |a| = 1 that switches once takes exactly a second. On six intervals splines need 1.000631
+    // at Gauss's points.
+    let mut tight = metre(MotionLimits::none().with_a_max(vec![1.0005]));
+    (tight.end.q, tight.end.v) = (vec![0.281677], vec![0.0655]);
+    let options = SolverOptions::direct().with_polish(Polish::Never).with_nodes(19);
+    let solution = Solver::new(&tight, options).unwrap().solve();
+    if let Some(found) = &solution.limits.infeasible {
+        assert!(!found.is_global && found.least_time.is_none(), "{found:?}");
+    }
+    // Against a wall: a joint that has time enough, but starts too fast to stop.
+    let mut wall = metre(MotionLimits::none().with_q_max(vec![1.05]).with_a_max(vec![8.0]));
+    (wall.start.v, wall.time) = (vec![8.0], FinalTime::Fixed(4.0));
+    let found = lacks(&wall);
+    assert!(!found.is_global && found.least_time.is_none() && !found.limits.is_empty(), "{found:?}");
+}
+
+/// A proof counts even where a motion on a mesh keeps its limits, or where limits do not give.
+#[test]
+fn a_proof_needs_no_motion() {
+    // From bound to bound 4 m/s^2 are enough; on a coarse mesh that is not resolved.
+    for lacking in [1e-2, 1e-4, 1e-6] {
+        let slow = metre(MotionLimits::none().with_a_max(vec![4.0 * (1.0 - lacking)]));
+        let found = lacks(&slow);
+        assert!(found.is_global && found.least_time.unwrap() > 1.0 && !found.limits.is_empty(), "{found:?}");
+    }
+    // Nearly at the end from the start, too fast to stop there.
+    let mut near = metre(MotionLimits::none().with_a_max(vec![1.0]));
+    (near.end.q, near.start.v) = (vec![1e-3], vec![0.6]);
+    assert!(lacks(&near).is_global);
+    // The straight way at constant rate is too fast by what counts as kept at points.
+    let mut slides = metre(MotionLimits::none().with_v_max(vec![1.0 - 2e-8]));
+    (slides.start.v_free, slides.end.v_free) = (vec![0], vec![0]);
+    assert!(lacks(&slides).is_global);
+    let smooth = metre(MotionLimits::none().with_a_max(vec![1.0]).with_jerk_max(vec![1e4]));
+    assert!(lacks(&smooth).is_global);
+}
+
+/// The elastic phase takes no more nodes and steps than the options allow.
+#[test]
+fn an_elastic_phase_has_the_limits_of_the_options() {
+    let weak = metre(MotionLimits::none().with_torque_max(vec![1.0]));
+    let options = SolverOptions::direct().with_nodes(16).with_max_nodes(20).with_max_iterations(3);
+    let solution = Solver::new(&weak, options.with_polish(Polish::Never)).unwrap().solve();
+    assert!(!solution.motion.status.is_solved());
+    let iterations = &solution.motion.iterations;
+    assert!(iterations.iter().any(|iteration| iteration.phase == Phase::Restoration));
+    assert!(
+        iterations.iter().all(|iteration| iteration.nodes <= 20 && iteration.number <= 3),
+        "{iterations:?}"
+    );
 }
 
 #[test]

@@ -142,10 +142,11 @@ fn least_time() {
     kept(solution.limits.torque.as_ref(), 50.0, &["shoulder", "elbow"]);
 }
 
-/// H* is constant, and both H* and the costates are derivatives of the cost.
+/// H* is constant, and both H* and the costates are derivatives of the cost; that of time belongs to it.
 #[test]
 fn costates_and_hamiltonian_are_derivatives_of_the_cost() {
-    let problem = at_rest(arm(none())).with_cost(Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]));
+    let cost = Objective::new(80.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]);
+    let problem = at_rest(arm(none())).with_cost(cost);
     let solution = solve_to(&problem, 1e-8);
     assert!(solution.motion.hamiltonian_drift < 1e-4, "{}", solution.motion.hamiltonian_drift);
     let cost = |change: &dyn Fn(&mut Problem, f64)| {
@@ -161,7 +162,8 @@ fn costates_and_hamiltonian_are_derivatives_of_the_cost() {
     assert!((by_time + hamiltonian).abs() < 1e-4 * hamiltonian.abs(), "{by_time} {hamiltonian}");
     let limits = none().with_torque_rate_max(vec![300.0, 150.0]);
     let limited = solve(&problem.clone().with_limits(limits));
-    check(&limited, 300.05160, 3e-6);
+    // The cost of time is that of a second.
+    check(&limited, 380.05160, 3e-6);
     // Where rates of torques jump beside a node rather than at it, that interval has another H*.
     assert!(limited.motion.hamiltonian_drift < 2e-2, "{}", limited.motion.hamiltonian_drift);
     // At rest p = M v does not change with q, so y_q is the derivative by q.
@@ -170,6 +172,20 @@ fn costates_and_hamiltonian_are_derivatives_of_the_cost() {
         let costate = solution.trajectory.y_q[0][joint];
         assert!((by_position + costate).abs() < 1e-4 * costate.abs().max(1.0), "{by_position} {costate}");
     }
+}
+
+/// At the best final time H* is zero.
+#[test]
+fn the_hamiltonian_vanishes_at_the_best_time() {
+    // Jerks alone: 720 d^2/T^5 + c T for both joints, least at T^6 = 3600 d^2/c.
+    let cost = Objective::new(50.0, vec![0.0; 2]).with_jerk(vec![1.0; 2]);
+    let mut problem = at_rest(arm(none())).with_cost(cost);
+    problem.time = FinalTime::Free { guess: 1.5 };
+    let solution = solve_to(&problem, 1e-9);
+    let time = (3600.0 * FRAC_PI_2 * FRAC_PI_2 / 50.0).powf(1.0 / 6.0);
+    assert!((solution.motion.final_time / time - 1.0).abs() < 1e-4, "{}", solution.motion.final_time);
+    check(&solution, 1.2 * 50.0 * time, 1e-8);
+    assert!(solution.motion.hamiltonian.abs() < 50.0 * 1e-3, "{}", solution.motion.hamiltonian);
 }
 
 /// Torques of a joint without a motor stay zero, which takes continuous accelerations into account.
@@ -231,6 +247,33 @@ fn wrong_limits_costs_and_accelerations_are_refused() {
     assert!(refused(&only).contains("'elbow'"), "{}", refused(&only));
 }
 
+/// Where nothing is left to choose, torques and powers are checked before.
+#[test]
+fn ends_that_need_too_much_are_refused() {
+    let refused = |limits: MotionLimits, v: [f64; 2]| {
+        let mut problem = arm(limits.with_jerk_max(vec![1e3; 2]));
+        // Of the unit arm stretched out: M = [[20/3, 17/6], [17/6, 4/3]].
+        problem.start = BoundaryState::fixed(&[0.0; 2], &v).with_a(&[3.0, 0.0]);
+        Solver::new(&problem, SolverOptions::direct()).map_err(|error| error.to_string()).err()
+    };
+    let torque = |limit: f64| refused(none().with_torque_max(vec![30.0, limit]), [0.0; 2]);
+    assert_eq!(torque(8.51), None);
+    let error = torque(8.4).unwrap();
+    assert!(error.starts_with("start.a") && error.contains("'elbow'") && error.contains("torque"), "{error}");
+    assert!(error.contains("8.5") && error.contains("8.4"), "{error}");
+    let power = |limit: f64| refused(none().with_power_max(vec![limit, INF]), [0.1, 0.0]);
+    assert_eq!(power(2.01), None);
+    assert!(power(1.99).unwrap().contains("power"));
+    let total = |limit: f64| refused(none().with_total_power_max(limit), [0.1, 0.0]);
+    assert_eq!(total(2.01), None);
+    assert!(total(1.99).unwrap().contains("all joints"));
+    // At 2 rad/s half of 30 N m is left.
+    let speeds = none().with_torque_max(vec![30.0; 2]).with_torque_speed(vec![1.0; 2], vec![3.0; 2]);
+    let error = refused(speeds.clone(), [2.0, 0.0]).unwrap();
+    assert!(error.contains("'shoulder'") && error.contains("limit 15"), "{error}");
+    assert_eq!(refused(speeds, [-2.0, 0.0]), None);
+}
+
 #[test]
 fn what_does_not_take_jerks_refuses_them() {
     let costly = arm(none()).with_cost(Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]));
@@ -274,8 +317,8 @@ fn problem_files_choose_the_direct_method() {
         let text = text.replace("START", start).replace("END", end);
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default()).unwrap()
     };
-    let found = file("STARTa = [0.0, 0.5]\nEND");
-    assert_eq!((found.options, found.problem.start.a), (SolverOptions::direct(), Some(vec![0.0, 0.5])));
+    let found = file("STARTa = [0.0, 0.1]\nEND");
+    assert_eq!((found.options, found.problem.start.a), (SolverOptions::direct(), Some(vec![0.0, 0.1])));
     let found = file("START ENDjerk = [0.5, 0]\ntorque_rate = [0, 2]\n");
     assert_eq!(found.options, SolverOptions::direct());
     let expected =

@@ -3,8 +3,9 @@
 use costate::kinematics::Kinematics;
 use costate::robot::{Placement, Robot};
 use costate_control::{
-    Collision, Keep, Kept, LinkCapsule, MotionLimits, Obstacle, Polish, Problem, Shape, Solution, Solver,
-    SolverOptions, Status, Task, Tool, ToolCost, ToolPose, TrajectoryPoint,
+    Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Penalty, Polish,
+    Problem, ProblemError, Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
+    TrajectoryPoint,
 };
 use nalgebra::Vector3;
 
@@ -179,6 +180,33 @@ fn costs_of_tools_pull_them_to_their_place() {
 }
 
 #[test]
+fn costs_of_tools_and_penalties_are_costs() {
+    let limits = MotionLimits::none().with_torque_max(vec![50.0; 2]);
+    let bare = two_link().with_limits(limits).with_cost(Objective::new(0.0, vec![0.0; 2]));
+    let free = |problem: &Problem| {
+        let mut problem = problem.clone();
+        problem.time = FinalTime::Free { guess: 1.0 };
+        problem
+    };
+    let error = |problem: &Problem| Solver::new(problem, options()).unwrap_err();
+    assert_eq!(error(&bare), ProblemError::NothingToMinimise);
+    assert_eq!(error(&free(&bare)), ProblemError::FreeTimeWithoutCost);
+    let with_tool = |weight: f64| {
+        let pose = ToolPose::of(tip()).with_position([1.2, 1.2, FREE]);
+        bare.clone().with_task(Task::default().with_tool_cost(ToolCost::new(pose, weight, 0.0)))
+    };
+    assert_eq!(error(&with_tool(0.0)), ProblemError::NothingToMinimise);
+    for problem in [with_tool(1.0), free(&with_tool(1.0))] {
+        assert!(Solver::new(&problem, options()).is_ok());
+    }
+    let mut penalised = bare.clone();
+    penalised.penalty = Some(Penalty::new(10.0).with_v_max(vec![1.0; 2]));
+    assert!(Solver::new(&penalised, options()).is_ok());
+    // A slow motion avoids penalties.
+    assert_eq!(error(&free(&penalised)), ProblemError::FreeTimeWithoutCost);
+}
+
+#[test]
 fn no_link_passes_through_a_thin_plate() {
     // The straight way leads through a plate that is thinner than the steps between points.
     let mut end = PANDA;
@@ -190,7 +218,7 @@ fn no_link_passes_through_a_thin_plate() {
         .with_obstacle(Obstacle::new("plate", Shape::Box { placement, size }))
         .with_collision(Collision::along_links(0.02));
     let problem = Problem::rest_to_rest(panda(), &PANDA, &end, 1.0).with_task(task);
-    let solution = Solver::new(&problem, options().with_tolerance(1e-3)).unwrap().solve();
+    let solution = solve_to(&problem, 1e-3);
     // The hand: whether it is at the plate, within its edges.
     let mut hand = Frame::new(&problem.robot, "panda_link7");
     let mut through = false;
@@ -202,5 +230,27 @@ fn no_link_passes_through_a_thin_plate() {
         through |= inside && before.is_some_and(|before| before * across < 0.0);
         before = Some(across);
     }
-    assert!(!(through && solution.motion.status == Status::Converged), "the hand went through the plate");
+    assert!(!through, "the hand went through the plate");
+}
+
+/// The same where accelerations are continuous.
+#[test]
+fn no_link_passes_through_a_thin_post_with_limited_jerks() {
+    let mut problem = two_link();
+    problem.end.q = vec![1.4, 0.0];
+    let (angle, size) = (0.7_f64, [0.5, 0.004, 1.0]);
+    let placement = Placement::from_xyz_rpy([1.95 * angle.cos(), 1.95 * angle.sin(), 0.0], [0.0, 0.0, angle]);
+    let task = Task::default()
+        .with_obstacle(Obstacle::new("post", Shape::Box { placement, size }))
+        .with_collision(Collision::along_links(0.02));
+    let limits = MotionLimits::none().with_jerk_max(vec![400.0, 400.0]);
+    let problem = problem.with_limits(limits).with_task(task);
+    let solution = solve_to(&problem, 1e-3);
+    // The tip goes by within the inner edge.
+    for point in samples(&solution, 4000) {
+        let (a, b) = (point.q[0], point.q[0] + point.q[1]);
+        let (x, y) = (a.cos() + b.cos(), a.sin() + b.sin());
+        let [across, along] = [angle.cos() * y - angle.sin() * x, angle.cos() * x + angle.sin() * y];
+        assert!(across.abs() > 0.002 || along < 1.7, "{} {along} {across}", point.t);
+    }
 }

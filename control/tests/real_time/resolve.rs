@@ -92,6 +92,24 @@ fn nothing_is_allocated_after_the_first_solve() {
 }
 
 #[test]
+fn nothing_is_allocated_where_the_first_solve_was_easy_and_the_next_is_not() {
+    let arm = problem("ur5_limits");
+    let mut motion = Resolve::new(&arm, options(20, 1e-4)).unwrap();
+    let easy = motion.solve().unwrap();
+    // Fast, away from the end.
+    let far = later(&arm.start.q, &[0.8, -0.6, 0.9, 0.5, -0.7, 1.0], -1.0);
+    let fast = [-2.0, 1.5, -2.0, 1.0, 2.0, -2.5];
+    let mut hard = None;
+    let found = allocations(|| {
+        motion.advance(0.1);
+        motion.set_start(&far, &fast).unwrap();
+        hard = Some(motion.solve_again(Budget::steps(200)).unwrap());
+    });
+    let hard = hard.unwrap();
+    assert!(found == 0 && hard.iterations > easy.iterations, "{found} allocations: {easy:?} {hard:?}");
+}
+
+#[test]
 fn budgets_are_kept_and_the_best_motion_is_shown() {
     let arm = problem("ur5_limits");
     let mut motion = Resolve::new(&arm, options(20, 1e-6)).unwrap();
@@ -131,6 +149,22 @@ fn motions_go_on_when_time_does() {
         let left = whole - f64::from(k) * dt;
         assert!((motion.final_time() / left - 1.0).abs() < 2e-3, "{k}: {} {left}", motion.final_time());
     }
+}
+
+#[test]
+fn a_start_that_cannot_be_evaluated_leaves_the_motion_as_it_was() {
+    let arm = problem("two_link").with_limits(MotionLimits::none());
+    let mut motion = Resolve::new(&arm, options(8, 1e-6)).unwrap();
+    let first = motion.solve().unwrap();
+    motion.set_start(&arm.start.q, &[f64::MAX; 2]).unwrap();
+    motion.solve_again(Budget::steps(9)).unwrap_err();
+    let mut z = [0.0; 6];
+    motion.state_at(0.0, &mut z).unwrap();
+    assert_eq!(z[2..4], arm.start.v);
+    motion.set_start(&arm.start.q, &arm.start.v).unwrap();
+    let found = motion.solve_again(Budget::steps(9)).unwrap();
+    assert_eq!(found.status, ResolveStatus::Solved, "{found:?}");
+    assert!((found.cost / first.cost - 1.0).abs() < 1e-5 && found.iterations < first.iterations);
 }
 
 #[test]
