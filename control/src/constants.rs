@@ -256,6 +256,8 @@ pub(crate) mod branch {
 
 /// The direct method ([`crate::direct`]).
 pub(crate) mod direct {
+    /// Least number of intervals with which a phase of several begins.
+    pub const INTERVALS_OF_PHASE: usize = 4;
     /// Slacks and multipliers keep at least this part of themselves in a step.
     pub const BOUNDARY: f64 = 0.005;
     /// Steps are cut short that are shorter than this..

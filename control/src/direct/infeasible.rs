@@ -75,7 +75,7 @@ fn limit<D: PointDynamics>(
             (_, false) => "max",
         }
         .into(),
-        time: interior.barrier.place(given.at, &interior.spline) * interior.spline.time,
+        time: interior.spline.time_at(interior.barrier.place(given.at, &interior.spline)),
         amount: excess(interior, side, None, -given.part * side.range),
         unit: unit(interior, side, None, kinds).into(),
         limit: (side.limited != Limited::Task).then_some(side.bound - of_rate),

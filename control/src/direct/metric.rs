@@ -1,6 +1,5 @@
 //! The metric of damping: how far a step moves the accelerations, as torques.
 
-use super::ends::Ends;
 use super::interval::IntervalHessian;
 use super::points::Points;
 use super::shape::Shape;
@@ -21,17 +20,10 @@ impl Metric {
     }
 
     /// Adds `sum w T (M da)' R (M da)` to a matrix of zeros; R is diagonal, `weights`.
-    pub fn fill(
-        &mut self,
-        matrix: &mut ChainMatrix,
-        spline: &Spline,
-        points: &Points,
-        weights: &[f64],
-        ends: &Ends,
-    ) {
+    pub fn fill(&mut self, matrix: &mut ChainMatrix, spline: &Spline, points: &Points, weights: &[f64]) {
         let (n, width) = (spline.dof, 3 * spline.dof);
         for p in 0..points.count() {
-            let weight = spline.mesh.point(p).1 * spline.time;
+            let weight = spline.weight(p);
             let tau_z = points.tau_z(p);
             for i in 0..n {
                 for j in 0..n {
@@ -43,13 +35,12 @@ impl Metric {
                 }
             }
             let (k, j) = spline.mesh.interval_of(p);
-            let factors = spline.mesh.basis(k, j).in_time(1.0 / spline.time);
+            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
             self.interval.take(j, n, factors, &self.hessian);
             let points = spline.mesh.own_points(k);
             if j + 1 == points {
                 self.interval.add_to(matrix, k, n, points);
             }
         }
-        ends.all(spline.mesh.intervals(), spline.time).for_each(|(k, i, _)| matrix.remove(k, i));
     }
 }

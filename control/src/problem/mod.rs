@@ -1,6 +1,7 @@
 //! Optimal-control problems of robots.
 
 pub(crate) mod check;
+mod check_vias;
 pub(crate) mod continuation_cause;
 pub(crate) mod error;
 #[cfg(feature = "toml")]
@@ -16,6 +17,8 @@ pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
 pub(crate) mod torque_speed_error;
+mod via;
+mod via_error;
 pub(crate) mod warning;
 
 pub use limits::MotionLimits;
@@ -25,6 +28,8 @@ pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 pub use torque_speed_error::TorqueSpeedError;
+pub use via::{Payload, Via};
+pub use via_error::ViaError;
 
 use crate::problem::key::Key;
 use crate::problem::running_cost::UserTerm;
@@ -76,6 +81,12 @@ pub struct Problem {
     pub limits: MotionLimits,
     /// Tools and obstacles, which [`Method::Direct`](crate::Method::Direct) takes.
     pub task: Task,
+    /// Places on the way, in the order in which they are passed, which [`Method::Direct`](crate::Method::Direct)
+    /// takes.
+    pub vias: Vec<Via>,
+    /// Where the end follows the start: q(T) - q(0) (rad, m), n entries. `None`: the ends are independent.
+    /// Needs [`Method::Direct`](crate::Method::Direct).
+    pub periodic: Option<Vec<f64>>,
 }
 
 impl Problem {
@@ -95,6 +106,8 @@ impl Problem {
             penalty: None,
             limits: MotionLimits::default(),
             task: Task::default(),
+            vias: Vec::new(),
+            periodic: None,
         }
     }
 
