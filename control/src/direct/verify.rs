@@ -39,7 +39,7 @@ pub(super) fn integrate_again<D>(
     resolution: &Resolution,
 ) -> Again {
     let spline = &interior.spline;
-    let (n, end) = (spline.dof, &problem.end);
+    let n = spline.dof;
     let cut: f64 = resolution.cut.iter().sum();
     match verify {
         Verify::Full => {}
@@ -63,9 +63,9 @@ pub(super) fn integrate_again<D>(
     for i in 0..2 * n {
         let size = largest(i).max(least[i / n]);
         relative = relative.max(defined((state[i] - last[i]).abs() / size));
-        let (free, given) = if i < n { (&end.q_free, end.q[i]) } else { (&end.v_free, end.v[i - n]) };
-        if !free.contains(&(i % n)) {
-            defect = defect.max(defined((state[i] - given).abs()));
+        let is_given = interior.ends.given[spline.mesh.phases()][i] || interior.ends.tied.contains(&i);
+        if is_given {
+            defect = defect.max(defined((state[i] - last[i]).abs()));
         }
     }
     defect = defect.max(interior.tasks.miss(spline.mesh.phases(), &state));
