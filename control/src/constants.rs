@@ -218,6 +218,8 @@ pub(crate) mod direct {
     /// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
     /// rates are limited; without it rates could swing between the points.
     pub const NODE_WEIGHT: f64 = 0.1;
+    /// Least number of intervals with which a phase of several begins.
+    pub const INTERVALS_OF_PHASE: usize = 4;
     /// Slacks and multipliers keep at least this part of themselves in a step.
     pub const BOUNDARY: f64 = 0.005;
     /// Steps are cut short that are shorter than this..

@@ -70,8 +70,8 @@ pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective,
-    Obstacle, Penalty, Problem, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
-    TorqueSpeedError,
+    Obstacle, Payload, Penalty, Problem, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+    TorqueSpeedError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};

@@ -31,6 +31,9 @@ pub(crate) fn polish(
     if options.polish == Polish::Never || found.motion.status.is_interruption() {
         return found;
     }
+    if problem.first_of_phases().is_some() {
+        return with_report(found, PolishOutcome::Phases, None);
+    }
     let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
     let begin =
         if found.is_motion() { as_bounds(problem, &limits, &found) } else { Err(PolishOutcome::NoMotion) };

@@ -71,6 +71,9 @@ impl Parameter {
         if problem.first_of_rates().is_some() {
             return refuse(ContinuationCause::Rates);
         }
+        if problem.first_of_phases().is_some() {
+            return refuse(ContinuationCause::Phases);
+        }
         let mut changed = problem.clone();
         match (self, &mut changed) {
             (Self::PenaltyWeight, Problem { penalty: Some(penalty), .. }) => penalty.weight = value,

@@ -1,6 +1,5 @@
 //! A solved motion as the start of the next problem: other ends, later times.
 
-use super::basis::Basis;
 use super::entries::complementarity;
 use super::interior::Interior;
 use super::points::PointDynamics;
@@ -15,7 +14,6 @@ pub(crate) struct Again {
     changes: [Vec<f64>; 2],
     /// q, dq/ds of the middle of an interval, and z there.
     z: Vec<f64>,
-    none: Vec<f64>,
     /// Multipliers at other times.
     multipliers: Vec<f64>,
 }
@@ -24,12 +22,7 @@ impl Again {
     /// For n joints.
     pub fn new(n: usize) -> Self {
         let zeros = |count: usize| vec![0.0; count];
-        Self {
-            changes: [zeros(2 * n), zeros(2 * n)],
-            z: zeros(3 * n),
-            none: zeros(n),
-            multipliers: Vec::new(),
-        }
+        Self { changes: [zeros(2 * n), zeros(2 * n)], z: zeros(3 * n), multipliers: Vec::new() }
     }
 }
 
@@ -53,7 +46,7 @@ impl<D: PointDynamics> Interior<D> {
             let change = &mut again.changes[end];
             self.spline.end(end, change);
             for (i, change) in change.iter_mut().enumerate() {
-                let given = self.ends.given[end][i].is_some();
+                let given = self.ends.given[end][i];
                 *change = if given { state[i] - *change } else { 0.0 };
             }
         }
@@ -63,12 +56,12 @@ impl<D: PointDynamics> Interior<D> {
         self.changes[0].fill(0.0);
         if predict {
             let changes = again.changes.each_ref().map(|change| &change[..]);
-            let dt = self.system.respond(&self.ends, &self.spline, changes, &mut self.steps[0]);
-            self.time_steps[0] = dt;
-            if self.spline.time + dt > constants::SHORTEST_TIME * self.spline.time {
+            let dt = self.respond(changes);
+            let time = self.spline.times[0];
+            if time + dt > constants::SHORTEST_TIME * time {
                 self.change_distances(0);
                 self.spline.unknowns.iter_mut().zip(&self.steps[0]).for_each(|(x, dx)| *x += dx);
-                self.spline.time += dt;
+                self.spline.times[0] += dt;
             }
         }
         self.put_ends(states);
@@ -104,14 +97,11 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Puts the given states into the unknowns.
     pub fn put_ends(&mut self, states: [&[f64]; 2]) {
-        let (n, intervals, time) = (self.spline.dof, self.spline.mesh.intervals(), self.spline.time);
         for (end, state) in states.into_iter().enumerate() {
-            let unknowns = &mut self.spline.unknowns[2 * n * end * intervals..][..2 * n];
-            for (i, given) in self.ends.given[end].iter_mut().enumerate() {
-                if given.is_some() {
-                    unknowns[i] = if i < n { state[i] } else { time * state[i] };
-                    *given = Some(if i < n { 0.0 } else { state[i] });
-                }
+            let place = self.spline.end_unknowns(end);
+            let unknowns = self.spline.unknowns[place].iter_mut().zip(state);
+            for ((unknown, value), _) in unknowns.zip(&self.ends.given[end]).filter(|(_, given)| **given) {
+                *unknown = *value;
             }
         }
     }
@@ -121,13 +111,13 @@ impl<D: PointDynamics> Interior<D> {
     /// a coarse mesh another spline has other accelerations, which cost more than what a part of an interval
     /// gains. The intervals are equal.
     pub fn shift(&mut self, dt: f64, again: &mut Again) {
-        let (n, time) = (self.spline.dof, self.spline.time);
+        let (n, time) = (self.spline.dof, self.spline.duration());
         let intervals = self.spline.mesh.intervals() as f64;
         let whole = (dt / time * intervals).round() / intervals;
         if whole == 0.0 {
             return;
         }
-        let (first, rest) = if self.ends.free_time {
+        let (first, rest) = if self.ends.times.count() > 0 {
             let first = (dt / time).min(constants::LATEST);
             (first, 1.0 - first)
         } else {
@@ -135,18 +125,23 @@ impl<D: PointDynamics> Interior<D> {
         };
         let (old, new) = (&self.spline, &mut self.trial.spline);
         new.copy_from(old);
+        new.times.iter_mut().for_each(|time| *time *= rest);
         let nodes = &old.mesh.nodes;
         let place = |s: f64| first + rest * s;
         for (k, &s) in nodes.iter().enumerate() {
             let state = &mut new.unknowns[2 * n * k..2 * n * (k + 1)];
             beyond(old, place(s), rest, &mut again.z);
             state.copy_from_slice(&again.z[..2 * n]);
+            if old.mesh.is_end(k) {
+                // The time becomes shorter by the same factor.
+                state[n..].iter_mut().for_each(|rate| *rate /= rest * time);
+            }
         }
         for k in 0..old.mesh.intervals() {
             let h = old.mesh.width(k);
-            let (_, ends) = new.of_interval(&new.unknowns, k);
-            Basis::at(old.mesh.shape, 0.5, h).combine(n, &again.none, ends, &mut again.z);
             let bubble = 2 * n * nodes.len() + n * k;
+            new.unknowns[bubble..bubble + n].fill(0.0);
+            new.in_parts(k, 0.5, &mut again.z);
             let bubble = &mut new.unknowns[bubble..bubble + n];
             bubble.iter_mut().zip(&again.z).for_each(|(bubble, cubic)| *bubble = -cubic);
             beyond(old, place(nodes[k] + 0.5 * h), rest, &mut again.z);
@@ -154,9 +149,6 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.shift_multipliers(place, again);
         std::mem::swap(&mut self.spline, &mut self.trial.spline);
-        if self.ends.free_time {
-            self.spline.time *= rest;
-        }
     }
 
     /// Multipliers of limits over their weights, linear between points, at later places.
@@ -211,8 +203,7 @@ impl<D: PointDynamics> Interior<D> {
 fn beyond(spline: &Spline, s: f64, scale: f64, z: &mut [f64]) {
     let n = spline.dof;
     let (k, x) = spline.mesh.place(s.min(1.0));
-    let (inner, ends) = spline.of_interval(&spline.unknowns, k);
-    Basis::at(spline.mesh.shape, x, spline.mesh.width(k)).combine(n, inner, ends, z);
+    spline.in_parts(k, x, z);
     let (q, rates) = z.split_at_mut(n);
     for (q, rate) in q.iter_mut().zip(rates) {
         *q += (s - 1.0).max(0.0) * *rate;

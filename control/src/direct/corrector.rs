@@ -51,6 +51,7 @@ impl<D: PointDynamics> Interior<D> {
         self.steps.swap(2, 3);
         self.changes.swap(2, 3);
         self.time_steps.swap(2, 3);
+        self.shared_steps.swap(2, 3);
         self.corrections.swap(0, 1);
     }
 
@@ -72,7 +73,7 @@ impl<D: PointDynamics> Interior<D> {
     pub(super) fn solve_correction(&mut self) {
         let Self { system, spline, points, barrier, ends, corrections, .. } = self;
         system.collect_corrections(spline, points, barrier, ends, &corrections[1]);
-        self.time_steps[3] = self.system.solve_for_corrections(self.ends.free_time, &mut self.steps[3]);
+        self.system.solve_for_corrections(&mut self.steps[3], &mut self.shared_steps[3]);
         self.finish_part(3);
     }
 }
@@ -87,10 +88,11 @@ impl System {
         ends: &Ends,
         corrections: &[f64],
     ) {
-        let (n, inverse) = (spline.dof, 1.0 / spline.time);
+        let n = spline.dof;
         self.correction.clear();
         self.correction.resize(spline.unknowns.len(), 0.0);
-        self.time_correction = 0.0;
+        self.time_correction.clear();
+        self.time_correction.resize(spline.mesh.phases(), 0.0);
         let of = |at: usize, sign: f64| {
             let is_limit = barrier.is_limit(at) && corrections[at] != 0.0;
             if is_limit { -sign * corrections[at] / barrier.slack[at] } else { 0.0 }
@@ -109,34 +111,36 @@ impl System {
                 }
                 add_row(points, p, side, value, z);
             }
-            work.differentiate_in_time(points.z(p), inverse);
-            self.time_correction += dot(&work.z[0], &work.z_t);
             let (k, j) = spline.mesh.interval_of(p);
-            let factors = spline.mesh.basis(k, j).in_time(inverse);
+            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            work.differentiate_in_time(points.z(p), spline, k, &factors);
+            self.time_correction[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);
             add_gradient(spline, k, &factors, &work.z[0], &mut self.correction);
         }
         for k in 0..spline.mesh.nodes.len() {
+            let inverse = 1.0 / spline.clock_at(k);
             for at in barrier.at_node(k) {
                 let side = barrier.side(at);
                 let (value, i) = (of(at, side.sign), spline.node() * k + side.index(n));
                 let is_rate = side.limited == Limited::Rate;
                 self.correction[i] += if is_rate { inverse * value } else { value };
-                if is_rate {
-                    self.time_correction -= inverse * inverse * spline.unknowns[i] * value;
+                if is_rate && !spline.mesh.is_end(k) {
+                    self.time_correction[spline.mesh.phase(k)] -=
+                        inverse * inverse * spline.unknowns[i] * value;
                 }
             }
         }
-        for (k, i, tangent) in ends.all(spline.mesh.intervals(), spline.time) {
-            let at = spline.node() * k + i;
-            self.time_correction += tangent * self.correction[at];
-            self.correction[at] = 0.0;
-        }
+        self.shared_correction.resize(ends.shared(), 0.0);
+        let shared = &mut self.shared_correction;
+        ends.reduce(&spline.mesh, &mut self.correction, &self.time_correction, shared);
     }
 
     /// Solves for the part of the step that belongs to the corrections.
-    fn solve_for_corrections(&mut self, free_time: bool, dx: &mut Vec<f64>) -> f64 {
+    fn solve_for_corrections(&mut self, dx: &mut Vec<f64>, shared: &mut Vec<f64>) {
         dx.clear();
         dx.extend(self.correction.iter().map(|g| -g));
-        self.finish_solution(self.time_correction, free_time, dx)
+        shared.clear();
+        shared.extend(self.shared_correction.iter().map(|g| -g));
+        self.finish_solution(dx, shared);
     }
 }

@@ -12,6 +12,8 @@ use super::side::Limited;
 pub(super) struct Costates {
     /// At the nodes; after the node where a limit makes them jump.
     pub at_nodes: Vec<Vec<f64>>,
+    /// At the right ends of the intervals, before such a jump.
+    pub before: Vec<Vec<f64>>,
     pub at_points: Vec<Vec<f64>>,
     /// H* at the points.
     pub hamiltonian: Vec<f64>,
@@ -30,9 +32,10 @@ pub(super) struct Costates {
 /// constant torques; the derivative is that of the polynomial through points and nodes of an interval.
 pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
-    let (n, time, mesh) = (spline.dof, spline.time, &spline.mesh);
+    let (n, mesh) = (spline.dof, &spline.mesh);
     let mut found = Costates {
         at_nodes: vec![vec![0.0; 2 * n]; mesh.nodes.len()],
+        before: Vec::with_capacity(mesh.intervals()),
         at_points: vec![vec![0.0; 2 * n]; mesh.points()],
         hamiltonian: vec![0.0; mesh.points()],
     };
@@ -42,9 +45,16 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         gradient.fill(0.0);
         for (j, p) in (POINTS * k..POINTS * (k + 1)).enumerate() {
             work.collect(p, false, spline, &interior.points, &interior.barrier, &mut interior.running);
-            add_gradient(spline, k, &mesh.basis(k, j).in_time(1.0 / time), &work.z[0], &mut gradient);
+            add_gradient(
+                spline,
+                k,
+                &spline.basis(k, j).in_time(1.0 / spline.clock(k)),
+                &work.z[0],
+                &mut gradient,
+            );
         }
         let state = |k: usize, sign: f64| -> Vec<f64> {
+            let time = spline.clock_at(k);
             let scale = |i: usize| if i < n { sign } else { sign * time };
             gradient[2 * n * k..2 * n * (k + 1)].iter().enumerate().map(|(i, g)| scale(i) * g).collect()
         };
@@ -64,6 +74,7 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
             found.hamiltonian[p] = power - interior.running.rate(z, interior.points.tau(p));
             found.at_points[p] = costate;
         }
+        found.before.push(right.clone());
         found.at_nodes[k + 1] = right;
     }
     found
@@ -75,7 +86,7 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
     let n = spline.dof;
     let mut costate = vec![0.0; 2 * n];
     interior.running.add_rate_gradient(points.z(p), points.tau(p), &mut costate[..n]);
-    let scale = 1.0 / (spline.mesh.point(p).1 * spline.time);
+    let scale = 1.0 / spline.weight(p);
     let multipliers = &interior.barrier.multiplier[interior.barrier.at_point(p)];
     for (side, eta) in interior.barrier.sides().iter().zip(multipliers) {
         match side.limited {
@@ -93,7 +104,7 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
         }
     }
     let (y_p, factors) = (torque_costate(interior, p), slopes(j + 1));
-    let rate = 1.0 / (spline.mesh.width(k) * spline.time);
+    let rate = 1.0 / spline.length(k);
     for i in 0..n {
         let slope: f64 = factors.iter().zip(impulses).map(|(factor, impulse)| factor * impulse[i]).sum();
         costate[i] -= rate * slope;
@@ -108,7 +119,7 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
 /// y_p at a point.
 fn torque_costate<D>(interior: &Interior<D>, p: usize) -> Vec<f64> {
     let n = interior.spline.dof;
-    let scale = 1.0 / (interior.spline.mesh.point(p).1 * interior.spline.time);
+    let scale = 1.0 / interior.spline.weight(p);
     interior.points.weights[n * p..][..n].iter().map(|weight| scale * weight).collect()
 }
 

@@ -111,14 +111,15 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
-    /// The same path in another time, with the rates that are given at its ends.
-    pub fn slow_down(&mut self, time: f64) {
+    /// The same path in a multiple of its time, with the rates that are given at the ends of phases.
+    pub fn slow_down(&mut self, factor: f64) {
         let n = self.spline.dof;
-        self.spline.time = time;
-        for (k, i, tangent) in
-            self.ends.all(self.spline.mesh.intervals(), self.spline.time).filter(|(_, i, _)| *i >= n)
-        {
-            self.spline.unknowns[2 * n * k + i] = tangent * time;
+        self.spline.times.iter_mut().for_each(|time| *time *= factor);
+        for (end, given) in self.ends.given.iter().enumerate() {
+            let first = self.spline.end_unknowns(end).start;
+            for i in (n..2 * n).filter(|&i| !given[i]) {
+                self.spline.unknowns[first + i] /= factor;
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use crate::numerics::chain::ChainMatrix;
 pub(super) struct EndColumns {
     /// The first and the last interval with its nodes.
     intervals: [ChainMatrix; 2],
-    /// K's column for T at the start and at the end.
+    /// K's column for the times of the first and of the last phase at the start and at the end.
     pub border: [Vec<f64>; 2],
     /// The gradient of the Lagrangian with the multipliers, exact at both ends.
     pub gradient: Vec<f64>,
@@ -35,14 +35,15 @@ impl EndColumns {
     }
 
     /// Takes them from the equations.
-    pub fn take(&mut self, matrix: &ChainMatrix, border: &[f64], count: usize) {
+    pub fn take(&mut self, matrix: &ChainMatrix, by_times: &[Vec<f64>], count: usize) {
         self.count = count;
+        let columns = [by_times.first(), by_times.last()];
         for (end, interval) in self.intervals.iter_mut().enumerate() {
             let last = end * (count - 1);
             interval.copy_interval(matrix, last);
             let state = end * count * self.node..(end * count + 1) * self.node;
             self.border[end].clear();
-            self.border[end].extend_from_slice(&border[state]);
+            self.border[end].extend(columns[end].into_iter().flat_map(|column| &column[state.clone()]));
         }
     }
 

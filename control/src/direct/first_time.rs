@@ -17,7 +17,7 @@ impl<D: PointDynamics> Interior<D> {
     pub fn choose_time(&mut self, at: impl Fn(f64) -> Spline) {
         let smooth = if self.needs_smoothing() { self.smooth_effort() } else { self.running.effort.clone() };
         let effort = std::mem::replace(&mut self.running.effort, smooth);
-        let (mut best, time): (Option<(Figures, Spline)>, f64) = (None, self.spline.time);
+        let (mut best, time): (Option<(Figures, Spline)>, f64) = (None, self.spline.duration());
         for k in -constants::TIMES..=constants::TIMES {
             let spline = at(time * 2.0_f64.powf(f64::from(k) * constants::OCTAVES));
             let Some(found) = self.figures_of(&spline) else { continue };

@@ -5,11 +5,13 @@ use super::interior::Interior;
 use super::points::PointDynamics;
 use super::shape::POINTS;
 use super::smooth_costates::smooth_costates;
+use super::spline::Spline;
 use crate::problem::Problem;
 use crate::problem::limits::JointLimits;
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
 use costate::lagrangian::{Lagrangian, LegendreTransform};
+use costate::robot::Robot;
 
 /// The trajectory at the nodes and at the points between them, with H*.
 ///
@@ -25,13 +27,14 @@ pub(super) fn trajectory<D: PointDynamics>(
     }
     let costates = costates(interior);
     let (spline, points) = (&interior.spline, &interior.points);
-    let mut rows = Rows::new(problem);
+    let mut rows = Rows::new(problem, spline);
     let mut z = vec![0.0; 3 * spline.dof];
     for k in 0..spline.mesh.intervals() {
+        rows.enter(spline.mesh.phase(k));
         for (node, x) in [(k, 0.0), (k + 1, 1.0)] {
             if node > k {
                 for p in POINTS * k..POINTS * node {
-                    let time = spline.mesh.point(p).0 * spline.time;
+                    let time = spline.time_at(spline.mesh.point(p).0);
                     let costate = costates.at_points[p].clone();
                     rows.add(time, points.z(p), points.tau(p), costate, costates.hamiltonian[p])?;
                 }
@@ -40,13 +43,10 @@ pub(super) fn trajectory<D: PointDynamics>(
             let (q, v, a) = parts(&z);
             let tau = rows.inverse.inverse_dynamics(q, v, a)?.to_vec();
             let value = costates.hamiltonian[(POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1)];
-            rows.add(
-                spline.mesh.nodes[node] * spline.time,
-                &z,
-                &tau,
-                costates.at_nodes[node].clone(),
-                value,
-            )?;
+            // At a via they jump.
+            let before = node > k && spline.mesh.is_end(node);
+            let costate = if before { &costates.before[k] } else { &costates.at_nodes[node] };
+            rows.add(spline.time_at(spline.mesh.nodes[node]), &z, &tau, costate.clone(), value)?;
         }
     }
     Ok(rows.trajectory())
@@ -59,9 +59,10 @@ fn smooth_trajectory<D: PointDynamics>(
 ) -> Result<Trajectory, EvalError> {
     let Costates { at_points, hamiltonian, .. } = smooth_costates(interior);
     let (spline, points) = (&interior.spline, &interior.points);
-    let mut rows = Rows::new(problem);
+    let mut rows = Rows::new(problem, spline);
     for (p, (costate, hamiltonian)) in at_points.into_iter().zip(hamiltonian).enumerate() {
-        let time = spline.mesh.point(p).0 * spline.time;
+        let time = spline.time_at(spline.mesh.point(p).0);
+        rows.enter(spline.mesh.phase(spline.mesh.interval_of(p).0));
         rows.add(time, points.z(p), points.tau(p), costate, hamiltonian)?;
     }
     Ok(rows.trajectory())
@@ -76,6 +77,10 @@ fn parts(z: &[f64]) -> (&[f64], &[f64], &[f64]) {
 /// The rows of a trajectory, one time after the other.
 struct Rows<'a> {
     problem: &'a Problem,
+    via_times: Vec<f64>,
+    /// Those of all phases, and the phase of the models.
+    robots: Vec<Robot>,
+    phase: usize,
     limits: Vec<JointLimits>,
     inverse: Lagrangian<f64>,
     transform: LegendreTransform<f64>,
@@ -87,8 +92,11 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(problem: &'a Problem) -> Self {
+    fn new(problem: &'a Problem, spline: &Spline) -> Self {
         Self {
+            via_times: (1..spline.times.len()).map(|end| spline.time_at(end as f64)).collect(),
+            robots: problem.robots(),
+            phase: 0,
             problem,
             limits: problem.joint_limits(),
             inverse: Lagrangian::new(&problem.robot),
@@ -102,7 +110,16 @@ impl<'a> Rows<'a> {
 
     fn trajectory(self) -> Trajectory {
         let trajectory = Trajectory::from_rows(self.times, self.columns).with_hamiltonian(self.hamiltonian);
-        trajectory.with_accelerations(self.accelerations)
+        trajectory.with_accelerations(self.accelerations).with_via_times(self.via_times)
+    }
+
+    /// What follows belongs to this phase.
+    fn enter(&mut self, phase: usize) {
+        if self.phase != phase {
+            let robot = &self.robots[phase];
+            (self.inverse, self.transform) = (Lagrangian::new(robot), LegendreTransform::new(robot));
+            self.phase = phase;
+        }
     }
 
     /// Adds a time: torques cut to their limits, costates of (q, v) as those of (q, p).

@@ -1,16 +1,19 @@
 //! Where the direct method begins.
 
+use super::mesh::Mesh;
+use super::phase_times::{fill_rates, phase_times, ways, with_guesses};
 use super::shape::Shape;
-use super::spline::{Mesh, Spline};
+use super::spline::Spline;
 use crate::constants::direct::NEIGHBOUR;
 use crate::cubics::{Cubics, Disturbance};
-use crate::problem::Problem;
+use crate::problem::{FinalTime, Problem};
 use crate::result::trajectory::Trajectory;
 use crate::task::build::TaskRows;
 use crate::task::reach::reach;
 use std::borrow::Cow;
 
-/// Cubics from start to end with a disturbance, or a saved motion, on equal intervals.
+/// Cubics from end to end of the phases with a disturbance, or a saved motion, on so many equal intervals in
+/// each phase.
 pub(super) fn guess(
     problem: &Problem,
     saved: Option<&Trajectory>,
@@ -18,74 +21,100 @@ pub(super) fn guess(
     intervals: usize,
 ) -> Spline {
     let n = problem.robot.dof();
-    let time = problem.time.value();
-    let cubics = Cubics { problem, disturbance, goal: 1.0 };
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
-    // q and dq/ds at a place.
-    let at = |s: f64, q: &mut [f64], rate: &mut [f64]| {
-        let found = saved.zip(duration).and_then(|(saved, duration)| {
-            Some((saved.at((saved.t[0] + s * duration).min(*saved.t.last()?))?, duration))
+    let saved = saved.zip(duration);
+    let mut ends = with_guesses(problem);
+    let lengths =
+        saved.and_then(|(saved, _)| saved.phase_times()).filter(|all| all.len() == problem.phases());
+    let times = match (lengths, problem.time) {
+        (lengths, FinalTime::Free { guess }) => {
+            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), duration.unwrap_or(guess))
+        }
+        (lengths, FinalTime::Fixed(time)) => {
+            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), time)
+        }
+    };
+    fill_rates(problem, &mut ends, &times);
+    let phases: Vec<Problem> = ends
+        .windows(2)
+        .zip(&times)
+        .map(|(ends, &time)| Problem {
+            start: ends[0].clone(),
+            end: ends[1].clone(),
+            time: FinalTime::Fixed(time),
+            ..problem.clone()
+        })
+        .collect();
+    let sum: f64 = times.iter().sum();
+    let began: Vec<f64> = (0..times.len()).map(|phase| times[..phase].iter().sum()).collect();
+    // q and dq/ds at a place of a phase.
+    let at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
+        let (part, time) = (s - phase as f64, times[phase]);
+        let found = saved.and_then(|(saved, duration)| {
+            let since = (began[phase] + part * time) / sum * duration;
+            Some((saved.at((saved.t[0] + since).min(*saved.t.last()?))?, duration / sum))
         });
         match found {
-            Some((point, duration)) => {
+            Some((point, stretch)) => {
                 q.copy_from_slice(&point.q);
-                rate.iter_mut().zip(&point.v).for_each(|(rate, v)| *rate = duration * v);
+                rate.iter_mut().zip(&point.v).for_each(|(rate, v)| *rate = stretch * time * v);
             }
             None => {
+                let cubics = Cubics { problem: &phases[phase], disturbance, goal: 1.0 };
                 for (i, (q, rate)) in q.iter_mut().zip(rate).enumerate() {
-                    let at = cubics.at(i, s);
+                    let at = cubics.at(i, part);
                     (*q, *rate) = (at.q, time * at.v);
                 }
             }
         }
     };
-    let nodes = (0..=intervals).map(|k| k as f64 / intervals as f64).collect();
     // The second derivative is that of rates around the place: for a guess as good as the exact one.
     let step = NEIGHBOUR / intervals as f64;
     let (mut q, mut before, mut after) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let state = |s: f64, z: &mut [f64]| {
-        let (left, right) = ((s - step).max(0.0), (s + step).min(1.0));
-        at(left, &mut q, &mut before);
-        at(right, &mut q, &mut after);
+    let state = |phase: usize, s: f64, z: &mut [f64]| {
+        let (left, right) = ((s - step).max(phase as f64), (s + step).min(phase as f64 + 1.0));
+        at(phase, left, &mut q, &mut before);
+        at(phase, right, &mut q, &mut after);
         let (position, rates) = z.split_at_mut(n);
         let (rate, curvature) = rates.split_at_mut(n);
-        at(s, position, rate);
+        at(phase, s, position, rate);
         for ((to, before), after) in curvature.iter_mut().zip(&before).zip(&after) {
             *to = (after - before) / (right - left);
         }
     };
-    let mesh = Mesh::new(nodes, Shape::of(problem));
-    let mut spline = Spline::through(n, mesh, duration.unwrap_or(time), state);
-    if matches!(problem.time, crate::problem::FinalTime::Fixed(_)) {
-        spline.time = time;
-    }
+    let mesh = Mesh::new(Mesh::even(times.len(), intervals), Shape::of(problem));
+    let mut spline = Spline::through(n, mesh, times.clone(), state);
     meet_ends(problem, &mut spline);
     spline
 }
 
-/// Puts the given positions, rates and accelerations of both ends into the unknowns.
+/// Puts what is given at the ends of phases into the unknowns; the end of a periodic motion follows its start.
 fn meet_ends(problem: &Problem, spline: &mut Spline) {
-    let (n, time) = (spline.dof, spline.time);
-    let offsets = [0, 1].map(|end| spline.end_unknowns(end).start);
-    for (end, offset) in [&problem.start, &problem.end].into_iter().zip(offsets) {
+    let n = spline.dof;
+    for (number, end) in problem.ends().iter().enumerate() {
+        let place = spline.end_unknowns(number);
+        let unknowns = &mut spline.unknowns[place];
         for i in 0..n {
             if !end.q_free.contains(&i) {
-                spline.unknowns[offset + i] = end.q[i];
+                unknowns[i] = end.q[i];
             }
             if !end.v_free.contains(&i) {
-                spline.unknowns[offset + n + i] = time * end.v[i];
+                unknowns[n + i] = end.v[i];
             }
         }
         if let Some(a) = &end.a {
-            for (i, a) in a.iter().enumerate() {
-                spline.unknowns[offset + 2 * n + i] = time * time * a;
-            }
+            unknowns[2 * n..].iter_mut().zip(a).for_each(|(to, a)| *to = *a);
         }
+    }
+    let Some(shift) = &problem.periodic else { return };
+    let (start, end) = (spline.end_unknowns(0), spline.end_unknowns(spline.mesh.phases()));
+    for (k, (from, to)) in start.zip(end).enumerate() {
+        spline.unknowns[to] = spline.unknowns[from] + shift.get(k).copied().unwrap_or(0.0);
     }
 }
 
-/// The problem with positions at its ends at which tools are where they shall be. Later starts look for other
-/// ones.
+/// The problem with positions at the ends of its phases at which tools are where they shall be. Later starts
+/// look for other ones.
 pub(super) fn with_tools_reached<'a>(
     problem: &'a Problem,
     rows: &TaskRows,
@@ -93,14 +122,23 @@ pub(super) fn with_tools_reached<'a>(
 ) -> Cow<'a, Problem> {
     let mut found = Cow::Borrowed(problem);
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
-    for (end, rows) in [&rows.start, &rows.end].into_iter().enumerate() {
+    let phases = problem.phases();
+    for (end, rows) in rows.at_ends().enumerate() {
         if rows.is_empty() {
             continue;
         }
-        let state = if end == 0 { &problem.start } else { &problem.end };
+        // Vias with tools before this one are known now.
+        let state = &with_guesses(&found)[end];
         let reached = reach(&mut rows.clone(), &state.q, &state.q_free, &limits, number);
         let problem = found.to_mut();
-        (if end == 0 { &mut problem.start } else { &mut problem.end }).q = reached.q;
+        match end {
+            0 => problem.start.q = reached.q,
+            _ if end == phases => problem.end.q = reached.q,
+            _ => {
+                let via = &mut problem.vias[end - 1];
+                (via.q, via.q_free) = (Some(reached.q), state.q_free.clone());
+            }
+        }
     }
     found
 }

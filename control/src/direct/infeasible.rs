@@ -73,7 +73,7 @@ fn limit<D: PointDynamics>(
             (_, false) => "max",
         }
         .into(),
-        time: interior.barrier.place(given.at, &interior.spline) * interior.spline.time,
+        time: interior.spline.time_at(interior.barrier.place(given.at, &interior.spline)),
         amount: excess(interior, side, None, -given.amount),
         part: given.part,
         unit: unit(interior, side, None, kinds).into(),

@@ -60,7 +60,9 @@ pub(crate) struct Interior<D> {
     pub(super) steps: [Vec<f64>; 4],
     /// Changes of the distances by these.
     pub(super) changes: [Vec<f64>; 4],
-    pub(super) time_steps: [f64; 4],
+    /// Those of the times of phases, and those of shared unknowns.
+    pub(super) time_steps: [Vec<f64>; 4],
+    pub(super) shared_steps: [Vec<f64>; 4],
     /// What corrections add to `mu w` at each entry, and another one of these.
     pub(super) corrections: [Vec<f64>; 2],
     /// Room for those of a warm start.
@@ -102,7 +104,7 @@ impl<D: PointDynamics> Interior<D> {
         Self {
             spline,
             points: Points::default(),
-            barrier: Barrier::new(sides, tasks.end_sides()),
+            barrier: Barrier::new(sides, &tasks.end_sides()),
             running,
             ends,
             dynamics,
@@ -124,7 +126,8 @@ impl<D: PointDynamics> Interior<D> {
             weights: vec![0.0; n],
             steps: Default::default(),
             changes: Default::default(),
-            time_steps: [0.0; 4],
+            time_steps: Default::default(),
+            shared_steps: Default::default(),
             corrections: Default::default(),
         }
     }
@@ -168,8 +171,8 @@ impl<D: PointDynamics> Interior<D> {
     /// Room for the points and entries of the mesh.
     pub(super) fn prepare(&mut self) {
         let n = self.spline.dof;
-        self.points.resize(n, self.rows(), self.spline.mesh.points());
-        self.points.ends.resize(n, self.tasks.end_rows());
+        self.points.resize(n, self.rows(), self.spline.mesh.ends_of_points());
+        self.points.ends.resize(n, self.tasks.end_rows(), self.spline.mesh.ends().len());
         self.barrier.resize(&self.spline.mesh, &self.ends);
     }
 
@@ -194,7 +197,7 @@ impl<D: PointDynamics> Interior<D> {
         }
         let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
         let range = self.barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
-        self.figures.size / self.spline.time / (range * range)
+        self.figures.size / self.spline.duration() / (range * range)
     }
 
     /// Weights and derivatives at the points of this iterate.
@@ -293,7 +296,7 @@ impl<D: PointDynamics> Interior<D> {
             self.weights[joint] = self.metric_weight(joint);
         }
         self.system.factorise(damping, &self.ends, &self.spline, &self.points, &self.weights).is_ok()
-            && self.relaxation.factorise(&mut self.system, self.ends.free_time)
+            && self.relaxation.factorise(&mut self.system)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::ends::Ends;
 use super::super::guess::guess;
+use super::super::phases::PhaseDynamics;
 use super::super::points::RobotPoints;
 use super::super::power::Powers;
 use super::super::running::Running;
@@ -10,13 +11,20 @@ use super::super::side::{Limited, Side};
 use super::super::tasks::Tasks;
 use super::Interior;
 use crate::cubics::Disturbance;
-use crate::problem::{FinalTime, Keep, Kept, MotionLimits, Objective, Problem, Task, Tool, ToolPose};
+use crate::problem::{
+    FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Problem, Task, Tool, ToolPose, Via,
+};
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
-pub(in super::super) fn started(shape: Shape) -> Interior<RobotPoints> {
+pub(in super::super) fn started(shape: Shape) -> Interior<PhaseDynamics<RobotPoints>> {
+    started_with(shape, &[])
+}
+
+/// The same with these vias.
+fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoints>> {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
     problem.time = FinalTime::Free { guess: 1.2 };
@@ -34,8 +42,9 @@ pub(in super::super) fn started(shape: Shape) -> Interior<RobotPoints> {
     }
     let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.1, 1.1));
     let sides = kinds.into_iter().flat_map(pair).collect();
+    problem.vias = vias.to_vec();
     let spline = guess(&problem, None, &Disturbance::default(), 3);
-    let dynamics = RobotPoints::new(&problem.robot);
+    let dynamics = PhaseDynamics::new(&problem.robots(), RobotPoints::new);
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
     let through = [0.1; 3];
     problem.end.q_free = vec![0, 1];
@@ -85,16 +94,24 @@ fn slacks_and_multipliers_begin_on_the_central_path() {
 
 #[test]
 fn steps_where_accelerations_jump() {
-    steps_are_those_of_the_linearised_conditions(Shape::Quartic);
+    both_steps_are_those_of_the_linearised_conditions(Shape::Quartic);
 }
 
 #[test]
 fn steps_where_accelerations_are_continuous() {
-    steps_are_those_of_the_linearised_conditions(Shape::Quintic);
+    both_steps_are_those_of_the_linearised_conditions(Shape::Quintic);
 }
 
-fn steps_are_those_of_the_linearised_conditions(shape: Shape) {
-    let mut interior = started(shape);
+/// In one phase, and with two vias.
+fn both_steps_are_those_of_the_linearised_conditions(shape: Shape) {
+    steps_are_those_of_the_linearised_conditions(started(shape));
+    let tip = Payload::point("joint:elbow", 0.5, [1.0, 0.0, 0.0]);
+    let first = Via::at(&[0.4, 0.3]).with_q_free(&[1]).with_payload(tip);
+    let vias = [first, Via::at(&[0.8, -0.2]).with_v(&[0.1, 0.2]).with_time(0.6)];
+    steps_are_those_of_the_linearised_conditions(started_with(shape, &vias));
+}
+
+fn steps_are_those_of_the_linearised_conditions(mut interior: Interior<PhaseDynamics<RobotPoints>>) {
     interior.refresh().unwrap();
     interior.system.assemble(
         &interior.spline,
@@ -106,7 +123,7 @@ fn steps_are_those_of_the_linearised_conditions(shape: Shape) {
     assert!(interior.factorise(1.0));
     interior.solve();
     // Changes of the distances along each part of the step.
-    let (base, step) = (interior.spline.clone(), 1e-6);
+    let (base, step) = (interior.spline.clone(), 1e-5);
     for part in 0..2 {
         let size = interior.steps[part].iter().fold(1e-300, |most: f64, dx| most.max(dx.abs()));
         let mut along = |sign: f64| {
@@ -114,8 +131,8 @@ fn steps_are_those_of_the_linearised_conditions(shape: Shape) {
             let mut spline = base.clone();
             let pairs = spline.unknowns.iter_mut().zip(&interior.steps[part]);
             pairs.for_each(|(unknown, dx)| *unknown += factor * dx);
-            spline.time += factor * interior.time_steps[part];
-            interior.ends.put_accelerations(&mut spline);
+            let times = spline.times.iter_mut().zip(&interior.time_steps[part]);
+            times.for_each(|(time, dt)| *time += factor * dt);
             interior.spline = spline;
             interior.evaluate().unwrap();
             let distance = interior.barrier.distance.clone();
@@ -184,7 +201,7 @@ fn corrections_bring_products_closer_to_the_central_path() {
     let on = (0..count).filter(|&at| barrier.is_limit(at));
     let terms: Vec<f64> = on.map(|at| -corrections[at] / barrier.slack[at] * changes[0][at]).collect();
     let along: f64 = system.correction.iter().zip(&steps[0]).map(|(g, dx)| g * dx).sum();
-    let along = along + system.time_correction * time_steps[0];
+    let along = along + system.time_correction[0] * time_steps[0][0];
     let size: f64 = terms.iter().map(|term| term.abs()).sum();
     assert!((terms.iter().sum::<f64>() - along).abs() < 1e-11 * size, "{along} {size}");
 

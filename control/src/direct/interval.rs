@@ -1,7 +1,7 @@
 //! From derivatives in z = (q, v, a) at the points of an interval to those in the unknowns of a spline.
 
 use super::shape::{MOST_COEFFICIENTS, MOST_POINTS, Shape};
-use super::spline::Spline;
+use super::spline::{Spline, TimeDerivative};
 use crate::numerics::chain::ChainMatrix;
 use crate::numerics::padded::{add_combined, combine, padded};
 
@@ -112,6 +112,27 @@ pub(super) fn add_gradient(
         let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
         let [of_q, of_v, of_a] = [0, 1, 2].map(|s| &from[s * n..][..n]);
         for (i, to) in to.iter_mut().enumerate() {
+            *to += f * of_q[i] + (g * of_v[i] + h * of_a[i]);
+        }
+    }
+}
+
+/// Adds what the derivatives of z by the unknowns change by with the time of the phase, beside what z itself
+/// does: those of unknowns that are derivatives in time have a factor `T^m`, and the gradient is one in z.
+#[inline(always)]
+pub(super) fn add_by_time(
+    spline: &Spline,
+    k: usize,
+    factors: &[[f64; MOST_COEFFICIENTS]; 3],
+    from: &[f64],
+    to: &mut [f64],
+) {
+    let n = spline.dof;
+    for TimeDerivative { column, order, first } in spline.time_derivatives(k) {
+        let scale = order / spline.clock(k);
+        let [f, g, h] = [0, 1, 2].map(|s| scale * factors[s][column]);
+        let [of_q, of_v, of_a] = [0, 1, 2].map(|s| &from[s * n..][..n]);
+        for (i, to) in to[first..first + n].iter_mut().enumerate() {
             *to += f * of_q[i] + (g * of_v[i] + h * of_a[i]);
         }
     }

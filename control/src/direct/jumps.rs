@@ -1,7 +1,8 @@
 //! Where torques and accelerations jump inside of intervals.
 
+use super::mesh::Mesh;
 use super::points::Points;
-use super::shape::{PLACES, POINTS, Shape, WEIGHTS};
+use super::shape::{PLACES, POINTS, WEIGHTS};
 use super::side::{Limited, Side};
 use crate::constants::direct as constants;
 use std::ops::Range;
@@ -40,8 +41,9 @@ pub(super) struct Jumps {
     /// Values of an interval: torques and accelerations of all joints.
     count: usize,
     pieces: Vec<Piece>,
-    /// Widths of the intervals.
+    /// Widths and phases of the intervals.
     widths: Vec<f64>,
+    phases: Vec<usize>,
     /// Largest less smallest value along the motion.
     range: Vec<f64>,
     /// Where accelerations are continuous: the values that limits make jump.
@@ -58,16 +60,9 @@ pub(super) struct Cut {
 }
 
 impl Jumps {
-    /// Takes the values at Gauss's points of a motion on intervals of these widths; `rates` are the limits of
-    /// jerks and rates of torques.
-    pub fn measure(
-        &mut self,
-        points: &Points,
-        shape: Shape,
-        rates: &[Side],
-        widths: impl Iterator<Item = f64>,
-    ) {
-        let n = points.dof;
+    /// Takes the values at Gauss's points of a motion; `rates` are the limits of jerks and rates of torques.
+    pub fn measure(&mut self, points: &Points, mesh: &Mesh, rates: &[Side]) {
+        let (n, shape) = (points.dof, mesh.shape);
         let any = |limited| rates.iter().any(|side| side.limited == limited);
         self.limited = shape.is_smooth().then(|| {
             let first = if any(Limited::TorqueRate) { 0 } else { n };
@@ -81,7 +76,9 @@ impl Jumps {
         };
         self.count = 2 * n;
         self.widths.clear();
-        self.widths.extend(widths);
+        self.widths.extend((0..mesh.intervals()).map(|k| mesh.width(k)));
+        self.phases.clear();
+        self.phases.extend((0..mesh.intervals()).map(|k| mesh.phase(k)));
         self.pieces.clear();
         for k in 0..self.widths.len() {
             self.pieces
@@ -98,10 +95,14 @@ impl Jumps {
         &self.pieces[self.count * k + i]
     }
 
-    /// The jump from the polynomial of interval k - 1 to that of k; none at the ends of the motion.
+    /// Whether a node is inside of a phase: at vias the exact motion may jump.
+    pub fn is_inside(&self, node: usize) -> bool {
+        node > 0 && node < self.phases.len() && self.phases[node - 1] == self.phases[node]
+    }
+
+    /// The jump from the polynomial of interval k - 1 to that of k; none at the ends of phases.
     fn at_node(&self, k: usize, i: usize) -> Option<f64> {
-        let inside = k > 0 && k < self.widths.len();
-        inside.then(|| self.piece(k, i).left[0] - self.piece(k - 1, i).right[0])
+        self.is_inside(k).then(|| self.piece(k, i).left[0] - self.piece(k - 1, i).right[0])
     }
 
     /// The smaller one of the jumps at both ends of an interval.
@@ -128,7 +129,7 @@ impl Jumps {
     /// The places of an interval in which torques or accelerations jump, in their order.
     pub fn cuts(&self, k: usize) -> Vec<Cut> {
         let mut cuts: Vec<Cut> = Vec::new();
-        if k == 0 || k + 1 == self.widths.len() {
+        if !self.is_inside(k) || !self.is_inside(k + 1) {
             return cuts;
         }
         for i in self.limited.clone().unwrap_or(0..self.count) {
@@ -142,8 +143,7 @@ impl Jumps {
                 x if x > 1.0 - constants::NEAR_NODE => Some(k + 1),
                 _ => None,
             };
-            let inside = 1..self.widths.len();
-            let replaces = near.filter(|node| inside.contains(node) && !self.is_needed(*node, i));
+            let replaces = near.filter(|&node| self.is_inside(node) && !self.is_needed(node, i));
             cuts.push(Cut { place, replaces });
         }
         cuts.sort_by(|a, b| a.place.total_cmp(&b.place));
@@ -188,14 +188,16 @@ impl Jumps {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::direct::shape::Shape;
 
     /// Jumps of points of one joint with these torques and no accelerations.
     fn jumps(tau: &[f64]) -> Jumps {
         let mut points = Points::default();
-        points.resize_values(1, [0; 2], tau.len());
+        points.resize_values(1, [0; 2], std::iter::once(tau.len()));
         points.tau.copy_from_slice(tau);
         let mut jumps = Jumps::default();
-        jumps.measure(&points, Shape::Quartic, &[], (0..tau.len() / POINTS).map(|_| 0.1));
+        let mesh = Mesh::new(Mesh::even(1, tau.len() / POINTS), Shape::Quartic);
+        jumps.measure(&points, &mesh, &[]);
         jumps
     }
 

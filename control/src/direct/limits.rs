@@ -1,16 +1,17 @@
 //! Hard limits at the points, nodes and ends of a motion, one side at a time.
 
 use super::ends::Ends;
+use super::mesh::Mesh;
 use super::points::Points;
 use super::shape::POINTS;
 use super::side::{Limited, Side};
-use super::spline::{Mesh, Spline};
+use super::spline::Spline;
 use crate::constants::direct::NODE_WEIGHT;
 use std::ops::Range;
 
 /// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
 /// point p; then those of positions and rates at the nodes, unless these are points; then those of jerks and
-/// rates of torques at Gauss's points; then the rows of tasks at both ends.
+/// rates of torques at Gauss's points; then the rows of tasks at the ends of phases.
 ///
 /// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a
 /// solution. A side that is off (that of an end that is given) has an infinite slack and neither
@@ -25,13 +26,13 @@ pub(crate) struct Barrier {
     rates: Vec<Side>,
     /// Number of sides of positions and rates, which come first, at a node; none where nodes are points.
     states: usize,
-    /// Rows of tasks at the start, then at the end.
+    /// Rows of tasks at the ends of phases, one end after the other.
     at_ends: Vec<Side>,
-    /// How many of them are at the start.
-    at_start: usize,
+    /// The first of them at each end, and their number.
+    first_at: Vec<usize>,
     points: usize,
     gauss_points: usize,
-    intervals: usize,
+    nodes: usize,
     /// Sum of the weights of all limits without the equations.
     total_weight: f64,
     /// The entries of equations that count.
@@ -53,18 +54,18 @@ pub(crate) struct Barrier {
 }
 
 impl Barrier {
-    /// Without entries; `at_ends` has the sides at the start and at the end.
-    pub fn new(mut sides: Vec<Side>, at_ends: [Vec<Side>; 2]) -> Self {
+    /// Without entries; `at_ends` has the sides at each end of a phase.
+    pub fn new(mut sides: Vec<Side>, at_ends: &[Vec<Side>]) -> Self {
         sides.sort_by_key(|side| side.limited);
         let rates = sides.split_off(sides.partition_point(|side| side.limited < Limited::Jerk));
-        Self { sides, rates, at_start: at_ends[0].len(), at_ends: at_ends.concat(), ..Self::default() }
+        let first_at = (0..=at_ends.len()).map(|end| at_ends[..end].iter().map(Vec::len).sum()).collect();
+        Self { sides, rates, first_at, at_ends: at_ends.concat(), ..Self::default() }
     }
 
     /// The same without entries, each equation along the motion as two limits.
     pub fn with_halves(&self) -> Self {
         let sides = self.sides.iter().flat_map(|side| side.halves()).collect();
-        let (start, end) = self.at_ends.split_at(self.at_start);
-        Self::new(sides, [start.to_vec(), end.to_vec()])
+        Self { at_ends: self.at_ends.clone(), first_at: self.first_at.clone(), ..Self::new(sides, &[]) }
     }
 
     /// Largest violation of each side, in parts of its range; 0 for none.
@@ -92,7 +93,7 @@ impl Barrier {
     pub fn resize(&mut self, mesh: &Mesh, ends: &Ends) {
         self.points = mesh.points();
         self.gauss_points = mesh.gauss_points();
-        self.intervals = mesh.intervals();
+        self.nodes = mesh.nodes.len();
         self.states = match mesh.shape.is_smooth() {
             true => 0,
             false => self.sides.partition_point(|side| side.limited < Limited::Acceleration),
@@ -107,7 +108,7 @@ impl Barrier {
         for k in 0..=last {
             let left = if k > 0 { mesh.width(k - 1) } else { 0.0 };
             let right = if k < last { mesh.width(k) } else { 0.0 };
-            let end = [(0, 0), (last, 1)].into_iter().find(|(node, _)| *node == k).map(|(_, end)| end);
+            let end = mesh.end_at(k);
             self.weight.extend(self.sides[..self.states].iter().map(|side| match end {
                 Some(end) if ends.is_given(end, side) => 0.0,
                 _ => NODE_WEIGHT * (left + right),
@@ -169,23 +170,24 @@ impl Barrier {
         first..first + self.rates.len()
     }
 
-    /// The entries of the rows at both ends: equations, one side a row.
+    /// The entries of the rows at the ends of phases: equations, one side a row.
     pub fn at_ends(&self) -> Range<usize> {
         self.first_at_ends()..self.weight.len()
     }
 
     /// Gives a row at an end another bound.
     pub fn set_end_bound(&mut self, end: usize, row: usize, bound: f64) {
-        self.at_ends[end * self.at_start + row].bound = bound;
+        self.at_ends[self.first_at[end] + row].bound = bound;
     }
 
-    /// The end at which a row is, by its entry.
+    /// The end of a phase at which a row is, by its entry.
     pub fn end_of(&self, at: usize) -> usize {
-        usize::from(at >= self.first_at_ends() + self.at_start)
+        let row = at - self.first_at_ends();
+        self.first_at.partition_point(|&first| first <= row) - 1
     }
 
     fn first_of_rates(&self) -> usize {
-        self.sides.len() * self.points + self.states * (self.intervals + 1)
+        self.sides.len() * self.points + self.states * self.nodes
     }
 
     fn first_at_ends(&self) -> usize {
@@ -301,8 +303,9 @@ impl Barrier {
         }
         let (at_points, at_nodes) = others.split_at_mut(self.sides.len() * points.count());
         measure(&self.sides, points, at_points);
-        let (rate, states) = (1.0 / spline.time, spline.unknowns.chunks(spline.node()));
-        for (distance, state) in at_nodes.chunks_exact_mut(self.states.max(1)).zip(states) {
+        let states = spline.unknowns.chunks(spline.node()).enumerate();
+        for (distance, (k, state)) in at_nodes.chunks_exact_mut(self.states.max(1)).zip(states) {
+            let rate = 1.0 / spline.clock_at(k);
             for (distance, side) in distance.iter_mut().zip(&self.sides) {
                 let factor = if side.limited == Limited::Rate { rate } else { 1.0 };
                 *distance = side.sign * (factor * state[side.index(n)] - side.bound);

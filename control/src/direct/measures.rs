@@ -10,7 +10,7 @@ impl<D: PointDynamics> Interior<D> {
     /// alone by [`constants::SMALL_MOTION`] in it: the torque is M_ii times that motion over the squared
     /// time.
     pub(super) fn small_cost(&self) -> f64 {
-        let (n, time) = (self.spline.dof, self.spline.time);
+        let (n, time) = (self.spline.dof, self.spline.duration());
         let tau_z = self.points.tau_z(0);
         let cost = |(i, r): (usize, &f64)| {
             let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);

@@ -1,7 +1,6 @@
 //! The metric of damping: how far a step moves the accelerations, and a little the rates and positions, as
 //! torques.
 
-use super::ends::Ends;
 use super::interval::{IntervalHessian, row_length};
 use super::points::Points;
 use super::shape::Shape;
@@ -25,19 +24,13 @@ impl Metric {
     /// Adds `sum w T ((M da)' R (M da) + c (M dv/T)' R (M dv/T) + c (M dq/T^2)' R (M dq/T^2))` to a matrix of
     /// zeros; R is diagonal, `weights`. With the small part c every change costs something, that of positions
     /// alone too, which is left where they are free at both ends.
-    pub fn fill(
-        &mut self,
-        matrix: &mut ChainMatrix,
-        spline: &Spline,
-        points: &Points,
-        weights: &[f64],
-        ends: &Ends,
-    ) {
+    pub fn fill(&mut self, matrix: &mut ChainMatrix, spline: &Spline, points: &Points, weights: &[f64]) {
         let (n, width) = (spline.dof, 3 * spline.dof);
         for p in 0..points.count() {
-            let weight = spline.mesh.point(p).1 * spline.time;
+            let weight = spline.weight(p);
             let tau_z = points.tau_z(p);
-            let rate = 1.0 / (spline.time * spline.time);
+            let time = spline.clock(spline.mesh.interval_of(p).0);
+            let rate = 1.0 / (time * time);
             let of_states = [REST_OF_METRIC * rate * rate, REST_OF_METRIC * rate];
             for i in 0..n {
                 for j in 0..n {
@@ -52,14 +45,13 @@ impl Metric {
                 }
             }
             let (k, j) = spline.mesh.interval_of(p);
-            let factors = spline.mesh.basis(k, j).in_time(1.0 / spline.time);
+            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
             self.interval.take(j, n, factors, &self.hessian);
             let points = spline.mesh.own_points(k);
             if j + 1 == points {
                 self.interval.add_to(matrix, k, n, points);
             }
         }
-        ends.all(spline.mesh.intervals(), spline.time).for_each(|(k, i, _)| matrix.remove(k, i));
     }
 }
 

@@ -1,10 +1,10 @@
 //! Optimal motions nearby: how the motion changes with its ends, from the factorised equations.
 //!
 //! At a solution the gradient of the Lagrangian of the barrier problem vanishes in the free unknowns x and in
-//! T. The given unknowns are q and T v of the ends. If they change by delta at constant T,
+//! T. The given unknowns are q and v of the ends. If they change by delta at constant T,
 //!
 //! $$ \begin{pmatrix} K & b \\\\ b^\top & c \end{pmatrix} \begin{pmatrix} \Delta x \\\\ \Delta T
-//!    \end{pmatrix} = - \begin{pmatrix} K_\delta \delta \\\\ b_\delta \cdot \delta + \dots \end{pmatrix} $$
+//!    \end{pmatrix} = - \begin{pmatrix} K_\delta \delta \\\\ b_\delta \cdot \delta \end{pmatrix} $$
 //!
 //! with the columns of the given unknowns on the right: one substitution, no evaluation. The slacks and
 //! multipliers are eliminated in K, which holds the barrier at its mu.
@@ -20,46 +20,48 @@ use crate::numerics::lu::eliminate;
 use costate::EvalError;
 
 impl System {
-    /// How the unknowns change with the given q and v of both ends (2n entries each; those of free ones do
-    /// not count), and by how much T does.
-    pub fn respond(&mut self, ends: &Ends, spline: &Spline, changes: [&[f64]; 2], dx: &mut Vec<f64>) -> f64 {
-        let (n, intervals) = (spline.dof, spline.mesh.intervals());
-        let delta = |i: usize, change: f64| if i < n { change } else { spline.time * change };
+    /// How the unknowns and the shared ones change with the given q and v at start and end of a motion in one
+    /// phase (2n entries each; those of free ones do not count).
+    fn respond(
+        &mut self,
+        ends: &Ends,
+        spline: &Spline,
+        changes: [&[f64]; 2],
+        dx: &mut Vec<f64>,
+        shared: &mut Vec<f64>,
+    ) {
         dx.clear();
         dx.resize(spline.unknowns.len(), 0.0);
-        let mut at_time = 0.0;
+        let mut by_time = 0.0;
+        let given = |end: usize, i: usize, change: f64| change != 0.0 && ends.given[end][i];
         for (end, change) in changes.into_iter().enumerate() {
-            for (i, &change) in change.iter().enumerate() {
-                if change == 0.0 || ends.given[end][i].is_none() {
-                    continue;
-                }
-                self.at_ends.add_column(end, i, -delta(i, change), dx);
-                at_time -= self.at_ends.border[end][i] * delta(i, change);
-                if i >= n {
-                    at_time -= change * self.at_ends.gradient(end, i);
-                }
+            for (i, &change) in change.iter().enumerate().filter(|&(i, change)| given(end, i, *change)) {
+                self.at_ends.add_column(end, i, -change, dx);
+                by_time -= self.at_ends.border[end][i] * change;
             }
         }
-        for (k, i, tangent) in ends.all(intervals, spline.time) {
-            let at = 2 * n * k + i;
-            at_time += tangent * dx[at];
-            dx[at] = 0.0;
+        shared.clear();
+        shared.resize(ends.shared(), 0.0);
+        ends.reduce(&spline.mesh, dx, &[by_time], shared);
+        self.finish_solution(dx, shared);
+        for (end, change) in changes.into_iter().enumerate() {
+            let first = spline.end_unknowns(end).start;
+            for (i, &change) in change.iter().enumerate().filter(|&(i, change)| given(end, i, *change)) {
+                dx[first + i] = change;
+            }
         }
-        self.factor.solve(dx);
-        let mut dt = 0.0;
-        if ends.free_time {
-            dt = (at_time - dot(&self.border, dx)) / self.schur;
-            dx.iter_mut().zip(&self.border_solved).for_each(|(dx, b)| *dx -= dt * b);
-        }
-        for (k, i, tangent) in ends.all(intervals, spline.time) {
-            let change = changes[usize::from(k > 0)][i];
-            dx[2 * n * k + i] = tangent * dt + delta(i, change);
-        }
-        dt
     }
 }
 
 impl<D: PointDynamics> Interior<D> {
+    /// The first part of the step: how the motion changes with the states at its ends. The change of T.
+    pub(super) fn respond(&mut self, changes: [&[f64]; 2]) -> f64 {
+        let (dx, shared) = (&mut self.steps[0], &mut self.shared_steps[0]);
+        self.system.respond(&self.ends, &self.spline, changes, dx, shared);
+        self.ends.times.expand(shared, &mut self.time_steps[0]);
+        self.time_steps[0][0]
+    }
+
     /// Newton's equations at the iterate, factorised without damping. Whether the matrix is positive
     /// definite.
     pub fn linearise(&mut self) -> Result<bool, EvalError> {
@@ -72,7 +74,7 @@ impl<D: PointDynamics> Interior<D> {
     /// Fills the derivatives by the states at both ends, from equations that are factorised at this iterate.
     pub fn fill_feedback(&mut self, feedback: &mut Feedback) {
         let n = self.spline.dof;
-        feedback.resize(n, &self.spline.mesh.nodes, self.spline.time);
+        feedback.resize(n, &self.spline.mesh.nodes, self.spline.duration());
         let mut change = std::mem::take(&mut feedback.change);
         change.fill(0.0);
         let none = std::mem::take(&mut feedback.none);
@@ -80,8 +82,7 @@ impl<D: PointDynamics> Interior<D> {
             for j in 0..2 * n {
                 change[j] = 1.0;
                 let changes = if end == 0 { [&change[..], &none[..]] } else { [&none[..], &change[..]] };
-                let dt = self.system.respond(&self.ends, &self.spline, changes, &mut self.steps[0]);
-                self.time_steps[0] = dt;
+                let dt = self.respond(changes);
                 change[j] = 0.0;
                 feedback.time_by[end][j] = dt;
                 self.take_response(end, j, feedback);
@@ -91,7 +92,7 @@ impl<D: PointDynamics> Interior<D> {
             }
         }
         (feedback.change, feedback.none) = (change, none);
-        let full = self.ends.given[0].iter().all(Option::is_some);
+        let full = self.ends.given[0].iter().all(|given| *given);
         feedback.has_gain = full;
         if full {
             fill_gains(n, feedback);
@@ -117,14 +118,12 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Writes column `j` of the second derivatives of the cost by the state at the start.
     fn take_costate_response(&mut self, j: usize, feedback: &mut Feedback) {
-        let (n, time, dt) = (self.spline.dof, self.spline.time, self.time_steps[0]);
+        let (n, dt) = (self.spline.dof, self.time_steps[0][0]);
         let at_ends = &self.system.at_ends;
         for i in 0..2 * n {
-            // The derivative of the gradient by q and T v, then by q and v.
-            let change = at_ends.product(0, i, &self.steps[0]) + at_ends.border[0][i] * dt;
-            let gradient = at_ends.gradient(0, i);
-            feedback.cost_xx[2 * n * i + j] = if i < n { change } else { time * change + gradient * dt };
-            feedback.cost_x[i] = if i < n { gradient } else { time * gradient };
+            feedback.cost_xx[2 * n * i + j] =
+                at_ends.product(0, i, &self.steps[0]) + at_ends.border[0][i] * dt;
+            feedback.cost_x[i] = at_ends.gradient(0, i);
         }
     }
 }

@@ -4,8 +4,9 @@ use super::interval::row_length;
 use super::limits::Barrier;
 use super::points::Points;
 use super::running::Running;
+use super::shape::MOST_COEFFICIENTS;
 use super::side::{Limited, Side};
-use super::spline::Spline;
+use super::spline::{Spline, TimeDerivative};
 use crate::numerics::padded::{add_multiple, add_squares, pad};
 
 /// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`],
@@ -20,7 +21,7 @@ pub(super) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
         *weight = -barrier.side(at).sign * barrier.multiplier[at];
     }
     for p in 0..points.count() {
-        let weight = spline.mesh.point(p).1 * spline.time;
+        let weight = spline.weight(p);
         let weights = &mut points.weights[n * p..][..n];
         for ((w, &tau), &r) in weights.iter_mut().zip(&points.tau[n * p..]).zip(&running.effort) {
             *w = weight * r * tau;
@@ -131,7 +132,8 @@ impl Work {
         barrier: &Barrier,
         running: &mut Running,
     ) -> (f64, f64) {
-        let (n, time, width) = (points.dof, spline.time, row_length(points.dof));
+        let (n, width) = (points.dof, row_length(points.dof));
+        let time = spline.clock(spline.mesh.interval_of(p).0);
         let (_, weight) = spline.mesh.point(p);
         let (z, tau) = (points.z(p), points.tau(p));
         self.z.iter_mut().chain(&mut self.rows).for_each(|vector| vector.fill(0.0));
@@ -220,15 +222,33 @@ impl Work {
         }
     }
 
-    /// Derivatives of z = (q, q'/T, q''/T^2) in T.
+    /// Derivatives of z = (q, q'/T, q''/T^2) in the time T of the phase of interval `k`, at constant unknowns.
+    /// Those that are derivatives in time, of the order m, are in z with the powers `T^(m - s)`, s = 0, 1, 2.
     #[inline(always)]
-    pub fn differentiate_in_time(&mut self, z: &[f64], inverse: f64) {
-        let (n, square) = (z.len() / 3, inverse * inverse);
+    pub fn differentiate_in_time(
+        &mut self,
+        z: &[f64],
+        spline: &Spline,
+        k: usize,
+        factors: &[[f64; MOST_COEFFICIENTS]; 3],
+    ) {
+        let (n, inverse) = (z.len() / 3, 1.0 / spline.clock(k));
+        let square = inverse * inverse;
         for i in 0..n {
             let (v, a) = (z[n + i], z[2 * n + i]);
             (self.z_t[i], self.z_t[n + i], self.z_t[2 * n + i]) = (0.0, -inverse * v, -2.0 * inverse * a);
             (self.z_tt[i], self.z_tt[n + i], self.z_tt[2 * n + i]) =
                 (0.0, 2.0 * square * v, 6.0 * square * a);
+        }
+        for TimeDerivative { column, order, first } in spline.time_derivatives(k) {
+            for s in 0..3 {
+                let part = factors[s][column] * order;
+                let second = part * square * (order - 1.0 - 2.0 * s as f64);
+                for (i, x) in spline.unknowns[first..first + n].iter().enumerate() {
+                    self.z_t[s * n + i] += part * inverse * x;
+                    self.z_tt[s * n + i] += second * x;
+                }
+            }
         }
     }
 }

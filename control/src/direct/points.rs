@@ -5,12 +5,15 @@ use super::spline::Spline;
 use costate::EvalError;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
+use std::ops::Range;
 
 /// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v), rows
 /// h(v, tau) of powers, h_z, and the Hessian of w.tau and of the weighted rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Points {
     pub dof: usize,
+    /// The point after the last one of each phase.
+    phases: Vec<usize>,
     /// Number of rows g.
     pub rows: usize,
     /// Number of rows h.
@@ -37,9 +40,13 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    /// Room for values at so many points of n joints; `rows` are the numbers of rows g and h.
-    pub fn resize_values(&mut self, n: usize, rows: [usize; 2], count: usize) {
+    /// Room for values at the points of n joints, whose phases end before these points; `rows` are the
+    /// numbers of rows g and h.
+    pub fn resize_values(&mut self, n: usize, rows: [usize; 2], phases: impl Iterator<Item = usize>) {
         self.dof = n;
+        self.phases.clear();
+        self.phases.extend(phases);
+        let count = self.phases.last().copied().unwrap_or(0);
         [self.rows, self.powers] = rows;
         self.z.resize(3 * n * count, 0.0);
         self.tau.resize(n * count, 0.0);
@@ -48,8 +55,9 @@ impl Points {
     }
 
     /// Room for values and derivatives.
-    pub fn resize(&mut self, n: usize, rows: [usize; 2], count: usize) {
-        self.resize_values(n, rows, count);
+    pub fn resize(&mut self, n: usize, rows: [usize; 2], phases: impl Iterator<Item = usize>) {
+        self.resize_values(n, rows, phases);
+        let count = self.count();
         self.tau_z.resize(3 * n * n * count, 0.0);
         self.hessian.resize(9 * n * n * count, 0.0);
         self.weights.resize(n * count, 0.0);
@@ -63,6 +71,12 @@ impl Points {
     pub fn evaluate_rates(&mut self, spline: &Spline) {
         self.rates.resize(self.dof, spline.mesh.gauss_points());
         self.rates.evaluate(spline, &self.tau);
+    }
+
+    /// The points of a phase.
+    pub fn phase(&self, phase: usize) -> Range<usize> {
+        let first = if phase > 0 { self.phases[phase - 1] } else { 0 };
+        first..self.phases[phase]
     }
 
     /// Number of points.
@@ -115,33 +129,44 @@ impl Points {
     }
 }
 
-/// Rows g(q) of tasks at the ends: those at the start, then those at the end.
+/// Rows g(q) of tasks at the ends of phases, one end after the other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EndRows {
     pub g: Vec<f64>,
     /// rows x 2n; a pose does not depend on v.
     pub g_x: Vec<f64>,
-    /// 2n x 2n of the weighted rows, for start and end.
-    pub hessian: [Vec<f64>; 2],
+    /// 2n x 2n of the weighted rows, for each end.
+    pub hessian: Vec<Vec<f64>>,
     pub weights: Vec<f64>,
 }
 
 impl EndRows {
-    /// Room for so many rows of n joints.
-    pub fn resize(&mut self, n: usize, rows: usize) {
+    /// Room for so many rows of n joints at so many ends.
+    pub fn resize(&mut self, n: usize, rows: usize, ends: usize) {
         self.g.resize(rows, 0.0);
         self.g_x.resize(2 * n * rows, 0.0);
         self.weights.resize(rows, 0.0);
+        self.hessian.resize_with(ends, Vec::new);
         self.hessian.iter_mut().for_each(|hessian| hessian.resize(4 * n * n, 0.0));
     }
 }
 
 /// Inverse dynamics at many points.
 pub(crate) trait PointDynamics {
+    /// tau at some of the points.
+    fn evaluate_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError>;
+    /// tau, tau_z and the Hessian of w.tau at some of the points.
+    fn contract_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError>;
+
     /// tau at all points.
-    fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError>;
+    fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        self.evaluate_some(points, 0..points.count())
+    }
+
     /// tau, tau_z and the Hessian of w.tau at all points.
-    fn contract(&mut self, points: &mut Points) -> Result<(), EvalError>;
+    fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        self.contract_some(points, 0..points.count())
+    }
 }
 
 /// The generic code, one point after the other.
@@ -191,11 +216,11 @@ impl RobotPoints {
 }
 
 impl PointDynamics for RobotPoints {
-    fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        (0..points.count()).try_for_each(|p| self.evaluate_at(points, p))
+    fn evaluate_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
+        which.into_iter().try_for_each(|p| self.evaluate_at(points, p))
     }
 
-    fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        (0..points.count()).try_for_each(|p| self.contract_at(points, p))
+    fn contract_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
+        which.into_iter().try_for_each(|p| self.contract_at(points, p))
     }
 }

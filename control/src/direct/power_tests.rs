@@ -93,7 +93,7 @@ fn derivatives_along_a_motion_are_those_of_the_values() {
     let mut dynamics = RobotPoints::new(&problem(MotionLimits::none()).robot);
     let mut at = |z: &[f64], h_weights: &[f64]| {
         let mut points = Points::default();
-        points.resize(2, [0, 5], 1);
+        points.resize(2, [0, 5], std::iter::once(1));
         points.z.copy_from_slice(z);
         dynamics.evaluate(&mut points).unwrap();
         points.h_weights.copy_from_slice(h_weights);

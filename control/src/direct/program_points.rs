@@ -58,15 +58,15 @@ impl ProgramPoints {
 }
 
 impl PointDynamics for ProgramPoints {
-    fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        let first = self.are_first(0, points.count());
+    fn evaluate_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
+        let first = self.are_first(0, which.len());
         let programs = Arc::clone(&self.programs);
         let Some(tau) = (if first { None } else { programs.tau() }) else {
-            return self.generic.evaluate(points);
+            return self.generic.evaluate_some(points, which);
         };
         let n = points.dof;
         let (inputs, outputs) = (&mut self.inputs[..3 * n], &mut self.outputs[..n]);
-        for group in groups(points.count()) {
+        for group in groups(which) {
             let finite = run(tau, inputs, outputs, |inputs| gather(&points.z, &group, inputs))?;
             if finite {
                 widest(
@@ -80,14 +80,14 @@ impl PointDynamics for ProgramPoints {
         Ok(())
     }
 
-    fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
-        let first = self.are_first(1, points.count());
+    fn contract_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
+        let first = self.are_first(1, which.len());
         let programs = Arc::clone(&self.programs);
         let Some(second) = (if first { None } else { programs.second() }) else {
-            return self.generic.contract(points);
+            return self.generic.contract_some(points, which);
         };
         let n = points.dof;
-        for group in groups(points.count()) {
+        for group in groups(which) {
             let finite = run(second, &mut self.inputs, &mut self.outputs, |inputs| {
                 let (z, weights) = inputs.split_at_mut(3 * n);
                 gather(&points.z, &group, z);
@@ -107,9 +107,10 @@ impl PointDynamics for ProgramPoints {
     }
 }
 
-/// All points, [`LANES`] at a time.
-fn groups(count: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..count).step_by(LANES).map(move |first| first..(first + LANES).min(count))
+/// These points, [`LANES`] at a time.
+fn groups(which: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let end = which.end;
+    which.step_by(LANES).map(move |first| first..(first + LANES).min(end))
 }
 
 /// Runs a program on what `fill` puts in. Whether all arguments and results are finite.

@@ -10,7 +10,7 @@ use super::spline::Spline;
 impl Rates {
     /// Derivatives of the Lagrange function by all values, and by the torques through their rates.
     pub(super) fn collect(&mut self, spline: &Spline, barrier: &Barrier, costs: &RateCosts) {
-        let (n, mesh, time) = (spline.dof, &spline.mesh, spline.time);
+        let (n, mesh) = (spline.dof, &spline.mesh);
         let limits = |limited| barrier.rate_sides().iter().any(|side| side.limited == limited);
         self.has_jerks = !costs.jerk.is_empty() || limits(Limited::Jerk);
         self.has_torques = !costs.torque.is_empty() || limits(Limited::TorqueRate);
@@ -23,7 +23,7 @@ impl Rates {
             }
         }
         for p in 0..mesh.gauss_points() {
-            let weight = mesh.gauss_point(p).1;
+            let (weight, time) = (mesh.gauss_point(p).1, spline.clock(p / POINTS));
             let of_costs = |weights: &[f64], i: usize, y: f64| {
                 let slope = weight * weights.get(i).copied().unwrap_or(0.0) * y;
                 let second = time * weight * weights.get(i).copied().unwrap_or(0.0);
@@ -45,7 +45,7 @@ impl Rates {
                 let (k, j) = (p / POINTS, p % POINTS);
                 let scale = 1.0 / (mesh.width(k) * time);
                 for (variant, to) in self.by_torques.iter_mut().enumerate() {
-                    let to = to[n * mesh.shape.stride() * k..].chunks_exact_mut(n);
+                    let to = to[n * mesh.first_point(k)..].chunks_exact_mut(n);
                     for (to, slope) in to.zip(SLOPES[j]) {
                         for (to, term) in to.iter_mut().zip(&self.torque_terms[n * p..]) {
                             *to += scale * slope * term.first[variant];

@@ -76,24 +76,26 @@ impl Rates {
 
     /// Jerks and rates of torques, from the torques at all points.
     pub fn evaluate(&mut self, spline: &Spline, tau: &[f64]) {
-        let (n, mesh, rate) = (spline.dof, &spline.mesh, 1.0 / spline.time);
+        let (n, mesh) = (spline.dof, &spline.mesh);
         let places = self.jerk.chunks_exact_mut(n).zip(self.torque.chunks_exact_mut(n)).enumerate();
         for (p, (jerk, torque)) in places {
             let (k, j) = (p / POINTS, p % POINTS);
+            let rate = 1.0 / spline.clock(k);
             let (inner, ends) = spline.of_interval(&spline.unknowns, k);
-            mesh.gauss_basis(k, j).jerk(n, inner, ends, jerk);
+            spline.gauss_basis(k, j).jerk(n, inner, ends, jerk);
             jerk.iter_mut().for_each(|jerk| *jerk *= rate * rate * rate);
-            combine(&SLOPES[j], &tau[n * mesh.shape.stride() * k..], torque);
+            combine(&SLOPES[j], &tau[n * mesh.first_point(k)..], torque);
             let scale = rate / mesh.width(k);
             torque.iter_mut().for_each(|torque| *torque *= scale);
         }
     }
 
-    /// The cost over T.
+    /// The cost.
     pub fn cost(&self, spline: &Spline, costs: &RateCosts) -> f64 {
         let n = spline.dof;
+        let weight = |p: usize| spline.mesh.gauss_point(p).1 * spline.clock(p / POINTS);
         let values = self.jerk.chunks_exact(n).zip(self.torque.chunks_exact(n)).enumerate();
-        values.map(|(p, (jerk, torque))| spline.mesh.gauss_point(p).1 * costs.rate(jerk, torque)).sum()
+        values.map(|(p, (jerk, torque))| weight(p) * costs.rate(jerk, torque)).sum()
     }
 }
 
@@ -139,8 +141,8 @@ pub(super) const SLOPES: [[f64; MOST_POINTS]; POINTS] = {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::direct::mesh::Mesh;
     use crate::direct::shape::Shape;
-    use crate::direct::spline::Mesh;
 
     #[test]
     fn rates_of_quartics_are_exact() {
@@ -157,7 +159,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(7);
         let mesh = Mesh::new(vec![0.0, 0.4, 1.0], Shape::Quintic);
         let unknowns = (0..Spline::size(2, 2, Shape::Quintic)).map(|_| random.f64() - 0.5).collect();
-        let spline = Spline { dof: 2, mesh, unknowns, time: 1.3 };
+        let spline = Spline { dof: 2, mesh, unknowns, times: vec![1.3] };
         let mut rates = Rates::default();
         rates.resize(2, spline.mesh.gauss_points());
         // With the accelerations, cubics, as torques the rates of torques are the jerks.

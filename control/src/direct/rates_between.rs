@@ -35,7 +35,8 @@ impl RatesBetween {
         }
         let has_torques = interior.points.rates.has_torques;
         if has_torques {
-            points.resize(n, interior.rows(), points.count());
+            let phases = interior.spline.mesh.ends().iter().skip(1).map(|node| BETWEEN.len() * node);
+            points.resize(n, interior.rows(), phases);
             points.weights.fill(0.0);
             interior.dynamics.contract(points)?;
         }

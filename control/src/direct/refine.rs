@@ -93,16 +93,15 @@ impl Resolution {
     /// by the integral of the polynomial, whose square has the mean 1/630, times the width.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
-        let widths = (0..spline.mesh.intervals()).map(|k| spline.mesh.width(k));
         let shape = spline.mesh.shape;
-        self.jumps.measure(&interior.points, shape, interior.barrier.rate_sides(), widths);
-        if self.errors.len() == 1 {
-            // Nothing to compare with.
-            self.errors[0] = f64::INFINITY;
-            return;
-        }
+        self.jumps.measure(&interior.points, &spline.mesh, interior.barrier.rate_sides());
         for (k, error) in self.errors.iter_mut().enumerate() {
-            let length = spline.time * spline.mesh.width(k);
+            if spline.mesh.is_end(k) && spline.mesh.is_end(k + 1) {
+                // Nothing to compare with.
+                *error = f64::INFINITY;
+                continue;
+            }
+            let length = spline.length(k);
             let square = |i: usize| 0.25 * self.jumps.mean_square(k, i);
             let effort = |i: usize| interior.running.effort[i] * square(i);
             let squares = (0..n).map(|i| match shape.is_smooth() {
@@ -121,7 +120,8 @@ impl Resolution {
     /// Evaluates the motion between the points.
     fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let (spline, n) = (&interior.spline, interior.spline.dof);
-        self.points.resize_values(n, interior.rows(), BETWEEN.len() * spline.mesh.intervals());
+        let phases = spline.mesh.ends().iter().skip(1).map(|node| BETWEEN.len() * node);
+        self.points.resize_values(n, interior.rows(), phases);
         for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
             spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
         }
@@ -136,11 +136,12 @@ impl Resolution {
         let Interior { spline, running, points, .. } = interior;
         self.cost = 0.0;
         for (k, error) in self.errors.iter_mut().enumerate() {
-            let length = spline.time * spline.mesh.width(k);
+            let length = spline.length(k);
             let mut rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
             let shape = spline.mesh.shape;
             let weights = shape.weights().iter().enumerate();
-            let coarse: f64 = weights.map(|(j, part)| part * rate(points, shape.stride() * k + j)).sum();
+            let coarse: f64 =
+                weights.map(|(j, part)| part * rate(points, spline.mesh.first_point(k) + j)).sum();
             let places = 0..BETWEEN.len();
             let fine: f64 = places.map(|at| weight(at) * rate(&self.points, BETWEEN.len() * k + at)).sum();
             let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
@@ -164,7 +165,8 @@ impl Resolution {
             // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
             let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps(shape));
             *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
-            let (k, part) = (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.time);
+            let (k, part) =
+                (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.clock(at / BETWEEN.len()));
             let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
             let over = torques.map(|(d, side)| side.violation(*d).max(0.0)).sum::<f64>();
             self.cut[k] += part * interior.spline.mesh.width(k) * over;
@@ -184,7 +186,7 @@ impl Resolution {
                 let (mut signed, mut unsigned) = (0.0, 0.0);
                 for (at, &x) in BETWEEN.iter().enumerate() {
                     let parts = shape.parts(x).into_iter().take(shape.places().len()).enumerate();
-                    let density = |j: usize| multipliers.at_point(shape.stride() * k + j, i);
+                    let density = |j: usize| multipliers.at_point(interior.spline.mesh.first_point(k) + j, i);
                     let density: f64 = parts.map(|(j, part)| part * density(j)).sum();
                     let density = if side.is_equation { density } else { density.max(0.0) };
                     let product = weight(at) * density * distances[sides.len() * at + i];
@@ -238,7 +240,7 @@ impl Resolution {
                 let place = left + width * cut.place;
                 // Where accelerations are continuous, nodes move where there is no room for another one.
                 let (near, part) = if cut.place < 0.5 { (k, cut.place) } else { (k + 1, 1.0 - cut.place) };
-                let no_room = width * part < narrowest && near > 0 && near < self.errors.len();
+                let no_room = width * part < narrowest && !spline.mesh.is_end(near);
                 let replaces = if smooth { no_room.then_some(near) } else { cut.replaces };
                 if smooth && is_narrow && replaces.is_none() {
                     continue;

@@ -3,9 +3,8 @@
 use super::ends::Ends;
 use super::interval::add_gradient;
 use super::limits::Barrier;
-use super::point_terms::{add_row, side_terms};
+use super::point_terms::{Work, add_row, side_terms};
 use super::points::Points;
-use super::shape::POINTS;
 use super::side::{Limited, Side};
 use super::spline::Spline;
 use super::system::System;
@@ -43,16 +42,18 @@ pub(super) struct Relaxation {
     give: Vec<f64>,
     /// P.
     price: f64,
-    /// B and K^-1 B, the entry of T last.
+    /// B and K^-1 B, the entries of shared unknowns last.
     columns: Vec<Vec<f64>>,
     solved: Vec<Vec<f64>>,
+    /// Entries of the times of phases.
+    by_times: Vec<Vec<f64>>,
+    /// Room for a point.
+    work: Work,
     corner: Vec<f64>,
     /// Gradients in e at mu = 0, and its factor of mu.
     gradient: [Vec<f64>; 2],
     steps: [Vec<f64>; 2],
     factor: Option<Cholesky<f64, Dyn>>,
-    /// Gradient in z at a point.
-    z: Vec<f64>,
 }
 
 /// The limits that the sides belong to, counted from 0.
@@ -188,11 +189,15 @@ impl Relaxation {
         if self.limits.is_empty() {
             return;
         }
-        let size = spline.unknowns.len() + 1;
+        let size = spline.unknowns.len();
+        self.work = Work::new(spline.dof, [0; 2]);
         self.columns.resize_with(self.give.len(), Vec::new);
-        for (i, column) in self.columns.iter_mut().enumerate() {
+        self.by_times.resize_with(self.give.len(), Vec::new);
+        for (i, (column, by_times)) in self.columns.iter_mut().zip(&mut self.by_times).enumerate() {
             column.clear();
             column.resize(size, 0.0);
+            by_times.clear();
+            by_times.resize(spline.mesh.phases(), 0.0);
             let [_, first, second] = price(self.give[i]).map(|value| self.price * value);
             (self.gradient[0][i], self.gradient[1][i], self.corner[i]) = (first, 0.0, second);
         }
@@ -202,12 +207,10 @@ impl Relaxation {
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
-        for (k, i, tangent) in ends.all(spline.mesh.intervals(), spline.time) {
-            let at = 2 * spline.dof * k + i;
-            for column in &mut self.columns {
-                column[size - 1] += tangent * column[at];
-                column[at] = 0.0;
-            }
+        for (column, by_times) in self.columns.iter_mut().zip(&self.by_times) {
+            column.resize(size + ends.shared(), 0.0);
+            let (by_unknowns, shared) = column.split_at_mut(size);
+            ends.reduce(&spline.mesh, by_unknowns, by_times, shared);
         }
     }
 
@@ -222,41 +225,41 @@ impl Relaxation {
     }
 
     fn add_point(&mut self, p: usize, spline: &Spline, points: &Points, barrier: &Barrier) {
-        let (n, inverse) = (spline.dof, 1.0 / spline.time);
-        let factors = spline.mesh.basis(p / POINTS, p % POINTS).in_time(inverse);
+        let (k, j) = spline.mesh.interval_of(p);
+        let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
         let sides = barrier.sides();
-        self.z.resize(3 * n, 0.0);
+        let mut work = std::mem::take(&mut self.work);
+        work.differentiate_in_time(points.z(p), spline, k, &factors);
+        let z = &mut work.z[0];
         let mut i = 0;
         while i < sides.len() {
             // The sides of a limit stand together.
             let limit = self.limits[i];
-            self.z.fill(0.0);
+            z.fill(0.0);
             while i < sides.len() && self.limits[i] == limit {
                 let side = &sides[i];
                 let factor = self.add_entry(i, barrier.at_point(p).start + i, barrier);
-                add_row(points, p, side, factor, &mut self.z);
+                add_row(points, p, side, factor, z);
                 i += 1;
             }
-            let column = &mut self.columns[limit];
-            let last = column.len() - 1;
-            add_gradient(spline, p / POINTS, &factors, &self.z, &mut column[..last]);
-            // z = (q, q'/T, q''/T^2).
-            let z = points.z(p);
-            let (of_v, of_a) = (dot(&self.z[n..2 * n], &z[n..2 * n]), dot(&self.z[2 * n..], &z[2 * n..]));
-            column[last] -= inverse * (of_v + 2.0 * of_a);
+            add_gradient(spline, k, &factors, z, &mut self.columns[limit]);
+            self.by_times[limit][spline.mesh.phase(k)] += dot(z, &work.z_t);
         }
+        self.work = work;
     }
 
     fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
-        let (n, inverse) = (spline.dof, 1.0 / spline.time);
+        let (n, inverse) = (spline.dof, 1.0 / spline.clock_at(k));
         for (i, at) in barrier.at_node(k).enumerate() {
             let factor = self.add_entry(i, at, barrier);
             let side = &barrier.sides()[i];
             let (column, place) = (&mut self.columns[self.limits[i]], 2 * n * k + side.index(n));
             if side.limited == Limited::Rate {
                 column[place] += inverse * factor;
-                let last = column.len() - 1;
-                column[last] -= inverse * inverse * spline.unknowns[place] * factor;
+                if !spline.mesh.is_end(k) {
+                    self.by_times[self.limits[i]][spline.mesh.phase(k)] -=
+                        inverse * inverse * spline.unknowns[place] * factor;
+                }
             } else {
                 column[place] += factor;
             }
@@ -264,21 +267,19 @@ impl Relaxation {
     }
 
     /// Factorises the border of a factorised system. Whether the whole is positive definite.
-    pub fn factorise(&mut self, system: &mut System, free_time: bool) -> bool {
+    pub fn factorise(&mut self, system: &mut System) -> bool {
         let count = self.give.len();
         if count == 0 {
             return true;
         }
         self.solved.clone_from(&self.columns);
         for column in &mut self.solved {
-            system.solve_column(column, free_time);
+            system.solve_column(column);
         }
         let mut schur = DMatrix::zeros(count, count);
         for i in 0..count {
             for j in 0..=i {
-                // The entry of T counts only where T is free.
-                let size = self.columns[i].len() - usize::from(!free_time);
-                let product = dot(&self.columns[i][..size], &self.solved[j][..size]);
+                let product = dot(&self.columns[i], &self.solved[j]);
                 schur[(i, j)] = if i == j { self.corner[i] } else { 0.0 } - product;
                 schur[(j, i)] = schur[(i, j)];
             }
@@ -287,20 +288,18 @@ impl Relaxation {
         self.factor.is_some()
     }
 
-    /// Turns a part of the step with constant e into that of the whole. The change of T.
-    pub fn correct(&mut self, part: usize, dt: f64, dx: &mut [f64]) -> f64 {
-        let Some(factor) = &self.factor else { return dt };
+    /// Turns a part of the step with constant e into that of the whole.
+    pub fn correct(&mut self, part: usize, dx: &mut [f64], shared: &mut [f64]) {
+        let Some(factor) = &self.factor else { return };
         let size = dx.len();
         let rest = self.columns.iter().zip(&self.gradient[part]);
-        let rest = rest.map(|(column, gradient)| -gradient - dot(&column[..size], dx) - column[size] * dt);
+        let rest = rest
+            .map(|(column, gradient)| -gradient - dot(&column[..size], dx) - dot(&column[size..], shared));
         let steps = factor.solve(&DVector::from_iterator(self.give.len(), rest));
-        let mut dt = dt;
         for (step, column) in steps.iter().zip(&self.solved) {
-            dx.iter_mut().zip(column).for_each(|(dx, entry)| *dx -= step * entry);
-            dt -= step * column[size];
+            dx.iter_mut().chain(&mut *shared).zip(column).for_each(|(dx, entry)| *dx -= step * entry);
         }
         self.steps[part].copy_from_slice(steps.as_slice());
-        dt
     }
 }
 

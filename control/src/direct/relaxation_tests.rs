@@ -3,6 +3,7 @@
 use super::super::elastic::Given;
 use super::super::interior::Interior;
 use super::super::interior::tests::started;
+use super::super::phases::PhaseDynamics;
 use super::super::points::{PointDynamics, RobotPoints};
 use super::super::shape::Shape;
 use super::price;
@@ -24,7 +25,7 @@ fn the_price_is_smooth() {
 }
 
 /// A motion that exceeds limits and an equation, in the elastic phase.
-fn relaxed() -> Interior<RobotPoints> {
+fn relaxed() -> Interior<PhaseDynamics<RobotPoints>> {
     let mut interior = started(Shape::Quartic);
     assert!(interior.figures.violation > 0.1);
     interior.relax(None).unwrap();
@@ -121,7 +122,7 @@ fn steps_solve_the_bordered_equations() {
         let mut spline = base.clone();
         let pairs = spline.unknowns.iter_mut().zip(&interior.steps[0]);
         pairs.for_each(|(unknown, dx)| *unknown += factor * dx);
-        spline.time += factor * interior.time_steps[0];
+        spline.times[0] += factor * interior.time_steps[0][0];
         for (side, to) in interior.barrier.relief.iter_mut().enumerate() {
             let give = interior.relaxation.steps[0][interior.relaxation.limits[side]];
             *to = relief[side] + factor * interior.relaxation.ranges[side] * give;

@@ -68,7 +68,7 @@ fn usage<D>(
             worst = part;
             usage.worst = Some(LimitViolation {
                 name: name(interior, side, end, names).into(),
-                time: barrier.place(at, spline) * spline.time,
+                time: spline.time_at(barrier.place(at, spline)),
                 excess: excess(interior, side, end, distance),
                 unit: unit(interior, side, end, kinds).into(),
                 value: side.bound + side.sign * distance - of_rate(interior, at),
@@ -157,7 +157,7 @@ fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, name: &str) -> Vec<Ac
             true => (barrier.at_gauss_point(p), spline.mesh.gauss_point(p).0),
             false => (barrier.at_point(p), spline.mesh.point(p).0),
         };
-        let t = s * spline.time;
+        let t = spline.time_at(s);
         let active = barrier.distance[entries][i] <= ACTIVE * side.range;
         match spans.last_mut().filter(|_| open && active) {
             Some(span) => span.to = t,

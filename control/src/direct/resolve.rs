@@ -6,7 +6,7 @@ use super::goals::Goals;
 use super::interior::{End, Interior};
 use super::resolve_error::ResolveError;
 use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
-use super::solve::{FastPoints, interior};
+use super::solve::{Dynamics, interior};
 use crate::constants::direct as constants;
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
@@ -46,7 +46,7 @@ use std::time::{Duration, Instant};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Resolve {
-    interior: Interior<FastPoints>,
+    interior: Interior<Dynamics>,
     options: SolverOptions,
     limits: Vec<JointLimits>,
     model: Lagrangian<f64>,
@@ -72,13 +72,13 @@ impl Resolve {
     ///
     /// # Errors
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new), and [`ProblemError::NotAgain`] for limits or
-    /// costs of jerks and rates of torques and for given accelerations.
+    /// costs of jerks and rates of torques, given accelerations, vias and periodic motions.
     pub fn new(problem: &Problem, options: SolverOptions) -> Result<Self, ProblemError> {
         let from_robot = problem.limits.from_robot.unwrap_or(true);
         let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
-        if let Some(key) = problem.first_of_rates() {
+        if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()) {
             return Err(ProblemError::NotAgain { key });
         }
         options.check()?;
@@ -138,7 +138,7 @@ impl Resolve {
                 return Err(ResolveError::WrongLength { what, expected: n, found: values.len() });
             }
             for (joint, (&value, limits)) in values.iter().zip(&self.limits).enumerate() {
-                if given[n * group + joint].is_none() {
+                if !given[n * group + joint] {
                     continue;
                 }
                 if !value.is_finite() {
@@ -249,7 +249,7 @@ impl Resolve {
         self.damping *= constants::DAMPING_DOWN;
         let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
         let mut last = Instant::now();
-        let watch = |iterate: &Interior<FastPoints>, _: f64| {
+        let watch = |iterate: &Interior<Dynamics>, _: f64| {
             shown.offer(iterate);
             *damping = iterate.damping;
             let now = Instant::now();
@@ -287,7 +287,7 @@ impl Resolve {
 
     /// Duration of the motion (s); 0 before the first solve.
     pub fn final_time(&self) -> f64 {
-        self.shown.spline.time
+        self.shown.spline.duration()
     }
 
     /// Writes q, v, a at time t (s), 3n entries; those of the ends beyond them.
@@ -302,7 +302,7 @@ impl Resolve {
         if z.len() != expected {
             return Err(ResolveError::WrongLength { what: "the state", expected, found: z.len() });
         }
-        let (k, x) = spline.mesh.place((t / spline.time).clamp(0.0, 1.0));
+        let (k, x) = spline.mesh.place(spline.place_of(t));
         spline.in_interval(k, x, z);
         Ok(())
     }

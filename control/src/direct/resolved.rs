@@ -1,7 +1,7 @@
 //! What solving again may take, and what it gives.
 
 use super::interior::Interior;
-use super::solve::FastPoints;
+use super::solve::Dynamics;
 use super::spline::Spline;
 use crate::constants::direct::VIOLATION_ACCEPTED;
 use std::time::Duration;
@@ -79,14 +79,14 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    pub fn take(&mut self, iterate: &Interior<FastPoints>) {
+    pub fn take(&mut self, iterate: &Interior<Dynamics>) {
         self.spline.copy_from(&iterate.spline);
         let figures = &iterate.figures;
         (self.cost, self.gap, self.violation) = (figures.cost, figures.gap, figures.violation);
     }
 
     /// Takes an iterate if it is better.
-    pub fn offer(&mut self, iterate: &Interior<FastPoints>) {
+    pub fn offer(&mut self, iterate: &Interior<Dynamics>) {
         let (cost, violation) = (iterate.figures.cost, iterate.figures.violation);
         let keeps = [violation, self.violation].map(|violation| violation <= VIOLATION_ACCEPTED);
         let better = match keeps {

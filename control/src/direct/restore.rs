@@ -4,6 +4,7 @@ use super::infeasible::relaxed;
 use super::interior::{End, Interior};
 use super::points::PointDynamics;
 use super::spline::Spline;
+use super::times::FreeTimes;
 use crate::constants::direct as constants;
 use crate::options::SolverOptions;
 use crate::problem::{FinalTime, Problem};
@@ -159,7 +160,7 @@ fn steps<D: PointDynamics>(
             number: figures.iterations - first,
             residual: iterate.violation_without_relief().max(0.0),
             step,
-            final_time: iterate.spline.time,
+            final_time: iterate.spline.duration(),
             cost: figures.cost,
         });
         // Any interruption ends the iteration; which one is asked for below.
@@ -184,13 +185,13 @@ fn later<D: PointDynamics>(
     recorder: &mut Recorder<'_>,
 ) -> Result<Option<f64>, EvalError> {
     let FinalTime::Fixed(time) = problem.time else { return Ok(None) };
-    if !infeasible.depends_on_time() {
+    if !infeasible.depends_on_time() || problem.has_via_times() {
         return Ok(None);
     }
     let before = interior.spline.clone();
     let slowed = |interior: &mut Interior<D>, factor: f64| {
         interior.spline = before.clone();
-        interior.slow_down(factor * time);
+        interior.slow_down(factor);
         interior.start(None).map(|()| interior.figures.violation <= constants::VIOLATION_AT_POINTS)
     };
     let mut found = None;
@@ -202,14 +203,15 @@ fn later<D: PointDynamics>(
     }
     if found.is_some() {
         let running = interior.running.time;
-        interior.running.time = running + constants::HURRY * interior.figures.size / interior.spline.time;
-        interior.ends.free_time = true;
+        interior.running.time =
+            running + constants::HURRY * interior.figures.size / interior.spline.duration();
+        let given = std::mem::replace(&mut interior.ends.times, FreeTimes::all(before.times.len()));
         interior.start(None)?;
         let end = steps(interior, options, recorder, |_| false)?;
         if end == End::Solved && interior.figures.violation <= constants::VIOLATION_ACCEPTED {
-            found = found.map(|time: f64| time.min(interior.spline.time));
+            found = found.map(|time: f64| time.min(interior.spline.duration()));
         }
-        interior.ends.free_time = false;
+        interior.ends.times = given;
         interior.running.time = running;
     }
     interior.spline = before;

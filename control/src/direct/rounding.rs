@@ -12,6 +12,7 @@ impl<D> Interior<D> {
     /// been contracted before. Zero where no jerk and no rate of a torque is limited.
     fn rounding(&self) -> f64 {
         let (spline, n) = (&self.spline, self.spline.dof);
+        let fastest = spline.times.iter().copied().fold(f64::INFINITY, f64::min);
         let states = || spline.unknowns.chunks_exact(spline.node()).take(spline.mesh.nodes.len());
         let of = |side: &Side| {
             let largest = states().map(|state| state[side.joint].abs()).fold(0.0, f64::max);
@@ -19,7 +20,7 @@ impl<D> Interior<D> {
                 Limited::Jerk => 1.0,
                 _ => self.points.tau_z(0)[3 * n * side.joint + 2 * n + side.joint],
             };
-            LARGEST * f64::EPSILON * inertia * largest / (side.range * spline.time.powi(3))
+            LARGEST * f64::EPSILON * inertia * largest / (side.range * fastest.powi(3))
         };
         self.barrier.rate_sides().iter().map(of).fold(0.0, f64::max)
     }

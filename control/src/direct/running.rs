@@ -41,9 +41,8 @@ impl Running {
 
     /// The cost of a motion.
     pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
-        let rate = |p: usize| spline.mesh.point(p).1 * self.rate(points.z(p), points.tau(p));
-        let at_points = (0..points.count()).map(rate).sum::<f64>();
-        spline.time * (at_points + points.rates.cost(spline, &self.rates))
+        let cost = |p: usize| spline.weight(p) * self.rate(points.z(p), points.tau(p));
+        (0..points.count()).map(cost).sum::<f64>() + points.rates.cost(spline, &self.rates)
     }
 
     /// l at a point without the costs of jerks and of rates of torques; infinite where tools cannot be
@@ -69,8 +68,7 @@ impl Running {
 
     /// The penalties of a motion.
     pub fn penalty_cost(&self, spline: &Spline, points: &Points) -> f64 {
-        let rate = |p: usize| spline.mesh.point(p).1 * self.penalty_rate(points.z(p));
-        spline.time * (0..points.count()).map(rate).sum::<f64>()
+        (0..points.count()).map(|p| spline.weight(p) * self.penalty_rate(points.z(p))).sum()
     }
 
     /// Adds l_v at a point, at constant torques.

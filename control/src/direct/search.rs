@@ -16,7 +16,10 @@ impl<D: PointDynamics> Interior<D> {
         for i in 0..self.steps[0].len() {
             slope += self.system.gradient[0][i] * self.step(i);
         }
-        slope += self.system.time_gradient[0] * self.time_step() + self.relaxation.slope(mu, false);
+        for (i, gradient) in self.system.shared_gradient[0].iter().enumerate() {
+            slope += gradient * self.shared_step(i);
+        }
+        slope += self.relaxation.slope(mu, false);
         let [zero, of_mu, more, _] = &self.changes;
         slope += entries::slope(&self.barrier, mu, [zero, of_mu, more], &self.trial.slack_step);
         let now = Figure {
@@ -65,24 +68,22 @@ impl<D: PointDynamics> Interior<D> {
     /// Spline, points, distances and slacks after the part `alpha` of the step. Whether it is a motion:
     /// one that goes forward in time and can be evaluated.
     fn evaluate_trial(&mut self, alpha: f64) -> bool {
-        let (mu, dt) = (self.mu, self.time_step());
+        let mu = self.mu;
+        self.trial.spline.copy_from(&self.spline);
+        for phase in 0..self.spline.times.len() {
+            self.trial.spline.times[phase] += alpha * self.time_step(phase);
+        }
         let trial = &mut self.trial;
-        trial.spline.dof = self.spline.dof;
-        trial.spline.mesh.clone_from(&self.spline.mesh);
-        trial.spline.unknowns.clone_from(&self.spline.unknowns);
-        trial.spline.time = self.spline.time;
         for (i, unknown) in trial.spline.unknowns.iter_mut().enumerate() {
             *unknown += alpha * (self.steps[0][i] + mu * self.steps[1][i] + self.steps[2][i]);
         }
-        trial.spline.time += alpha * dt;
-        let forward = trial.spline.time > 0.0;
+        let forward = trial.spline.times.iter().all(|time| *time > 0.0);
         if !forward {
             return false;
         }
-        self.ends.put_accelerations(&mut trial.spline);
         let rows = [self.tasks.rows(), self.powers.rows()];
-        trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.points());
-        trial.points.ends.resize(self.spline.dof, self.tasks.end_rows());
+        trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.ends_of_points());
+        trial.points.ends.resize(self.spline.dof, self.tasks.end_rows(), self.spline.mesh.ends().len());
         trial.spline.evaluate(&mut trial.points.z);
         let evaluated = self
             .dynamics

@@ -5,6 +5,7 @@ use super::found::trajectory;
 use super::guess::{guess, with_tools_reached};
 use super::infeasible::with_proof;
 use super::interior::{End, Interior};
+use super::phases::PhaseDynamics;
 #[cfg(not(feature = "jit"))]
 pub(super) use super::points::RobotPoints as FastPoints;
 use super::power::Powers;
@@ -36,6 +37,10 @@ use crate::status::Status;
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use costate::EvalError;
+use costate::robot::Robot;
+
+/// Inverse dynamics of the robots of all phases.
+pub(super) type Dynamics = PhaseDynamics<FastPoints>;
 
 /// A problem that the direct method solves from one or several guesses.
 pub(crate) struct Direct<'a> {
@@ -71,7 +76,7 @@ impl Direct<'_> {
     /// Solves on finer and finer meshes.
     fn refine(
         &self,
-        interior: &mut Interior<FastPoints>,
+        interior: &mut Interior<Dynamics>,
         resolution: &mut Resolution,
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
@@ -83,7 +88,7 @@ impl Direct<'_> {
         }
         if interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
-            let mut watch = |iterate: &Interior<FastPoints>, step: f64| {
+            let mut watch = |iterate: &Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, 0, step));
                 recorder.interruption()
             };
@@ -105,7 +110,7 @@ impl Direct<'_> {
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let (mut patience, mut stuck) = (Patience::default(), false);
-            let watch = |iterate: &Interior<FastPoints>, step: f64| {
+            let watch = |iterate: &Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, first, step));
                 stuck = patience.is_over(iterate.figures.violation);
                 if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
@@ -208,7 +213,7 @@ impl Direct<'_> {
     /// What limits would have to give where it is proven that no motion keeps them.
     fn explain(
         &self,
-        interior: &mut Interior<FastPoints>,
+        interior: &mut Interior<Dynamics>,
         resolution: &mut Resolution,
         recorder: &mut Recorder<'_>,
     ) -> Result<Refined, EvalError> {
@@ -230,7 +235,7 @@ impl Direct<'_> {
     /// The solution, verified by integration where it converged.
     fn finish(
         &self,
-        interior: &mut Interior<FastPoints>,
+        interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
         Refined { status, error, again, infeasible }: Refined,
         recorder: &mut Recorder<'_>,
@@ -244,15 +249,19 @@ impl Direct<'_> {
             false => integrate_again(problem, self.options.verify, interior, resolution),
         });
         let values = &trajectory.hamiltonian;
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let far = values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let of_phases: Vec<&[f64]> = trajectory.phases().map(|rows| &values[rows]).collect();
+        let far_from = |mean: f64| move |value: &f64| (value - mean).abs();
+        let far = of_phases.iter().flat_map(|values| values.iter().map(far_from(mean(values))));
+        let far = far.fold(0.0, f64::max);
         let size = values.iter().map(|value| value.abs()).fold(interior.running.time, f64::max);
         let iterations = std::mem::take(&mut recorder.iterations);
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
             penalty_cost,
-            hamiltonian: mean,
+            hamiltonian: mean(values),
+            phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
             verification: match status {
@@ -261,7 +270,7 @@ impl Direct<'_> {
             },
             errors: vec![error],
             iterations,
-            ..Motion::missing(status, interior.spline.time)
+            ..Motion::missing(status, interior.spline.duration())
         };
         Ok(Solution {
             newton_iterations: interior.figures.iterations,
@@ -284,21 +293,28 @@ pub(super) fn interior(
     options: &SolverOptions,
     number: usize,
     saved: Option<&Trajectory>,
-) -> Interior<FastPoints> {
-    let intervals = ((options.nodes - 1) / Shape::of(problem).stride()).max(1);
+) -> Interior<Dynamics> {
+    let (all, phases) = ((options.nodes - 1) / Shape::of(problem).stride(), problem.phases());
+    let intervals = (all / phases).max(if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 });
     let reached = with_tools_reached(problem, rows, number);
     let disturbance = Disturbance::draw(&reached, options.seed, number);
     let spline = guess(&reached, saved, &disturbance, intervals);
-    #[cfg(feature = "jit")]
-    let dynamics = FastPoints::new(&problem.robot, options.machine_code);
-    #[cfg(not(feature = "jit"))]
-    let dynamics = FastPoints::new(&problem.robot);
+    let model = |robot: &Robot| {
+        #[cfg(feature = "jit")]
+        let model = FastPoints::new(robot, options.machine_code);
+        #[cfg(not(feature = "jit"))]
+        let model = FastPoints::new(robot);
+        model
+    };
+    let dynamics = PhaseDynamics::new(&problem.robots(), model);
     let costs = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), problem.robot.dof());
     let tasks = Tasks::new(rows, problem.robot.dof());
     let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
     let powers = Powers::new(problem);
     let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
-    if saved.is_none() && interior.ends.free_time {
+    let can_choose =
+        matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
+    if saved.is_none() && can_choose {
         interior.choose_time(|time| {
             let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
             guess(&problem, None, &disturbance, intervals)
@@ -308,7 +324,7 @@ pub(super) fn interior(
 }
 
 /// A step for the log; `first` steps were made on other meshes.
-fn iteration(iterate: &Interior<FastPoints>, first: usize, step: f64) -> Iteration {
+fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
     let figures = &iterate.figures;
     Iteration {
         phase: Phase::Direct,
@@ -316,7 +332,7 @@ fn iteration(iterate: &Interior<FastPoints>, first: usize, step: f64) -> Iterati
         number: figures.iterations - first,
         residual: (figures.gap.max(figures.decrement.abs()) / figures.size).max(figures.violation),
         step,
-        final_time: iterate.spline.time,
+        final_time: iterate.spline.duration(),
         cost: figures.cost,
     }
 }

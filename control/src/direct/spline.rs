@@ -1,122 +1,38 @@
-//! Motions as piecewise polynomials in s = t/T.
+//! Motions as piecewise polynomials in s: in phase p, which takes the time T_p, s = p + (t - t_p) / T_p.
 
 use super::basis::Basis;
-use super::shape::{PLACES, POINTS, Shape, WEIGHTS};
+use super::mesh::Mesh;
+use super::shape::Shape;
 use std::sync::Arc;
 
-/// Intervals of [0, 1] with the points at which a motion is evaluated.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Mesh {
-    /// The ends of the intervals, from 0 to 1.
-    pub nodes: Vec<f64>,
-    pub shape: Shape,
-    /// The basis at all points, those that two intervals share once for each of them.
-    basis: Vec<Basis>,
-    /// The same at Gauss's points, where accelerations are continuous.
-    gauss: Vec<Basis>,
-}
-
-impl Mesh {
-    /// With these nodes.
-    pub fn new(nodes: Vec<f64>, shape: Shape) -> Arc<Self> {
-        let at = |places: &'static [f64]| {
-            let widths = nodes.windows(2).map(|ends| ends[1] - ends[0]);
-            widths.flat_map(|h| places.iter().map(move |&x| Basis::at(shape, x, h))).collect()
-        };
-        let (basis, gauss) = (at(shape.places()), if shape.is_smooth() { at(&PLACES) } else { Vec::new() });
-        Arc::new(Self { basis, gauss, shape, nodes })
-    }
-
-    /// Number of intervals.
-    pub fn intervals(&self) -> usize {
-        self.nodes.len() - 1
-    }
-
-    /// Number of points at which the motion is evaluated.
-    pub fn points(&self) -> usize {
-        self.shape.stride() * self.intervals() + self.shape.places().len() - self.shape.stride()
-    }
-
-    /// The interval of a point, and its number there: the one to the right of a point that two share.
-    #[inline(always)]
-    pub fn interval_of(&self, p: usize) -> (usize, usize) {
-        let stride = self.shape.stride();
-        let k = (p / stride).min(self.intervals() - 1);
-        (k, p - stride * k)
-    }
-
-    /// Number of points of an interval that are not those of the next one.
-    pub fn own_points(&self, k: usize) -> usize {
-        if k + 1 == self.intervals() { self.shape.places().len() } else { self.shape.stride() }
-    }
-
-    /// The basis at point `j` of an interval.
-    #[inline(always)]
-    pub(super) fn basis(&self, k: usize, j: usize) -> &Basis {
-        &self.basis[self.shape.places().len() * k + j]
-    }
-
-    /// The basis at one of Gauss's points, where accelerations are continuous.
-    pub(super) fn gauss_basis(&self, k: usize, j: usize) -> &Basis {
-        &self.gauss[POINTS * k + j]
-    }
-
-    /// Number of Gauss's points at which jerks and rates of torques are known.
-    pub fn gauss_points(&self) -> usize {
-        self.gauss.len()
-    }
-
-    /// s of one of Gauss's points, and its weight.
-    pub fn gauss_point(&self, p: usize) -> (f64, f64) {
-        let (k, j) = (p / POINTS, p % POINTS);
-        let h = self.width(k);
-        (self.nodes[k] + PLACES[j] * h, WEIGHTS[j] * h)
-    }
-
-    /// Width of an interval.
-    pub fn width(&self, k: usize) -> f64 {
-        self.nodes[k + 1] - self.nodes[k]
-    }
-
-    /// s of a point, and its weight in the integral over s.
-    #[inline(always)]
-    pub fn point(&self, p: usize) -> (f64, f64) {
-        let (k, j) = self.interval_of(p);
-        let (h, shape) = (self.width(k), self.shape);
-        let mut weight = shape.weights()[j] * h;
-        if shape.is_smooth() && j == 0 && k > 0 {
-            weight += shape.weights()[shape.stride()] * self.width(k - 1);
-        }
-        (self.nodes[k] + shape.places()[j] * h, weight)
-    }
-
-    /// Nodes with all intervals in two that are not too narrow.
-    pub fn halved(&self, narrowest: f64) -> Vec<f64> {
-        let parts = self.nodes.windows(2).flat_map(|ends| {
-            let middle = (ends[1] - ends[0] > narrowest).then_some(0.5 * (ends[0] + ends[1]));
-            middle.into_iter().chain([ends[1]])
-        });
-        std::iter::once(self.nodes[0]).chain(parts).collect()
-    }
-
-    /// The interval that holds s, and the part of it before s.
-    pub fn place(&self, s: f64) -> (usize, f64) {
-        let k = self.nodes.partition_point(|&node| node <= s).clamp(1, self.intervals()) - 1;
-        (k, (s - self.nodes[k]) / self.width(k))
-    }
-}
-
-/// q(s) on [0, 1], a polynomial of degree four or five on each interval ([`Shape`]); and T.
+/// q(s) on [0, K], a polynomial of degree four or five on each interval ([`Shape`]); and the times of the K
+/// phases.
+///
+/// Derivatives in s jump where one phase ends and the next one begins, those in time do not. So the unknowns
+/// at the ends of phases are derivatives in time, and each interval depends on the time of its own phase
+/// alone.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Spline {
     /// Number of joints.
     pub dof: usize,
     pub mesh: Arc<Mesh>,
-    /// q and dq/ds at each node, n entries each, and the second derivative where it is continuous; then the
-    /// heights of the bubbles of each interval, n entries, where there are any.
+    /// q and dq/ds at each node, n entries each, and the second derivative where it is continuous; at the
+    /// ends of phases q, v and the acceleration. Then the heights of the bubbles of each interval, n entries,
+    /// where there are any.
     pub unknowns: Vec<f64>,
-    /// T (s).
-    pub time: f64,
+    /// T_p (s).
+    pub times: Vec<f64>,
+}
+
+/// The unknowns of an interval that are derivatives in time: at an end of a phase that is an end of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimeDerivative {
+    /// Their number among the coefficients of the interval and a joint.
+    pub column: usize,
+    /// Their order, m: the coefficient is T^m times the unknown.
+    pub order: f64,
+    /// The first of them among all unknowns.
+    pub first: usize,
 }
 
 impl Spline {
@@ -133,7 +49,8 @@ impl Spline {
 
     /// Takes another motion; allocates only if that is longer than ever before.
     pub fn copy_from(&mut self, other: &Self) {
-        (self.dof, self.time) = (other.dof, other.time);
+        self.dof = other.dof;
+        self.times.clone_from(&other.times);
         self.mesh.clone_from(&other.mesh);
         self.unknowns.clone_from(&other.unknowns);
     }
@@ -146,18 +63,103 @@ impl Spline {
         (&inners[inner * k..inner * (k + 1)], &ends[node * k..node * (k + 2)])
     }
 
-    /// The unknowns of the start (0) or end (1) among all.
+    /// The time of the phase of an interval (s).
+    #[inline(always)]
+    pub fn clock(&self, k: usize) -> f64 {
+        self.times[self.mesh.phase(k)]
+    }
+
+    /// How long an interval takes (s).
+    pub fn length(&self, k: usize) -> f64 {
+        self.clock(k) * self.mesh.width(k)
+    }
+
+    /// How long the motion takes (s).
+    pub fn duration(&self) -> f64 {
+        self.times.iter().sum()
+    }
+
+    /// The time at s (s).
+    pub fn time_at(&self, s: f64) -> f64 {
+        let parts = self.times.iter().enumerate();
+        parts.map(|(phase, time)| time * (s - phase as f64).clamp(0.0, 1.0)).sum()
+    }
+
+    /// s at a time.
+    pub fn place_of(&self, time: f64) -> f64 {
+        let mut rest = time.max(0.0);
+        for (phase, length) in self.times.iter().enumerate() {
+            if rest < *length {
+                return phase as f64 + rest / length;
+            }
+            rest -= length;
+        }
+        self.times.len() as f64
+    }
+
+    /// The weight of a point in the integral over time.
+    #[inline(always)]
+    pub fn weight(&self, p: usize) -> f64 {
+        self.mesh.point(p).1 * self.clock(self.mesh.interval_of(p).0)
+    }
+
+    /// What the unknowns at a node are divided by to get derivatives in time of the first order.
+    pub fn clock_at(&self, node: usize) -> f64 {
+        if self.mesh.is_end(node) { 1.0 } else { self.clock(node) }
+    }
+
+    /// The unknowns of an end of a phase among all.
     pub fn end_unknowns(&self, end: usize) -> std::ops::Range<usize> {
-        let first = self.node() * end * self.mesh.intervals();
+        let first = self.node() * self.mesh.ends()[end];
         first..first + self.node()
     }
 
-    /// q and v at the start (0) or end (1), 2n numbers.
+    /// q and v at an end of a phase, 2n numbers.
     pub fn end(&self, end: usize, state: &mut [f64]) {
-        let n = self.dof;
-        state.copy_from_slice(&self.unknowns[self.end_unknowns(end)][..2 * n]);
-        let rate = 1.0 / self.time;
-        state[n..].iter_mut().for_each(|v| *v *= rate);
+        state.copy_from_slice(&self.unknowns[self.end_unknowns(end)][..2 * self.dof]);
+    }
+
+    /// The unknowns of an interval that are derivatives in time.
+    #[inline(always)]
+    pub(super) fn time_derivatives(&self, k: usize) -> impl Iterator<Item = TimeDerivative> + use<> {
+        let (n, order, inner) = (self.dof, self.mesh.shape.node(), self.mesh.shape.inner());
+        let ends = [self.mesh.is_end(k), self.mesh.is_end(k + 1)];
+        (0..2).filter(move |&side| ends[side]).flat_map(move |side| {
+            (1..order).map(move |m| TimeDerivative {
+                column: inner + order * side + m,
+                order: m as f64,
+                first: n * (order * (k + side) + m),
+            })
+        })
+    }
+
+    /// A basis of interval `k` over its unknowns: derivatives in s.
+    #[inline(always)]
+    fn over_unknowns(&self, k: usize, mut basis: Basis) -> Basis {
+        if self.mesh.is_end(k) || self.mesh.is_end(k + 1) {
+            let time = self.clock(k);
+            for TimeDerivative { column, order, .. } in self.time_derivatives(k) {
+                let factor = if order == 1.0 { time } else { time * time };
+                basis.rows.iter_mut().for_each(|row| row[column] *= factor);
+            }
+        }
+        basis
+    }
+
+    /// The basis at point `j` of an interval over its unknowns.
+    #[inline(always)]
+    pub(super) fn basis(&self, k: usize, j: usize) -> Basis {
+        self.over_unknowns(k, *self.mesh.basis(k, j))
+    }
+
+    /// The same at one of Gauss's points, where accelerations are continuous.
+    pub(super) fn gauss_basis(&self, k: usize, j: usize) -> Basis {
+        self.over_unknowns(k, *self.mesh.gauss_basis(k, j))
+    }
+
+    /// The same at the part `x` of an interval.
+    pub(super) fn basis_at(&self, k: usize, x: f64) -> Basis {
+        self.over_unknowns(k, Basis::at(self.mesh.shape, x, self.mesh.width(k)))
     }
 
     /// q, v, a at all points, 3n numbers a point.
@@ -165,57 +167,77 @@ impl Spline {
         for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
             let (k, j) = self.mesh.interval_of(p);
             let (inner, ends) = self.of_interval(&self.unknowns, k);
-            self.mesh.basis(k, j).combine(self.dof, inner, ends, z);
-            self.scale(z);
+            self.basis(k, j).combine(self.dof, inner, ends, z);
+            self.scale(k, z);
         }
     }
 
     /// q, v, a at the part `x` of interval `k`, 3n numbers; with the jerk 4n.
     pub fn in_interval(&self, k: usize, x: f64, z: &mut [f64]) {
+        self.in_parts(k, x, z);
+        self.scale(k, z);
+    }
+
+    /// The same with derivatives in s.
+    pub fn in_parts(&self, k: usize, x: f64, z: &mut [f64]) {
         let (inner, ends) = self.of_interval(&self.unknowns, k);
-        Basis::at(self.mesh.shape, x, self.mesh.width(k)).combine(self.dof, inner, ends, z);
-        self.scale(z);
+        self.basis_at(k, x).combine(self.dof, inner, ends, z);
     }
 
     /// Derivatives in s become derivatives in time.
     #[inline(always)]
-    fn scale(&self, z: &mut [f64]) {
-        let (rate, mut factor) = (1.0 / self.time, 1.0);
+    fn scale(&self, k: usize, z: &mut [f64]) {
+        let (rate, mut factor) = (1.0 / self.clock(k), 1.0);
         for derivatives in z.chunks_exact_mut(self.dof).skip(1) {
             factor *= rate;
             derivatives.iter_mut().for_each(|derivative| *derivative *= factor);
         }
     }
 
-    /// A motion through the states and positions that `at` gives: q and its first two derivatives in s, n
-    /// numbers each, at nodes and in the middle of intervals.
-    pub fn through(n: usize, mesh: Arc<Mesh>, time: f64, mut at: impl FnMut(f64, &mut [f64])) -> Self {
+    /// A motion through the states and positions that `at` gives in a phase: q and its first two derivatives
+    /// in s, n numbers each, at nodes and in the middle of intervals.
+    pub fn through(
+        n: usize,
+        mesh: Arc<Mesh>,
+        times: Vec<f64>,
+        mut at: impl FnMut(usize, f64, &mut [f64]),
+    ) -> Self {
         let shape = mesh.shape;
-        let (mut unknowns, node) = (vec![0.0; Self::size(n, mesh.intervals(), shape)], shape.node() * n);
-        let (ends, inner) = unknowns.split_at_mut(node * mesh.nodes.len());
-        let (mut state, mut z) = (vec![0.0; 3 * n], vec![0.0; 3 * n]);
-        for (&s, unknowns) in mesh.nodes.iter().zip(ends.chunks_exact_mut(node)) {
-            at(s, &mut state);
-            unknowns.copy_from_slice(&state[..node]);
+        let unknowns = vec![0.0; Self::size(n, mesh.intervals(), shape)];
+        let mut spline = Self { dof: n, mesh, unknowns, times };
+        let (node, mut state, mut z) = (shape.node() * n, vec![0.0; 3 * n], vec![0.0; 3 * n]);
+        for k in 0..spline.mesh.nodes.len() {
+            let interval = k.min(spline.mesh.intervals() - 1);
+            at(spline.mesh.phase(interval), spline.mesh.nodes[k], &mut state);
+            if spline.mesh.is_end(k) {
+                spline.scale(interval, &mut state);
+            }
+            spline.unknowns[node * k..node * (k + 1)].copy_from_slice(&state[..node]);
         }
-        for (k, bubble) in inner.chunks_exact_mut(n).enumerate() {
-            let h = mesh.width(k);
-            at(mesh.nodes[k] + 0.5 * h, &mut state);
-            Basis::at(shape, 0.5, h).combine(n, bubble, &ends[node * k..node * (k + 2)], &mut z);
+        let first = node * spline.mesh.nodes.len();
+        for k in 0..if shape.inner() > 0 { spline.mesh.intervals() } else { 0 } {
+            at(spline.mesh.phase(k), spline.mesh.nodes[k] + 0.5 * spline.mesh.width(k), &mut state);
+            spline.in_parts(k, 0.5, &mut z);
+            let bubble = &mut spline.unknowns[first + n * k..first + n * (k + 1)];
             bubble.iter_mut().zip(state.iter().zip(&z)).for_each(|(bubble, (q, cubic))| *bubble = q - cubic);
         }
-        Self { dof: n, mesh, unknowns, time }
+        spline
     }
 
     /// The same motion on other nodes: exact where they contain those of this motion.
     pub fn on_nodes(&self, nodes: Vec<f64>) -> Self {
         let (n, shape) = (self.dof, self.mesh.shape);
-        let at = |s: f64, z: &mut [f64]| {
-            let (k, x) = self.mesh.place(s);
-            let (inner, ends) = self.of_interval(&self.unknowns, k);
-            Basis::at(shape, x, self.mesh.width(k)).combine(n, inner, ends, z);
+        let at = |phase: usize, s: f64, z: &mut [f64]| {
+            let (k, x) = self.mesh.place_in(phase, s);
+            self.in_parts(k, x, z);
         };
-        Self::through(n, Mesh::new(nodes, shape), self.time, at)
+        let mut spline = Self::through(n, Mesh::new(nodes, shape), self.times.clone(), at);
+        for end in 0..=self.mesh.phases() {
+            let state = &self.unknowns[self.end_unknowns(end)];
+            let place = spline.end_unknowns(end);
+            spline.unknowns[place].copy_from_slice(state);
+        }
+        spline
     }
 }
 
@@ -223,48 +245,74 @@ impl Spline {
 mod tests {
     use super::{Mesh, Shape, Spline};
 
+    /// Random motions of two joints: one phase, and two of different times.
+    fn motions(shape: Shape) -> [(Spline, Vec<f64>); 2] {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut motion = |nodes: Vec<f64>, times: Vec<f64>, finer: Vec<f64>| {
+            let mesh = Mesh::new(nodes, shape);
+            let size = Spline::size(2, mesh.intervals(), shape);
+            let unknowns = (0..size).map(|_| random.f64() - 0.5).collect();
+            (Spline { dof: 2, mesh, unknowns, times }, finer)
+        };
+        [
+            motion(vec![0.0, 0.3, 0.4, 1.0], vec![1.7], vec![0.0, 0.1, 0.3, 0.35, 0.4, 0.9, 1.0]),
+            motion(
+                vec![0.0, 0.6, 1.0, 1.5, 1.75, 2.0],
+                vec![1.7, 0.6],
+                vec![0.0, 0.1, 0.6, 1.0, 1.25, 1.5, 1.75, 2.0],
+            ),
+        ]
+    }
+
+    fn sample(spline: &Spline, s: f64, z: &mut [f64]) {
+        let (k, x) = spline.mesh.place(s);
+        spline.in_interval(k, x, z);
+    }
+
     #[test]
     fn a_finer_mesh_carries_the_same_motion() {
         for shape in [Shape::Quartic, Shape::Quintic] {
-            let mut random = fastrand::Rng::with_seed(3);
-            let mesh = Mesh::new(vec![0.0, 0.3, 0.4, 1.0], shape);
-            let unknowns = (0..Spline::size(2, 3, shape)).map(|_| random.f64() - 0.5).collect();
-            let spline = Spline { dof: 2, mesh, unknowns, time: 1.7 };
-            let finer = spline.on_nodes(vec![0.0, 0.1, 0.3, 0.35, 0.4, 0.9, 1.0]);
-            let (mut found, mut expected) = ([0.0; 8], [0.0; 8]);
-            let sample = |spline: &Spline, s: f64, z: &mut [f64]| {
-                let (k, x) = spline.mesh.place(s);
-                spline.in_interval(k, x, z);
-            };
-            for i in 0..=50 {
-                let s = f64::from(i) / 50.0;
-                sample(&finer, s, &mut found);
-                sample(&spline, s, &mut expected);
-                let size = expected.iter().fold(1.0, |most: f64, z| most.max(z.abs()));
-                assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11 * size), "{s}");
+            for (spline, nodes) in motions(shape) {
+                let finer = spline.on_nodes(nodes);
+                let phases = spline.mesh.phases() as f64;
+                let (mut found, mut expected) = ([0.0; 8], [0.0; 8]);
+                for i in 0..=50 {
+                    let s = phases * f64::from(i) / 50.0;
+                    sample(&finer, s, &mut found);
+                    sample(&spline, s, &mut expected);
+                    let size = expected.iter().fold(1.0, |most: f64, z| most.max(z.abs()));
+                    assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11 * size), "{s}");
+                    assert!((spline.place_of(spline.time_at(s)) - s).abs() < 1e-14);
+                }
+                let mut z = vec![0.0; 6 * spline.mesh.points()];
+                spline.evaluate(&mut z);
+                let mut sum = 0.0;
+                for p in 0..spline.mesh.points() {
+                    let (k, j) = spline.mesh.interval_of(p);
+                    spline.in_interval(k, shape.places()[j], &mut expected[..6]);
+                    assert!(z[6 * p..6 * p + 6].iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11));
+                    sum += spline.weight(p);
+                }
+                assert!((sum - spline.duration()).abs() < 1e-14);
+                let points: Vec<usize> =
+                    (0..spline.mesh.phases()).flat_map(|phase| spline.mesh.points_of_phase(phase)).collect();
+                assert_eq!(points, (0..spline.mesh.points()).collect::<Vec<_>>());
             }
-            let mut z = vec![0.0; 6 * spline.mesh.points()];
-            spline.evaluate(&mut z);
-            for p in 0..spline.mesh.points() {
-                sample(&spline, spline.mesh.point(p).0, &mut expected);
-                assert!(z[6 * p..6 * p + 6].iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11));
-            }
-            let sum: f64 = (0..spline.mesh.points()).map(|p| spline.mesh.point(p).1).sum();
-            assert!((sum - 1.0).abs() < 1e-15);
         }
     }
 
     #[test]
-    fn accelerations_of_quintics_do_not_jump() {
-        let mut random = fastrand::Rng::with_seed(5);
-        let mesh = Mesh::new(vec![0.0, 0.3, 0.4, 1.0], Shape::Quintic);
-        let unknowns = (0..Spline::size(2, 3, Shape::Quintic)).map(|_| random.f64() - 0.5).collect();
-        let spline = Spline { dof: 2, mesh, unknowns, time: 1.7 };
-        for k in 0..2 {
-            let (mut left, mut right) = ([0.0; 6], [0.0; 6]);
-            spline.in_interval(k, 1.0, &mut left);
-            spline.in_interval(k + 1, 0.0, &mut right);
-            assert!(left.iter().zip(&right).all(|(a, b)| (a - b).abs() < 1e-12));
+    fn rates_do_not_jump_nor_accelerations_of_quintics() {
+        for (shape, orders) in [(Shape::Quartic, 2), (Shape::Quintic, 3)] {
+            for (spline, _) in motions(shape) {
+                for k in 0..spline.mesh.intervals() - 1 {
+                    let (mut left, mut right) = ([0.0; 6], [0.0; 6]);
+                    spline.in_interval(k, 1.0, &mut left);
+                    spline.in_interval(k + 1, 0.0, &mut right);
+                    let pairs = left.iter().zip(&right).take(2 * orders);
+                    assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12), "{left:?} {right:?}");
+                }
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use super::points::PointDynamics;
 use super::rates::{SLOPES, combine};
 use super::shape::{MOST_POINTS, POINTS};
 use super::side::Limited;
+use super::spline::TimeDerivative;
 use crate::constants::direct as constants;
 use crate::numerics::chain::dot;
 
@@ -13,8 +14,9 @@ impl<D: PointDynamics> Interior<D> {
     /// Both parts of the step, and of the change of distances; without corrections.
     pub(super) fn solve(&mut self) {
         for part in 0..2 {
-            let dt = self.system.solve(part, self.ends.free_time, &mut self.steps[part]);
-            self.time_steps[part] = self.relaxation.correct(part, dt, &mut self.steps[part]);
+            let (dx, shared) = (&mut self.steps[part], &mut self.shared_steps[part]);
+            self.system.solve(part, dx, shared);
+            self.relaxation.correct(part, dx, shared);
             self.finish_part(part);
             self.relaxation.add_change(part, &self.barrier, &mut self.changes[part]);
         }
@@ -26,15 +28,20 @@ impl<D: PointDynamics> Interior<D> {
             vector.resize(count, 0.0);
         }
         self.system.correction.resize(unknowns, 0.0);
-        self.time_steps[2] = 0.0;
+        let (shared, phases) = (self.ends.shared(), self.spline.times.len());
+        for (steps, count) in [(&mut self.shared_steps, shared), (&mut self.time_steps, phases)] {
+            for vector in &mut steps[2..] {
+                vector.clear();
+                vector.resize(count, 0.0);
+            }
+        }
     }
 
-    /// The steps of given ends, and the change of distances, of a part of the step.
+    /// The steps of the times and of tied ends, and the change of distances, of a part of the step.
     pub(super) fn finish_part(&mut self, part: usize) {
-        let (node, count) = (self.spline.node(), self.barrier.count());
-        for (k, i, tangent) in self.ends.all(self.spline.mesh.intervals(), self.spline.time) {
-            self.steps[part][node * k + i] = tangent * self.time_steps[part];
-        }
+        let count = self.barrier.count();
+        let (unknowns, times) = (&mut self.steps[part], &mut self.time_steps[part]);
+        self.ends.expand(&self.spline.mesh, &self.shared_steps[part], unknowns, times);
         self.changes[part].resize(count, 0.0);
         if count > 0 {
             self.change_distances(part);
@@ -47,9 +54,16 @@ impl<D: PointDynamics> Interior<D> {
         self.steps[0][i] + self.mu * self.steps[1][i] + self.steps[2][i]
     }
 
-    /// The step of T.
-    pub(super) fn time_step(&self) -> f64 {
-        self.time_steps[0] + self.mu * self.time_steps[1] + self.time_steps[2]
+    /// The step of the time of a phase.
+    pub(super) fn time_step(&self, phase: usize) -> f64 {
+        let [at_zero, of_mu, correction, _] = &self.time_steps;
+        at_zero[phase] + self.mu * of_mu[phase] + correction[phase]
+    }
+
+    /// The step of a shared unknown.
+    pub(super) fn shared_step(&self, i: usize) -> f64 {
+        let [at_zero, of_mu, correction, _] = &self.shared_steps;
+        at_zero[i] + self.mu * of_mu[i] + correction[i]
     }
 
     /// Change of all distances by a part of the step.
@@ -88,11 +102,21 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Change of z at a point by a part of the step, to the trial.
     pub(super) fn change_of_z(&mut self, p: usize, part: usize) {
-        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
-        let (dz, z) = (&mut self.trial.dz, self.points.z(p));
         let (k, j) = self.spline.mesh.interval_of(p);
+        let (n, rate) = (self.spline.dof, 1.0 / self.spline.clock(k));
+        let dt = self.time_steps[part][self.spline.mesh.phase(k)];
+        let (dz, z) = (&mut self.trial.dz, self.points.z(p));
         let (inner, ends) = self.spline.of_interval(&self.steps[part], k);
-        self.spline.mesh.basis(k, j).combine(n, inner, ends, dz);
+        let basis = self.spline.basis(k, j);
+        basis.combine(n, inner, ends, dz);
+        // What unknowns that are derivatives in time change by T alone.
+        for TimeDerivative { column, order, first } in self.spline.time_derivatives(k) {
+            for (row, dz) in basis.rows.iter().zip(dz.chunks_exact_mut(n)) {
+                let factor = order * rate * row[column] * dt;
+                let unknowns = &self.spline.unknowns[first..first + n];
+                dz.iter_mut().zip(unknowns).for_each(|(dz, x)| *dz += factor * x);
+            }
+        }
         for i in 0..n {
             dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
             dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
@@ -101,8 +125,10 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Change of the distances at the nodes by a part of the step.
     fn change_at_nodes(&mut self, part: usize) {
-        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        let n = self.spline.dof;
         for k in 0..self.spline.mesh.nodes.len() {
+            let (rate, is_end) = (1.0 / self.spline.clock_at(k), self.spline.mesh.is_end(k));
+            let dt = if is_end { 0.0 } else { self.time_steps[part][self.spline.mesh.phase(k)] };
             for at in self.barrier.at_node(k) {
                 let side = self.barrier.side(at);
                 let i = self.spline.node() * k + side.index(n);
@@ -122,15 +148,17 @@ impl<D: PointDynamics> Interior<D> {
         if self.barrier.rate_sides().is_empty() {
             return;
         }
-        let (n, dt, rate) = (self.spline.dof, self.time_steps[part], 1.0 / self.spline.time);
+        let n = self.spline.dof;
         let mut torques = std::mem::take(&mut self.trial.torques);
         torques.resize(MOST_POINTS * n, 0.0);
         let [mut jerk, mut torque] = std::mem::take(&mut self.trial.rates);
         jerk.resize(n, 0.0);
         torque.resize(n, 0.0);
         for k in 0..self.spline.mesh.intervals() {
+            let rate = 1.0 / self.spline.clock(k);
+            let dt = self.time_steps[part][self.spline.mesh.phase(k)];
             for (m, torques) in torques.chunks_exact_mut(n).enumerate() {
-                let p = self.spline.mesh.shape.stride() * k + m;
+                let p = self.spline.mesh.first_point(k) + m;
                 self.change_of_z(p, part);
                 let rows = self.points.tau_z(p).chunks_exact(3 * n);
                 torques.iter_mut().zip(rows).for_each(|(to, row)| *to = dot(row, &self.trial.dz));
@@ -140,7 +168,13 @@ impl<D: PointDynamics> Interior<D> {
             for (j, slopes) in SLOPES.iter().enumerate() {
                 let p = POINTS * k + j;
                 combine(slopes, &torques, &mut torque);
-                self.spline.mesh.gauss_basis(k, j).jerk(n, inner, ends, &mut jerk);
+                let basis = self.spline.gauss_basis(k, j);
+                basis.jerk(n, inner, ends, &mut jerk);
+                for TimeDerivative { column, order, first } in self.spline.time_derivatives(k) {
+                    let factor = order * rate * basis.rows[3][column] * dt;
+                    let unknowns = &self.spline.unknowns[first..first + n];
+                    jerk.iter_mut().zip(unknowns).for_each(|(jerk, x)| *jerk += factor * x);
+                }
                 let values = &self.points.rates;
                 for i in 0..n {
                     torque[i] = scale * torque[i] - rate * values.torque[n * p + i] * dt;
@@ -220,7 +254,9 @@ impl<D: PointDynamics> Interior<D> {
         let gradient = |i: usize| self.system.gradient[0][i] + mu * self.system.gradient[1][i];
         let step = |i: usize| self.steps[0][i] + mu * self.steps[1][i];
         let sum: f64 = (0..self.steps[0].len()).map(|i| gradient(i) * step(i)).sum();
-        let time = self.system.time_gradient[0] + mu * self.system.time_gradient[1];
-        -(sum + time * (self.time_steps[0] + mu * self.time_steps[1]) + self.relaxation.slope(mu, true))
+        let shared = self.system.shared_gradient[0].iter().zip(&self.system.shared_gradient[1]);
+        let steps = self.shared_steps[0].iter().zip(&self.shared_steps[1]);
+        let shared = shared.zip(steps).map(|((g, of_mu), (y, y_mu))| (g + mu * of_mu) * (y + mu * y_mu));
+        -(sum + shared.sum::<f64>() + self.relaxation.slope(mu, true))
     }
 }

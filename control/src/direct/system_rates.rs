@@ -5,7 +5,7 @@ use super::points::Points;
 use super::rate_rows::RateRows;
 use super::rates::Term;
 use super::shape::POINTS;
-use super::spline::Spline;
+use super::spline::{Spline, TimeDerivative};
 use super::system::System;
 
 /// How a value y = y(x, T) depends on T beside what the points already have: as a power of 1/T.
@@ -37,16 +37,19 @@ impl System {
         self.rate_rows = rows;
     }
 
-    /// The jerk is linear in the unknowns, and a multiple of 1/T^3.
+    /// The jerk is linear in the coefficients, and a multiple of 1/T^3.
     fn add_jerks(&mut self, k: usize, spline: &Spline, points: &Points, rows: &mut RateRows) {
-        let inverse = 1.0 / spline.time;
+        let inverse = 1.0 / spline.clock(k);
         for j in 0..POINTS {
             for i in 0..spline.dof {
                 let p = spline.dof * (POINTS * k + j) + i;
-                let (y, term) = (points.rates.jerk[p], &points.rates.jerk_terms[p]);
-                let first = rows.take_jerk(k, j, i, spline, points);
-                let second = 12.0 * inverse * inverse * y;
+                let term = &points.rates.jerk_terms[p];
+                let [first, second] = rows.take_jerk(k, j, i, spline, points);
                 let in_time = InTime { first, mixed: -3.0 * inverse, second, gradient: first };
+                for TimeDerivative { column, order, first } in spline.time_derivatives(k) {
+                    let entry = order * inverse * rows.row[column * spline.dof + i];
+                    self.by_times.columns[spline.mesh.phase(k)][first + i] += term.first[0] * entry;
+                }
                 self.add_row(k, spline, &rows.row, term, &in_time);
                 let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
                 for (gradient, factor) in gradients.zip([term.first[1], term.first[2], term.first[0]]) {
@@ -58,7 +61,7 @@ impl System {
 
     /// Rates of torques are sums of torques over T.
     fn add_torque_rates(&mut self, k: usize, spline: &Spline, points: &Points, rows: &mut RateRows) {
-        let inverse = 1.0 / spline.time;
+        let inverse = 1.0 / spline.clock(k);
         rows.differentiate_torques(k, spline, points);
         for j in 0..POINTS {
             for i in 0..spline.dof {
@@ -75,11 +78,13 @@ impl System {
     /// Adds the square of the derivatives of a value, by the unknowns of an interval and by T.
     fn add_row(&mut self, k: usize, spline: &Spline, row: &[f64], term: &Term, in_time: &InTime) {
         let Term { first: [first, at_zero, of_mu], second, slope, cost } = *term;
-        self.time_gradient[0] += cost + at_zero * in_time.gradient;
-        self.time_gradient[1] += of_mu * in_time.gradient;
-        self.corner += (second * in_time.first + 2.0 * slope) * in_time.first + first * in_time.second;
+        let (phase, by_times) = (spline.mesh.phase(k), &mut self.by_times);
+        by_times.gradient[0][phase] += cost + at_zero * in_time.gradient;
+        by_times.gradient[1][phase] += of_mu * in_time.gradient;
+        by_times.second[phase] +=
+            (second * in_time.first + 2.0 * slope) * in_time.first + first * in_time.second;
         let factor = second * in_time.first + first * in_time.mixed + slope;
-        add_local(spline, k, row, factor, &mut self.border);
+        add_local(spline, k, row, factor, &mut by_times.columns[phase]);
         if second != 0.0 {
             self.matrix.add_square(k, second, row);
         }

@@ -2,18 +2,21 @@
 
 use super::super::ends::Ends;
 use super::super::limits::Barrier;
+use super::super::mesh::Mesh;
+use super::super::phases::PhaseDynamics;
 use super::super::point_terms::weigh;
 use super::super::points::{PointDynamics, Points, RobotPoints};
 use super::super::power::Powers;
 use super::super::running::Running;
 use super::super::shape::Shape;
 use super::super::side::{Limited, Side};
-use super::super::spline::{Mesh, Spline};
+use super::super::spline::Spline;
 use super::super::tasks::Tasks;
 use super::System;
 use crate::problem::running_cost::{RunningCost, UserTerm};
 use crate::problem::{
-    FinalTime, Keep, Kept, MotionLimits, Objective, Penalty, Problem, Task, Tool, ToolCost, ToolPose,
+    FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Penalty, Problem, Task, Tool, ToolCost,
+    ToolPose, Via,
 };
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
@@ -51,15 +54,67 @@ struct Case {
     shift: Vec<f64>,
     running: Running,
     ends: Ends,
-    dynamics: RobotPoints,
+    dynamics: PhaseDynamics<RobotPoints>,
     tasks: Tasks,
     powers: Powers,
     points: Points,
     system: System,
 }
 
+/// What a motion is between its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    OnePhase,
+    /// A via with a given position and rate, a payload and a tool; then one with a given time: T_1 and T_3
+    /// are free.
+    Vias,
+    /// Two phases in a given time; what is free at the start is free at the end, too.
+    Periodic,
+}
+
+impl Kind {
+    const ALL: [Self; 3] = [Self::OnePhase, Self::Vias, Self::Periodic];
+
+    fn apply(self, problem: Problem) -> Problem {
+        let tip = || Payload::point("joint:elbow", 0.6, [0.9, 0.1, 0.0]);
+        match self {
+            Self::OnePhase => problem,
+            Self::Vias => {
+                let tool = Tool::new("joint:elbow").with_offset([0.2, 0.0, 0.0]);
+                let pose = ToolPose::of(tool).with_position([0.2, f64::INFINITY, f64::INFINITY]);
+                let first = Via::at(&[0.2, 0.4]).with_q_free(&[1]).with_v(&[0.3, 0.7]).with_v_free(&[1]);
+                problem
+                    .with_via(first.with_payload(tip()).with_tool(pose))
+                    .with_via(Via::at(&[0.5, 0.1]).with_time(2.2).without_payload())
+            }
+            Self::Periodic => {
+                let via = Via::at(&[0.2, 0.4]).with_payload(tip());
+                let start = problem.start.clone().with_q_free(&[0]);
+                let problem = problem.with_start(start).with_via(via).with_time(FinalTime::Fixed(2.2));
+                problem.with_period(vec![0.3, 0.0])
+            }
+        }
+    }
+
+    fn nodes(self) -> Vec<f64> {
+        match self {
+            Self::OnePhase => vec![0.0, 0.3, 0.55, 1.0],
+            Self::Vias => vec![0.0, 0.3, 1.0, 1.4, 1.7, 2.0, 3.0],
+            Self::Periodic => vec![0.0, 0.3, 1.0, 1.4, 2.0],
+        }
+    }
+
+    fn times(self) -> Vec<f64> {
+        match self {
+            Self::OnePhase => vec![1.3],
+            Self::Vias => vec![1.3, 0.9, 0.6],
+            Self::Periodic => vec![1.3, 0.9],
+        }
+    }
+}
+
 impl Case {
-    fn new(shape: Shape) -> Self {
+    fn new(shape: Shape, kind: Kind) -> Self {
         let robot = Robot::from_file("../robots/two_link.toml").unwrap();
         let mut problem = Problem::rest_to_rest(robot, &[0.1, 0.2], &[0.5, -0.3], 1.3);
         problem.time = FinalTime::Free { guess: 1.3 };
@@ -84,20 +139,21 @@ impl Case {
             problem.start.a = Some(vec![0.7, -0.4]);
             kinds.extend([Limited::Jerk, Limited::TorqueRate]);
         }
-        assert_eq!(Shape::of(&problem), shape);
+        let problem = &mut kind.apply(problem);
+        assert_eq!(Shape::of(problem), shape);
         let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.5, 2.0 + joint as f64));
         let sides: Vec<Side> = kinds.into_iter().flat_map(pair).collect();
         let mut random = fastrand::Rng::with_seed(11);
-        let mesh = Mesh::new(vec![0.0, 0.3, 0.55, 1.0], shape);
-        let unknowns = (0..Spline::size(2, 3, shape)).map(|_| random.f64() - 0.5).collect();
-        let spline = Spline { dof: 2, mesh, unknowns, time: 1.3 };
+        let mesh = Mesh::new(kind.nodes(), shape);
+        let unknowns = (0..Spline::size(2, mesh.intervals(), shape)).map(|_| random.f64() - 0.5).collect();
+        let spline = Spline { dof: 2, mesh, unknowns, times: kind.times() };
         problem.task = task();
-        let ends = Ends::new(&problem);
-        let task = TaskRows::new(&problem).unwrap();
+        let ends = Ends::new(problem);
+        let task = TaskRows::new(problem).unwrap();
         let tasks = Tasks::new(&task, 2);
-        let powers = Powers::new(&problem);
+        let powers = Powers::new(problem);
         let sides = sides.into_iter().chain(powers.sides().iter().copied()).chain(tasks.sides());
-        let mut barrier = Barrier::new(sides.collect(), tasks.end_sides());
+        let mut barrier = Barrier::new(sides.collect(), &tasks.end_sides());
         barrier.stiffness = 3.0;
         barrier.resize(&spline.mesh, &ends);
         let count = barrier.count();
@@ -113,11 +169,11 @@ impl Case {
         }
         let mut points = Points::default();
         let rows = [tasks.rows(), powers.rows()];
-        points.resize(2, rows, spline.mesh.points());
-        points.ends.resize(2, tasks.end_rows());
+        points.resize(2, rows, spline.mesh.ends_of_points());
+        points.ends.resize(2, tasks.end_rows(), spline.mesh.ends().len());
         Self {
-            dynamics: RobotPoints::new(&problem.robot),
-            running: Running::new(&problem, ToolCosts::new(task.costs, task.weights, 2)),
+            dynamics: PhaseDynamics::new(&problem.robots(), RobotPoints::new),
+            running: Running::new(problem, ToolCosts::new(task.costs, task.weights, 2)),
             ends,
             shift: vec![0.0; count],
             system: System::new(2, shape, rows),
@@ -129,31 +185,29 @@ impl Case {
         }
     }
 
-    /// The derivative in T of a given unknown, if it is one.
-    fn tangent(&self, at: usize) -> Option<f64> {
-        let mut given = self.ends.all(self.spline.mesh.intervals(), self.spline.time);
-        given.find(|(k, i, _)| self.spline.node() * k + i == at).map(|(_, _, tangent)| tangent)
+    /// Whether an unknown is given, or tied to another one.
+    fn is_removed(&self, at: usize) -> bool {
+        let mut removed = self.ends.removed(&self.spline.mesh);
+        removed.any(|(k, i)| self.spline.node() * k + i == at)
     }
 
-    /// The second derivative in T of a given unknown.
-    fn curvature(&self, at: usize) -> f64 {
-        let mut given = self.ends.with_curvatures(self.spline.mesh.intervals(), self.spline.time);
-        let found = given.find(|(k, i, _)| self.spline.node() * k + i == at);
-        found.map_or(0.0, |(_, _, [_, curvature])| curvature)
+    /// Number of unknowns of the equations.
+    fn size(&self) -> usize {
+        self.spline.unknowns.len() + self.ends.shared()
     }
 
-    /// Adds to an unknown; the one after the last is T, with which given rates move.
+    /// Adds to an unknown; those after the last one are shared.
     fn shifted(&mut self, at: usize, step: f64) {
-        if at < self.spline.unknowns.len() {
+        let last = self.spline.unknowns.len();
+        if at < last {
             self.spline.unknowns[at] += step;
             return;
         }
-        for at in 0..self.spline.unknowns.len() {
-            let tangent = self.tangent(at).unwrap_or(0.0);
-            let curvature = self.curvature(at);
-            self.spline.unknowns[at] += step * (tangent + 0.5 * step * curvature);
-        }
-        self.spline.time += step;
+        let shared: Vec<f64> = (last..self.size()).map(|i| if i == at { step } else { 0.0 }).collect();
+        let (mut unknowns, mut times) = (vec![0.0; last], Vec::new());
+        self.ends.expand(&self.spline.mesh, &shared, &mut unknowns, &mut times);
+        self.spline.unknowns.iter_mut().zip(&unknowns).for_each(|(to, step)| *to += step);
+        self.spline.times.iter_mut().zip(&times).for_each(|(to, step)| *to += step);
     }
 
     /// Evaluates the points and their distances.
@@ -194,20 +248,18 @@ impl Case {
         self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
     }
 
-    /// A part of the gradient, with that in T.
+    /// A part of the gradient, with that in the shared unknowns.
     fn gradient(&self, part: usize) -> Vec<f64> {
-        let mut gradient = self.system.gradient[part].clone();
-        gradient.push(self.system.time_gradient[part]);
-        gradient
+        [&self.system.gradient[part][..], &self.system.shared_gradient[part]].concat()
     }
 
     /// An entry of the bordered matrix.
     fn entry(&self, i: usize, j: usize) -> f64 {
-        let size = self.spline.unknowns.len();
-        match (i == size, j == size) {
-            (true, true) => self.system.corner,
-            (true, false) => self.system.border[j],
-            (false, true) => self.system.border[i],
+        let (size, border) = (self.spline.unknowns.len(), &self.system.border);
+        match (i >= size, j >= size) {
+            (true, true) => border.corner(i - size, j - size),
+            (true, false) => border.column(i - size)[j],
+            (false, true) => border.column(j - size)[i],
             (false, false) => self.system.matrix.entry(i, j),
         }
     }
@@ -219,16 +271,14 @@ fn close(found: f64, expected: f64, scale: f64) -> bool {
     (found - expected).abs() < 1e-7 * scale
 }
 
-fn gradients_are_those_of_the_lagrange_function(shape: Shape) {
-    let mut case = Case::new(shape);
+fn gradients_are_those_of_the_lagrange_function(case: &mut Case) {
     case.assemble();
     let gradients = [0, 1].map(|part| case.gradient(part));
     let scales =
         gradients.clone().map(|gradient| gradient.iter().fold(1.0, |most: f64, g| most.max(g.abs())));
-    let last = case.spline.unknowns.len();
-    for at in 0..=last {
+    for at in 0..case.size() {
         let mut differences = [0.0; 2];
-        if at == last || case.tangent(at).is_none() {
+        if !case.is_removed(at) {
             let saved = case.spline.clone();
             case.shifted(at, STEP);
             let above = case.values();
@@ -244,17 +294,16 @@ fn gradients_are_those_of_the_lagrange_function(shape: Shape) {
     }
 }
 
-fn the_matrix_is_the_derivative_of_the_gradient(shape: Shape) {
-    let mut case = Case::new(shape);
+fn the_matrix_is_the_derivative_of_the_gradient(case: &mut Case) {
     case.evaluate();
     // Without the distances of this motion sigma d does not change the multipliers.
     case.shift.clone_from(&case.barrier.distance);
     case.assemble();
-    let size = case.spline.unknowns.len();
-    let expected: Vec<Vec<f64>> = (0..=size)
+    let size = case.size();
+    let expected: Vec<Vec<f64>> = (0..size)
         .map(|j| {
-            if j < size && case.tangent(j).is_some() {
-                return (0..=size).map(|i| f64::from(i == j)).collect();
+            if case.is_removed(j) {
+                return (0..size).map(|i| f64::from(i == j)).collect();
             }
             let saved = case.spline.clone();
             let gradient = |case: &mut Case, step: f64| {
@@ -263,7 +312,7 @@ fn the_matrix_is_the_derivative_of_the_gradient(shape: Shape) {
                 case.spline.clone_from(&saved);
                 case.gradient(0)
             };
-            let (above, below) = (gradient(&mut case, STEP), gradient(&mut case, -STEP));
+            let (above, below) = (gradient(case, STEP), gradient(case, -STEP));
             above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * STEP)).collect()
         })
         .collect();
@@ -277,37 +326,42 @@ fn the_matrix_is_the_derivative_of_the_gradient(shape: Shape) {
     }
 }
 
-fn steps_solve_the_bordered_equations(shape: Shape) {
-    let mut case = Case::new(shape);
+fn steps_solve_the_bordered_equations(case: &mut Case) {
     // Large curvature of the limits makes the matrix positive definite.
     case.barrier.slack.iter_mut().for_each(|slack| *slack *= 1e-4);
     case.assemble();
     let weights = [1.0; 2];
     case.system.factorise(0.0, &case.ends, &case.spline, &case.points, &weights).unwrap();
-    let size = case.spline.unknowns.len();
+    let size = case.size();
     for part in 0..2 {
-        let mut step = Vec::new();
-        let time = case.system.solve(part, true, &mut step);
-        step.push(time);
+        let (mut step, mut shared) = (Vec::new(), Vec::new());
+        case.system.solve(part, &mut step, &mut shared);
+        step.append(&mut shared);
         let gradient = case.gradient(part);
         let scale = gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
         for (i, entry) in gradient.iter().enumerate() {
-            let product: f64 = (0..=size).map(|j| case.entry(i, j) * step[j]).sum();
+            let product: f64 = (0..size).map(|j| case.entry(i, j) * step[j]).sum();
             assert!(close(product, -entry, scale), "{part} {i}: {product} {entry}");
         }
     }
 }
 
+/// All of them, for all kinds of motions.
+fn check(shape: Shape) {
+    for kind in Kind::ALL {
+        assert_eq!(Case::new(shape, kind).ends.shared(), [1, 2, 3][kind as usize], "{kind:?}");
+        gradients_are_those_of_the_lagrange_function(&mut Case::new(shape, kind));
+        the_matrix_is_the_derivative_of_the_gradient(&mut Case::new(shape, kind));
+        steps_solve_the_bordered_equations(&mut Case::new(shape, kind));
+    }
+}
+
 #[test]
 fn derivatives_where_accelerations_jump() {
-    gradients_are_those_of_the_lagrange_function(Shape::Quartic);
-    the_matrix_is_the_derivative_of_the_gradient(Shape::Quartic);
-    steps_solve_the_bordered_equations(Shape::Quartic);
+    check(Shape::Quartic);
 }
 
 #[test]
 fn derivatives_where_accelerations_are_continuous() {
-    gradients_are_those_of_the_lagrange_function(Shape::Quintic);
-    the_matrix_is_the_derivative_of_the_gradient(Shape::Quintic);
-    steps_solve_the_bordered_equations(Shape::Quintic);
+    check(Shape::Quintic);
 }

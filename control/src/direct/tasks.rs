@@ -1,4 +1,4 @@
-//! Rows of tasks along a motion and at its ends.
+//! Rows of tasks along a motion and at the ends of its phases.
 
 use super::points::Points;
 use super::side::Side;
@@ -12,7 +12,8 @@ use costate::EvalError;
 #[derive(Clone, Debug)]
 pub(crate) struct Tasks {
     along: TaskFunctions,
-    ends: [TaskFunctions; 2],
+    /// At each end of a phase.
+    ends: Vec<TaskFunctions>,
     /// 2n x 2n.
     hessian: Vec<f64>,
     /// q and v at an end.
@@ -28,10 +29,9 @@ pub(crate) struct Tasks {
 impl Tasks {
     /// Those of a robot with n joints.
     pub fn new(rows: &TaskRows, n: usize) -> Self {
-        let TaskRows { start, end, along, .. } = rows.clone();
         Self {
-            along,
-            ends: [start, end],
+            along: rows.along.clone(),
+            ends: rows.at_ends().cloned().collect(),
             hessian: vec![0.0; 4 * n * n],
             state: vec![0.0; 2 * n],
             bounds: [vec![0.0; n], vec![0.0; n]],
@@ -45,7 +45,7 @@ impl Tasks {
         self.along.rows()
     }
 
-    /// Number of rows at both ends.
+    /// Number of rows at all ends of phases.
     pub fn end_rows(&self) -> usize {
         self.ends.iter().map(PathFunction::rows).sum()
     }
@@ -55,14 +55,15 @@ impl Tasks {
         self.along.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row))
     }
 
-    /// What holds at the start and at the end.
-    pub fn end_sides(&self) -> [Vec<Side>; 2] {
-        self.ends.each_ref().map(|functions| {
+    /// What holds at each end of a phase.
+    pub fn end_sides(&self) -> Vec<Vec<Side>> {
+        let sides = |functions: &TaskFunctions| {
             functions.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row)).collect()
-        })
+        };
+        self.ends.iter().map(sides).collect()
     }
 
-    /// Gives an equation at an end another right-hand side.
+    /// Gives an equation at an end of a phase another right-hand side.
     pub fn set_end_value(&mut self, end: usize, row: usize, value: f64) {
         self.ends[end].set_value(row, value);
     }
@@ -164,7 +165,7 @@ impl Tasks {
         }
         let n = spline.dof;
         // dq/dx is a quartic, or a cubic.
-        let length = spline.time * spline.mesh.width(k);
+        let length = spline.length(k);
         for j in 0..5 {
             spline.in_interval(k, j as f64 / 4.0, &mut self.z);
             self.quartics.iter_mut().zip(&self.z[n..]).for_each(|(quartic, v)| quartic[j] = length * v);
@@ -182,10 +183,10 @@ impl Tasks {
         })
     }
 
-    /// How far tools are off at the end in a state (q, v), in m and rad; the largest.
-    pub fn miss(&mut self, state: &[f64]) -> f64 {
+    /// How far tools are off at an end of a phase in a state (q, v), in m and rad; the largest.
+    pub fn miss(&mut self, end: usize, state: &[f64]) -> f64 {
         let (q, v) = state.split_at(state.len() / 2);
-        let end = &mut self.ends[1];
+        let end = &mut self.ends[end];
         let mut g = vec![0.0; end.rows()];
         if end.values(q, v, &mut g).is_err() {
             return f64::INFINITY;

@@ -36,12 +36,12 @@ pub(super) fn integrate_again<D>(
     resolution: &Resolution,
 ) -> Again {
     let spline = &interior.spline;
-    let (n, end) = (spline.dof, &problem.end);
+    let n = spline.dof;
     let cut: f64 = resolution.cut.iter().sum();
     match verify {
         Verify::Full => {}
         // What is cut off torques moves the end by about as much, in parts of what moves the robot.
-        Verify::Factors => return Again::unknown(cut / spline.time),
+        Verify::Factors => return Again::unknown(cut / spline.duration()),
         Verify::None => return Again::unknown(f64::INFINITY),
     }
     let Ok(state) = integrate(problem, spline) else {
@@ -60,12 +60,12 @@ pub(super) fn integrate_again<D>(
     for i in 0..2 * n {
         let size = largest(i).max(least[i / n]);
         relative = relative.max(defined((state[i] - last[i]).abs() / size));
-        let (free, given) = if i < n { (&end.q_free, end.q[i]) } else { (&end.v_free, end.v[i - n]) };
-        if !free.contains(&(i % n)) {
-            defect = defect.max(defined((state[i] - given).abs()));
+        let is_given = interior.ends.given[spline.mesh.phases()][i] || interior.ends.tied.contains(&i);
+        if is_given {
+            defect = defect.max(defined((state[i] - last[i]).abs()));
         }
     }
-    defect = defect.max(interior.tasks.miss(&state));
+    defect = defect.max(interior.tasks.miss(spline.mesh.phases(), &state));
     Again { state: Some(state), defect, relative }
 }
 
@@ -74,15 +74,16 @@ pub(super) fn integrate_again<D>(
 fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
     let n = spline.dof;
     let limits = problem.joint_limits();
-    let (mut inverse, mut forward) =
-        (Lagrangian::<f64>::new(&problem.robot), Lagrangian::<f64>::new(&problem.robot));
+    let robots = problem.robots();
+    let models = robots.iter().map(|robot| [0, 1].map(|_| Lagrangian::<f64>::new(robot)));
+    let mut models: Vec<_> = models.collect();
     let mut z = vec![0.0; 3 * n];
     spline.in_interval(0, 0.0, &mut z);
     let mut x = z[..2 * n].to_vec();
     let mut tau = vec![0.0; n];
     let mut integrator = DormandPrince::new(2 * n, constants::INTEGRATION);
     for k in 0..spline.mesh.intervals() {
-        let length = spline.mesh.width(k) * spline.time;
+        let (length, [inverse, forward]) = (spline.length(k), &mut models[spline.mesh.phase(k)]);
         integrator.integrate(&mut x, 0.0..length, |t, x, rate| -> Result<(), EvalError> {
             spline.in_interval(k, t / length, &mut z);
             tau.copy_from_slice(inverse.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?);

@@ -66,9 +66,13 @@ impl ChainMatrix {
     }
 
     /// Number of unknowns.
-    #[cfg(test)]
     pub fn size(&self) -> usize {
         self.node * (self.intervals + 1) + self.inner * self.intervals
+    }
+
+    /// Where the unknowns of a node begin among all.
+    pub fn first_of(&self, node: usize) -> usize {
+        self.node * node
     }
 
     /// The rows of an interval and those of the nodes at its ends.

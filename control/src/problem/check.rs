@@ -46,9 +46,10 @@ impl Problem {
     ///
     /// # Errors
     /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`],
-    /// [`ProblemError::TaskNeedsDirect`], [`ProblemError::EnergyNeedsDirect`] and
-    /// [`ProblemError::RatesNeedDirect`] for limits, tasks, costs of energy, and costs of jerks or rates of
-    /// torques or given accelerations with another method.
+    /// [`ProblemError::TaskNeedsDirect`], [`ProblemError::EnergyNeedsDirect`],
+    /// [`ProblemError::RatesNeedDirect`] and [`ProblemError::PhasesNeedDirect`] for limits, tasks, costs of
+    /// energy, costs of jerks or rates of torques or given accelerations, and vias or periodic motions with
+    /// another method.
     pub fn check_for(&self, method: Method) -> Result<CheckedProblem<'_>, ProblemError> {
         if method != Method::Direct {
             let checked = self.check()?;
@@ -61,9 +62,10 @@ impl Problem {
             if self.limits.any_given() {
                 return Err(ProblemError::LimitsNeedDirect);
             }
-            return match self.first_of_rates() {
-                Some(key) => Err(ProblemError::RatesNeedDirect { key }),
-                None => Ok(checked),
+            return match (self.first_of_rates(), self.first_of_phases()) {
+                (Some(key), _) => Err(ProblemError::RatesNeedDirect { key }),
+                (None, Some(key)) => Err(ProblemError::PhasesNeedDirect { key }),
+                (None, None) => Ok(checked),
             };
         }
         let checked = self.check_lists(|j| {
@@ -73,6 +75,7 @@ impl Problem {
             let weight = |list: &Option<Vec<f64>>| list.as_ref().map_or(0.0, |list| list[j]);
             limited || rates || weight(&self.cost.torque_rate).max(weight(&self.cost.jerk)) > 0.0
         })?;
+        self.check_vias()?;
         self.check_limits()?;
         self.check_given_ends()?;
         check_task(self)?;
@@ -211,7 +214,7 @@ impl Problem {
     }
 
     /// One finite number per joint.
-    fn finite(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
+    pub(super) fn finite(&self, key: Key, values: &[f64]) -> Result<(), ProblemError> {
         self.length(key, values)?;
         match values.iter().position(|value| !value.is_finite()) {
             Some(joint) => Err(ProblemError::NotFinite { key, joint: self.name(joint) }),
@@ -220,7 +223,7 @@ impl Problem {
     }
 
     /// Indices of joints of the robot.
-    fn exist(&self, key: Key, indices: &[usize]) -> Result<(), ProblemError> {
+    pub(super) fn exist(&self, key: Key, indices: &[usize]) -> Result<(), ProblemError> {
         match indices.iter().find(|&&joint| joint >= self.robot.dof()) {
             Some(joint) => Err(self.unknown_joint(key, joint.to_string())),
             None => Ok(()),

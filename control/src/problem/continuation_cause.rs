@@ -30,6 +30,8 @@ pub enum ContinuationCause {
     Energy,
     /// Costs of jerks or rates of torques, or given accelerations, which a continuation does not take.
     Rates,
+    /// Vias or a periodic motion, which a continuation does not take.
+    Phases,
     /// The robot that would have this value is refused.
     Robot(Arc<RobotError>),
 }
@@ -53,6 +55,7 @@ impl fmt::Display for ContinuationCause {
                 "a continuation takes neither costs of jerks or rates of torques nor given accelerations; remove \
                  cost.jerk, cost.torque_rate, start.a and end.a"
             }
+            Self::Phases => "a continuation takes neither vias nor periodic motions; remove them",
             Self::Robot(error) => return error.fmt(f),
         })
     }

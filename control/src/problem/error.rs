@@ -4,6 +4,7 @@ use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::key::Key;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
+use crate::problem::via_error::ViaError;
 use costate::EvalError;
 use costate::codegen::CodegenError;
 use costate::robot::{printable, printable_number as number};
@@ -147,6 +148,18 @@ pub enum ProblemError {
         /// Its first part.
         key: Key,
     },
+    /// A [`Via`](crate::Via).
+    Via {
+        /// The field.
+        key: Key,
+        /// What is wrong.
+        cause: ViaError,
+    },
+    /// Vias, or an end that follows the start, with a method that does not take them.
+    PhasesNeedDirect {
+        /// The first of them.
+        key: Key,
+    },
     /// Torque-speed limits of motors.
     TorqueSpeed {
         /// The field.
@@ -161,7 +174,8 @@ pub enum ProblemError {
         /// The field.
         key: Key,
     },
-    /// Jerks, rates of torques or given accelerations, which [`Resolve`](crate::Resolve) does not take.
+    /// Jerks, rates of torques, given accelerations, vias or an end that follows the start, which
+    /// [`Resolve`](crate::Resolve) does not take.
     NotAgain {
         /// The field.
         key: Key,
@@ -208,6 +222,8 @@ impl ProblemError {
             | Self::OutsideLimits { key, .. }
             | Self::BeyondLimit { key, .. }
             | Self::Task { key, .. }
+            | Self::Via { key, .. }
+            | Self::PhasesNeedDirect { key }
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
             | Self::NotAgain { key }
@@ -277,6 +293,10 @@ impl ProblemError {
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
+            Self::Via { cause, .. } => cause.to_string(),
+            Self::PhasesNeedDirect { .. } => {
+                "vias and periodic motions are taken by method = \"direct\" only; choose it, or remove them".into()
+            }
             Self::TorqueSpeed { cause, .. } => cause.to_string(),
             Self::EnergyNeedsDirect => "a cost of energy is taken by method = \"direct\" only; choose it, or remove the cost".into(),
             Self::RatesNeedDirect { .. } => "this is taken by method = \"direct\" only; choose it, or remove it".into(),
@@ -302,7 +322,10 @@ impl fmt::Display for ProblemError {
         if let Some(key) = self.key() {
             match self {
                 // A task has lists: their entries are counted from 0, as in Rust.
-                Self::Task { .. } => write!(f, "task: {}[{}].{}: ", key.table(), key.number(), key.name())?,
+                Self::Task { .. } if key.table() != "via" => {
+                    write!(f, "task: {}[{}].{}: ", key.table(), key.number(), key.name())?;
+                }
+                _ if key.table() == "via" => write!(f, "vias[{}].{}: ", key.number(), key.name())?,
                 _ => write!(f, "{}: ", key.field())?,
             }
         }
@@ -316,6 +339,7 @@ impl std::error::Error for ProblemError {
         match self {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::Task { cause, .. } => Some(cause),
+            Self::Via { cause, .. } => Some(cause),
             Self::TorqueSpeed { cause, .. } => Some(cause),
             _ => None,
         }

@@ -81,6 +81,17 @@ impl Problem {
         }
     }
 
+    /// The keys of positions, rates and accelerations at the end of a phase.
+    fn keys_of_end(&self, end: usize) -> [Key; 3] {
+        match end {
+            0 => [Key::START_Q, Key::START_V, Key::START_A],
+            via if via < self.phases() => ["q", "v", "a"].map(|name| Key::via(name, via - 1)),
+            // That of a periodic motion comes from the start.
+            _ if self.periodic.is_some() => [Key::PERIODIC_SHIFT, Key::START_V, Key::START_A],
+            _ => [Key::END_Q, Key::END_V, Key::END_A],
+        }
+    }
+
     /// Whether there is something between the limits, those of the robot included, and the given ends lie
     /// there.
     ///
@@ -107,11 +118,8 @@ impl Problem {
                 let cause = TorqueSpeedError::NoTorqueLimit { joint: self.name(j) };
                 return Err(ProblemError::TorqueSpeed { key: Key::LIMIT_CORNER_SPEED, cause });
             }
-            let ends = [
-                (&self.start, [Key::START_Q, Key::START_V, Key::START_A]),
-                (&self.end, [Key::END_Q, Key::END_V, Key::END_A]),
-            ];
-            for (end, [key_q, key_v, key_a]) in ends {
+            for (number, end) in self.ends().iter().enumerate() {
+                let [key_q, key_v, key_a] = self.keys_of_end(number);
                 let values = [
                     (key_q, end.q[j], limits.q, end.q_free.contains(&j)),
                     (key_v, end.v[j], [-limits.v, limits.v], end.v_free.contains(&j)),

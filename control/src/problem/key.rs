@@ -53,6 +53,7 @@ impl Key {
         Self::new("limits", "total_power_max", "limits.total_power_max");
     pub(crate) const LIMIT_CORNER_SPEED: Self = Self::new("limits", "corner_speed", "limits.corner_speed");
     pub(crate) const LIMIT_NO_LOAD_SPEED: Self = Self::new("limits", "no_load_speed", "limits.no_load_speed");
+    pub(crate) const PERIODIC_SHIFT: Self = Self::new("periodic", "shift", "periodic");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 
@@ -63,6 +64,11 @@ impl Key {
     /// A key of an entry of a list of tables, or of a table with one entry, of the task.
     pub(crate) const fn entry(table: &'static str, name: &'static str, entry: usize) -> Self {
         Self { table, name, field: "task", entry }
+    }
+
+    /// A key of a via, by its number from 0.
+    pub(crate) const fn via(name: &'static str, entry: usize) -> Self {
+        Self { table: "via", name, field: "vias", entry }
     }
 
     /// The number of the entry in the list of tables, from 0.
@@ -94,6 +100,10 @@ impl Key {
 
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}.{}", self.table, self.name)
+        match self.table {
+            // Errors count from 1.
+            "via" => write!(f, "via {}, {}", self.entry + 1, self.name),
+            _ => write!(f, "{}.{}", self.table, self.name),
+        }
     }
 }

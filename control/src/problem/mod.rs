@@ -1,6 +1,7 @@
 //! Optimal-control problems of robots.
 
 pub(crate) mod check;
+mod check_vias;
 pub(crate) mod continuation_cause;
 pub(crate) mod error;
 #[cfg(feature = "toml")]
@@ -17,6 +18,8 @@ pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
 pub(crate) mod torque_speed_error;
+mod via;
+mod via_error;
 pub(crate) mod warning;
 
 pub use limits::MotionLimits;
@@ -26,6 +29,8 @@ pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 pub use torque_speed_error::TorqueSpeedError;
+pub use via::{Payload, Via};
+pub use via_error::ViaError;
 
 use crate::problem::key::Key;
 use crate::problem::running_cost::UserTerm;
@@ -77,6 +82,12 @@ pub struct Problem {
     pub limits: MotionLimits,
     /// Tools and obstacles, which [`Method::Direct`](crate::Method::Direct) takes.
     pub task: Task,
+    /// Places on the way, in the order in which they are passed, which [`Method::Direct`](crate::Method::Direct)
+    /// takes.
+    pub vias: Vec<Via>,
+    /// Where the end follows the start: q(T) - q(0) (rad, m), n entries. `None`: the ends are independent.
+    /// Needs [`Method::Direct`](crate::Method::Direct).
+    pub periodic: Option<Vec<f64>>,
 }
 
 impl Problem {
@@ -96,6 +107,8 @@ impl Problem {
             penalty: None,
             limits: MotionLimits::unsaid(),
             task: Task::default(),
+            vias: Vec::new(),
+            periodic: None,
         }
     }
 
@@ -168,7 +181,11 @@ impl Problem {
     /// Whether there is anything that only the direct method takes.
     pub(crate) fn needs_direct(&self) -> bool {
         let costs = self.cost.has_energy() || self.first_of_rates().is_some();
-        costs || self.limits.any_given() || !self.task.is_empty()
+        costs
+            || self.limits.any_given()
+            || !self.task.is_empty()
+            || self.phases() > 1
+            || self.periodic.is_some()
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of

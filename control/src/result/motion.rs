@@ -49,7 +49,10 @@ pub struct Motion {
     pub final_time: f64,
     /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`.
     pub hamiltonian: f64,
-    /// `max |H* - mean| / max (|y'f| + |l|)`: zero for an exact solution.
+    /// Mean of H* in each phase of a motion of the direct method. Phases between which a via has a free time
+    /// have the same: a later via would gain in one what it costs in the other.
+    pub phase_hamiltonians: Vec<f64>,
+    /// `max |H* - mean| / max (|y'f| + |l|)`, the mean that of the phase: zero for an exact solution.
     pub hamiltonian_drift: f64,
     /// x at the end when the motion is integrated again from its start with the control that was found;
     /// `None` where the integration stopped, or for a motion that is not converged.
@@ -92,6 +95,7 @@ impl Motion {
             smoothing: 0.0,
             final_time,
             hamiltonian: f64::NAN,
+            phase_hamiltonians: Vec::new(),
             hamiltonian_drift: f64::INFINITY,
             end_state: None,
             verification: Verify::None,
@@ -226,6 +230,7 @@ impl Solved {
             smoothing: self.relaxation.effort,
             final_time,
             hamiltonian,
+            phase_hamiltonians: Vec::new(),
             hamiltonian_drift,
             end_state,
             verification,

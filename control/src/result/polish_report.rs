@@ -31,6 +31,8 @@ pub enum PolishOutcome {
     /// cost something, accelerations are given at an end, or a limit on positions, rates or powers is active.
     /// An extremal keeps the limits of controls only.
     Limited,
+    /// Not tried: the motion has vias or is periodic. An extremal has one phase between independent ends.
+    Phases,
     /// Not tried: the direct method found no motion to begin with.
     NoMotion,
     /// The polish found no extremal.
@@ -54,6 +56,7 @@ impl PolishOutcome {
         match self {
             Self::Polished => "polished",
             Self::Limited => "direct: energy has a cost, or a limit other than on torques is active",
+            Self::Phases => "direct: the motion has vias or is periodic",
             Self::NoMotion => "direct: no motion to begin with",
             Self::Failed => "direct: the polish found no extremal",
             Self::OutOfTime => "direct: the polish was stopped or took too long",

@@ -61,6 +61,8 @@ struct StartDocument {
     robot: Option<String>,
     joints: Option<Vec<String>>,
     status: Option<Status>,
+    #[serde(default)]
+    via_times: Vec<f64>,
     trajectory: Rows,
 }
 
@@ -84,6 +86,14 @@ impl Rows {
     pub fn is_empty(&self) -> bool {
         let Self { t, q, v, p, u, y } = self;
         t.is_empty() && [q, v, p, u, y].into_iter().all(Vec::is_empty)
+    }
+
+    /// Vias are passed one after the other, at times of nodes.
+    pub fn check_vias(&self, times: &[f64]) -> Result<(), TrajectoryError> {
+        let inside =
+            |time: &f64| self.t.first() < Some(time) && Some(time) < self.t.last() && self.t.contains(time);
+        let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
+        if rising && times.iter().all(inside) { Ok(()) } else { Err(TrajectoryError::BadTimes) }
     }
 
     pub fn check(&self, n: usize) -> Result<(), TrajectoryError> {
@@ -139,7 +149,8 @@ impl Trajectory {
             return Err(TrajectoryError::NoMotion { status });
         }
         read.trajectory.check(names.joints.len())?;
-        Ok(read.trajectory.into_trajectory(names.joints.len()))
+        read.trajectory.check_vias(&read.via_times)?;
+        Ok(read.trajectory.into_trajectory(names.joints.len()).with_via_times(read.via_times))
     }
 
     /// The name of the robot in a saved solution, where it holds one.

@@ -126,7 +126,8 @@ impl Solution {
 /// What moves a robot along a motion.
 struct Actuation<'a> {
     problem: &'a Problem,
-    model: Lagrangian<f64>,
+    /// Those of the robots of all phases.
+    models: Vec<Lagrangian<f64>>,
     /// Least and largest torque of each joint.
     limits: Vec<[f64; 2]>,
 }
@@ -134,7 +135,7 @@ struct Actuation<'a> {
 impl<'a> Actuation<'a> {
     fn new(problem: &'a Problem) -> Self {
         let limits = problem.joint_limits().iter().map(|limits| limits.torque).collect();
-        Self { problem, model: Lagrangian::new(&problem.robot), limits }
+        Self { problem, models: problem.robots().iter().map(Lagrangian::new).collect(), limits }
     }
 
     /// Acceleration and torque.
@@ -144,12 +145,14 @@ impl<'a> Actuation<'a> {
         point: &TrajectoryPoint,
     ) -> Result<(Vec<f64>, Vec<f64>), EvalError> {
         let TrajectoryPoint { q, v, u, .. } = point;
+        let last = self.models.len() - 1;
+        let model = &mut self.models[trajectory.phase_at(point.t).min(last)];
         if let Some(a) = trajectory.acceleration(point.t) {
-            let tau = self.model.inverse_dynamics(q, v, &a)?.iter().zip(&self.limits);
+            let tau = model.inverse_dynamics(q, v, &a)?.iter().zip(&self.limits);
             let tau = tau.map(|(tau, limit)| tau.clamp(limit[0], limit[1])).collect();
             return Ok((a, tau));
         }
         let tau: Vec<f64> = u.iter().zip(&self.problem.gain).map(|(u, gain)| gain * u).collect();
-        Ok((self.model.forward_dynamics(q, v, &tau)?.to_vec(), tau))
+        Ok((model.forward_dynamics(q, v, &tau)?.to_vec(), tau))
     }
 }

@@ -66,6 +66,10 @@ struct Document {
     final_time: Option<f64>,
     hamiltonian: Option<f64>,
     hamiltonian_drift: Option<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    via_times: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    phase_hamiltonians: Vec<f64>,
     #[serde(default)]
     costate_start: SavedCostates,
     end_defect: Option<f64>,
@@ -162,6 +166,11 @@ impl From<&Solution> for Document {
             final_time: finite(motion.final_time),
             hamiltonian: finite(motion.hamiltonian),
             hamiltonian_drift: finite(motion.hamiltonian_drift),
+            via_times: solution.trajectory.via_times.clone(),
+            phase_hamiltonians: match solution.trajectory.via_times.is_empty() {
+                true => Vec::new(),
+                false => motion.phase_hamiltonians.clone(),
+            },
             costate_start: SavedCostates { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
             end_defect: finite(solution.end_defect),
             shooting_defect: finite(motion.shooting_defect),
@@ -191,6 +200,7 @@ impl TryFrom<Document> for Solution {
         let n = document.trajectory.q.first().map_or(0, Vec::len);
         if !document.trajectory.is_empty() {
             document.trajectory.check(n)?;
+            document.trajectory.check_vias(&document.via_times)?;
         }
         let joints = document.joints.unwrap_or_default();
         let violation = document.bounds.map(|bounds| bounds.into_violation(&joints)).transpose()?;
@@ -200,6 +210,7 @@ impl TryFrom<Document> for Solution {
             smoothing: document.smoothing,
             hamiltonian: document.hamiltonian.unwrap_or(f64::NAN),
             hamiltonian_drift: document.hamiltonian_drift.unwrap_or(f64::INFINITY),
+            phase_hamiltonians: document.phase_hamiltonians,
             shooting_defect: document.shooting_defect.unwrap_or(f64::INFINITY),
             verification: document.verification,
             conditioning: document.conditioning.unwrap_or(f64::NAN),
@@ -218,7 +229,7 @@ impl TryFrom<Document> for Solution {
             motion,
             end_defect: document.end_defect.unwrap_or(f64::INFINITY),
             newton_iterations: document.newton_iterations,
-            trajectory: document.trajectory.into_trajectory(n),
+            trajectory: document.trajectory.into_trajectory(n).with_via_times(document.via_times),
             starts: document.starts.into_iter().map(start).collect(),
             limits: document.limits,
             polish: document.polish,

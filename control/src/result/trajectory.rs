@@ -3,6 +3,7 @@
 use crate::cubics::{JointState, cubic};
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
 use crate::result::quintic::{State, quintic};
+use std::ops::Range;
 
 /// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
 ///
@@ -26,6 +27,8 @@ pub struct Trajectory {
     pub y_p: Vec<Vec<f64>>,
     /// H*; empty for a trajectory that was read from a file.
     pub hamiltonian: Vec<f64>,
+    /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
+    pub via_times: Vec<f64>,
     interpolant: Option<Interpolant>,
     /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
     accelerations: Option<Vec<Vec<f64>>>,
@@ -58,13 +61,38 @@ impl Trajectory {
         let part = |k: usize| nodes.z.iter().map(|z| z[k * n..(k + 1) * n].to_vec()).collect::<Vec<_>>();
         let (q, p, y_q, y_p) = (part(0), part(1), part(2), part(3));
         let Nodes { t, u, hamiltonian, interpolant, .. } = nodes;
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, interpolant, accelerations: None }
+        let (via_times, accelerations) = (Vec::new(), None);
+        Self { t, q, v, p, u, y_q, y_p, hamiltonian, via_times, interpolant, accelerations }
     }
 
     /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
     pub(crate) fn from_rows(t: Vec<f64>, [q, v, p, u, y_q, y_p]: [Vec<Vec<f64>>; 6]) -> Self {
-        let (hamiltonian, interpolant, accelerations) = (Vec::new(), None, None);
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, interpolant, accelerations }
+        let (hamiltonian, via_times, interpolant, accelerations) = (Vec::new(), Vec::new(), None, None);
+        Self { t, q, v, p, u, y_q, y_p, hamiltonian, via_times, interpolant, accelerations }
+    }
+
+    /// With these times of vias.
+    pub(crate) fn with_via_times(self, via_times: Vec<f64>) -> Self {
+        Self { via_times, ..self }
+    }
+
+    /// How long the phases take (s); `None` without a motion.
+    pub(crate) fn phase_times(&self) -> Option<Vec<f64>> {
+        let ends = [*self.t.first()?].into_iter().chain(self.via_times.iter().copied());
+        let ends: Vec<f64> = ends.chain([*self.t.last()?]).collect();
+        Some(ends.windows(2).map(|pair| pair[1] - pair[0]).collect())
+    }
+
+    /// The phase of a time, from 0; that after a via at its time.
+    pub fn phase_at(&self, t: f64) -> usize {
+        self.via_times.partition_point(|&via| via <= t)
+    }
+
+    /// The nodes of each phase. Of the two at the time of a via the first one belongs to the phase before.
+    pub(crate) fn phases(&self) -> impl Iterator<Item = Range<usize>> {
+        let first = |via: &f64| self.t.partition_point(|t| t < via) + 1;
+        let firsts: Vec<usize> = self.via_times.iter().map(first).chain([self.t.len()]).collect();
+        (0..firsts.len()).map(move |phase| if phase > 0 { firsts[phase - 1] } else { 0 }..firsts[phase])
     }
 
     /// With accelerations at the nodes: q(t) is the quintic that meets q, v and them.

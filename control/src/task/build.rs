@@ -20,6 +20,8 @@ use std::f64::consts::PI;
 pub(crate) struct TaskRows {
     /// At the start: equations.
     pub start: TaskFunctions,
+    /// At each via: equations.
+    pub vias: Vec<TaskFunctions>,
     /// At the end: equations.
     pub end: TaskFunctions,
     /// All along the motion, at both ends too.
@@ -39,6 +41,11 @@ struct Tools {
 }
 
 impl TaskRows {
+    /// The functions at the ends of the phases of the motion: its start, its vias, its end.
+    pub fn at_ends(&self) -> impl Iterator<Item = &TaskFunctions> {
+        [&self.start].into_iter().chain(&self.vias).chain([&self.end])
+    }
+
     /// The functions of a problem.
     ///
     /// # Errors
@@ -67,6 +74,14 @@ impl TaskRows {
             Ok(functions)
         };
         let (start, end) = (poses("start.tool", &task.start_tools)?, poses("end.tool", &task.end_tools)?);
+        let mut vias = Vec::new();
+        for (number, via) in problem.vias.iter().enumerate() {
+            let mut functions = Vec::new();
+            for pose in via.tools.iter().take(MOST_ENTRIES) {
+                functions.extend(tools.pose(Given { table: "via", entry: number }, pose)?);
+            }
+            vias.push(functions);
+        }
         let mut along = Vec::new();
         for (k, keep) in task.keep.iter().enumerate() {
             along.push(tools.keep(Given { table: "keep", entry: k }, keep)?);
@@ -91,8 +106,9 @@ impl TaskRows {
             }
             found
         };
-        let mut rows =
-            Self { start: all(start), end: all(end), along: all(along), costs: all(costs), weights };
+        let vias = vias.into_iter().map(all).collect();
+        let (start, end, along, costs) = (all(start), all(end), all(along), all(costs));
+        let mut rows = Self { start, vias, end, along, costs, weights };
         collision::push(&robot, task, &mut rows.along)?;
         Ok(rows)
     }

@@ -23,32 +23,39 @@ use nalgebra::Vector3;
 /// no position reaches; a given start
 /// or end that does not keep what must hold along the motion.
 pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
-    if problem.task.is_empty() {
+    if problem.task.is_empty() && problem.vias.iter().all(|via| via.tools.is_empty()) {
         return Ok(());
     }
-    let mut rows = TaskRows::new(problem)?;
-    let ends = [(&problem.start, &rows.start, "start"), (&problem.end, &rows.end, "end")];
-    for (state, functions, name) in ends {
+    let rows = TaskRows::new(problem)?;
+    let states = problem.ends();
+    let last = states.len() - 1;
+    // Table, key that frees joints, and number of each end of a phase.
+    let place = |end: usize| match end {
+        0 => ("start.tool", "start.q_free", 0),
+        _ if end == last => ("end.tool", "end.q_free", 0),
+        via => ("via", "via.q_free", via - 1),
+    };
+    for (end, (state, functions)) in states.iter().zip(rows.at_ends()).enumerate() {
         let (asked, free) = (functions.rows(), state.q_free.len());
         if asked > free {
-            let (table, remedy) =
-                if name == "start" { ("start.tool", "start.q_free") } else { ("end.tool", "end.q_free") };
+            let (table, remedy, number) = place(end);
             let cause = TaskError::TooManyConditions { asked, free, remedy };
-            return Err(ProblemError::Task { key: Key::entry(table, "frame", 0), cause });
+            return Err(ProblemError::Task { key: Key::entry(table, "frame", number), cause });
         }
     }
-    for (table, poses) in [("start.tool", &problem.task.start_tools), ("end.tool", &problem.task.end_tools)] {
+    for (end, poses) in problem.tools_at_ends().enumerate() {
+        let (table, _, number) = place(end);
         for (entry, pose) in poses.iter().enumerate() {
-            within_reach(problem, table, entry, pose)?;
+            within_reach(problem, table, if table == "via" { number } else { entry }, pose)?;
         }
     }
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
-    for (state, functions, table) in
-        [(&problem.start, &mut rows.start, "start.tool"), (&problem.end, &mut rows.end, "end.tool")]
-    {
+    for (end, (state, functions)) in states.iter().zip(rows.at_ends()).enumerate() {
         if functions.is_empty() {
             continue;
         }
+        let (table, _, number) = place(end);
+        let functions = &mut functions.clone();
         let found = reach(functions, &state.q, &state.q_free, &limits, 0);
         let immovable = immovable(functions, &found.q, &state.q_free);
         let name = |row: usize| functions.bounds()[row].name.clone();
@@ -57,10 +64,16 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
             None if !found.is_there() => TaskError::OutOfReach { what: name(found.worst), by: found.miss },
             None => continue,
         };
-        return Err(ProblemError::Task { key: Key::entry(table, "frame", 0), cause });
+        return Err(ProblemError::Task { key: Key::entry(table, "frame", number), cause });
     }
-    kept_at(&mut rows.along, &problem.start, Key::START_Q)?;
-    kept_at(&mut rows.along, &problem.end, Key::END_Q)
+    let mut along = rows.along.clone();
+    states.iter().enumerate().try_for_each(|(end, state)| {
+        let key = match place(end) {
+            ("via", _, number) => Key::via("q", number),
+            _ => [Key::START_Q, Key::END_Q][usize::from(end > 0)],
+        };
+        kept_at(&mut along, state, key)
+    })
 }
 
 /// The given coordinates of a tool are no farther from its first joint than its links are long, with what

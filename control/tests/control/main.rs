@@ -34,6 +34,7 @@ mod tasks;
 mod unactuated;
 mod user_terms;
 mod verification;
+mod vias;
 
 /// A mass of 1 kg that slides along x.
 fn sledge() -> Robot {

@@ -3,6 +3,7 @@
 pub(crate) mod document;
 pub(crate) mod error;
 mod nested;
+mod phases;
 mod robot;
 mod tables;
 mod task;

@@ -25,7 +25,7 @@ const FRAME: &[&str] = &["name", "parent", "placement"];
 const PLACEMENT: &[&str] = &["xyz", "rpy"];
 const WRENCH: &[&str] = &["frame", "moment", "force", "axes"];
 const AXES: [(&str, WrenchAxes); 2] = [("local", WrenchAxes::Local), ("aligned", WrenchAxes::Aligned)];
-const PAYLOAD: &[&str] = &["frame", "mass", "com", "inertia"];
+pub(super) const PAYLOAD: &[&str] = &["frame", "mass", "com", "inertia"];
 const INERTIA: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// A robot file, and what is changed of the robot.
@@ -124,7 +124,8 @@ fn wrench(table: &Table<'_>) -> Result<Wrench, Fault> {
     })
 }
 
-fn payload(table: &Table<'_>) -> Result<LinkInertia, Fault> {
+/// Mass, centre of mass and inertia of a load.
+pub(super) fn payload(table: &Table<'_>) -> Result<LinkInertia, Fault> {
     let mass = table.need("mass", table.number("mass")?)?;
     let com = triple(table, "com")?.unwrap_or_default();
     let mut entries = [0.0; 6];

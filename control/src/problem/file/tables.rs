@@ -4,6 +4,7 @@ use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, So
 use crate::problem::error::ProblemError;
 use crate::problem::file::document::{Fault, Table, number, string, whole};
 use crate::problem::file::error::ProblemFileCause;
+use crate::problem::file::phases::{self, ViaTable};
 use crate::problem::file::robot::{self, RobotTable};
 use crate::problem::file::task;
 use crate::problem::key::Key;
@@ -16,6 +17,8 @@ const ROOT: &[&str] = &[
     "robot",
     "start",
     "end",
+    "via",
+    "periodic",
     "time",
     "cost",
     "actuation",
@@ -95,6 +98,8 @@ pub(super) struct Tables {
     penalty: Option<Penalty>,
     limits: Option<MotionLimits>,
     task: Task,
+    vias: Vec<ViaTable>,
+    periodic: Option<Vec<f64>>,
     pub start_from: Option<String>,
     pub options: SolverOptions,
 }
@@ -116,8 +121,9 @@ impl Energy {
     }
 }
 
+#[derive(Default)]
 struct StateTable {
-    /// `None`: those of the start, as a first guess.
+    /// `None`: those of the start, as a first guess; of a periodic motion all are free.
     q: Option<Vec<f64>>,
     v: Option<Vec<f64>>,
     a: Option<Vec<f64>>,
@@ -128,7 +134,7 @@ struct StateTable {
 }
 
 /// A joint by its name, or by its index from 0.
-enum JointName {
+pub(super) enum JointName {
     Name(String),
     Index(usize),
 }
@@ -145,9 +151,23 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     };
     let needed = |name, keys| root.need(name, optional(name, keys)?);
     let robot = robot::read(root)?;
-    let start = needed("start", STATE)?;
-    start.need("q", start.numbers("q")?)?;
-    let (start, end) = (state(&start)?, state(&needed("end", STATE)?)?);
+    let (vias, periodic) = (phases::vias(root)?, phases::periodic(root)?);
+    let (start, end) = match periodic {
+        None => {
+            let start = needed("start", STATE)?;
+            start.need("q", start.numbers("q")?)?;
+            (state(&start)?, state(&needed("end", STATE)?)?)
+        }
+        // All is free that is not given, and the end follows.
+        Some(_) => {
+            if root.has("end") {
+                let message = "the end of a periodic motion follows its start; remove [end] or [periodic]";
+                return Err(root.fault("end", ProblemFileCause::Conflict(message)));
+            }
+            let start = optional("start", STATE)?;
+            (start.as_ref().map_or(Ok(StateTable::default()), state_if_any)?, StateTable::default())
+        }
+    };
     let time = time(&needed("time", TIME)?)?;
     let cost = optional("cost", COST)?;
     let cost = cost.as_ref();
@@ -173,27 +193,38 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
         limits,
         task,
+        vias,
+        periodic,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
         options: options(optional("solver", SOLVER)?.as_ref())?,
     })
 }
 
 fn state(table: &Table<'_>) -> Result<StateTable, Fault> {
-    let joints = |name: &str| {
-        table.list(name, "a list of joints, by name or by index from 0", |value| {
-            let index = || whole(value).and_then(|index| usize::try_from(index).ok()).map(JointName::Index);
-            string(value).map(JointName::Name).or_else(index)
-        })
-    };
-    let has_tools = table.has("tool");
-    let q = table.numbers("q")?;
+    let state = state_if_any(table)?;
+    if !state.has_tools {
+        table.need("q", state.q.as_ref())?;
+    }
+    Ok(state)
+}
+
+/// A state that may have no positions.
+fn state_if_any(table: &Table<'_>) -> Result<StateTable, Fault> {
     Ok(StateTable {
-        q: if has_tools { q } else { Some(table.need("q", q)?) },
+        q: table.numbers("q")?,
         v: table.numbers("v")?,
         a: table.numbers("a")?,
-        q_free: joints("q_free")?,
-        v_free: joints("v_free")?.unwrap_or_default(),
-        has_tools,
+        q_free: joints(table, "q_free")?,
+        v_free: joints(table, "v_free")?.unwrap_or_default(),
+        has_tools: table.has("tool"),
+    })
+}
+
+/// A list of joints.
+pub(super) fn joints(table: &Table<'_>, name: &str) -> Result<Option<Vec<JointName>>, Fault> {
+    table.list(name, "a list of joints, by name or by index from 0", |value| {
+        let index = || whole(value).and_then(|index| usize::try_from(index).ok()).map(JointName::Index);
+        string(value).map(JointName::Name).or_else(index)
     })
 }
 
@@ -307,7 +338,8 @@ impl Tables {
     pub fn problem(&self, robot: Robot) -> Result<Problem, ProblemError> {
         let n = robot.dof();
         let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
-        let from = self.start.q.as_deref().unwrap_or_default();
+        let zeros = vec![0.0; n];
+        let from = self.start.q.as_deref().unwrap_or(&zeros);
         let fixed = |table: &StateTable| BoundaryState {
             a: table.a.clone(),
             ..BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
@@ -330,12 +362,27 @@ impl Tables {
             penalty: self.penalty.clone(),
             limits: self.limits.clone().unwrap_or_else(MotionLimits::unsaid),
             task: self.task.clone(),
+            vias: Vec::new(),
+            periodic: self.periodic.as_ref().map(|shift| match shift.is_empty() {
+                true => vec![0.0; n],
+                false => shift.clone(),
+            }),
             robot,
         };
         problem.start.q_free = self.start.free(&problem, Key::START_Q_FREE)?;
         problem.start.v_free = indices(&problem, Key::START_V_FREE, &self.start.v_free)?;
         problem.end.q_free = self.end.free(&problem, Key::END_Q_FREE)?;
         problem.end.v_free = indices(&problem, Key::END_V_FREE, &self.end.v_free)?;
+        if self.periodic.is_some() {
+            let all = || (0..n).collect();
+            problem.start.q_free = if self.start.q.is_some() { problem.start.q_free } else { all() };
+            problem.start.v_free = if self.start.v.is_some() { problem.start.v_free } else { all() };
+            problem.end = problem.start.clone();
+        }
+        for (number, via) in self.vias.iter().enumerate() {
+            let via = via.of(&problem, number)?;
+            problem.vias.push(via);
+        }
         Ok(problem)
     }
 }
@@ -352,7 +399,7 @@ impl StateTable {
 }
 
 /// Indices of joints, sorted, each once.
-fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Result<Vec<usize>, ProblemError> {
+pub(super) fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Result<Vec<usize>, ProblemError> {
     let index = |name: &JointName| match name {
         JointName::Index(index) => Ok(*index),
         JointName::Name(name) => {

@@ -41,11 +41,8 @@ const OBSTACLE: &[&str] = &["kind", "name", "xyz", "rpy", "size", "normal", "fro
 
 /// Reads the tables of tools and obstacles.
 pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
-    let tools = |table: &str| -> Result<Vec<ToolPose>, Fault> {
-        let Some(state) = root.table(table)? else { return Ok(Vec::new()) };
-        state.tables("tool", POSE)?.iter().map(pose).collect()
-    };
-    let (start_tools, end_tools) = (tools("start")?, tools("end")?);
+    let tools_of = |name: &str| root.table(name)?.map_or(Ok(Vec::new()), |state| tools(&state));
+    let (start_tools, end_tools) = (tools_of("start")?, tools_of("end")?);
     let mut tool_costs = Vec::new();
     if let Some(costs) = root.table("cost")? {
         for table in costs.tables("tool", COST)? {
@@ -62,6 +59,11 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
     }
     let collision = root.table("collision")?.as_ref().map(collision).transpose()?;
     Ok(Task { start_tools, end_tools, keep, tool_costs, obstacles, collision })
+}
+
+/// The tools of a state.
+pub(super) fn tools(state: &Table<'_>) -> Result<Vec<ToolPose>, Fault> {
+    state.tables("tool", POSE)?.iter().map(pose).collect()
 }
 
 fn tool(table: &Table<'_>) -> Result<Tool, Fault> {

@@ -1,0 +1,234 @@
+//! Places on the way, and what the robot carries from there on.
+
+use super::error::ProblemError;
+use super::key::Key;
+use super::tools::ToolPose;
+use super::via_error::ViaError;
+use super::{BoundaryState, FinalTime, Problem};
+use costate::robot::{LinkInertia, Robot};
+use std::sync::Arc;
+
+/// A place that the motion passes between its start and its end. Needs
+/// [`Method::Direct`](crate::Method::Direct).
+///
+/// Positions, rates and the time are those that are given; what is not given is free, and chosen so that the
+/// whole motion costs the least. Vias divide the motion into phases, and the robot may carry something else
+/// in each of them. Positions and rates do not jump at a via; where the payload does, the torques do too.
+///
+/// ```
+/// use costate::robot::Robot;
+/// use costate_control::{FinalTime, Objective, Payload, Problem, Solver, SolverOptions, Via};
+/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// let tip = Payload::point("joint:elbow", 1.0, [1.0, 0.0, 0.0]);
+/// let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.5, 1.5], 2.0)
+///     .with_time(FinalTime::Free { guess: 2.0 })
+///     .with_cost(Objective::new(20.0, vec![1.0, 1.0]))
+///     .with_via(Via::at(&[1.0, 0.2]).stopping().with_payload(tip));
+/// let solution = Solver::new(&problem, SolverOptions::direct())?.solve();
+/// assert!(solution.motion.status.is_converged() && solution.trajectory.via_times.len() == 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Via {
+    /// Positions (rad, m), n entries; those of free joints only shape the first guess. `None`: all are free,
+    /// and the guess is between the places before and after.
+    pub q: Option<Vec<f64>>,
+    /// Rates (rad/s, m/s), n entries; `None`: all are free.
+    pub v: Option<Vec<f64>>,
+    /// Joints whose position is free.
+    pub q_free: Vec<usize>,
+    /// Joints whose rate is free.
+    pub v_free: Vec<usize>,
+    /// Whether the robot stops here: all rates are zero.
+    pub stop: bool,
+    /// The time from the start of the motion (s); `None` for a free one.
+    pub time: Option<f64>,
+    /// Where tools are. The joints must be free for it.
+    pub tools: Vec<ToolPose>,
+    /// What the robot carries from here on, beside what it has from the start; empty for nothing. `None`: the
+    /// same as before.
+    pub payload: Option<Vec<Payload>>,
+}
+
+impl Via {
+    /// At these positions, n entries; with any rates, at any time.
+    pub fn at(q: &[f64]) -> Self {
+        Self { q: Some(q.to_vec()), ..Self::default() }
+    }
+
+    /// With a tool here; all joints are free.
+    pub fn of_tool(pose: ToolPose) -> Self {
+        Self { tools: vec![pose], ..Self::default() }
+    }
+
+    /// With the positions of these joints free.
+    #[must_use]
+    pub fn with_q_free(self, joints: &[usize]) -> Self {
+        Self { q_free: joints.to_vec(), ..self }
+    }
+
+    /// With these rates, n entries.
+    #[must_use]
+    pub fn with_v(self, v: &[f64]) -> Self {
+        Self { v: Some(v.to_vec()), ..self }
+    }
+
+    /// With the rates of these joints free.
+    #[must_use]
+    pub fn with_v_free(self, joints: &[usize]) -> Self {
+        Self { v_free: joints.to_vec(), ..self }
+    }
+
+    /// The robot stops here.
+    #[must_use]
+    pub fn stopping(self) -> Self {
+        Self { stop: true, ..self }
+    }
+
+    /// At this time from the start of the motion (s).
+    #[must_use]
+    pub fn with_time(self, time: f64) -> Self {
+        Self { time: Some(time), ..self }
+    }
+
+    /// With one more tool here.
+    #[must_use]
+    pub fn with_tool(mut self, pose: ToolPose) -> Self {
+        self.tools.push(pose);
+        self
+    }
+
+    /// With this, and what was added before, to be carried from here on.
+    #[must_use]
+    pub fn with_payload(mut self, payload: Payload) -> Self {
+        self.payload.get_or_insert_default().push(payload);
+        self
+    }
+
+    /// With nothing to be carried from here on.
+    #[must_use]
+    pub fn without_payload(self) -> Self {
+        Self { payload: Some(Vec::new()), ..self }
+    }
+
+    /// What is given and what is free, with zeros for what is free and has no guess.
+    pub(crate) fn state(&self, n: usize) -> BoundaryState {
+        let all = || (0..n).collect();
+        let rates = if self.stop { Some(vec![0.0; n]) } else { self.v.clone() };
+        BoundaryState {
+            q: self.q.clone().unwrap_or_else(|| vec![0.0; n]),
+            v: rates.clone().unwrap_or_else(|| vec![0.0; n]),
+            a: None,
+            q_free: if self.q.is_some() { self.q_free.clone() } else { all() },
+            v_free: if rates.is_some() { self.v_free.clone() } else { all() },
+        }
+    }
+}
+
+/// A body that is fixed to a frame of the robot.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Payload {
+    /// The frame.
+    pub frame: String,
+    /// Mass, centre of mass and inertia in the axes of the frame.
+    pub inertia: LinkInertia,
+}
+
+impl Payload {
+    /// This body, fixed to a frame.
+    pub fn new(frame: impl Into<String>, inertia: LinkInertia) -> Self {
+        Self { frame: frame.into(), inertia }
+    }
+
+    /// A point mass (kg) at a place in a frame (m).
+    pub fn point(frame: impl Into<String>, mass: f64, com: [f64; 3]) -> Self {
+        Self::new(frame, LinkInertia::from_entries(mass, com, [0.0; 6]))
+    }
+}
+
+impl Problem {
+    /// With one more via, after those that were added before.
+    #[must_use]
+    pub fn with_via(mut self, via: Via) -> Self {
+        self.vias.push(via);
+        self
+    }
+
+    /// With an end that is the start, moved by `shift` (rad, m; n entries): q(T) = q(0) + shift,
+    /// v(T) = v(0), and with continuous accelerations a(T) = a(0). What is free at the start is free at the
+    /// end too; [`end`](Self::end) does not count.
+    #[must_use]
+    pub fn with_period(self, shift: Vec<f64>) -> Self {
+        Self { periodic: Some(shift), ..self }
+    }
+
+    /// Number of phases: one more than vias.
+    pub(crate) fn phases(&self) -> usize {
+        self.vias.len() + 1
+    }
+
+    /// The states at the ends of the phases: start, vias, end.
+    pub(crate) fn ends(&self) -> Vec<BoundaryState> {
+        let mut end = self.end.clone();
+        if let Some(shift) = &self.periodic {
+            end = self.start.clone();
+            end.q.iter_mut().zip(shift).for_each(|(q, shift)| *q += shift);
+        }
+        let vias = self.vias.iter().map(|via| via.state(self.robot.dof()));
+        std::iter::once(self.start.clone()).chain(vias).chain([end]).collect()
+    }
+
+    /// The tools at the ends of the phases.
+    pub(crate) fn tools_at_ends(&self) -> impl Iterator<Item = &[ToolPose]> {
+        let vias = self.vias.iter().map(|via| &via.tools[..]);
+        [&self.task.start_tools[..]].into_iter().chain(vias).chain([&self.task.end_tools[..]])
+    }
+
+    /// The times that are given at the ends of the phases (s).
+    pub(crate) fn times_at_ends(&self) -> Vec<Option<f64>> {
+        let end = match self.time {
+            FinalTime::Fixed(time) => Some(time),
+            FinalTime::Free { .. } => None,
+        };
+        [Some(0.0)].into_iter().chain(self.vias.iter().map(|via| via.time)).chain([end]).collect()
+    }
+
+    /// Whether a via has a given time.
+    pub(crate) fn has_via_times(&self) -> bool {
+        self.vias.iter().any(|via| via.time.is_some())
+    }
+
+    /// The robot with what a via says that it carries.
+    ///
+    /// # Errors
+    /// [`ProblemError::Via`] for a payload that the robot does not take.
+    pub(super) fn loaded(&self, number: usize, payload: &[Payload]) -> Result<Robot, ProblemError> {
+        let add = |robot: Robot, payload: &Payload| robot.with_payload(&payload.frame, &payload.inertia);
+        payload.iter().try_fold(self.robot.clone(), add).map_err(|error| ProblemError::Via {
+            key: Key::via("payload", number),
+            cause: ViaError::Payload(Arc::new(error)),
+        })
+    }
+
+    /// The robot with what it carries in each phase. A payload that the robot does not take, which the check
+    /// of the problem refuses, is left out.
+    pub(crate) fn robots(&self) -> Vec<Robot> {
+        let mut robots = vec![self.robot.clone()];
+        for (number, via) in self.vias.iter().enumerate() {
+            let before = &robots[number];
+            let loaded = via.payload.as_ref().and_then(|payload| self.loaded(number, payload).ok());
+            robots.push(loaded.unwrap_or_else(|| before.clone()));
+        }
+        robots
+    }
+
+    /// What makes the motion one that the direct method alone finds: its first via, or that its end follows
+    /// its start.
+    pub(crate) fn first_of_phases(&self) -> Option<Key> {
+        let via = self.vias.first().map(|via| Key::via(if via.q.is_some() { "q" } else { "tool" }, 0));
+        via.or(self.periodic.as_ref().map(|_| Key::PERIODIC_SHIFT))
+    }
+}
