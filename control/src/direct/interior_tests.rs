@@ -174,7 +174,7 @@ fn steps_are_those_of_the_linearised_conditions(mut interior: Interior<PhaseDyna
 
 /// How far the products of slacks and multipliers are from the central path after these parts of the step:
 /// the mean of |log(product / (mu w))|.
-fn products_off_centre(interior: &Interior<RobotPoints>, (primal, dual): (f64, f64)) -> f64 {
+fn products_off_centre(interior: &Interior<PhaseDynamics<RobotPoints>>, (primal, dual): (f64, f64)) -> f64 {
     let barrier = &interior.barrier;
     let of = |at: usize| {
         let slack = barrier.slack[at] + primal * interior.trial.slack_step[at];
