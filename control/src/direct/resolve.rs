@@ -39,7 +39,7 @@ use std::time::{Duration, Instant};
 /// let mut motion = Resolve::new(&problem, options)?;
 /// motion.solve()?;
 /// motion.set_start(&[0.01, -1.6, 1.8, -1.79, -1.57, 0.0], &[0.0, 0.1, 0.0, 0.0, 0.0, 0.0])?;
-/// let found = motion.solve_again(Budget::steps(8).within(Duration::from_secs(1)))?;
+/// let found = motion.solve_again(Budget::steps(12).within(Duration::from_secs(1)))?;
 /// assert!(found.status == ResolveStatus::Solved && found.keeps_limits());
 /// let mut torques = [0.0; 6];
 /// motion.torques_at(0.002, &mut torques)?;
@@ -267,8 +267,8 @@ impl Resolve {
             End::Interrupted(_) => ResolveStatus::OutOfTime,
         };
         if status == ResolveStatus::Solved {
-            self.interior.take_last_step();
-            // What keeps its limits is shown whatever it costs: it is the solution.
+            // The last step is known, and the next solve begins after it. It is shown if limits are kept there.
+            let _ = self.interior.search();
             if self.interior.figures.violation <= constants::VIOLATION_ACCEPTED {
                 self.shown.take(&self.interior);
             } else {
