@@ -90,7 +90,8 @@ pub(super) fn guess(
 /// Distance of the places at which rates are compared, in parts of an interval.
 const NEIGHBOUR: f64 = 0.25;
 
-/// Puts what is given at the ends of phases into the unknowns; the end of a periodic motion follows its start.
+/// Puts what is given at the ends of phases into the unknowns; the end of a periodic motion follows its
+/// start.
 fn meet_ends(problem: &Problem, spline: &mut Spline) {
     let n = spline.dof;
     for (number, end) in problem.ends().iter().enumerate() {

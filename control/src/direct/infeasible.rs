@@ -6,7 +6,7 @@ use super::points::PointDynamics;
 use super::report::{excess, name, of_rate, unit};
 use super::side::Limited;
 use crate::constants::direct as constants;
-use crate::problem::{FinalTime, Problem};
+use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
 use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
@@ -22,7 +22,8 @@ pub(super) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
             (_, false) => "rad/s",
             (_, true) => "rad/s^2",
         };
-        let forward = problem.end.q[short.joint] >= problem.start.q[short.joint];
+        let ends = problem.ends();
+        let forward = ends.last()?.q[short.joint] >= ends.first()?.q[short.joint];
         Some(RelaxedLimit {
             kind: if short.is_acceleration { "acceleration" } else { "rate" }.into(),
             name: joint.name.clone(),
@@ -54,7 +55,8 @@ pub(super) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D
     // Positions, rates and accelerations at a fixed time are linear in the unknowns.
     let is_linear = interior.barrier.sides().iter().all(|side| side.limited <= Limited::Acceleration)
         && interior.barrier.at_ends().is_empty();
-    let is_global = is_linear && matches!(problem.time, FinalTime::Fixed(_));
+    let is_timed = problem.times_at_ends().iter().all(Option::is_some);
+    let is_global = is_linear && is_timed;
     Infeasibility { limits, is_global, ..Infeasibility::default() }
 }
 
