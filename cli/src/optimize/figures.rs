@@ -74,6 +74,10 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
+    let vias: Vec<String> = solution.trajectory.via_times.iter().map(|&time| short(time, 6)).collect();
+    if !vias.is_empty() {
+        figures.push(("vias at", format!("{} s", vias.join(", "))));
+    }
     let polished = solution.polish.as_ref();
     if let Some(report) = polished {
         let cost = match (report.outcome.is_polished(), report.direct_total, report.polished_total) {

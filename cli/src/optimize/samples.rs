@@ -36,7 +36,8 @@ pub fn sample(problem: &Problem, solution: &Solution, rate: f64) -> Result<Sampl
     }
 }
 
-/// One line for each sample after a line of names: t, then q, v, a, tau and u of each joint.
+/// One line for each sample after a line of names: t, then q, v, a, tau and u of each joint; with vias the
+/// phase, from 1.
 pub fn table(samples: &Samples, joints: &[String]) -> String {
     let lists = [("q", &samples.q), ("v", &samples.v), ("a", &samples.a), ("tau", &samples.tau)];
     let lists: Vec<_> = lists.into_iter().chain([("u", &samples.u)]).collect();
@@ -44,12 +45,15 @@ pub fn table(samples: &Samples, joints: &[String]) -> String {
     for (name, _) in &lists {
         joints.iter().for_each(|joint| text += &format!(",{}", field(&format!("{name}_{joint}"))));
     }
-    text.push('\n');
+    text += if samples.phase.is_empty() { "\n" } else { ",phase\n" };
     for (k, t) in samples.t.iter().enumerate() {
         // Writing to a string cannot fail.
         let _ = write!(text, "{t:?}");
         for value in lists.iter().flat_map(|(_, rows)| &rows[k]) {
             let _ = write!(text, ",{value:?}");
+        }
+        if let Some(phase) = samples.phase.get(k) {
+            let _ = write!(text, ",{phase}");
         }
         text.push('\n');
     }

@@ -88,7 +88,8 @@ pub(super) fn guess(
     spline
 }
 
-/// Puts what is given at the ends of phases into the unknowns; the end of a periodic motion follows its start.
+/// Puts what is given at the ends of phases into the unknowns; the end of a periodic motion follows its
+/// start.
 fn meet_ends(problem: &Problem, spline: &mut Spline) {
     let n = spline.dof;
     for (number, end) in problem.ends().iter().enumerate() {

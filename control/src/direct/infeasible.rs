@@ -22,7 +22,8 @@ pub(super) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
             (_, false) => "rad/s",
             (_, true) => "rad/s^2",
         };
-        let forward = problem.end.q[short.joint] >= problem.start.q[short.joint];
+        let ends = problem.ends();
+        let forward = ends.last()?.q[short.joint] >= ends.first()?.q[short.joint];
         Some(RelaxedLimit {
             kind: if short.is_acceleration { "acceleration" } else { "rate" }.into(),
             name: joint.name.clone(),

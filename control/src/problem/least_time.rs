@@ -25,7 +25,9 @@ impl Problem {
     /// motion accelerates to a peak, perhaps stays at V, and brakes.
     pub(crate) fn too_short(&self) -> Option<TooShort> {
         let FinalTime::Fixed(time) = self.time else { return None };
-        let (start, end) = (&self.start, &self.end);
+        // Vias make ways longer: the time of the shortest one is needed all the more.
+        let ends = self.ends();
+        let (start, end) = (&ends[0], &ends[ends.len() - 1]);
         let joint_limits = self.joint_limits();
         let short = |(joint, limits): (usize, &JointLimits)| {
             if start.q_free.contains(&joint) || end.q_free.contains(&joint) {

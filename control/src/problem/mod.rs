@@ -13,6 +13,7 @@ pub(crate) mod least_time;
 pub(crate) mod limits;
 pub(crate) mod obstacles;
 pub(crate) mod parts;
+mod phases;
 pub(crate) mod running_cost;
 pub(crate) mod task;
 pub(crate) mod task_error;
@@ -82,8 +83,8 @@ pub struct Problem {
     pub limits: MotionLimits,
     /// Tools and obstacles, which [`Method::Direct`](crate::Method::Direct) takes.
     pub task: Task,
-    /// Places on the way, in the order in which they are passed, which [`Method::Direct`](crate::Method::Direct)
-    /// takes.
+    /// Places on the way, in the order in which they are passed, which
+    /// [`Method::Direct`](crate::Method::Direct) takes.
     pub vias: Vec<Via>,
     /// Where the end follows the start: q(T) - q(0) (rad, m), n entries. `None`: the ends are independent.
     /// Needs [`Method::Direct`](crate::Method::Direct).

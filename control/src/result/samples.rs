@@ -31,6 +31,9 @@ pub struct Samples {
     pub tau: Vec<Vec<f64>>,
     /// Controls, before the gain (N m, N).
     pub u: Vec<Vec<f64>>,
+    /// The phase of each sample, from 1; empty for a motion without vias.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub phase: Vec<usize>,
 }
 
 /// Why a motion cannot be sampled.
@@ -100,6 +103,9 @@ impl Solution {
         }
         let regular = (0..count as usize).map(|k| start + k as f64 / rate);
         let mut samples = Samples { rate, t: regular.chain([end]).collect(), ..Samples::default() };
+        if !trajectory.via_times.is_empty() {
+            samples.phase = samples.t.iter().map(|&t| 1 + trajectory.phase_at(t)).collect();
+        }
         let mut actuation = Actuation::new(problem);
         for t in samples.t.iter().map(|t| t.min(last)) {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };

@@ -34,6 +34,7 @@ mod tasks;
 mod unactuated;
 mod user_terms;
 mod verification;
+mod via_file;
 mod vias;
 
 /// A mass of 1 kg that slides along x.

@@ -2,6 +2,7 @@
 
 pub(crate) mod document;
 pub(crate) mod error;
+mod joints;
 mod nested;
 mod phases;
 mod robot;

@@ -2,8 +2,9 @@
 
 use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Verify};
 use crate::problem::error::ProblemError;
-use crate::problem::file::document::{Fault, Table, number, string, whole};
+use crate::problem::file::document::{Fault, Table, number};
 use crate::problem::file::error::ProblemFileCause;
+use crate::problem::file::joints::{JointName, indices, joints};
 use crate::problem::file::phases::{self, ViaTable};
 use crate::problem::file::robot::{self, RobotTable};
 use crate::problem::file::task;
@@ -133,12 +134,6 @@ struct StateTable {
     has_tools: bool,
 }
 
-/// A joint by its name, or by its index from 0.
-pub(super) enum JointName {
-    Name(String),
-    Index(usize),
-}
-
 /// Reads all tables.
 pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
     root.only(ROOT)?;
@@ -217,14 +212,6 @@ fn state_if_any(table: &Table<'_>) -> Result<StateTable, Fault> {
         q_free: joints(table, "q_free")?,
         v_free: joints(table, "v_free")?.unwrap_or_default(),
         has_tools: table.has("tool"),
-    })
-}
-
-/// A list of joints.
-pub(super) fn joints(table: &Table<'_>, name: &str) -> Result<Option<Vec<JointName>>, Fault> {
-    table.list(name, "a list of joints, by name or by index from 0", |value| {
-        let index = || whole(value).and_then(|index| usize::try_from(index).ok()).map(JointName::Index);
-        string(value).map(JointName::Name).or_else(index)
     })
 }
 
@@ -396,19 +383,4 @@ impl StateTable {
             None => Ok(Vec::new()),
         }
     }
-}
-
-/// Indices of joints, sorted, each once.
-pub(super) fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Result<Vec<usize>, ProblemError> {
-    let index = |name: &JointName| match name {
-        JointName::Index(index) => Ok(*index),
-        JointName::Name(name) => {
-            let found = problem.robot.independent_joints().position(|joint| joint.name == *name);
-            found.ok_or_else(|| problem.unknown_joint(key, format!("'{name}'")))
-        }
-    };
-    let mut indices: Vec<usize> = names.iter().map(index).collect::<Result<_, _>>()?;
-    indices.sort_unstable();
-    indices.dedup();
-    Ok(indices)
 }
