@@ -425,7 +425,7 @@ pub(crate) mod direct {
     pub const NARROWEST: f64 = 1e-5;
     /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
     pub const ROUNDING_OF_RATES: f64 = 3e-8;
-    /// New nodes are farther from others than this part of the narrowest width: pairs that close enclose a jump
+    /// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
     /// whose place is known roughly..
     pub const CLOSEST: f64 = 0.1;
     /// .. but farther than this where accelerations are continuous, whose jerks rounding would spoil.

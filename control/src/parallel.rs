@@ -76,7 +76,8 @@ impl Shared {
 
 /// Solved motions come first, then a proof that there is none, then motions whose equations are solved, then
 /// other motions that keep their limits, then what would have to give, then motions that exceed limits, and
-/// what is no motion last. What would have to give is compared by how much that is, all others by their costs.
+/// what is no motion last. What would have to give is compared by how much that is, all others by their
+/// costs.
 fn compare(a: &Solution, b: &Solution) -> Ordering {
     let cost = |solution: &Solution| match solution.motion.total() {
         total if total.is_nan() => f64::INFINITY,

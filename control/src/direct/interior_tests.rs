@@ -155,8 +155,8 @@ fn steps_are_those_of_the_linearised_conditions(shape: Shape) {
     }
 }
 
-/// How far the products of slacks and multipliers are from the central path after these parts of the step: the
-/// mean of |log(product / (mu w))|.
+/// How far the products of slacks and multipliers are from the central path after these parts of the step:
+/// the mean of |log(product / (mu w))|.
 fn products_off_centre(interior: &Interior<RobotPoints>, (primal, dual): (f64, f64)) -> f64 {
     let barrier = &interior.barrier;
     let of = |at: usize| {

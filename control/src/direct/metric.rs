@@ -23,8 +23,8 @@ impl Metric {
     }
 
     /// Adds `sum w T ((M da)' R (M da) + c (M dv/T)' R (M dv/T) + c (M dq/T^2)' R (M dq/T^2))` to a matrix of
-    /// zeros; R is diagonal, `weights`. With the small part c no motion of the whole path costs nothing, such as
-    /// the one that changes positions alone where these are free at both ends.
+    /// zeros; R is diagonal, `weights`. With the small part c every change costs something, that of positions
+    /// alone too, which is left where they are free at both ends.
     pub fn fill(
         &mut self,
         matrix: &mut ChainMatrix,

@@ -7,9 +7,9 @@ use super::refine::Resolution;
 use crate::constants::direct as constants;
 
 impl Resolution {
-    /// Moves limits inside by what they are exceeded between points, in the intervals where that is too much, if
-    /// this may be enough: equations and bodies that pass through each other need narrower intervals. Whether
-    /// they were moved.
+    /// Moves limits inside by what they are exceeded between points, in the intervals where that is too much,
+    /// if this may be enough: equations and bodies that pass through each other need narrower intervals.
+    /// Whether they were moved.
     pub fn move_limits_inside<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
         let sides = interior.barrier.sides();
         let (count, shape) = (sides.len(), interior.spline.mesh.shape);

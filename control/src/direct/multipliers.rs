@@ -27,8 +27,8 @@ impl Multipliers {
         found
     }
 
-    /// Takes those of a motion for points and nodes of another mesh; allocates only for a longer one than ever
-    /// before.
+    /// Takes those of a motion for points and nodes of another mesh; allocates only for a longer one than
+    /// ever before.
     pub fn fill(&mut self, spline: &Spline, barrier: &Barrier) {
         self.take(spline, barrier, true);
     }

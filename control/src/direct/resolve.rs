@@ -215,8 +215,8 @@ impl Resolve {
     /// Solves the problem with what was set since the last time.
     ///
     /// # Errors
-    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion that
-    /// was shown last.
+    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion
+    /// that was shown last.
     pub fn solve_again(&mut self, budget: Budget) -> Result<Resolved, EvalError> {
         let began = Instant::now();
         let found = self.try_again(budget, began);

@@ -200,8 +200,8 @@ impl Tasks {
     }
 }
 
-/// A bound of a polynomial of degree four on [0, 1], from its values at 0, 1/4, 1/2, 3/4 and 1: the largest of
-/// its Bernstein coefficients, in whose range it is.
+/// A bound of a polynomial of degree four on [0, 1], from its values at 0, 1/4, 1/2, 3/4 and 1: the largest
+/// of its Bernstein coefficients, in whose range it is.
 fn bound_of_quartic(&[a, b, c, d, e]: &[f64; 5]) -> f64 {
     let sum = (16.0 * (b + d) - 18.0 * c - 4.0 * (a + e)) / 3.0;
     let difference = (16.0 * (b - d) - 5.0 * (a - e)) / 6.0;

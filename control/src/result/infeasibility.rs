@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// Why no motion keeps all limits, as far as that was found: what would have to give.
 ///
-/// At a motion that keeps the relaxed limits, the sum of what limits give has a local minimum, each in parts of
-/// its range, or of what it lacks at the start of the search if that is more. Each limit gives by the same
+/// At a motion that keeps the relaxed limits, the sum of what limits give has a local minimum, each in parts
+/// of its range, or of what it lacks at the start of the search if that is more. Each limit gives by the same
 /// amount all along the motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
