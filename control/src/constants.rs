@@ -311,8 +311,8 @@ pub(crate) mod direct {
     pub const LATEST: f64 = 0.5;
     /// Multipliers are always within this factor of it.
     pub const FAR: f64 = 1e10;
-    /// Cost and barrier must decrease by a part of what a step promises where this power of the promise, in
-    /// parts of the cost, ..
+    /// Cost and barrier must decrease by a part of what a step promises where this power of the promise of the
+    /// whole step, in parts of the cost, times the part that is taken..
     pub const OF_DESCENT: f64 = 2.3;
     /// .. is more than this power of the infeasibility.
     pub const OF_INFEASIBILITY: f64 = 1.1;

@@ -39,9 +39,8 @@ impl<D: PointDynamics> Interior<D> {
                     cost,
                     logarithms: logarithms(&trial.slack, &self.barrier.weight),
                 };
-                let promised = (-alpha * slope / self.figures.size).max(0.0);
-                let descends =
-                    promised.powf(constants::OF_DESCENT) > now.theta.powf(constants::OF_INFEASIBILITY);
+                let promised = alpha * (-slope / self.figures.size).max(0.0).powf(constants::OF_DESCENT);
+                let descends = promised > now.theta.powf(constants::OF_INFEASIBILITY);
                 let fine = if descends {
                     new.value(mu) <= value + constants::ARMIJO * alpha * slope + rounding
                 } else {

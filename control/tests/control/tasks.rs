@@ -254,3 +254,26 @@ fn no_link_passes_through_a_thin_post_with_limited_jerks() {
         assert!(across.abs() > 0.002 || along < 1.7, "{} {along} {across}", point.t);
     }
 }
+
+/// A redundant arm between two places of its hand, all positions free at both ends: nothing but the cost tells
+/// where it stands.
+#[test]
+fn a_redundant_arm_chooses_both_ends() {
+    let robot = panda();
+    let mut hand = Frame::new(&robot, "panda_link8");
+    let (from, _) = hand.at(&PANDA);
+    let to = [from.x - 0.1, from.y + 0.5, from.z + 0.1];
+    let pose = |position: [f64; 3]| ToolPose::of("panda_link8").with_position(position);
+    let task = Task::default().with_end_tool(pose(to));
+    let mut problem = Problem::rest_to_rest(robot, &PANDA, &PANDA, 1.0).with_task(task.clone());
+    problem.end.q_free = (0..7).collect();
+    let one = solve_to(&problem, 1e-4).motion.cost;
+    problem.task = task.with_start_tool(pose(from.into()));
+    problem.start.q_free = (0..7).collect();
+    let solution = solve_to(&problem, 1e-4);
+    assert!(solution.motion.cost < one, "{} {one}", solution.motion.cost);
+    let points: Vec<_> = samples(&solution, 1).collect();
+    for (point, place) in points.iter().zip([from, to.into()]) {
+        assert!((hand.at(&point.q).0 - place).norm() < 1e-6);
+    }
+}
