@@ -287,7 +287,8 @@ pub(crate) mod direct {
     pub const LEFT_OF_EQUATIONS: f64 = 0.1;
     /// .. that were violated by less than this before.
     pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
-    /// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of time.
+    /// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of
+    /// time.
     pub const SMOOTHING: f64 = 1.0;
     /// How many final times are tried for a guess to each side of its own ..
     pub const TIMES: i32 = 8;
@@ -311,8 +312,8 @@ pub(crate) mod direct {
     pub const LATEST: f64 = 0.5;
     /// Multipliers are always within this factor of it.
     pub const FAR: f64 = 1e10;
-    /// Cost and barrier must decrease by a part of what a step promises where this power of the promise of the
-    /// whole step, in parts of the cost, times the part that is taken..
+    /// Cost and barrier must decrease by a part of what a step promises where this power of the promise of
+    /// the whole step, in parts of the cost, times the part that is taken..
     pub const OF_DESCENT: f64 = 2.3;
     /// .. is more than this power of the infeasibility.
     pub const OF_INFEASIBILITY: f64 = 1.1;

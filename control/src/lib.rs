@@ -7,9 +7,10 @@
 //!    x' = \frac{\partial H^\ast}{\partial y}, \qquad y' = -\frac{\partial H^\ast}{\partial x} $$
 //!
 //! This is a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian contains the contracted Hessian
-//! $y^\top F_{xx}$ ([`RobotExtremal`]). [`Solver`] finds motions by the [direct method](Method::Direct), which
-//! keeps all kinds of [limits](MotionLimits), and solves the boundary-value problem from there by Lobatto
-//! collocation, or by multiple [shooting](Method::Shooting) with the variational equations. Sign conventions:
+//! $y^\top F_{xx}$ ([`RobotExtremal`]). [`Solver`] finds motions by the [direct method](Method::Direct),
+//! which keeps all kinds of [limits](MotionLimits), and solves the boundary-value problem from there by
+//! Lobatto collocation, or by multiple [shooting](Method::Shooting) with the variational equations. Sign
+//! conventions:
 //! $dJ/dT = -H^\ast$, $y(0) = -dJ/dx(0)$, $u = \mathrm{clip}(R^{-1} B y_p)$.
 //!
 //! | for | use |

@@ -1,7 +1,7 @@
 //! Loops over all entries of the barrier, compiled for the widest vectors of the processor.
 //!
-//! Entries that are off have an infinite slack, equations none ([`Barrier`](super::limits::Barrier)): both are
-//! masked here, without a branch for each entry, and equations are few and come afterwards.
+//! Entries that are off have an infinite slack, equations none ([`Barrier`](super::limits::Barrier)): both
+//! are masked here, without a branch for each entry, and equations are few and come afterwards.
 
 use super::limits::Barrier;
 use crate::constants::direct::FAR;
@@ -82,8 +82,8 @@ fn change<const N: usize>(changes: Changes<'_>, mu: f64, at: usize) -> [f64; N] 
     std::array::from_fn(|c| zero[c] + mu * of_mu[c] + corrections[c])
 }
 
-/// Steps of slacks and multipliers for a barrier; `corrections` are added to `mu w`. The largest decrease of a
-/// slack and of a multiplier, in parts of these.
+/// Steps of slacks and multipliers for a barrier; `corrections` are added to `mu w`. The largest decrease of
+/// a slack and of a multiplier, in parts of these.
 pub(super) fn steps(
     barrier: &Barrier,
     mu: f64,

@@ -267,7 +267,8 @@ impl Resolve {
             End::Interrupted(_) => ResolveStatus::OutOfTime,
         };
         if status == ResolveStatus::Solved {
-            // The last step is known, and the next solve begins after it. It is shown if limits are kept there.
+            // The last step is known, and the next solve begins after it. It is shown if limits are kept
+            // there.
             let _ = self.interior.search();
             if self.interior.figures.violation <= constants::VIOLATION_ACCEPTED {
                 self.shown.take(&self.interior);

@@ -1,8 +1,8 @@
 //! A cost of torques for the first steps of a motion whose torques cost nothing.
 //!
-//! Torques without a cost are at their limits at an optimum. Far from it nothing but the barrier bends the cost,
-//! and steps lead anywhere. So the first motion minimises time and a cost of these torques, which is about that
-//! of time where they are at their limits; it is where the problem itself begins.
+//! Torques without a cost are at their limits at an optimum. Far from it nothing but the barrier bends the
+//! cost, and steps lead anywhere. So the first motion minimises time and a cost of these torques, which is
+//! about that of time where they are at their limits; it is where the problem itself begins.
 
 use super::interior::{End, Interior};
 use super::points::PointDynamics;

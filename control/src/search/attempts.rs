@@ -8,8 +8,8 @@
 //!    ([`Solved::is_nearly_solved`]).
 //! 2. *From cubics* ([`Search::try_guess`]): Newton's method, roughly at first. Left out if there are
 //!    controls without effort, whose costates cannot be zero.
-//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the direct
-//!    method found no motion that may be given instead. The result is returned as it is.
+//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the
+//! direct method found no motion that may be given instead. The result is returned as it is.
 //!
 //! If the search is stopped, the last result is returned. All numbers are in [`crate::constants`].
 

@@ -255,8 +255,8 @@ fn no_link_passes_through_a_thin_post_with_limited_jerks() {
     }
 }
 
-/// A redundant arm between two places of its hand, all positions free at both ends: nothing but the cost tells
-/// where it stands.
+/// A redundant arm between two places of its hand, all positions free at both ends: nothing but the cost
+/// tells where it stands.
 #[test]
 fn a_redundant_arm_chooses_both_ends() {
     let robot = panda();
