@@ -51,16 +51,15 @@ impl Lanes {
 
     #[inline(always)]
     fn add<const N: usize>(&mut self, values: [f64; N]) {
-        for c in 0..N {
-            self.0[c] += values[c];
-        }
+        self.0.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
     }
 
     #[inline(always)]
     fn keep_largest<const N: usize>(&mut self, values: [f64; N]) {
-        for c in 0..N {
-            self.0[c] = if values[c] > self.0[c] { values[c] } else { self.0[c] };
-        }
+        self.0
+            .iter_mut()
+            .zip(values)
+            .for_each(|(most, value)| *most = if value > *most { value } else { *most });
     }
 
     fn sum(self) -> f64 {

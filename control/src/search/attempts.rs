@@ -2,14 +2,14 @@
 //!
 //! [`Strategy::Direct`] makes the second attempt only. [`Strategy::Full`] goes through this list:
 //!
-//! 1. *From a motion* ([`Search::from_saved`]), saved or found by the direct method: Newton's method on the
+//! 1. *From a motion* ([`Search::try_saved_motion`]), saved or found by the direct method: Newton's method on the
 //!    arcs that its controls show ([`Search::try_saved`]); if that fails and there are controls without
 //!    effort, from smoothed ones. Accepted if it converged, or nearly so
 //!    ([`Solved::is_nearly_solved`]).
 //! 2. *From cubics* ([`Search::try_guess`]): Newton's method, roughly at first. Left out if there are
 //!    controls without effort, whose costates cannot be zero.
-//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the
-//! direct method found no motion that may be given instead. The result is returned as it is.
+//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the direct
+//!    method found no motion that may be given instead. The result is returned as it is.
 //!
 //! If the search is stopped, the last result is returned. All numbers are in [`crate::constants`].
 
@@ -37,12 +37,12 @@ impl Search<'_, '_> {
 
     /// From a motion that is nearly optimal, alone: not from anything else if that fails.
     pub fn polish(mut self, options: &SolverOptions) -> Solved {
-        self.from_saved(&Attempt::new(options, Phase::Polish))
+        self.try_saved_motion(&Attempt::new(options, Phase::Polish))
     }
 
     /// From a saved motion: Newton's method, on the arcs that its controls show if they jump, and from a
     /// smoothed problem if that fails.
-    fn from_saved(&mut self, attempt: &Attempt) -> Solved {
+    fn try_saved_motion(&mut self, attempt: &Attempt) -> Solved {
         // A saved motion brings its own duration.
         let time = match (self.time, self.guess.saved_duration()) {
             (FinalTime::Free { .. }, Some(guess)) => FinalTime::Free { guess },
@@ -79,7 +79,7 @@ impl Search<'_, '_> {
         let easiest = self.extremal.easiest();
         let mut last = None;
         if self.guess.saved_duration().is_some() {
-            let found = self.from_saved(attempt);
+            let found = self.try_saved_motion(attempt);
             if found.is_nearly_solved() || found.status.is_interruption() {
                 return found;
             }
