@@ -241,8 +241,8 @@ impl Work {
                 (0.0, 2.0 * square * v, 6.0 * square * a);
         }
         for TimeDerivative { column, order, first } in spline.time_derivatives(k) {
-            for s in 0..3 {
-                let part = factors[s][column] * order;
+            for (s, factors) in factors.iter().enumerate() {
+                let part = factors[column] * order;
                 let second = part * square * (order - 1.0 - 2.0 * s as f64);
                 for (i, x) in spline.unknowns[first..first + n].iter().enumerate() {
                     self.z_t[s * n + i] += part * inverse * x;
