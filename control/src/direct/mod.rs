@@ -2,7 +2,9 @@
 //! interior-point method.
 //!
 //! The unknowns are q and dq/ds at the nodes of a mesh in s = t/T, the height of a bubble of q on each
-//! interval, and T. q(s) is a polynomial of degree four on each interval ([`spline`]), and the torques
+//! interval, and T. With vias s goes on by one in each phase ([`mesh`], [`spline`]), phases have times of
+//! their own ([`times`]), and what all intervals share is the [`border`] of Newton's equations.
+//! q(s) is a polynomial of degree four on each interval ([`spline`]), and the torques
 //! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`shape`]), where the limits hold;
 //! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
 //! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the

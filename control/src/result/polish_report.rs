@@ -56,7 +56,7 @@ impl PolishOutcome {
         match self {
             Self::Polished => "polished",
             Self::Limited => "direct: energy has a cost, or a limit other than on torques is active",
-            Self::Phases => "direct: the motion has vias or is periodic",
+            Self::Phases => "direct: vias or a periodic motion",
             Self::NoMotion => "direct: no motion to begin with",
             Self::Failed => "direct: the polish found no extremal",
             Self::OutOfTime => "direct: the polish was stopped or took too long",
