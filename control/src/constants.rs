@@ -151,6 +151,10 @@ pub(crate) mod polish {
     pub const ROUGH: f64 = 1e-4;
     /// .. and where torques are limited: when they reach their limits must be seen.
     pub const ROUGH_BOUNDED: f64 = 1e-6;
+    /// A polish has a tolerance that is this part of the one that is asked for ..
+    pub const SHARPER: f64 = 0.01;
+    /// .. if it is no smaller than this, or asked for.
+    pub const SHARP_ENOUGH: f64 = 1e-8;
     /// Points of the direct method in an interval of its mesh: that mesh is the first one of the polish.
     pub const STRIDE: usize = 4;
     /// How much more than the motion of the direct method an extremal may cost, in parts of the tolerance:

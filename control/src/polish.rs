@@ -5,7 +5,7 @@
 //! with switching times as unknowns. What the direct method found is kept if that fails or costs more.
 
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
-use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SLACK, SLACK_UNSOLVED};
+use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SHARP_ENOUGH, SHARPER, SLACK, SLACK_UNSOLVED};
 use crate::direct::Powers;
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::problem::limits::JointLimits;
@@ -41,7 +41,7 @@ pub(crate) fn polish(
         Ok(problem) => problem,
         Err(outcome) => return with_report(found, outcome, None),
     };
-    let options = SolverOptions { method: Method::Collocation, ..options.clone() };
+    let options = indirect(options);
     let motion = &found.trajectory.with_each_time_once();
     let polished = match options.polish {
         Polish::Always => extremal_near(&problem, &options, of_direct(motion), recorder),
@@ -70,6 +70,12 @@ pub(crate) fn polish(
     with_report(found, outcome, Some((polished, usage)))
 }
 
+/// The options of a polish: of a method of high order more digits cost little.
+fn indirect(options: &SolverOptions) -> SolverOptions {
+    let tolerance = options.tolerance.min((SHARPER * options.tolerance).max(SHARP_ENOUGH));
+    SolverOptions { method: Method::Collocation, tolerance, ..options.clone() }
+}
+
 /// The extremal near a saved motion, if it is solved and keeps the limits of a problem without powers.
 pub(crate) fn polish_saved(
     problem: &Problem,
@@ -78,9 +84,8 @@ pub(crate) fn polish_saved(
     recorder: &mut Recorder<'_>,
 ) -> Option<Solution> {
     let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
-    let indirect = SolverOptions { method: Method::Collocation, ..options.clone() };
     let bounded = with_bounds(problem, &limits);
-    let found = extremal_near(&bounded, &indirect, saved, recorder)?;
+    let found = extremal_near(&bounded, &indirect(options), saved, recorder)?;
     let kept = keeps(&limits, &powers, &problem.gain, &found.trajectory);
     (found.motion.status.is_converged() && kept).then(|| {
         let any = |finite: fn(&JointLimits) -> bool| limits.iter().any(finite).then(LimitUse::default);
@@ -97,7 +102,9 @@ pub(crate) fn polish_saved(
 
 /// Whether a problem has nothing but controls to limit, unless an optimal motion does not reach the rest.
 pub(crate) fn may_polish(problem: &Problem) -> bool {
-    let costs = problem.cost.has_energy() || problem.first_of_rates().is_some();
+    // Kinks of stiff penalties beside jumps of controls leave Newton's method no place to converge to.
+    let kinks = problem.penalty.is_some() && problem.cost.effort.contains(&0.0);
+    let costs = problem.cost.has_energy() || problem.first_of_rates().is_some() || kinks;
     let accelerations = problem.joint_limits().iter().any(|limits| limits.a.is_finite());
     !costs && !accelerations && problem.task.is_empty()
 }

@@ -9,7 +9,7 @@ use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{FrameSpec, JointSpec, LinkInertia, Placement, Robot, Wrench, WrenchAxes};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference, difference_at, largest, tolerance};
 use costate_test_support::reference::flat;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
@@ -100,7 +100,9 @@ properties! {
         let found = analytic.contract_forward_dynamics(q, v, u, y).unwrap();
         prop_assert!(difference(found.forward_dynamics().acceleration(), expected.value) < tolerance);
         prop_assert!(difference(&flat(found.forward_dynamics().matrix()), expected.jacobian.as_slice()) < tolerance);
-        prop_assert!(difference(found.to_matrix().as_slice(), curvature) < tolerance);
+        // Second derivatives may vanish where first ones do not.
+        let size = largest(expected.jacobian.as_slice()) * largest(y);
+        prop_assert!(difference_at(size, found.to_matrix().as_slice(), curvature) < tolerance);
         let linear = analytic.first().linearise_forward_dynamics(q, v, u).unwrap();
         prop_assert!(difference(&flat(linear.matrix()), expected.jacobian.as_slice()) < tolerance);
         let lagrangian = analytic.first();

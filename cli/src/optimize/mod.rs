@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let problem = &task.problem;
     // The direct method keeps the limits of the robot, or says which it does not keep.
     let warnings = match solution.options.method {
-        Method::Direct => Vec::new(),
+        Method::Direct if problem.keeps_robot_limits() => Vec::new(),
         _ => problem.limit_warnings(&solution.trajectory),
     };
     warnings.iter().for_each(terminal::warning);

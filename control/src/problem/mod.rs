@@ -174,8 +174,9 @@ impl Problem {
         Self { task, ..self }
     }
 
-    /// Whether the limits of the robot's joints are limits of the motion.
-    pub(crate) fn keeps_robot_limits(&self) -> bool {
+    /// Whether the limits of the robot's joints are limits of the motion, which the direct method keeps
+    /// ([`MotionLimits::from_robot`]).
+    pub fn keeps_robot_limits(&self) -> bool {
         self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
     }
 

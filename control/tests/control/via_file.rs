@@ -102,7 +102,7 @@ fn what_does_not_take_vias_says_so() {
     let via = problem().with_via(Via::at(&[0.5; 2]));
     let options = SolverOptions::direct();
     assert!(matches!(Resolve::new(&via, options.clone()), Err(ProblemError::NotAgain { .. })));
-    let error = Solver::new(&via, SolverOptions::default()).unwrap_err();
+    let error = Solver::new(&via, SolverOptions::of(Method::Collocation)).unwrap_err();
     assert_eq!(error.to_string().split(':').next(), Some("vias[0].q"));
     let periodic = problem().with_period(vec![0.0; 2]);
     assert!(matches!(periodic.check_for(Method::Shooting), Err(ProblemError::PhasesNeedDirect { .. })));

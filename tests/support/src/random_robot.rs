@@ -275,3 +275,9 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     let worst = largest(&differences);
     if worst == 0.0 { 0.0 } else { worst / largest(b) }
 }
+
+/// The same, relative to this size at least: where `b` vanishes up to rounding.
+pub fn difference_at(size: f64, a: &[f64], b: &[f64]) -> f64 {
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    largest(&differences) / largest(b).max(size)
+}

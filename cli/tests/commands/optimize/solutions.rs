@@ -29,6 +29,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "nodes",
         "options",
         "penalty_cost",
+        "polish",
         "robot",
         "shooting_defect",
         "smoothing",
@@ -154,7 +155,16 @@ fn every_example_is_solved() {
         // Limits that depend on the motion bend the torques between nodes: integrated, such motions end less
         // accurately.
         let curved = ["task", "torque_speed", "power"].iter().any(|kind| !solution["limits"][kind].is_null());
-        let least = if curved { 1e-4 } else { 1e-6 };
+        let phases = !solution["via_times"].is_null();
+        // Kinks of a stiff penalty where torques are at their limits are resolved in part.
+        let stiff = solution["penalty_cost"].as_f64().unwrap() > 0.0;
+        let least = if stiff {
+            1e-3
+        } else if curved || phases {
+            1e-4
+        } else {
+            1e-6
+        };
         for &key in keys {
             assert!(solution[key].as_f64().unwrap() < least, "{}: {key} {}", file.display(), solution[key]);
         }
