@@ -17,7 +17,8 @@ fn kernel_one<S: Scalar>(tree: &Tree, q: &[S], v: &[S]) -> KernelOne<S> {
     kernel
 }
 
-/// `max |a - b.eps| / max(|b.eps|, |b|, 0.1)`: what vanishes does so up to rounding of weights of some newtons.
+/// `max |a - b.eps| / max(|b.eps|, |b|, 0.1)`: what vanishes does so up to rounding of weights of some
+/// newtons.
 fn apart(a: &Matrix<f64>, b: &Matrix<Dual64>) -> f64 {
     let pairs = || a.as_slice().iter().zip(b.as_slice());
     let size = pairs().fold(0.0_f64, |size, (_, b)| size.max(b.eps.abs()).max(b.re.abs()));

@@ -2,14 +2,14 @@
 //!
 //! [`Strategy::Direct`] makes the second attempt only. [`Strategy::Full`] goes through this list:
 //!
-//! 1. *From a motion* ([`Search::try_saved_motion`]), saved or found by the direct method: Newton's method on the
-//!    arcs that its controls show ([`Search::try_saved`]); if that fails and there are controls without
-//!    effort, from smoothed ones. Accepted if it converged, or nearly so
+//! 1. *From a motion* ([`Search::try_saved_motion`]), saved or found by the direct method: Newton's method
+//!    on the arcs that its controls show ([`Search::try_saved`]); if that fails and there are controls
+//!    without effort, from smoothed ones. Accepted if it converged, or nearly so
 //!    ([`Solved::is_nearly_solved`]).
 //! 2. *From cubics* ([`Search::try_guess`]): Newton's method, roughly at first. Left out if there are
 //!    controls without effort, whose costates cannot be zero.
-//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the direct
-//!    method found no motion that may be given instead. The result is returned as it is.
+//! 3. *From relaxed problems* ([`Search::try_relaxed_problems`]), if the problem can be relaxed and the
+//!    direct method found no motion that may be given instead. The result is returned as it is.
 //!
 //! If the search is stopped, the last result is returned. All numbers are in [`crate::constants`].
 
