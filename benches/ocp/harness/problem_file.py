@@ -43,7 +43,7 @@ def text(task, understands_limits, tolerance):
         rows += table("limits", f"from_robot = {str(task.from_robot).lower()}", *limits)
     if understands_limits:
         rows += table("solver", 'method = "direct"', "polish = false", 'machine_code = "at_once"',
-                      f"tolerance = {tolerance!r}")
+                      'verify = "factors"', f"tolerance = {tolerance!r}")
     return "\n".join(rows + obstacles_of(task))
 
 
