@@ -2,14 +2,14 @@
 //! and against the same generalised force given as actuation.
 
 use crate::lagrangian::{separate_calls_agree, torque_hessian};
-use costate::derivative::{ForwardDynamics, Hessian, Jacobian, PhaseVelocity};
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, PhaseVelocity, largest};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kinematics::{ExternalForces, Kinematics, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{FrameSpec, JointSpec, LinkInertia, Placement, Robot, Wrench, WrenchAxes};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, difference_at, largest, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference, difference_at, tolerance};
 use costate_test_support::reference::flat;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
