@@ -14,21 +14,26 @@ fn is_limit(slack: f64) -> bool {
     slack > 0.0 && slack < f64::INFINITY
 }
 
-/// Runs `body` with vectors of the arrays, then with one entry at a time for the rest: `N` is their length.
+/// Runs `$body` with vectors of the arrays, then with one entry at a time for the rest: `$n` is their length.
 macro_rules! for_vectors {
-    ($at:ident in $count:expr, $n:ident => $body:expr) => {{
-        let (mut $at, count) = (0, $count);
-        while $at + LANES <= count {
-            const $n: usize = LANES;
-            $body;
-            $at += LANES;
-        }
-        while $at < count {
-            const $n: usize = 1;
-            $body;
-            $at += 1;
-        }
-    }};
+    ($at:ident in $count:expr, $n:ident => $body:expr) => {
+        widest_fused(
+            #[inline(always)]
+            |_| {
+                let (mut $at, count) = (0, $count);
+                while $at + LANES <= count {
+                    const $n: usize = LANES;
+                    $body;
+                    $at += LANES;
+                }
+                while $at < count {
+                    const $n: usize = 1;
+                    $body;
+                    $at += 1;
+                }
+            },
+        )
+    };
 }
 
 /// `N` entries of an array.
@@ -94,31 +99,26 @@ pub(super) fn steps(
     let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
     let (distance, weight) = (&barrier.distance[..], &barrier.weight[..]);
     let [mut primal, mut dual] = [Lanes::zeros(); 2];
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
-                let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
-                let (change, more) = (change::<N>(changes, mu, at), part::<N>(corrections, at));
-                let ([mut ds, mut deta], [mut of_s, mut of_eta]) = ([[0.0; N]; 2], [[0.0; N]; 2]);
-                for c in 0..N {
-                    let on = is_limit(s[c]);
-                    let inverse = 1.0 / if on { s[c] } else { 1.0 };
-                    let d = d[c] + change[c];
-                    let (step, of) = (d - s[c], mu * w[c] + more[c] - eta[c] * d);
-                    ds[c] = if on { step } else { 0.0 };
-                    deta[c] = if on { of * inverse } else { 0.0 };
-                    of_s[c] = -ds[c] * inverse;
-                    of_eta[c] = if on { -deta[c] / eta[c] } else { 0.0 };
-                }
-                slack_step[at..at + N].copy_from_slice(&ds);
-                multiplier_step[at..at + N].copy_from_slice(&deta);
-                primal.keep_largest(of_s);
-                dual.keep_largest(of_eta);
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
+        let (change, more) = (change::<N>(changes, mu, at), part::<N>(corrections, at));
+        let ([mut ds, mut deta], [mut of_s, mut of_eta]) = ([[0.0; N]; 2], [[0.0; N]; 2]);
+        for c in 0..N {
+            let on = is_limit(s[c]);
+            let inverse = 1.0 / if on { s[c] } else { 1.0 };
+            let d = d[c] + change[c];
+            let (step, of) = (d - s[c], mu * w[c] + more[c] - eta[c] * d);
+            ds[c] = if on { step } else { 0.0 };
+            deta[c] = if on { of * inverse } else { 0.0 };
+            of_s[c] = -ds[c] * inverse;
+            of_eta[c] = if on { -deta[c] / eta[c] } else { 0.0 };
+        }
+        slack_step[at..at + N].copy_from_slice(&ds);
+        multiplier_step[at..at + N].copy_from_slice(&deta);
+        primal.keep_largest(of_s);
+        dual.keep_largest(of_eta);
+    });
     for at in barrier.equations() {
         let d = barrier.distance[at] + change::<1>(changes, mu, at)[0];
         multiplier_step[at] = -barrier.curvature(at) * d;
@@ -131,17 +131,12 @@ pub(super) fn complementarity(barrier: &Barrier, after: Option<[(f64, &[f64]); 2
     let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
     let [(primal, slack_step), (dual, multiplier_step)] = after.unwrap_or([(0.0, slack), (0.0, multiplier)]);
     let mut sum = Lanes::zeros();
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
-                let (ds, deta) = (part::<N>(slack_step, at), part::<N>(multiplier_step, at));
-                let product = |c: usize| (s[c] + primal * ds[c]) * (eta[c] + dual * deta[c]);
-                sum.add::<N>(std::array::from_fn(|c| if is_limit(s[c]) { product(c) } else { 0.0 }));
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (ds, deta) = (part::<N>(slack_step, at), part::<N>(multiplier_step, at));
+        let product = |c: usize| (s[c] + primal * ds[c]) * (eta[c] + dual * deta[c]);
+        sum.add::<N>(std::array::from_fn(|c| if is_limit(s[c]) { product(c) } else { 0.0 }));
+    });
     sum.sum()
 }
 
@@ -150,23 +145,18 @@ pub(super) fn slope(barrier: &Barrier, mu: f64, changes: Changes<'_>, slack_step
     let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
     let (distance, weight) = (&barrier.distance[..], &barrier.weight[..]);
     let mut sum = Lanes::zeros();
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
-                let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
-                let (change, ds) = (change::<N>(changes, mu, at), part::<N>(slack_step, at));
-                sum.add::<N>(std::array::from_fn(|c| {
-                    let on = is_limit(s[c]);
-                    let inverse = 1.0 / if on { s[c] } else { 1.0 };
-                    let of_distance = eta[c] * (1.0 - d[c] * inverse) * change[c];
-                    let sum = of_distance - mu * w[c] * ds[c] * inverse;
-                    if on { sum } else { 0.0 }
-                }));
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
+        let (change, ds) = (change::<N>(changes, mu, at), part::<N>(slack_step, at));
+        sum.add::<N>(std::array::from_fn(|c| {
+            let on = is_limit(s[c]);
+            let inverse = 1.0 / if on { s[c] } else { 1.0 };
+            let of_distance = eta[c] * (1.0 - d[c] * inverse) * change[c];
+            let sum = of_distance - mu * w[c] * ds[c] * inverse;
+            if on { sum } else { 0.0 }
+        }));
+    });
     let of = |at: usize| {
         let eta = barrier.multiplier[at] - barrier.curvature(at) * barrier.distance[at];
         eta * change::<1>(changes, mu, at)[0]
@@ -178,37 +168,27 @@ pub(super) fn slope(barrier: &Barrier, mu: f64, changes: Changes<'_>, slack_step
 pub(super) fn infeasibility(barrier: &Barrier, distance: &[f64], slack: &[f64]) -> f64 {
     let (weight, unit) = (&barrier.weight[..], &barrier.unit[..]);
     let mut sum = Lanes::zeros();
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, d) = (part::<N>(slack, at), part::<N>(distance, at));
-                let (w, unit) = (part::<N>(weight, at), part::<N>(unit, at));
-                let off = |c: usize| w[c] * unit[c] * (d[c] - s[c]).abs();
-                sum.add::<N>(std::array::from_fn(|c| if s[c] < f64::INFINITY { off(c) } else { 0.0 }));
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, d) = (part::<N>(slack, at), part::<N>(distance, at));
+        let (w, unit) = (part::<N>(weight, at), part::<N>(unit, at));
+        let off = |c: usize| w[c] * unit[c] * (d[c] - s[c]).abs();
+        sum.add::<N>(std::array::from_fn(|c| if s[c] < f64::INFINITY { off(c) } else { 0.0 }));
+    });
     sum.sum()
 }
 
 /// Slacks after the part `alpha` of a step: no less than the distance that is reached.
 pub(super) fn trial_slacks(slack: &mut [f64], alpha: f64, slack_step: &[f64], distance: &[f64]) {
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, d) = (part::<N>(slack, at), part::<N>(distance, at));
-                let step = part::<N>(slack_step, at);
-                let next: [f64; N] = std::array::from_fn(|c| {
-                    let next = s[c] + alpha * step[c];
-                    let next = if d[c] > next { d[c] } else { next };
-                    if is_limit(s[c]) { next } else { s[c] }
-                });
-                slack[at..at + N].copy_from_slice(&next);
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, d) = (part::<N>(slack, at), part::<N>(distance, at));
+        let step = part::<N>(slack_step, at);
+        let next: [f64; N] = std::array::from_fn(|c| {
+            let next = s[c] + alpha * step[c];
+            let next = if d[c] > next { d[c] } else { next };
+            if is_limit(s[c]) { next } else { s[c] }
+        });
+        slack[at..at + N].copy_from_slice(&next);
+    });
 }
 
 /// Takes the steps of multipliers: those of equations as far as the motion, the others this part, within a
@@ -220,25 +200,20 @@ pub(super) fn take_multipliers(
     multiplier_step: &[f64],
 ) {
     let (slack, weight, multiplier) = (&barrier.slack[..], &barrier.weight[..], &mut barrier.multiplier[..]);
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, w) = (part::<N>(slack, at), part::<N>(weight, at));
-                let (eta, step) = (part::<N>(multiplier, at), part::<N>(multiplier_step, at));
-                let next: [f64; N] = std::array::from_fn(|c| {
-                    let on = is_limit(s[c]);
-                    let central = mu * w[c] / if on { s[c] } else { 1.0 };
-                    let (low, high) = (central * (1.0 / FAR), central * FAR);
-                    let next = eta[c] + dual * step[c];
-                    let next = if next < low { low } else { next };
-                    let next = if next > high { high } else { next };
-                    if on { next } else { eta[c] }
-                });
-                multiplier[at..at + N].copy_from_slice(&next);
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, w) = (part::<N>(slack, at), part::<N>(weight, at));
+        let (eta, step) = (part::<N>(multiplier, at), part::<N>(multiplier_step, at));
+        let next: [f64; N] = std::array::from_fn(|c| {
+            let on = is_limit(s[c]);
+            let central = mu * w[c] / if on { s[c] } else { 1.0 };
+            let (low, high) = (central * (1.0 / FAR), central * FAR);
+            let next = eta[c] + dual * step[c];
+            let next = if next < low { low } else { next };
+            let next = if next > high { high } else { next };
+            if on { next } else { eta[c] }
+        });
+        multiplier[at..at + N].copy_from_slice(&next);
+    });
     for at in &barrier.equations {
         barrier.multiplier[*at] += primal * multiplier_step[*at];
     }
@@ -248,19 +223,14 @@ pub(super) fn take_multipliers(
 pub(super) fn violation(barrier: &Barrier) -> f64 {
     let (slack, distance, unit) = (&barrier.slack[..], &barrier.distance[..], &barrier.unit[..]);
     let mut most = Lanes::zeros();
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            for_vectors!(at in slack.len(), N => {
-                let (s, d, unit) = (part::<N>(slack, at), part::<N>(distance, at), part::<N>(unit, at));
-                let of = |c: usize| {
-                    let part = if is_limit(s[c]) { -d[c] * unit[c] } else { 0.0 };
-                    if part.is_nan() { f64::INFINITY } else { part }
-                };
-                most.keep_largest::<N>(std::array::from_fn(of));
-            });
-        },
-    );
+    for_vectors!(at in slack.len(), N => {
+        let (s, d, unit) = (part::<N>(slack, at), part::<N>(distance, at), part::<N>(unit, at));
+        let of = |c: usize| {
+            let part = if is_limit(s[c]) { -d[c] * unit[c] } else { 0.0 };
+            if part.is_nan() { f64::INFINITY } else { part }
+        };
+        most.keep_largest::<N>(std::array::from_fn(of));
+    });
     most.largest()
 }
 

@@ -17,17 +17,15 @@ impl<D: PointDynamics> Interior<D> {
     pub fn choose_time(&mut self, at: impl Fn(f64) -> Spline) {
         let smooth = if self.needs_smoothing() { self.smooth_effort() } else { self.running.effort.clone() };
         let effort = std::mem::replace(&mut self.running.effort, smooth);
-        let (mut best, time): (Option<(Figures, Spline)>, f64) = (None, self.spline.duration());
+        let (first, mut best): (Spline, Option<(Figures, Spline)>) = (self.spline.clone(), None);
         for k in -constants::TIMES..=constants::TIMES {
-            let spline = at(time * 2.0_f64.powf(f64::from(k) * constants::OCTAVES));
+            let spline = at(first.duration() * 2.0_f64.powf(f64::from(k) * constants::OCTAVES));
             let Some(found) = self.figures_of(&spline) else { continue };
             if best.as_ref().is_none_or(|(least, _)| found < *least) {
                 best = Some((found, spline));
             }
         }
-        if let Some((_, spline)) = best {
-            self.spline = spline;
-        }
+        self.spline = best.map_or(first, |(_, spline)| spline);
         self.running.effort = effort;
     }
 

@@ -82,17 +82,20 @@ impl Direct<'_> {
     ) -> Result<Refined, EvalError> {
         let tolerance = self.options.tolerance;
         let problem = self.problem.problem();
-        interior.start(None)?;
-        if problem.too_short().is_some() && recorder.interruption().is_none() {
-            return self.explain(interior, resolution, recorder);
-        }
-        if interior.needs_smoothing() && self.saved.is_none() {
+        let too_short = problem.too_short().is_some();
+        let goes_on = recorder.interruption().is_none();
+        if goes_on && !too_short && interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
             let mut watch = |iterate: &Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, 0, step));
                 recorder.interruption()
             };
             interior.begin_smoothed(effort, self.options.max_iterations, &mut watch)?;
+        } else {
+            interior.start(None)?;
+        }
+        if goes_on && too_short {
+            return self.explain(interior, resolution, recorder);
         }
         if let Some(interruption) = recorder.interruption() {
             interior.refresh()?;
