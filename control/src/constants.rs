@@ -459,6 +459,11 @@ pub(crate) mod direct {
     pub const SLOWER: [f64; 8] = [1.2, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0];
     /// .. before its time is minimised with this cost of it, in parts of the cost.
     pub const HURRY: f64 = 100.0;
+    /// Iterations after which it is seen whether a mesh resolves its motion, ..
+    pub const LOOK: usize = 8;
+    /// .. and what the points miss of the cost, in parts of it, with which the mesh is given up: what is gained on it is
+    /// lost between its points.
+    pub const UNRESOLVED: f64 = 1.0;
     /// Most meshes.
     pub const MESHES: usize = 16;
     /// Meshes after which a motion that exceeds limits is given up.
