@@ -4,6 +4,7 @@ pub(crate) mod check;
 mod check_vias;
 pub(crate) mod continuation_cause;
 pub(crate) mod error;
+mod error_text;
 #[cfg(feature = "toml")]
 pub(crate) mod file;
 mod given_ends;

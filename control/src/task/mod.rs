@@ -18,6 +18,7 @@ mod placed;
 pub(crate) mod reach;
 pub(crate) mod row;
 mod tool;
+mod tool_rows;
 
 #[cfg(test)]
 #[path = "allocation_tests.rs"]

@@ -35,7 +35,7 @@ use std::time::{Duration, Instant};
 /// let robot = Robot::from_file("robots/ur5.urdf")?;
 /// let (from, to) = ([0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.5, -1.4, 1.6, -1.6, -1.5, 0.2]);
 /// let problem = Problem::rest_to_rest(robot, &from, &to, 1.0);
-/// let options = SolverOptions::direct().with_tolerance(1e-4).with_machine_code(MachineCode::AtOnce);
+/// let options = SolverOptions::default().with_tolerance(1e-4).with_machine_code(MachineCode::AtOnce);
 /// let mut motion = Resolve::new(&problem, options)?;
 /// motion.solve()?;
 /// motion.set_start(&[0.01, -1.6, 1.8, -1.79, -1.57, 0.0], &[0.0, 0.1, 0.0, 0.0, 0.0, 0.0])?;
