@@ -2,9 +2,11 @@
 
 use super::key::Key;
 use super::obstacles::{Collision, Obstacle};
+use super::references::Reference;
 use super::tools::{Keep, ToolCost, ToolPose};
 
-/// Poses of tools at the ends, what tools keep along the motion, what they cost, and obstacles.
+/// Poses of tools at the ends, what tools keep along the motion, what they cost, references over time, and
+/// obstacles.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Task {
@@ -16,6 +18,8 @@ pub struct Task {
     pub keep: Vec<Keep>,
     /// Running costs of tools.
     pub tool_costs: Vec<ToolCost>,
+    /// References over time, whose distance costs something.
+    pub references: Vec<Reference>,
     /// What the robot does not touch.
     pub obstacles: Vec<Obstacle>,
     /// With what it does not touch them.
@@ -35,6 +39,7 @@ impl Task {
             (self.end_tools.is_empty(), "end.tool", "frame"),
             (self.keep.is_empty(), "keep", "kind"),
             (self.tool_costs.is_empty(), "cost.tool", "frame"),
+            (self.references.is_empty(), "cost.reference", "times"),
             (self.obstacles.is_empty(), "obstacle", "kind"),
             (self.collision.is_none(), "collision", "capsules"),
         ];
@@ -66,6 +71,13 @@ impl Task {
     #[must_use]
     pub fn with_tool_cost(mut self, cost: ToolCost) -> Self {
         self.tool_costs.push(cost);
+        self
+    }
+
+    /// With a reference over time.
+    #[must_use]
+    pub fn with_reference(mut self, reference: impl Into<Reference>) -> Self {
+        self.references.push(reference.into());
         self
     }
 

@@ -1,5 +1,6 @@
 //! The functions that a problem asks for.
 
+use super::check_references::check_reference;
 use super::collision;
 use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, frame_of, positive_or_zero};
@@ -9,6 +10,7 @@ use super::tool::{Quantity, ToolFunction};
 use crate::constants::task::MOST_ENTRIES;
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
+use crate::problem::references::{Reference, ToolReference};
 use crate::problem::task_error::TaskError;
 use crate::problem::tools::{Keep, Kept, Tool, ToolOrientation, ToolPose};
 use costate::robot::{FrameSpec, Placement, Robot};
@@ -30,6 +32,8 @@ pub(crate) struct TaskRows {
     pub costs: TaskFunctions,
     /// The weights of these rows.
     pub weights: Vec<f64>,
+    /// What references of tools are about, for [`References`](super::references::References).
+    pub references: TaskFunctions,
 }
 
 /// Functions of tools with their rows, before all frames of the robot are known.
@@ -58,6 +62,7 @@ impl TaskRows {
             ("end.tool", task.end_tools.len()),
             ("keep", task.keep.len()),
             ("cost.tool", task.tool_costs.len()),
+            ("cost.reference", task.references.len()),
             ("obstacle", task.obstacles.len()),
             ("collision.capsule", task.collision.as_ref().map_or(0, |collision| collision.capsules.len())),
         ];
@@ -98,6 +103,15 @@ impl TaskRows {
                 costs.push((function, rows));
             }
         }
+        let mut references = Vec::new();
+        for (k, reference) in task.references.iter().enumerate() {
+            let at = Given { table: "cost.reference", entry: k };
+            let fault = |(name, cause): (&'static str, TaskError)| cause.at(at.key(name));
+            check_reference(reference, problem.robot.dof()).map_err(fault)?;
+            if let Reference::Tool(reference) = reference {
+                references.extend(tools.followed(at, reference)?);
+            }
+        }
         let robot = tools.robot;
         let all = |functions: Functions| {
             let mut found = TaskFunctions::new(&robot);
@@ -108,7 +122,8 @@ impl TaskRows {
         };
         let vias = vias.into_iter().map(all).collect();
         let (start, end, along, costs) = (all(start), all(end), all(along), all(costs));
-        let mut rows = Self { start, vias, end, along, costs, weights };
+        let references = all(references);
+        let mut rows = Self { start, vias, end, along, costs, weights, references };
         collision::push(&robot, task, &mut rows.along)?;
         Ok(rows)
     }
@@ -177,6 +192,20 @@ impl Tools {
             return Err(TaskError::NothingAsked { frame: name.clone() }.at(at.key("frame")));
         }
         Ok(functions)
+    }
+
+    /// The functions of a tool that follows a reference: its coordinates that are given, its orientation.
+    fn followed(&mut self, at: Given, reference: &ToolReference) -> Result<Functions, ProblemError> {
+        let first = |rows: &Option<Vec<[f64; 3]>>| rows.as_ref().and_then(|rows| rows.first().copied());
+        let rotation = reference.orientations.as_ref().and_then(|rotations| rotations.first().copied());
+        self.pose(
+            at,
+            &ToolPose {
+                tool: reference.tool.clone(),
+                position: first(&reference.positions),
+                orientation: rotation.map(ToolOrientation::Full),
+            },
+        )
     }
 
     /// The function of what is kept.

@@ -9,6 +9,7 @@
 mod bodies;
 pub(crate) mod build;
 pub(crate) mod check;
+pub(crate) mod check_references;
 mod clearance;
 mod collision;
 pub(crate) mod costs;
@@ -16,8 +17,10 @@ pub(crate) mod functions;
 mod given;
 mod placed;
 pub(crate) mod reach;
+pub(crate) mod references;
 pub(crate) mod row;
 mod tool;
+mod turns;
 
 #[cfg(test)]
 #[path = "allocation_tests.rs"]
