@@ -68,7 +68,7 @@ impl Problem {
     /// [`ParameterError`], for a robot whose joints cannot be told apart by their names.
     pub fn parameters(&self) -> Result<ParameterSet, ParameterError> {
         let all = ParameterSet::new(&self.robot).model();
-        if self.task.is_empty() {
+        if self.task.first_key_of_links().is_none() {
             return Ok(all);
         }
         let kept = all.parameters().iter().zip(all.names()).filter(|(parameter, _)| !moves_links(parameter));
@@ -152,7 +152,7 @@ fn check(problem: &Problem, solution: &Solution, parameters: &ParameterSet) -> R
     if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()) {
         return Err(SensitivityError::Rates { key });
     }
-    let Some(key) = problem.task.first_key() else { return Ok(()) };
+    let Some(key) = problem.task.first_key_of_links() else { return Ok(()) };
     let moving = parameters.parameters().iter().zip(parameters.names()).find(|(one, _)| moves_links(one));
     match moving {
         Some((_, name)) => Err(SensitivityError::MovesTools { name: name.clone(), key }),

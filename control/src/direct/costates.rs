@@ -71,7 +71,8 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
             let p = POINTS * k + j;
             let z = interior.points.z(p);
             let power: f64 = costate.iter().zip(&z[n..]).map(|(y, rate)| y * rate).sum();
-            found.hamiltonian[p] = power - interior.running.rate(z, interior.points.tau(p));
+            found.hamiltonian[p] =
+                power - interior.running.rate(spline.time_of(p), z, interior.points.tau(p));
             found.at_points[p] = costate;
         }
         found.before.push(right.clone());

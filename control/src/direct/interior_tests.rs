@@ -15,7 +15,6 @@ use crate::problem::{
     FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Problem, Task, Tool, ToolPose, Via,
 };
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
@@ -53,7 +52,7 @@ fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoint
         .with_keep(Keep::new(tool(), Kept::Plane { through, normal: [1.0, 0.5, 0.0], distance: 0.0 }))
         .with_keep(Keep::new(tool(), Kept::Speed { max: 1.0 }));
     let rows = TaskRows::new(&problem).unwrap();
-    let running = Running::new(&problem, ToolCosts::new(rows.costs.clone(), rows.weights.clone(), 2));
+    let running = Running::new(&problem, &rows);
     let (tasks, ends) = (Tasks::new(&rows, 2), Ends::new(&problem));
     let powers = Powers::new(&problem);
     let mut interior = Interior::new(spline, sides, tasks, powers, running, ends, dynamics);

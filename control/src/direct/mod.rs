@@ -19,6 +19,7 @@ mod again;
 mod basis;
 mod between;
 mod border;
+mod clock;
 mod corrector;
 mod costates;
 mod elastic;

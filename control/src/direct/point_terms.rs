@@ -3,7 +3,7 @@
 use super::interval::row_length;
 use super::limits::Barrier;
 use super::points::Points;
-use super::running::Running;
+use super::running::{ByClock, Running};
 use super::shape::MOST_COEFFICIENTS;
 use super::side::{Limited, Side};
 use super::spline::{Spline, TimeDerivative};
@@ -99,6 +99,8 @@ pub(super) struct Work {
     /// dz/dT at constant unknowns, and the second derivative.
     pub z_t: Vec<f64>,
     pub z_tt: Vec<f64>,
+    /// Derivatives by the time since the start of the motion, where there are references.
+    pub clock: ByClock,
     /// Numbers of rows of tasks and of powers.
     counts: [usize; 2],
 }
@@ -117,6 +119,7 @@ impl Work {
             hessian: zeros(3 * n * width),
             z_t: zeros(3 * n),
             z_tt: zeros(3 * n),
+            clock: ByClock { mixed: zeros(3 * n), ..ByClock::default() },
             counts,
         }
     }
@@ -148,6 +151,17 @@ impl Work {
         }
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
+        if running.references.any() {
+            let at = (spline.time_of(p), z);
+            cost += running.add_references(
+                at,
+                [weight, time],
+                gradient,
+                slope,
+                &mut self.hessian,
+                &mut self.clock,
+            );
+        }
         for (i, row) in self.row_z[..n * width].chunks_exact(width).enumerate() {
             let force = running.effort[i] * tau[i];
             cost += 0.5 * force * tau[i];

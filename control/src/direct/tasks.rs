@@ -3,7 +3,9 @@
 use super::points::Points;
 use super::side::Side;
 use super::spline::Spline;
+use crate::problem::{Shape, TaskError};
 use crate::task::build::TaskRows;
+use crate::task::collision::move_obstacle;
 use crate::task::functions::{PathFunction, TaskFunctions};
 use crate::task::row::Row;
 use costate::EvalError;
@@ -66,6 +68,14 @@ impl Tasks {
     /// Gives an equation at an end of a phase another right-hand side.
     pub fn set_end_value(&mut self, end: usize, row: usize, value: f64) {
         self.ends[end].set_value(row, value);
+    }
+
+    /// Moves an obstacle.
+    ///
+    /// # Errors
+    /// The cause: numbers out of range, another shape or size.
+    pub fn move_obstacle(&mut self, obstacle: usize, to: &Shape) -> Result<(), TaskError> {
+        move_obstacle(&mut self.along, obstacle, to)
     }
 
     /// The rows along the motion at all points.

@@ -46,6 +46,13 @@ impl Task {
         parts.into_iter().find(|(is_empty, ..)| !is_empty).map(|(_, table, name)| Key::entry(table, name, 0))
     }
 
+    /// The same without references of joints: what moves with the links.
+    pub(crate) fn first_key_of_links(&self) -> Option<Key> {
+        let mut links = self.clone();
+        links.references.retain(|reference| matches!(reference, Reference::Tool(_)));
+        links.first_key()
+    }
+
     /// With a tool here at the start. The start must leave joints free for it.
     #[must_use]
     pub fn with_start_tool(mut self, pose: ToolPose) -> Self {

@@ -74,6 +74,11 @@ pub enum TaskError {
     },
     /// Velocities of a reference without its positions.
     NoPositions,
+    /// An obstacle that shall move and has another shape or size.
+    OtherShape,
+    /// A reference that shall take the place of another one, and is of something else: joints, another tool,
+    /// other coordinates.
+    OtherReference,
     /// Obstacles or pairs, but no bodies of the robot that could touch them.
     NoBodies,
     /// A name that no body and no obstacle has.
@@ -174,6 +179,13 @@ impl fmt::Display for TaskError {
                 number(*time)
             ),
             Self::NoPositions => f.write_str("there are no positions that could have these velocities; give positions"),
+            Self::OtherShape => {
+                f.write_str("has another shape or size than the obstacle that shall move; only places change")
+            }
+            Self::OtherReference => f.write_str(
+                "is a reference of something else than the one whose place it takes: joints, the tool and the coordinates that \
+                 are given stay",
+            ),
             Self::NoBodies => f.write_str(
                 "the robot has no bodies that could touch anything; give [collision] with capsules = \"auto\" and a radius, \
                  or [[collision.capsule]]",

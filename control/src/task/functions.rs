@@ -1,6 +1,6 @@
 //! Rows g(q, v) with their bounds and derivatives.
 
-use super::clearance::{Bounds, Clearances};
+use super::clearance::{Bounds, Clearances, Obstacle};
 use super::placed::{Hessian, Placed};
 use super::row::Row;
 use super::tool::{Quantity, ToolFunction};
@@ -158,6 +158,14 @@ impl TaskFunctions {
             }
         }
         Ok(worst)
+    }
+
+    /// Moves an obstacle, unless it is another shape or has another size. Whether it did.
+    pub(super) fn move_obstacle(&mut self, obstacle: usize, to: &Obstacle) -> bool {
+        self.parts.iter_mut().all(|part| match part {
+            Part::Clearances(clearances) => clearances.move_obstacle(obstacle, to),
+            Part::Tool(_) => true,
+        })
     }
 
     /// Whether there is nothing to evaluate.

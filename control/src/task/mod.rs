@@ -11,7 +11,7 @@ pub(crate) mod build;
 pub(crate) mod check;
 pub(crate) mod check_references;
 mod clearance;
-mod collision;
+pub(crate) mod collision;
 pub(crate) mod costs;
 pub(crate) mod functions;
 mod given;

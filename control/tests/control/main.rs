@@ -24,6 +24,7 @@ mod power;
 mod problem_file;
 mod problems;
 mod rates;
+mod references;
 mod samples;
 mod second_variation;
 mod shooting;
