@@ -195,11 +195,6 @@ impl SolverOptions {
         let max_iterations = if method == Method::Direct { 200 } else { 60 };
         Self { method, max_iterations, ..Self::default() }
     }
-
-    /// The default options.
-    pub fn direct() -> Self {
-        Self::default()
-    }
 }
 
 /// Options one by one, from [`SolverOptions::default`].

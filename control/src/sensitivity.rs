@@ -102,7 +102,7 @@ impl Problem {
 /// let quarter = std::f64::consts::FRAC_PI_2;
 /// let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[quarter; 2], 1.0);
 /// let problem = problem.with_limits(MotionLimits::none());
-/// let solution = Solver::new(&problem, SolverOptions::direct())?.solve();
+/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
 /// let set = ParameterSet::new(&problem.robot).named("elbow.x")?;
 /// let found = cost_by_parameters(&problem, &solution, &set)?;
 /// assert_eq!((found[0].name.as_str(), found[0].value), ("elbow.x", 1.0));

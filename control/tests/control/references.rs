@@ -106,7 +106,7 @@ fn in_free_time(problem: Problem) -> Problem {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    let options = SolverOptions::direct().with_polish(Polish::Never).with_tolerance(1e-9);
+    let options = SolverOptions::default().with_polish(Polish::Never).with_tolerance(1e-9);
     let solution = Solver::new(problem, options).unwrap().solve();
     assert_eq!(solution.motion.status, Status::Converged);
     solution
@@ -144,7 +144,7 @@ fn costs_of_jerks_do_not_disturb_the_hamiltonian() {
     // Continuous accelerations; the cost of jerks is next to nothing.
     let mut problem = problem(of_joint());
     problem.cost = problem.cost.with_jerk(vec![1e-9]);
-    let options = SolverOptions::direct().with_tolerance(1e-7);
+    let options = SolverOptions::default().with_tolerance(1e-7);
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_eq!(solution.motion.status, Status::Converged);
     close(solution.total(), Exact::new(1.0).cost(), 1e-5);
