@@ -48,8 +48,8 @@ pub enum SensitivityError {
         /// What the problem asks of tools or bodies first.
         key: Key,
     },
-    /// The torques of the motion matter by their rates too, its accelerations are continuous, it has vias, or
-    /// its end follows its start: these derivatives are not computed.
+    /// The torques of the motion matter by their rates too, its accelerations are continuous, those of a tool
+    /// are limited, it has vias, or its end follows its start: these derivatives are not computed.
     #[error("{key}: derivatives of the cost are not computed with this; remove it")]
     Rates {
         /// What the problem limits, gives or what costs something first.
@@ -149,7 +149,8 @@ fn check(problem: &Problem, solution: &Solution, parameters: &ParameterSet) -> R
     if *parameters.robot() != problem.robot {
         return Err(SensitivityError::OtherRobot { what: "parameters are those" });
     }
-    if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()) {
+    let accelerations = problem.task.first_of_accelerations();
+    if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()).or(accelerations) {
         return Err(SensitivityError::Rates { key });
     }
     let Some(key) = problem.task.first_key_of_links() else { return Ok(()) };

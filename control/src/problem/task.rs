@@ -3,7 +3,7 @@
 use super::key::Key;
 use super::obstacles::{Collision, Obstacle};
 use super::references::Reference;
-use super::tools::{Keep, ToolCost, ToolPose};
+use super::tools::{Keep, Kept, ToolCost, ToolPose};
 
 /// Poses of tools at the ends, what tools keep along the motion, what they cost, references over time, and
 /// obstacles.
@@ -44,6 +44,12 @@ impl Task {
             (self.collision.is_none(), "collision", "capsules"),
         ];
         parts.into_iter().find(|(is_empty, ..)| !is_empty).map(|(_, table, name)| Key::entry(table, name, 0))
+    }
+
+    /// The key of the first limit on the acceleration of a tool.
+    pub(crate) fn first_of_accelerations(&self) -> Option<Key> {
+        let first = self.keep.iter().position(|keep| matches!(keep.kept, Kept::Acceleration { .. }))?;
+        Some(Key::entry("keep", "acceleration", first))
     }
 
     /// The same without references of joints: what moves with the links.

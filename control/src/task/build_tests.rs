@@ -1,6 +1,6 @@
 use super::*;
 use crate::problem::obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
-use crate::problem::tools::ToolCost;
+use crate::problem::tools::{Keep, Kept, ToolCost};
 use crate::problem::{BoundaryState, Task};
 use crate::task::functions::PathFunction;
 use costate::kinematics::{Kinematics, ReferenceFrame};

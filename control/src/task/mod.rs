@@ -6,6 +6,7 @@
 //! of it), with the bounds between which they must lie. [`build`] makes them from a problem, [`check`] finds
 //! tasks that cannot be done.
 
+pub(crate) mod accelerations;
 mod bodies;
 pub(crate) mod build;
 pub(crate) mod check;
@@ -15,6 +16,7 @@ pub(crate) mod collision;
 pub(crate) mod costs;
 pub(crate) mod functions;
 mod given;
+mod kept;
 mod placed;
 pub(crate) mod reach;
 pub(crate) mod references;

@@ -25,7 +25,8 @@ pub(crate) struct References {
     slopes: Vec<f64>,
     /// w_k.
     weights: Vec<f64>,
-    /// Derivatives of `g_k - r_k` by the time.
+    /// c_k in `l_xt = sum_k w_k c_k g_k,x`: derivatives of `g_k - r_k` by the time, but of orientations angular
+    /// velocities.
     rates: Vec<f64>,
     /// rows x 2n.
     jacobian: Vec<f64>,
@@ -251,7 +252,9 @@ impl References {
                         add([0.5 * e.norm_squared(), -e.dot(&turn.velocity), -bend].map(|term| weight * term));
                         for k in 0..3 {
                             let row = first + k;
-                            (weights[row], slopes[row], rates[row]) = (*weight, weight * e[k], rate[k]);
+                            (weights[row], slopes[row]) = (*weight, weight * e[k]);
+                            // From l_t = -w e . velocity.
+                            rates[row] = -turn.velocity[k];
                         }
                     }
                 }

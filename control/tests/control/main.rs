@@ -32,6 +32,7 @@ mod source;
 mod stopping;
 mod task_file;
 mod tasks;
+mod tool_acceleration;
 mod unactuated;
 mod user_terms;
 mod verification;

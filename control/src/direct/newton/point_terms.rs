@@ -37,7 +37,7 @@ pub(crate) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
         for (side, multiplier) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
             match side.limited {
                 Limited::Torque => weights[side.joint] -= side.sign * multiplier,
-                Limited::Power | Limited::TorqueSpeed => {
+                Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
                     points.h_weights[powers * p + side.joint] -= side.sign * multiplier;
                 }
                 Limited::Task => points.g_weights[rows * p + side.joint] -= side.sign * multiplier,
@@ -72,7 +72,9 @@ pub(crate) fn add_row(points: &Points, p: usize, side: &Side, factor: f64, z: &m
     let n = points.dof;
     let row = match side.limited {
         Limited::Torque => &points.tau_z(p)[3 * n * side.joint..][..3 * n],
-        Limited::Power | Limited::TorqueSpeed => &points.h_z(p)[3 * n * side.joint..][..3 * n],
+        Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
+            &points.h_z(p)[3 * n * side.joint..][..3 * n]
+        }
         Limited::Task => &points.g_x(p)[2 * n * side.joint..][..2 * n],
         _ => {
             z[side.index(n)] += factor;
@@ -226,7 +228,7 @@ impl Work {
             let (gradients, curvatures, index) = match side.limited {
                 Limited::Torque => (&mut self.rows[..], &mut self.row_curvature, side.joint),
                 Limited::Task => (&mut self.rows[..], &mut self.row_curvature, n + side.joint),
-                Limited::Power | Limited::TorqueSpeed => {
+                Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
                     (&mut self.rows[..], &mut self.row_curvature, n + self.counts[0] + side.joint)
                 }
                 _ => (&mut self.z[..], &mut self.curvature, side.index(n)),

@@ -32,7 +32,7 @@ impl RunningCost for Coupled {
     }
 }
 
-/// Rows of all kinds: an equation and limits along the motion, one of them on the speed; equations at
+/// Rows of all kinds: an equation and limits along the motion, one of them on the speed and one on the acceleration; equations at
 /// the end; costs of a tool, and of references of joints and of a tool, with knots between the points.
 fn task() -> Task {
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
@@ -53,6 +53,7 @@ fn task() -> Task {
         .with_keep(keep(Kept::Plane { through: [0.1; 3], normal: [1.0, 0.5, 0.0], distance: 0.0 }))
         .with_keep(keep(Kept::Box { min: [-0.1, -0.2, -free], max: [0.3, 0.4, free] }))
         .with_keep(keep(Kept::Speed { max: 1.0 }))
+        .with_keep(keep(Kept::Acceleration { max: 2.0 }))
 }
 
 /// A random motion with random slacks and multipliers.
@@ -159,8 +160,8 @@ impl Case {
         problem.task = task();
         let ends = Ends::new(problem);
         let task = TaskRows::new(problem).unwrap();
-        let tasks = Tasks::new(&task, 2);
         let powers = Powers::new(problem);
+        let tasks = Tasks::new(&task, 2, powers.rows());
         let sides = sides.into_iter().chain(powers.sides().iter().copied()).chain(tasks.sides());
         let mut barrier = Barrier::new(sides.collect(), &tasks.end_sides());
         barrier.stiffness = 3.0;
@@ -177,7 +178,7 @@ impl Case {
             barrier.multiplier[at] = if on { 0.2 + random.f64() } else { 0.0 };
         }
         let mut points = Points::default();
-        let rows = [tasks.rows(), powers.rows()];
+        let rows = tasks.rows();
         points.resize(2, rows, spline.mesh.ends_of_points());
         points.ends.resize(2, tasks.end_rows(), spline.mesh.ends().len());
         Self {

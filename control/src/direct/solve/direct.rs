@@ -312,9 +312,9 @@ pub(crate) fn interior(
         model
     };
     let dynamics = PhaseDynamics::new(&problem.robots(), model);
-    let tasks = Tasks::new(rows, problem.robot.dof());
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let powers = Powers::new(problem);
+    let tasks = Tasks::new(rows, problem.robot.dof(), powers.rows());
     let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
     let can_choose =
         matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());

@@ -41,17 +41,31 @@ const COLLISION: &[&str] = &["capsules", "radius", "capsule", "margin", "pairs",
 const CAPSULE: &[&str] = &["name", "frame", "from", "to", "radius"];
 
 /// What a tool can keep, with the keys of each kind.
-const KEPT: [(&str, &[&str]); 6] = [
+const KEPT: [(&str, &[&str]); 7] = [
     ("plane", &["kind", "frame", "offset", "through", "normal", "distance"]),
     ("line", &["kind", "frame", "offset", "through", "along", "distance"]),
     ("box", &["kind", "frame", "offset", "min", "max"]),
     ("axis", &["kind", "frame", "offset", "axis", "along", "angle"]),
     ("orientation", &["kind", "frame", "offset", "rpy", "rotation", "angle"]),
     ("speed", &["kind", "frame", "offset", "speed"]),
+    ("acceleration", &["kind", "frame", "offset", "acceleration"]),
 ];
 const KEEP: &[&str] = &[
-    "kind", "frame", "offset", "through", "normal", "along", "distance", "min", "max", "axis", "angle",
-    "rpy", "rotation", "speed",
+    "kind",
+    "frame",
+    "offset",
+    "through",
+    "normal",
+    "along",
+    "distance",
+    "min",
+    "max",
+    "axis",
+    "angle",
+    "rpy",
+    "rotation",
+    "speed",
+    "acceleration",
 ];
 
 /// The shapes of obstacles, with the keys of each.
@@ -185,7 +199,8 @@ fn keep(table: &Table<'_>) -> Result<Keep, Fault> {
             let rotation = table.need("rpy", rotation(table)?)?;
             Kept::Orientation { rotation, angle: tolerance("angle")? }
         }
-        _ => Kept::Speed { max: table.need("speed", table.number("speed")?)? },
+        "speed" => Kept::Speed { max: table.need("speed", table.number("speed")?)? },
+        _ => Kept::Acceleration { max: table.need("acceleration", table.number("acceleration")?)? },
     };
     Ok(Keep::new(tool(table)?, kept))
 }
