@@ -4,7 +4,7 @@ use crate::problem::tools::{Keep, Kept, ToolCost};
 use crate::problem::{BoundaryState, Task};
 use crate::task::functions::PathFunction;
 use costate::kinematics::{Kinematics, ReferenceFrame};
-use nalgebra::Rotation3;
+use nalgebra::{Matrix3, Rotation3};
 
 const Q: [f64; 6] = [0.3, -1.2, 0.8, 0.1, 0.5, 0.2];
 const V: [f64; 6] = [0.1, -0.2, 0.3, 0.4, -0.5, 0.6];
