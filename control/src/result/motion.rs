@@ -43,7 +43,8 @@ pub struct Motion {
     pub smoothing: f64,
     /// T (s); NaN without a motion.
     pub final_time: f64,
-    /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`.
+    /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`. With [references](crate::Reference) over
+    /// time H* is not constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
     pub hamiltonian: f64,
     /// Mean of H* in each phase of a motion of the direct method. Phases between which a via has a free time
     /// have the same: a later via would gain in one what it costs in the other.

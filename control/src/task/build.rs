@@ -1,13 +1,16 @@
 //! The functions that a problem asks for.
 
+use super::accelerations::ToolAccelerations;
+use super::check_references::check_reference;
 use super::collision;
 use super::functions::{Part, TaskFunctions};
 use super::given::{Given, positive_or_zero};
 use super::tool::Quantity;
-use super::tool_rows::{Functions, Tools};
+use super::tool_rows::{Functions, KeptRows, Tools};
 use crate::constants::task::MOST_ENTRIES;
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
+use crate::problem::references::Reference;
 use crate::problem::task_error::TaskError;
 use crate::problem::tools::ToolPose;
 
@@ -26,6 +29,10 @@ pub(crate) struct TaskRows {
     pub costs: TaskFunctions,
     /// The weights of these rows.
     pub weights: Vec<f64>,
+    /// Accelerations of tools, all along the motion.
+    pub accelerations: ToolAccelerations,
+    /// What references of tools are about, for [`References`](super::references::References).
+    pub references: TaskFunctions,
 }
 
 impl TaskRows {
@@ -46,6 +53,7 @@ impl TaskRows {
             ("end.tool", task.end_tools.len()),
             ("keep", task.keep.len()),
             ("cost.tool", task.tool_costs.len()),
+            ("cost.reference", task.references.len()),
             ("obstacle", task.obstacles.len()),
             ("collision.capsule", task.collision.as_ref().map_or(0, |collision| collision.capsules.len())),
         ];
@@ -70,9 +78,13 @@ impl TaskRows {
             }
             vias.push(functions);
         }
-        let mut along = Vec::new();
+        let (mut along, mut accelerations) = (Vec::new(), Vec::new());
         for (k, keep) in task.keep.iter().enumerate() {
-            along.push(tools.keep(Given { table: "keep", entry: k }, keep)?);
+            let at = Given { table: "keep", entry: k };
+            match tools.keep(at, keep)? {
+                KeptRows::OfState(function, rows) => along.push((function, rows)),
+                KeptRows::OfAcceleration { frame, most, row } => accelerations.push((frame, most, row)),
+            }
         }
         let (mut costs, mut weights) = (Vec::new(), Vec::new());
         for (k, cost) in task.tool_costs.iter().enumerate() {
@@ -86,6 +98,15 @@ impl TaskRows {
                 costs.push((function, rows));
             }
         }
+        let mut references = Vec::new();
+        for (k, reference) in task.references.iter().enumerate() {
+            let at = Given { table: "cost.reference", entry: k };
+            let fault = |(name, cause): (&'static str, TaskError)| cause.at(at.key(name));
+            check_reference(reference, problem.robot.dof()).map_err(fault)?;
+            if let Reference::Tool(reference) = reference {
+                references.extend(tools.followed(at, reference)?);
+            }
+        }
         let robot = tools.robot;
         let all = |functions: Functions| {
             let mut found = TaskFunctions::new(&robot);
@@ -96,7 +117,9 @@ impl TaskRows {
         };
         let vias = vias.into_iter().map(all).collect();
         let (start, end, along, costs) = (all(start), all(end), all(along), all(costs));
-        let mut rows = Self { start, vias, end, along, costs, weights };
+        let references = all(references);
+        let accelerations = ToolAccelerations::new(&robot, accelerations);
+        let mut rows = Self { start, vias, end, along, costs, weights, accelerations, references };
         collision::push(&robot, task, &mut rows.along)?;
         Ok(rows)
     }

@@ -27,6 +27,13 @@ pub(crate) fn trajectory<D: PointDynamics>(
         return smooth_trajectory(problem, interior);
     }
     let costates = costates(interior);
+    let mesh = interior.spline.mesh.clone();
+    let times = |places: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+        places.map(|s| interior.spline.time_at(s)).collect()
+    };
+    let (nodes, places) =
+        (times(&mut mesh.nodes.iter().copied()), times(&mut (0..mesh.points()).map(|p| mesh.point(p).0)));
+    let ahead = [interior.clock_ahead(&nodes), interior.clock_ahead(&places)];
     let (spline, points) = (&interior.spline, &interior.points);
     let mut rows = Rows::new(problem, spline);
     let mut z = vec![0.0; 3 * spline.dof];
@@ -43,7 +50,8 @@ pub(crate) fn trajectory<D: PointDynamics>(
             spline.in_interval(k, x, &mut z);
             let (q, v, a) = parts(&z);
             let tau = rows.inverse.inverse_dynamics(q, v, a)?.to_vec();
-            let value = costates.hamiltonian[(POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1)];
+            let nearest = (POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1);
+            let value = costates.hamiltonian[nearest] + ahead[0][node] - ahead[1][nearest];
             // At a via they jump.
             let before = node > k && spline.mesh.is_end(node);
             let costate = if before { &costates.before[k] } else { &costates.at_nodes[node] };

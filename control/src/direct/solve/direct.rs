@@ -35,7 +35,6 @@ use crate::solve::Recorder;
 use crate::solve::recorder::Interruption;
 use crate::status::Status;
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::EvalError;
 use costate::robot::Robot;
 
@@ -267,7 +266,10 @@ impl Direct<'_> {
             true => Again::unknown(f64::INFINITY),
             false => integrate_again(problem, self.options.verify, interior, resolution),
         });
-        let values = &trajectory.hamiltonian;
+        // Without what the clock adds to it H* is constant.
+        let ahead = interior.clock_ahead(&trajectory.t);
+        let values: Vec<f64> =
+            trajectory.hamiltonian.iter().zip(&ahead).map(|(h, ahead)| h - ahead).collect();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let of_phases: Vec<&[f64]> = trajectory.phases().map(|rows| &values[rows]).collect();
         let far_from = |mean: f64| move |value: &f64| (value - mean).abs();
@@ -279,7 +281,7 @@ impl Direct<'_> {
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
             penalty_cost,
-            hamiltonian: mean(values),
+            hamiltonian: mean(&values),
             phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
@@ -326,10 +328,9 @@ pub(crate) fn interior(
         model
     };
     let dynamics = PhaseDynamics::new(&problem.robots(), model);
-    let costs = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), problem.robot.dof());
-    let tasks = Tasks::new(rows, problem.robot.dof());
-    let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
+    let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let powers = Powers::new(problem);
+    let tasks = Tasks::new(rows, problem.robot.dof(), powers.rows());
     let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
     let can_choose =
         matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());

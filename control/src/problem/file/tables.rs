@@ -34,7 +34,8 @@ const ROOT: &[&str] = &[
 ];
 const STATE: &[&str] = &["q", "v", "a", "q_free", "v_free", "tool"];
 const TIME: &[&str] = &["final", "free", "guess"];
-const COST: &[&str] = &["time", "effort", "energy", "energy_smoothing", "torque_rate", "jerk", "tool"];
+const COST: &[&str] =
+    &["time", "effort", "energy", "energy_smoothing", "torque_rate", "jerk", "tool", "reference"];
 const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
 const LIMITS: &[&str] = &[
