@@ -5,6 +5,7 @@ use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::{Bounds, FinalTime, Penalty, Problem, ToolCost};
 use crate::task::check::check_task;
+use costate::robot::RobotError;
 use std::ops::Deref;
 
 /// A problem whose fields fit together, from [`Problem::check`]. Dereferences to the problem.
@@ -230,9 +231,15 @@ impl Problem {
         }
     }
 
+    /// Of an index, or of a name in quotes.
     pub(crate) fn unknown_joint(&self, key: Key, joint: String) -> ProblemError {
-        let joints = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
-        ProblemError::UnknownJoint { key, joint, joints }
+        let joints: Vec<String> = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
+        let mut nearest = match self.robot.joint_index(joint.trim_matches('\'')) {
+            Err(RobotError::UnknownJoint { nearest, .. }) => nearest,
+            _ => Vec::new(),
+        };
+        nearest.retain(|name| joints.contains(name));
+        ProblemError::UnknownJoint { key, joint, nearest, joints }
     }
 
     pub(super) fn name(&self, joint: usize) -> String {

@@ -2,6 +2,7 @@
 
 use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::key::Key;
+use crate::problem::rounded::rounded;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
 use crate::problem::via_error::ViaError;
@@ -44,6 +45,8 @@ pub enum ProblemError {
         key: Key,
         /// Name or index that was given.
         joint: String,
+        /// Names of joints that resemble it.
+        nearest: Vec<String>,
         /// Names of the joints.
         joints: Vec<String>,
     },
@@ -92,8 +95,8 @@ pub enum ProblemError {
     NoRoom {
         /// The field.
         key: Key,
-        /// The joint.
-        joint: String,
+        /// The joint, if the field is a list.
+        joint: Option<String>,
         /// The limit.
         value: f64,
     },
@@ -247,9 +250,16 @@ impl ProblemError {
                 let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
                 format!("has {found}, the robot has {joints}: give one entry for each joint")
             }
-            Self::NotFinite { joint, .. } => format!("the entry of joint '{joint}' is not finite", joint = printable(joint)),
+            Self::NotFinite { joint, .. } => {
+                format!("the entry of joint '{}' is not finite; give a finite number", printable(joint))
+            }
             Self::NotANumber { joint, .. } => {
                 format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit", joint = printable(joint))
+            }
+            Self::UnknownJoint { joint, nearest, joints, .. } if !nearest.is_empty() => {
+                let last = joints.len().saturating_sub(1);
+                let nearest = nearest.iter().map(|name| format!("'{}'", printable(name))).collect::<Vec<_>>().join(" or ");
+                format!("there is no joint {}; did you mean {nearest}? Joints can also be given by index, 0 to {last}", printable(joint))
             }
             Self::UnknownJoint { joint, joints, .. } => {
                 let last = joints.len().saturating_sub(1);
@@ -263,8 +273,8 @@ impl ProblemError {
                 format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
             }
             Self::FreeTimeWithoutCost => {
-                "a free final time needs cost.time > 0, a term of the running cost or a cost of tools: otherwise the slowest motion \
-                 is the cheapest"
+                "a free final time needs cost.time > 0 or [[cost.tool]] (in Rust also a term of the running cost): \
+                 otherwise the slowest motion is the cheapest"
                     .into()
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
@@ -274,9 +284,15 @@ impl ProblemError {
             Self::EmptyRange { joint, q_min, q_max } => {
                 format!("the lower limit {} of joint '{joint}' must be less than penalty.q_max = {}", number(*q_min), number(*q_max), joint = printable(joint))
             }
-            Self::NoRoom { joint, value, .. } => {
-                format!("the limit {} of joint '{joint}' must be positive", number(*value), joint = printable(joint))
+            Self::NoRoom { key, joint, value } => {
+                let whose = joint.as_ref().map_or_else(String::new, |joint| format!(" of joint '{}'", printable(joint)));
+                let zero = if *key == Key::LIMIT_TORQUE_MAX { ", or 0 for a joint without a motor" } else { "" };
+                format!("the limit {}{whose} must be positive{zero}; inf is no limit", number(*value))
             }
+            Self::EmptyLimits { key, joint, low, high } if *key == Key::LIMIT_TORQUE_MAX && *low == *high && *low == 0.0 => format!(
+                "the robot file limits the effort of joint '{joint}' to 0, so nothing drives it; give its effort in \
+                 robot.limits, or, if it has no motor, an entry 0 here",
+                joint = printable(joint)),
             Self::EmptyLimits { joint, low, high, .. } => format!(
                 "joint '{joint}' has no room between {} and {}, the limits of the robot included", number(*low), number(*high),
                 joint = printable(joint)),
@@ -289,7 +305,7 @@ impl ProblemError {
                  {}; change the accelerations or leave some of them free, or widen the limit",
                 joint.as_ref().map_or_else(
                     || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
-                number(*value), number(*limit)),
+                rounded(*value), rounded(*limit)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
@@ -303,7 +319,8 @@ impl ProblemError {
             Self::NotAgain { .. } => "Resolve does not take this; solve the problem with Solver, or remove it".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
+                 finite bounds.u_min and bounds.u_max, or, with method = \"direct\", an entry of limits.torque_max",
+                joint = printable(joint)),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
                  the time"

@@ -174,7 +174,11 @@ impl Tools {
             functions.push(zero(tool, quantity, format!("orientation of the tool '{name}'")));
         }
         if functions.is_empty() {
-            return Err(TaskError::NothingAsked { frame: name.clone() }.at(at.key("frame")));
+            return Err(TaskError::NothingAsked {
+                frame: name.clone(),
+                remedy: "xyz, rpy, rotation or along",
+            }
+            .at(at.key("frame")));
         }
         Ok(functions)
     }
@@ -303,7 +307,7 @@ fn box_rows(
         }
     }
     if rows.is_empty() {
-        return Err(TaskError::NothingAsked { frame: name.into() }.at(at.key("frame")));
+        return Err(TaskError::NothingAsked { frame: name.into(), remedy: "min or max" }.at(at.key("frame")));
     }
     Ok((ToolFunction { tool, quantity: Quantity::Position(directions) }, rows))
 }
