@@ -465,7 +465,7 @@ pub(crate) mod direct {
     pub const MESHES_WITHOUT_MOTION: usize = 2;
 }
 
-/// Machine code for the points of the direct method (`direct::programs`).
+/// Machine code for the points of the direct method (`direct::points::programs`).
 #[cfg(feature = "jit")]
 pub(crate) mod programs {
     /// Robots whose programs are kept for later problems.

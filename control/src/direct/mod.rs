@@ -2,90 +2,44 @@
 //! interior-point method.
 //!
 //! The unknowns are q and dq/ds at the nodes of a mesh in s = t/T, the height of a bubble of q on each
-//! interval, and T. With vias s goes on by one in each phase ([`mesh`], [`spline`]), phases have times of
-//! their own ([`times`]), and what all intervals share is the [`border`] of Newton's equations.
-//! q(s) is a polynomial of degree four on each interval ([`spline`]), and the torques
-//! `tau(q, v, a)` follow from inverse dynamics at Gauss's three points ([`shape`]), where the limits hold;
-//! those of positions and rates hold at the nodes too. The points integrate the cost. Newton's equations have
-//! the exact Hessian of the Lagrange function: the contracted second derivatives of inverse dynamics with the
-//! multipliers ([`system`]); tools and clearances are rows g(q, v) beside the torques ([`tasks`]), powers are
-//! rows h(v, tau) ([`power`]). The bubbles are eliminated interval by interval, and what remains is block
-//! tridiagonal, 2n unknowns a node. Where jerks or rates of torques are limited or cost anything ([`rates`]),
-//! q'' is continuous and an unknown at the nodes too, in place of the bubbles: [`shape`] says what changes.
-//! [`interior`] iterates, [`refine`] finds intervals that are too wide, [`restore`] looks for a motion that
-//! keeps its limits where that is stuck, [`solve`] puts it together.
+//! interval, and T. With vias s goes on by one in each phase, phases have times of their own, and what all
+//! intervals share is the border of Newton's equations. q(s) is a polynomial of degree four on each
+//! interval, and the torques `tau(q, v, a)` follow from inverse dynamics at Gauss's three points, where the
+//! limits hold; those of positions and rates hold at the nodes too. The points integrate the cost. Newton's
+//! equations have the exact Hessian of the Lagrange function: the contracted second derivatives of inverse
+//! dynamics with the multipliers; tools and clearances are rows g(q, v) beside the torques, powers are rows
+//! h(v, tau). The bubbles are eliminated interval by interval, and what remains is block tridiagonal, 2n
+//! unknowns a node. Where jerks or rates of torques are limited or cost anything, q'' is continuous and an
+//! unknown at the nodes too, in place of the bubbles: `motion::shape` says what changes.
+//!
+//! Each folder uses those above it:
+//!
+//! | folder | content |
+//! |---|---|
+//! | [`motion`] | splines, meshes, times of phases, guesses |
+//! | [`points`] | torques, costs and rates at the points, with their derivatives |
+//! | [`limits`] | sides of limits, rows of tasks, powers, ends; slacks and multipliers |
+//! | [`newton`] | the Lagrange function in the unknowns, Newton's equations and their factorisation |
+//! | [`interior`] | the interior-point iteration on one mesh |
+//! | [`refine`] | estimated errors and limits between the points; the next mesh |
+//! | [`outcome`] | costates, trajectory, report, verification, limits that cannot be kept |
+//! | [`solve`] | from a problem to a solution |
+//! | [`again`] | the same problem solved again and again |
 
 mod again;
-mod basis;
-mod between;
-mod border;
-mod corrector;
-mod costates;
-mod elastic;
-mod end_columns;
-mod ends;
-mod energy;
-mod entries;
-mod feedback;
-mod figures;
-mod filter;
-mod first_time;
-mod found;
-mod goals;
-mod guess;
-mod infeasible;
 mod interior;
-mod interval;
-mod jumps;
 mod limits;
-mod measures;
-mod mesh;
-mod metric;
-mod move_inside;
-mod multipliers;
-mod neighbours;
-mod phase_times;
-mod phases;
-mod point_terms;
+mod motion;
+mod newton;
+mod outcome;
 mod points;
-mod power;
-#[cfg(feature = "jit")]
-mod program_points;
-#[cfg(feature = "jit")]
-mod programs;
-mod rate_rows;
-mod rate_terms;
-mod rates;
-mod rates_between;
 mod refine;
-mod relaxation;
-mod report;
-mod resolve;
-mod resolve_error;
-mod resolved;
-mod restore;
-mod rounding;
-mod running;
-mod search;
-mod shape;
-mod side;
-mod smooth_costates;
-mod smoothing;
 mod solve;
-mod spline;
-mod squares;
-mod step;
-mod system;
-mod system_rates;
-mod tasks;
-mod times;
-mod verify;
-mod warm;
 
-pub use feedback::Feedback;
-pub(crate) use power::Powers;
-pub use resolve::Resolve;
-pub use resolve_error::ResolveError;
-pub use resolved::{Budget, ResolveStatus, Resolved};
-pub(crate) use shape::{PLACES, POINTS, WEIGHTS};
-pub(crate) use solve::Direct;
+pub use again::feedback::Feedback;
+pub use again::resolve::Resolve;
+pub use again::resolve_error::ResolveError;
+pub use again::resolved::{Budget, ResolveStatus, Resolved};
+pub(crate) use limits::power::Powers;
+pub(crate) use motion::shape::{PLACES, POINTS, WEIGHTS};
+pub(crate) use solve::direct::Direct;

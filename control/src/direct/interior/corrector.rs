@@ -1,0 +1,146 @@
+//! Corrections of a step that keep the products of slacks and multipliers close to each other.
+//!
+//! A step of Newton's method leaves out the products `ds deta`. Where they are large, single slacks or
+//! multipliers come close to zero long before the others, and the step is cut short. A correction aims at
+//! products between a part and a multiple of `mu w` after a step that is longer than the one that is
+//! possible, with the matrix that is factorised already (J. Gondzio, Multiple centrality corrections in a
+//! primal-dual method for linear programming, Computational Optimization and Applications 6, 1996, pages
+//! 137-156).
+
+use super::iterate::Interior;
+use crate::constants::direct as constants;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::ends::Ends;
+use crate::direct::limits::side::Limited;
+use crate::direct::motion::spline::Spline;
+use crate::direct::newton::interval::add_gradient;
+use crate::direct::newton::point_terms::add_row;
+use crate::direct::newton::system::System;
+use crate::direct::points::values::{PointDynamics, Points};
+use crate::numerics::chain::dot;
+
+impl<D: PointDynamics> Interior<D> {
+    /// Corrects the step for the barrier that was chosen, as long as that makes it longer.
+    pub(super) fn correct(&mut self) {
+        let smooth = self.spline.mesh.shape.is_smooth();
+        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() || smooth {
+            return;
+        }
+        let mut reached = self.steps_of(self.mu);
+        for _ in 0..constants::CORRECTIONS {
+            let aims = [reached.0, reached.1].map(|part| (part + constants::LONGER).min(1.0));
+            if reached.0.min(reached.1) > constants::LONG_ENOUGH {
+                return;
+            }
+            self.aim(aims);
+            self.solve_correction();
+            self.swap_corrections();
+            let corrected = self.steps_of(self.mu);
+            let gain = (corrected.0 - reached.0) + (corrected.1 - reached.1);
+            let worse = corrected.0 < reached.0 || corrected.1 < reached.1;
+            if worse || gain < constants::LEAST_GAIN {
+                self.swap_corrections();
+                return;
+            }
+            reached = corrected;
+        }
+    }
+
+    /// Puts what is kept aside in the place of the corrections, and those aside.
+    pub(super) fn swap_corrections(&mut self) {
+        self.steps.swap(2, 3);
+        self.changes.swap(2, 3);
+        self.time_steps.swap(2, 3);
+        self.shared_steps.swap(2, 3);
+        self.corrections.swap(0, 1);
+    }
+
+    /// Adds to the corrections what the products after these parts of the step lack or have too much.
+    pub(super) fn aim(&mut self, [primal, dual]: [f64; 2]) {
+        let (mu, count) = (self.mu, self.barrier.count());
+        let [now, next] = &mut self.corrections;
+        next.clone_from(now);
+        for at in (0..count).filter(|&at| self.barrier.is_limit(at)) {
+            let target = mu * self.barrier.weight[at];
+            let product = (self.barrier.slack[at] + primal * self.trial.slack_step[at])
+                * (self.barrier.multiplier[at] + dual * self.trial.multiplier_step[at]);
+            let aim = product.clamp(constants::LEAST_PRODUCT * target, constants::MOST_PRODUCT * target);
+            next[at] += (aim - product).max(-constants::MOST_PRODUCT * target);
+        }
+    }
+
+    /// Solves for the part of the step that belongs to the corrections aside.
+    pub(super) fn solve_correction(&mut self) {
+        let Self { system, spline, points, barrier, ends, corrections, .. } = self;
+        system.collect_corrections(spline, points, barrier, ends, &corrections[1]);
+        self.system.solve_for_corrections(&mut self.steps[3], &mut self.shared_steps[3]);
+        self.finish_part(3);
+    }
+}
+
+impl System {
+    /// Gradient of the corrections c of the products: of the terms `c/s` of multipliers.
+    pub(super) fn collect_corrections(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        ends: &Ends,
+        corrections: &[f64],
+    ) {
+        let n = spline.dof;
+        self.correction.clear();
+        self.correction.resize(spline.unknowns.len(), 0.0);
+        self.time_correction.clear();
+        self.time_correction.resize(spline.mesh.phases(), 0.0);
+        let of = |at: usize, sign: f64| {
+            let is_limit = barrier.is_limit(at) && corrections[at] != 0.0;
+            if is_limit { -sign * corrections[at] / barrier.slack[at] } else { 0.0 }
+        };
+        for p in 0..points.count() {
+            if barrier.at_point(p).all(|at| corrections[at] == 0.0) {
+                continue;
+            }
+            let work = &mut self.work;
+            let [z, ..] = &mut work.z;
+            z.fill(0.0);
+            for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
+                let value = of(at, side.sign);
+                if value == 0.0 {
+                    continue;
+                }
+                add_row(points, p, side, value, z);
+            }
+            let (k, j) = spline.mesh.interval_of(p);
+            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            work.differentiate_in_time(points.z(p), spline, k, &factors);
+            self.time_correction[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);
+            add_gradient(spline, k, &factors, &work.z[0], &mut self.correction);
+        }
+        for k in 0..spline.mesh.nodes.len() {
+            let inverse = 1.0 / spline.clock_at(k);
+            for at in barrier.at_node(k) {
+                let side = barrier.side(at);
+                let (value, i) = (of(at, side.sign), spline.node() * k + side.index(n));
+                let is_rate = side.limited == Limited::Rate;
+                self.correction[i] += if is_rate { inverse * value } else { value };
+                if is_rate && !spline.mesh.is_end(k) {
+                    self.time_correction[spline.mesh.phase(k)] -=
+                        inverse * inverse * spline.unknowns[i] * value;
+                }
+            }
+        }
+        self.shared_correction.resize(ends.shared(), 0.0);
+        let shared = &mut self.shared_correction;
+        ends.reduce(&spline.mesh, &mut self.correction, &self.time_correction, shared);
+    }
+
+    /// Solves for the part of the step that belongs to the corrections.
+    fn solve_for_corrections(&mut self, dx: &mut Vec<f64>, shared: &mut Vec<f64>) {
+        dx.clear();
+        dx.extend(self.correction.iter().map(|g| -g));
+        shared.clear();
+        shared.extend(self.shared_correction.iter().map(|g| -g));
+        self.finish_solution(dx, shared);
+    }
+}

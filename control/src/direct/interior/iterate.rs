@@ -1,0 +1,305 @@
+//! A primal-dual interior-point method for motions with hard limits.
+
+use super::figures::Figures;
+use super::filter::Filter;
+use super::relaxation::Relaxation;
+use super::squares::Squares;
+use crate::constants::direct as constants;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::ends::Ends;
+use crate::direct::limits::multipliers::Multipliers;
+use crate::direct::limits::power::Powers;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::limits::tasks::Tasks;
+use crate::direct::motion::spline::Spline;
+use crate::direct::newton::point_terms::weigh;
+use crate::direct::newton::system::System;
+use crate::direct::points::running::Running;
+use crate::direct::points::values::{PointDynamics, Points};
+use crate::solve::recorder::Interruption;
+use costate::EvalError;
+
+/// How an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    Solved,
+    IterationLimit,
+    /// No step was accepted, however short or damped.
+    NoProgress,
+    Interrupted(Interruption),
+}
+
+/// A motion with its slacks and multipliers, and room for a step.
+pub(crate) struct Interior<D> {
+    pub spline: Spline,
+    pub points: Points,
+    pub barrier: Barrier,
+    pub running: Running,
+    pub ends: Ends,
+    pub dynamics: D,
+    pub tasks: Tasks,
+    pub powers: Powers,
+    pub figures: Figures,
+    /// Least size of the cost.
+    pub(super) least_size: f64,
+    /// Violations that may be rounding.
+    pub(super) least_violation: f64,
+    pub(crate) system: System,
+    /// How far limits give; not at all outside of the elastic phase.
+    pub(crate) relaxation: Relaxation,
+    pub(crate) filter: Filter,
+    pub(crate) damping: f64,
+    squares: Squares,
+    /// Steps that were cut short, one after the other.
+    pub(super) short_steps: usize,
+    /// The part of the longest possible step that was taken last.
+    pub(super) taken: f64,
+    pub(crate) mu: f64,
+    pub(crate) trial: Trial,
+    /// The step at mu = 0, its factor of mu, what corrections add, and another one of these.
+    pub(crate) steps: [Vec<f64>; 4],
+    /// Changes of the distances by these.
+    pub(crate) changes: [Vec<f64>; 4],
+    /// Those of the times of phases, and those of shared unknowns.
+    pub(crate) time_steps: [Vec<f64>; 4],
+    pub(crate) shared_steps: [Vec<f64>; 4],
+    /// What corrections add to `mu w` at each entry, and another one of these.
+    pub(super) corrections: [Vec<f64>; 2],
+    /// Room for those of a warm start.
+    pub(crate) multipliers: Multipliers,
+    /// Weights of torques in the metric of damping.
+    weights: Vec<f64>,
+}
+
+/// A trial step.
+#[derive(Debug, Default)]
+pub(crate) struct Trial {
+    pub spline: Spline,
+    pub points: Points,
+    pub slack: Vec<f64>,
+    pub distance: Vec<f64>,
+    pub slack_step: Vec<f64>,
+    pub multiplier_step: Vec<f64>,
+    /// Change of z at a point.
+    pub dz: Vec<f64>,
+    /// Changes of the torques of an interval, of jerks and of rates of torques.
+    pub torques: Vec<f64>,
+    pub rates: [Vec<f64>; 2],
+}
+
+impl<D: PointDynamics> Interior<D> {
+    /// `sides` are the limits of positions, rates, accelerations, torques, jerks and rates of torques.
+    pub fn new(
+        spline: Spline,
+        mut sides: Vec<Side>,
+        tasks: Tasks,
+        powers: Powers,
+        running: Running,
+        ends: Ends,
+        dynamics: D,
+    ) -> Self {
+        let (n, shape) = (spline.dof, spline.mesh.shape);
+        sides.extend(powers.sides());
+        sides.extend(tasks.sides());
+        Self {
+            spline,
+            points: Points::default(),
+            barrier: Barrier::new(sides, &tasks.end_sides()),
+            running,
+            ends,
+            dynamics,
+            figures: Figures::default(),
+            least_size: 0.0,
+            least_violation: constants::VIOLATION_AT_POINTS,
+            system: System::new(n, shape, [tasks.rows(), powers.rows()]),
+            tasks,
+            powers,
+            relaxation: Relaxation::default(),
+            filter: Filter::default(),
+            damping: 0.0,
+            squares: Squares::default(),
+            short_steps: 0,
+            multipliers: Multipliers::default(),
+            taken: 1.0,
+            mu: 0.0,
+            trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
+            weights: vec![0.0; n],
+            steps: Default::default(),
+            changes: Default::default(),
+            time_steps: Default::default(),
+            shared_steps: Default::default(),
+            corrections: Default::default(),
+        }
+    }
+
+    /// Numbers of rows of tasks and of powers.
+    pub fn rows(&self) -> [usize; 2] {
+        [self.tasks.rows(), self.powers.rows()]
+    }
+
+    /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
+    /// it.
+    pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
+        self.prepare();
+        self.spline.evaluate(&mut self.points.z);
+        if self.least_size == 0.0 {
+            self.dynamics.contract(&mut self.points)?;
+            self.least_size = self.small_cost();
+        }
+        self.evaluate()?;
+        self.measure_cost();
+        self.barrier.stiffness = constants::STIFFNESS * self.figures.size;
+        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
+        self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / total);
+        for at in 0..self.barrier.count() {
+            let weight = self.barrier.weight[at];
+            let side = self.barrier.side(at);
+            let slack = match weight > 0.0 {
+                true if side.is_equation => 0.0,
+                true => self.barrier.distance[at].max(constants::FIRST_SLACK * side.range),
+                false => f64::INFINITY,
+            };
+            self.barrier.slack[at] = slack;
+            self.barrier.multiplier[at] = if slack > 0.0 { self.mu * weight / slack } else { 0.0 };
+        }
+        self.damping = 0.0;
+        self.least_violation = self.find_least_violation();
+        self.measure_figures();
+        Ok(())
+    }
+
+    /// Room for the points and entries of the mesh.
+    pub(crate) fn prepare(&mut self) {
+        let n = self.spline.dof;
+        self.points.resize(n, self.rows(), self.spline.mesh.ends_of_points());
+        self.points.ends.resize(n, self.tasks.end_rows(), self.spline.mesh.ends().len());
+        self.barrier.resize(&self.spline.mesh, &self.ends);
+    }
+
+    /// Values at the points of the motion, and distances to all limits.
+    pub(crate) fn evaluate(&mut self) -> Result<(), EvalError> {
+        self.spline.evaluate(&mut self.points.z);
+        self.dynamics.evaluate(&mut self.points)?;
+        self.tasks.evaluate(&mut self.points)?;
+        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
+        self.powers.evaluate(&mut self.points);
+        self.points.evaluate_rates(&self.spline);
+        self.measure_distances();
+        Ok(())
+    }
+
+    /// Weight of a squared change of a torque in the metric of damping: the effort; without it the cost of a
+    /// second over the square of the range of the torque.
+    fn metric_weight(&self, joint: usize) -> f64 {
+        let effort = self.running.effort[joint];
+        if effort > 0.0 {
+            return effort;
+        }
+        let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
+        let range = self.barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
+        self.figures.size / self.spline.duration() / (range * range)
+    }
+
+    /// Weights and derivatives at the points of this iterate.
+    pub fn refresh(&mut self) -> Result<(), EvalError> {
+        weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
+        self.powers.weigh_torques(&mut self.points);
+        self.dynamics.contract(&mut self.points)?;
+        self.powers.contract(&mut self.points);
+        self.tasks.contract(&self.spline, &mut self.points)
+    }
+
+    /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with
+    /// the part of the step that led to it, and may stop it.
+    pub fn iterate(
+        &mut self,
+        tolerance: f64,
+        most: usize,
+        mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
+    ) -> Result<End, EvalError> {
+        self.filter.clear();
+        let squares = self.has_squares_alone() && !self.relaxation.is_on();
+        self.squares = Squares { left: if squares { constants::SQUARES } else { 0 }, damping: 0.0 };
+        self.short_steps = 0;
+        for _ in 0..most {
+            self.figures.iterations += 1;
+            let equations = self.figures.equations;
+            self.refresh()?;
+            self.system.exact = true;
+            self.assemble();
+            let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
+            let (mut damping, mut taken) = (0.0, None);
+            while damping < constants::MOST_DAMPING && taken.is_none() {
+                self.damping = damping;
+                if self.factorise(damping) {
+                    self.solve();
+                    self.choose_barrier(tolerance);
+                    self.figures.decrement = self.decrement();
+                    if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
+                        self.damping = 0.0;
+                        return Ok(End::Solved);
+                    }
+                    self.correct();
+                    taken = self.search();
+                    if taken.is_some() {
+                        break;
+                    }
+                } else if self.system.exact && self.squares.begin() {
+                    self.system.exact = false;
+                    self.assemble();
+                    damping = self.squares.damping;
+                    continue;
+                }
+                damping = (damping * constants::DAMPING_UP).max(again);
+            }
+            let Some(part) = taken else {
+                if self.filter.forget() {
+                    continue;
+                }
+                return Ok(End::NoProgress);
+            };
+            if !self.system.exact {
+                self.squares.adapt(damping, self.taken);
+            }
+            self.stiffen(equations, part);
+            self.move_from_limits(part);
+            if let Some(interruption) = watch(self, part) {
+                return Ok(End::Interrupted(interruption));
+            }
+        }
+        Ok(End::IterationLimit)
+    }
+
+    /// Whether the next step would change next to nothing, and the limits are kept at all points.
+    fn is_solved(&self, tolerance: f64) -> bool {
+        let Figures { size, gap, violation, decrement, .. } = self.figures;
+        let scale = tolerance * size;
+        decrement.abs() <= scale && gap <= scale && violation <= self.least_violation
+    }
+
+    /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares
+    /// say nothing about the directions that they leave free.
+    fn has_squares_alone(&self) -> bool {
+        let barrier = &self.barrier;
+        let equations = barrier.sides().iter().any(|side| side.is_equation) || !barrier.at_ends().is_empty();
+        let smooth = self.spline.mesh.shape.is_smooth();
+        self.running.effort.iter().any(|weight| *weight > 0.0) && !equations && !smooth
+    }
+
+    pub(crate) fn assemble(&mut self) {
+        self.system.assemble(&self.spline, &self.points, &self.barrier, &mut self.running, &self.ends);
+        self.relaxation.assemble(&self.spline, &self.points, &self.barrier, &self.ends);
+    }
+
+    pub(crate) fn factorise(&mut self, damping: f64) -> bool {
+        for joint in 0..self.weights.len() {
+            self.weights[joint] = self.metric_weight(joint);
+        }
+        self.system.factorise(damping, &self.ends, &self.spline, &self.points, &self.weights).is_ok()
+            && self.relaxation.factorise(&mut self.system)
+    }
+}
+
+#[cfg(test)]
+#[path = "iterate_tests.rs"]
+pub(in crate::direct) mod tests;

@@ -1,0 +1,79 @@
+//! Cost, gap and violations of an iterate.
+
+use super::iterate::Interior;
+use crate::constants::direct as constants;
+use crate::direct::limits::entries::{complementarity, violation};
+use crate::direct::points::values::PointDynamics;
+
+impl<D: PointDynamics> Interior<D> {
+    /// Cost of the efforts, of the energy, of the jerks and of the rates of torques that move each joint
+    /// alone by [`constants::SMALL_MOTION`] in it: the torque is M_ii times that motion over the squared
+    /// time.
+    pub(super) fn small_cost(&self) -> f64 {
+        let (n, time) = (self.spline.dof, self.spline.duration());
+        let tau_z = self.points.tau_z(0);
+        let cost = |(i, r): (usize, &f64)| {
+            let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
+            let power = torque * constants::SMALL_MOTION / time;
+            let rates = &self.running.rates;
+            let of = |weights: &[f64], y: f64| weights.get(i).map_or(0.0, |w| 0.5 * w * y * y);
+            let jerk = constants::SMALL_MOTION / (time * time * time);
+            0.5 * r * torque * torque
+                + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
+                + of(&rates.jerk, jerk)
+                + of(&rates.torque, torque / time)
+        };
+        let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
+        (time * costs).max(f64::MIN_POSITIVE.sqrt())
+    }
+
+    /// Distances to all limits from the values at the points.
+    pub(super) fn measure_distances(&mut self) {
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(&self.spline, &self.points, &mut distance);
+        self.barrier.distance = distance;
+    }
+
+    pub(crate) fn measure_cost(&mut self) {
+        let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
+        self.take_cost(cost);
+    }
+
+    fn take_cost(&mut self, cost: f64) {
+        self.figures.cost = cost;
+        self.figures.size = self.figures.cost.abs().max(self.least_size);
+    }
+
+    pub(crate) fn measure_figures(&mut self) {
+        let cost = self.running.cost(&self.spline, &self.points) + self.relaxation.cost(0.0, 0.0);
+        self.measure_figures_of(cost);
+    }
+
+    /// The figures of an iterate whose cost is known.
+    pub(super) fn measure_figures_of(&mut self, cost: f64) {
+        self.take_cost(cost);
+        self.figures.gap = complementarity(&self.barrier, None);
+        [self.figures.equations, self.figures.violation] = self.violations();
+    }
+
+    /// Largest violation of an equation, and of all, in parts of ranges.
+    fn violations(&self) -> [f64; 2] {
+        let barrier = &self.barrier;
+        let of_equations = barrier.equations().fold(0.0, |most: f64, at| {
+            let off = barrier.unit[at] * barrier.distance[at].abs();
+            if off.is_nan() { f64::INFINITY } else { most.max(off) }
+        });
+        [of_equations, of_equations.max(violation(barrier))]
+    }
+
+    /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
+    pub(super) fn stiffen(&mut self, before: f64, part: f64) {
+        let left = self.figures.equations;
+        let slow = left > constants::VIOLATION_AT_POINTS && left > constants::LEFT_OF_EQUATIONS * before;
+        let close = before < constants::CLOSE_TO_EQUATIONS && self.damping == 0.0;
+        if slow && close && part == 1.0 {
+            let most = constants::MOST_STIFFNESS * self.figures.size;
+            self.barrier.stiffness = (constants::STIFFER * self.barrier.stiffness).min(most);
+        }
+    }
+}

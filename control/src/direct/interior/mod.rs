@@ -1,0 +1,18 @@
+//! The interior-point iteration on one mesh: directions, how far to go, the barrier, and what is done about steps
+//! that fail.
+//!
+//! [`Interior`](iterate::Interior) owns the iterate and its workspaces. The other files are its steps: directions
+//! ([`step`], [`corrector`]), the search along them with its [`filter`], the elastic phase, warm starts.
+
+pub(super) mod corrector;
+pub(super) mod elastic;
+pub(super) mod figures;
+pub(super) mod filter;
+pub(super) mod iterate;
+pub(super) mod measures;
+pub(super) mod relaxation;
+pub(super) mod rounding;
+pub(super) mod search;
+pub(super) mod squares;
+pub(super) mod step;
+pub(super) mod warm;

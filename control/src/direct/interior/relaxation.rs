@@ -1,0 +1,317 @@
+//! How far limits give in the elastic phase, and what that adds to Newton's equations.
+
+use crate::constants::direct as constants;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::ends::Ends;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::motion::spline::Spline;
+use crate::direct::newton::interval::add_gradient;
+use crate::direct::newton::point_terms::{Work, add_row, side_terms};
+use crate::direct::newton::system::System;
+use crate::direct::points::values::Points;
+use crate::numerics::chain::dot;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Each limit gives by a constant part e of its range, so that its distances are `d + range e`; at the price
+///
+/// $$ \varphi(e) = \frac{P}{2} \left( e + \sqrt{e^2 + \delta^2} \right) $$
+///
+/// which is about P e where it gives and next to nothing where it does not. Both sides of a limit on a
+/// magnitude give alike, as both halves of an equation do. Empty outside of the elastic phase.
+///
+/// The sum over limits of the largest violation along the motion is what SNOPT's elastic mode minimises, with
+/// one elastic variable for all constraints of a limit (P. E. Gill, W. Murray, M. A. Saunders, "SNOPT: an SQP
+/// algorithm for large-scale constrained optimization", SIAM Review 47, 2005, section 4.7). The unknowns e
+/// border Newton's equations,
+///
+/// $$ \begin{pmatrix} K & B \\\\ B^\top & C \end{pmatrix} \begin{pmatrix} \Delta x \\\\ \Delta e
+///    \end{pmatrix} = - \begin{pmatrix} g \\\\ g_e \end{pmatrix}, \qquad B_i = \sum_{at \in i} \sigma
+///    \, \mathrm{range} \, \nabla d, \qquad C_{ii} = \varphi'' + \sum_{at \in i} \sigma \,
+///    \mathrm{range}^2 $$
+///
+/// with the slacks and multipliers eliminated as elsewhere ([`side_terms`]): one substitution for each limit,
+/// and a dense matrix C - B'K^-1 B.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Relaxation {
+    /// The limit that each side of the barrier belongs to.
+    limits: Vec<usize>,
+    ranges: Vec<f64>,
+    /// Those outside of the elastic phase.
+    own: Vec<f64>,
+    /// e, in parts of ranges.
+    give: Vec<f64>,
+    /// P.
+    price: f64,
+    /// B and K^-1 B, the entries of shared unknowns last.
+    columns: Vec<Vec<f64>>,
+    solved: Vec<Vec<f64>>,
+    /// Entries of the times of phases.
+    by_times: Vec<Vec<f64>>,
+    /// Room for a point.
+    work: Work,
+    corner: Vec<f64>,
+    /// Gradients in e at mu = 0, and its factor of mu.
+    gradient: [Vec<f64>; 2],
+    steps: [Vec<f64>; 2],
+    factor: Option<Cholesky<f64, Dyn>>,
+}
+
+/// The limits that the sides belong to, counted from 0.
+fn limits_of(sides: &[Side]) -> Vec<usize> {
+    let key = |side: &Side| {
+        // Lower and upper limits of positions, of boxes and the like are two.
+        let apart = matches!(side.limited, Limited::Position | Limited::Task) && !side.is_half;
+        (side.limited, side.joint, apart && side.sign < 0.0)
+    };
+    let mut found = Vec::new();
+    let number = |side: &Side| {
+        let key = key(side);
+        found.iter().position(|other| *other == key).unwrap_or_else(|| {
+            found.push(key);
+            found.len() - 1
+        })
+    };
+    sides.iter().map(number).collect()
+}
+
+impl Relaxation {
+    /// For a barrier that has been measured without it, whose sides have the ranges `own` outside of the
+    /// elastic phase: all distances become positive, by this room in parts of ranges and of what limits must
+    /// give.
+    pub fn of(barrier: &Barrier, own: Vec<f64>, price: f64, room: f64) -> Self {
+        let sides = barrier.sides();
+        let limits = limits_of(sides);
+        let count = limits.iter().max().map_or(0, |last| last + 1);
+        let mut give = vec![0.0_f64; count];
+        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
+            give[limit] = give[limit].max(violation);
+        }
+        give.iter_mut().for_each(|give| *give += room * (1.0 + *give));
+        Self {
+            ranges: barrier.ranges(),
+            corner: vec![0.0; count],
+            gradient: [vec![0.0; count], vec![0.0; count]],
+            steps: [vec![0.0; count], vec![0.0; count]],
+            limits,
+            give,
+            price,
+            own,
+            ..Self::default()
+        }
+    }
+
+    /// What it adds to the distances of each side.
+    pub fn relief(&self) -> impl Iterator<Item = f64> {
+        self.limits.iter().zip(&self.ranges).map(|(&limit, range)| range * self.give[limit])
+    }
+
+    /// Whether limits may give.
+    pub fn is_on(&self) -> bool {
+        !self.limits.is_empty()
+    }
+
+    /// Ranges in which limits give: as large as the largest violation at the start, where that is larger.
+    pub fn widened(barrier: &Barrier) -> Vec<f64> {
+        let limits = limits_of(barrier.sides());
+        let mut scale = vec![1.0_f64; limits.len()];
+        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
+            scale[limit] = scale[limit].max(violation);
+        }
+        barrier.ranges().iter().zip(&limits).map(|(range, &limit)| range * scale[limit]).collect()
+    }
+
+    /// The range of a side outside of the elastic phase.
+    pub fn own_range(&self, side: usize) -> f64 {
+        self.own[side]
+    }
+
+    /// The limit of each side.
+    pub fn limits(&self) -> &[usize] {
+        &self.limits
+    }
+
+    /// P.
+    pub fn price(&self) -> f64 {
+        self.price
+    }
+
+    /// Makes it dearer, or cheaper.
+    pub fn scale_price(&mut self, factor: f64) {
+        self.price *= factor;
+    }
+
+    /// The price after the part `alpha` of the step for a barrier `mu`.
+    pub fn cost(&self, alpha: f64, mu: f64) -> f64 {
+        let steps = self.steps[0].iter().zip(&self.steps[1]);
+        self.give.iter().zip(steps).map(|(e, (a, b))| self.price * price(e + alpha * (a + mu * b))[0]).sum()
+    }
+
+    /// Takes a part of the step.
+    pub fn take(&mut self, alpha: f64, mu: f64) {
+        let steps = self.steps[0].iter().zip(&self.steps[1]);
+        self.give.iter_mut().zip(steps).for_each(|(e, (a, b))| *e += alpha * (a + mu * b));
+    }
+
+    /// Adds what a part of the step changes in the distances, for a barrier with these entries.
+    pub fn add_step(&self, alpha: f64, mu: f64, barrier: &Barrier, distance: &mut [f64]) {
+        if self.limits.is_empty() {
+            return;
+        }
+        let step = |limit: usize| alpha * (self.steps[0][limit] + mu * self.steps[1][limit]);
+        self.add(step, barrier, distance);
+    }
+
+    /// Adds what a part (0 or 1) of the step changes in the distances.
+    pub fn add_change(&self, part: usize, barrier: &Barrier, changes: &mut [f64]) {
+        if !self.limits.is_empty() {
+            self.add(|limit| self.steps[part][limit], barrier, changes);
+        }
+    }
+
+    fn add(&self, step: impl Fn(usize) -> f64, barrier: &Barrier, to: &mut [f64]) {
+        for (at, to) in to.iter_mut().enumerate() {
+            if let Some(side) = barrier.side_index(at) {
+                *to += self.ranges[side] * step(self.limits[side]);
+            }
+        }
+    }
+
+    /// (g_e at mu = 0) times the step, or with the barrier's part of the gradient too.
+    pub fn slope(&self, mu: f64, with_barrier: bool) -> f64 {
+        let of_mu = if with_barrier { mu } else { 0.0 };
+        let gradient = self.gradient[0].iter().zip(&self.gradient[1]).map(|(a, b)| a + of_mu * b);
+        let steps = self.steps[0].iter().zip(&self.steps[1]).map(|(a, b)| a + mu * b);
+        gradient.zip(steps).map(|(gradient, step)| gradient * step).sum()
+    }
+
+    /// The border of Newton's equations at an iterate.
+    pub fn assemble(&mut self, spline: &Spline, points: &Points, barrier: &Barrier, ends: &Ends) {
+        if self.limits.is_empty() {
+            return;
+        }
+        let size = spline.unknowns.len();
+        self.work = Work::new(spline.dof, [0; 2]);
+        self.columns.resize_with(self.give.len(), Vec::new);
+        self.by_times.resize_with(self.give.len(), Vec::new);
+        for (i, (column, by_times)) in self.columns.iter_mut().zip(&mut self.by_times).enumerate() {
+            column.clear();
+            column.resize(size, 0.0);
+            by_times.clear();
+            by_times.resize(spline.mesh.phases(), 0.0);
+            let [_, first, second] = price(self.give[i]).map(|value| self.price * value);
+            (self.gradient[0][i], self.gradient[1][i], self.corner[i]) = (first, 0.0, second);
+        }
+        for p in 0..points.count() {
+            self.add_point(p, spline, points, barrier);
+        }
+        for k in 0..spline.mesh.nodes.len() {
+            self.add_node(k, spline, barrier);
+        }
+        for (column, by_times) in self.columns.iter_mut().zip(&self.by_times) {
+            column.resize(size + ends.shared(), 0.0);
+            let (by_unknowns, shared) = column.split_at_mut(size);
+            ends.reduce(&spline.mesh, by_unknowns, by_times, shared);
+        }
+    }
+
+    /// Adds an entry to gradient and corner of its limit. Its curvature times its range and sign.
+    fn add_entry(&mut self, side: usize, at: usize, barrier: &Barrier) -> f64 {
+        let (limit, range) = (self.limits[side], self.ranges[side]);
+        let ([_, at_zero, of_mu], sigma) = side_terms(barrier, at, 1.0);
+        self.gradient[0][limit] += range * at_zero;
+        self.gradient[1][limit] += range * of_mu;
+        self.corner[limit] += range * range * sigma;
+        sigma * range * barrier.sides()[side].sign
+    }
+
+    fn add_point(&mut self, p: usize, spline: &Spline, points: &Points, barrier: &Barrier) {
+        let (k, j) = spline.mesh.interval_of(p);
+        let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+        let sides = barrier.sides();
+        let mut work = std::mem::take(&mut self.work);
+        work.differentiate_in_time(points.z(p), spline, k, &factors);
+        let z = &mut work.z[0];
+        let mut i = 0;
+        while i < sides.len() {
+            // The sides of a limit stand together.
+            let limit = self.limits[i];
+            z.fill(0.0);
+            while i < sides.len() && self.limits[i] == limit {
+                let side = &sides[i];
+                let factor = self.add_entry(i, barrier.at_point(p).start + i, barrier);
+                add_row(points, p, side, factor, z);
+                i += 1;
+            }
+            add_gradient(spline, k, &factors, z, &mut self.columns[limit]);
+            self.by_times[limit][spline.mesh.phase(k)] += dot(z, &work.z_t);
+        }
+        self.work = work;
+    }
+
+    fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
+        let (n, inverse) = (spline.dof, 1.0 / spline.clock_at(k));
+        for (i, at) in barrier.at_node(k).enumerate() {
+            let factor = self.add_entry(i, at, barrier);
+            let side = &barrier.sides()[i];
+            let (column, place) = (&mut self.columns[self.limits[i]], 2 * n * k + side.index(n));
+            if side.limited == Limited::Rate {
+                column[place] += inverse * factor;
+                if !spline.mesh.is_end(k) {
+                    self.by_times[self.limits[i]][spline.mesh.phase(k)] -=
+                        inverse * inverse * spline.unknowns[place] * factor;
+                }
+            } else {
+                column[place] += factor;
+            }
+        }
+    }
+
+    /// Factorises the border of a factorised system. Whether the whole is positive definite.
+    pub fn factorise(&mut self, system: &mut System) -> bool {
+        let count = self.give.len();
+        if count == 0 {
+            return true;
+        }
+        self.solved.clone_from(&self.columns);
+        for column in &mut self.solved {
+            system.solve_column(column);
+        }
+        let mut schur = DMatrix::zeros(count, count);
+        for i in 0..count {
+            for j in 0..=i {
+                let product = dot(&self.columns[i], &self.solved[j]);
+                schur[(i, j)] = if i == j { self.corner[i] } else { 0.0 } - product;
+                schur[(j, i)] = schur[(i, j)];
+            }
+        }
+        self.factor = Cholesky::new(schur);
+        self.factor.is_some()
+    }
+
+    /// Turns a part of the step with constant e into that of the whole.
+    pub fn correct(&mut self, part: usize, dx: &mut [f64], shared: &mut [f64]) {
+        let Some(factor) = &self.factor else { return };
+        let size = dx.len();
+        let rest = self.columns.iter().zip(&self.gradient[part]);
+        let rest = rest
+            .map(|(column, gradient)| -gradient - dot(&column[..size], dx) - dot(&column[size..], shared));
+        let steps = factor.solve(&DVector::from_iterator(self.give.len(), rest));
+        for (step, column) in steps.iter().zip(&self.solved) {
+            dx.iter_mut().chain(&mut *shared).zip(column).for_each(|(dx, entry)| *dx -= step * entry);
+        }
+        self.steps[part].copy_from_slice(steps.as_slice());
+    }
+}
+
+/// The price of e for P = 1, with its first and second derivative.
+fn price(e: f64) -> [f64; 3] {
+    let delta = constants::ROUNDED_PRICE;
+    let root = e.hypot(delta);
+    // e + root without cancellation.
+    let sum = if e >= 0.0 { e + root } else { delta * delta / (root - e) };
+    [0.5 * sum, 0.5 * sum / root, 0.5 * delta * delta / (root * root * root)]
+}
+
+#[cfg(test)]
+#[path = "relaxation_tests.rs"]
+mod tests;

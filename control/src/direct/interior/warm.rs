@@ -1,0 +1,90 @@
+//! Warm starts: on other nodes, after limits were moved, and away from limits that stop the steps.
+
+use super::iterate::Interior;
+use crate::constants::direct as constants;
+use crate::direct::limits::multipliers::Multipliers;
+use crate::direct::points::values::PointDynamics;
+use costate::EvalError;
+
+impl<D: PointDynamics> Interior<D> {
+    /// Takes the motion over to other nodes, with multipliers in proportion to the weights of the points.
+    pub fn move_to(&mut self, nodes: Vec<f64>) -> Result<(), EvalError> {
+        let mut old = std::mem::take(&mut self.multipliers);
+        old.fill(&self.spline, &self.barrier);
+        let at_ends: Vec<f64> = self.barrier.at_ends().map(|at| self.barrier.multiplier[at]).collect();
+        let gap = self.figures.gap.max(constants::WARM * self.figures.size);
+        self.spline = self.spline.on_nodes(nodes);
+        self.start(Some(0.0))?;
+        self.warm_start(&old, gap);
+        self.multipliers = old;
+        for (at, multiplier) in self.barrier.at_ends().zip(at_ends) {
+            self.barrier.multiplier[at] = multiplier;
+        }
+        self.measure_figures();
+        Ok(())
+    }
+
+    /// Begins again on the same nodes, after limits were moved.
+    pub fn begin_again(&mut self) {
+        self.measure_distances();
+        self.measure_figures();
+        self.recentre(self.figures.gap);
+    }
+
+    /// Moves slacks and multipliers to the central path after two steps that were cut short.
+    pub(super) fn move_from_limits(&mut self, part: f64) {
+        let limited = self.barrier.total_weight() > 0.0 && !self.relaxation.is_on();
+        let short = part < constants::SHORT && limited;
+        self.short_steps = if short { self.short_steps + 1 } else { 0 };
+        if self.short_steps == constants::SHORT_STEPS {
+            self.short_steps = 0;
+            self.recentre(constants::AWAY * self.figures.gap);
+            self.filter.clear();
+        }
+    }
+
+    /// Begins again from the same motion and its multipliers.
+    fn recentre(&mut self, gap: f64) {
+        let mut old = std::mem::take(&mut self.multipliers);
+        old.fill(&self.spline, &self.barrier);
+        self.warm_start(&old, gap);
+        self.multipliers = old;
+        self.measure_figures();
+    }
+
+    /// Slacks and multipliers near the central path, for a gap of at least what the violations cost.
+    fn warm_start(&mut self, old: &Multipliers, gap: f64) {
+        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
+        let rough = self.figures.violation.min(1.0);
+        let least = constants::LEAST_SLACK.max(rough);
+        let mu = gap.max(least * self.cost_of_ranges(old)) / total;
+        self.mu = mu;
+        for at in 0..self.barrier.count() {
+            let weight = self.barrier.weight[at];
+            let Some(index) = self.barrier.side_index(at).filter(|_| weight > 0.0) else { continue };
+            let side = self.barrier.side(at);
+            let density = old.density(self.barrier.place(at, &self.spline), index);
+            if side.is_equation {
+                self.barrier.multiplier[at] = weight * density;
+                continue;
+            }
+            let distance = self.barrier.distance[at];
+            let most = distance.max(constants::FIRST_SLACK * side.range);
+            let slack = distance.max(least * side.range).max(mu / density.max(f64::MIN_POSITIVE)).min(most);
+            let central = mu / slack;
+            self.barrier.slack[at] = slack;
+            self.barrier.multiplier[at] =
+                weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
+        }
+    }
+
+    /// What it would cost by these multipliers to move all limits by their ranges.
+    fn cost_of_ranges(&self, multipliers: &Multipliers) -> f64 {
+        let barrier = &self.barrier;
+        let costs = (0..barrier.count()).filter(|&at| barrier.is_limit(at)).filter_map(|at| {
+            let density = multipliers.density(barrier.place(at, &self.spline), barrier.side_index(at)?);
+            Some(barrier.weight[at] * density.max(0.0) / barrier.unit[at])
+        });
+        costs.sum()
+    }
+}

@@ -1,0 +1,360 @@
+//! Hard limits at the points, nodes and ends of a motion, one side at a time.
+
+use super::ends::Ends;
+use super::side::{Limited, Side};
+use crate::constants::direct::NODE_WEIGHT;
+use crate::direct::motion::mesh::Mesh;
+use crate::direct::motion::shape::POINTS;
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::values::Points;
+use std::ops::Range;
+
+/// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
+/// point p; then those of positions and rates at the nodes, unless these are points; then those of jerks and
+/// rates of torques at Gauss's points; then the rows of tasks at the ends of phases.
+///
+/// The distance is `d = sign (value - bound)`; slack and multiplier are positive, and d = s at a
+/// solution. A side that is off (that of an end that is given) has an infinite slack and neither
+/// multiplier nor weight. An equation has no slack, s = 0, and a multiplier of either sign; `d^2
+/// stiffness weight / (2 range^2)` is added to the cost, so that Newton's matrix stays positive definite
+/// (the proximal method of multipliers: each step takes d to what the change of the multiplier over that
+/// stiffness leaves).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Barrier {
+    sides: Vec<Side>,
+    /// Sides of jerks and rates of torques.
+    rates: Vec<Side>,
+    /// Number of sides of positions and rates, which come first, at a node; none where nodes are points.
+    states: usize,
+    /// Rows of tasks at the ends of phases, one end after the other.
+    at_ends: Vec<Side>,
+    /// The first of them at each end, and their number.
+    first_at: Vec<usize>,
+    points: usize,
+    gauss_points: usize,
+    nodes: usize,
+    /// Sum of the weights of all limits without the equations.
+    total_weight: f64,
+    /// The entries of equations that count.
+    pub(super) equations: Vec<usize>,
+    /// What the square of an equation costs, of weight and range one.
+    pub stiffness: f64,
+    /// Weight of an entry in the barrier.
+    pub weight: Vec<f64>,
+    /// One over the range of an entry.
+    pub unit: Vec<f64>,
+    pub slack: Vec<f64>,
+    pub multiplier: Vec<f64>,
+    pub distance: Vec<f64>,
+    /// How far a limit is moved inside at an entry, so that it is kept between points too; empty on most
+    /// meshes.
+    shift: Vec<f64>,
+    /// What is added to the distances of each side at points and nodes; empty for nothing.
+    pub relief: Vec<f64>,
+}
+
+impl Barrier {
+    /// Without entries; `at_ends` has the sides at each end of a phase.
+    pub fn new(mut sides: Vec<Side>, at_ends: &[Vec<Side>]) -> Self {
+        sides.sort_by_key(|side| side.limited);
+        let rates = sides.split_off(sides.partition_point(|side| side.limited < Limited::Jerk));
+        let first_at = (0..=at_ends.len()).map(|end| at_ends[..end].iter().map(Vec::len).sum()).collect();
+        Self { sides, rates, first_at, at_ends: at_ends.concat(), ..Self::default() }
+    }
+
+    /// The same without entries, each equation along the motion as two limits.
+    pub fn with_halves(&self) -> Self {
+        let sides = self.sides.iter().flat_map(|side| side.halves()).collect();
+        Self { at_ends: self.at_ends.clone(), first_at: self.first_at.clone(), ..Self::new(sides, &[]) }
+    }
+
+    /// Largest violation of each side, in parts of its range; 0 for none.
+    pub fn violations(&self) -> Vec<f64> {
+        let mut most = vec![0.0_f64; self.sides.len()];
+        for at in (0..self.weight.len()).filter(|&at| self.weight[at] > 0.0) {
+            if let Some(side) = self.side_index(at) {
+                most[side] = most[side].max(self.sides[side].violation(self.distance[at]));
+            }
+        }
+        most
+    }
+
+    /// Ranges of all sides.
+    pub fn ranges(&self) -> Vec<f64> {
+        self.sides.iter().map(|side| side.range).collect()
+    }
+
+    /// Measures sides in other ranges; for the entries of the next mesh.
+    pub fn set_ranges(&mut self, ranges: &[f64]) {
+        self.sides.iter_mut().zip(ranges).for_each(|(side, &range)| side.range = range);
+    }
+
+    /// Room for the entries of a mesh, with their weights.
+    pub fn resize(&mut self, mesh: &Mesh, ends: &Ends) {
+        self.points = mesh.points();
+        self.gauss_points = mesh.gauss_points();
+        self.nodes = mesh.nodes.len();
+        self.states = match mesh.shape.is_smooth() {
+            true => 0,
+            false => self.sides.partition_point(|side| side.limited < Limited::Acceleration),
+        };
+        self.weight.clear();
+        for p in 0..mesh.points() {
+            let weight = mesh.point(p).1;
+            let on = |side: &Side| !ends.is_settled(mesh, p, side);
+            self.weight.extend(self.sides.iter().map(|side| if on(side) { weight } else { 0.0 }));
+        }
+        let last = mesh.intervals();
+        for k in 0..=last {
+            let left = if k > 0 { mesh.width(k - 1) } else { 0.0 };
+            let right = if k < last { mesh.width(k) } else { 0.0 };
+            let end = mesh.end_at(k);
+            self.weight.extend(self.sides[..self.states].iter().map(|side| match end {
+                Some(end) if ends.is_given(end, side) => 0.0,
+                _ => NODE_WEIGHT * (left + right),
+            }));
+        }
+        for p in 0..mesh.gauss_points() {
+            let weight = mesh.gauss_point(p).1;
+            self.weight.extend(self.rates.iter().map(|_| weight));
+        }
+        self.weight.extend(self.at_ends.iter().map(|_| 1.0));
+        let limits = (0..self.weight.len()).filter(|&at| !self.side(at).is_equation);
+        self.total_weight = limits.map(|at| self.weight[at]).sum();
+        self.equations.clear();
+        for at in (0..self.weight.len()).filter(|&at| self.weight[at] > 0.0) {
+            if self.side(at).is_equation {
+                self.equations.push(at);
+            }
+        }
+        self.unit.clear();
+        for at in 0..self.weight.len() {
+            self.unit.push(1.0 / self.side(at).range);
+        }
+        self.shift.clear();
+        for vector in [&mut self.slack, &mut self.multiplier, &mut self.distance] {
+            vector.clear();
+            vector.resize(self.weight.len(), 0.0);
+        }
+    }
+
+    /// The sides at the points, those of positions and rates first.
+    pub fn sides(&self) -> &[Side] {
+        &self.sides
+    }
+
+    /// The sides of jerks, then those of rates of torques.
+    pub fn rate_sides(&self) -> &[Side] {
+        &self.rates
+    }
+
+    /// Number of entries.
+    pub fn count(&self) -> usize {
+        self.weight.len()
+    }
+
+    /// The entries of a point: all sides.
+    pub fn at_point(&self, p: usize) -> Range<usize> {
+        self.sides.len() * p..self.sides.len() * (p + 1)
+    }
+
+    /// The entries of a node: the sides of positions and rates.
+    pub fn at_node(&self, k: usize) -> Range<usize> {
+        let first = self.sides.len() * self.points + self.states * k;
+        first..first + self.states
+    }
+
+    /// The entries of one of Gauss's points: the sides of jerks and rates of torques.
+    pub fn at_gauss_point(&self, p: usize) -> Range<usize> {
+        let first = self.first_of_rates() + self.rates.len() * p;
+        first..first + self.rates.len()
+    }
+
+    /// The entries of the rows at the ends of phases: equations, one side a row.
+    pub fn at_ends(&self) -> Range<usize> {
+        self.first_at_ends()..self.weight.len()
+    }
+
+    /// Gives a row at an end another bound.
+    pub fn set_end_bound(&mut self, end: usize, row: usize, bound: f64) {
+        self.at_ends[self.first_at[end] + row].bound = bound;
+    }
+
+    /// The end of a phase at which a row is, by its entry.
+    pub fn end_of(&self, at: usize) -> usize {
+        let row = at - self.first_at_ends();
+        self.first_at.partition_point(|&first| first <= row) - 1
+    }
+
+    fn first_of_rates(&self) -> usize {
+        self.sides.len() * self.points + self.states * self.nodes
+    }
+
+    fn first_at_ends(&self) -> usize {
+        self.first_of_rates() + self.rates.len() * self.gauss_points
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// The number of the side of an entry, those of jerks and rates of torques after the others; `None` for a
+    /// row at an end.
+    pub fn side_index(&self, at: usize) -> Option<usize> {
+        let (nodes, rates) = (self.sides.len() * self.points, self.first_of_rates());
+        if at < nodes {
+            Some(at % self.sides.len())
+        } else if at < rates {
+            Some((at - nodes) % self.states)
+        } else {
+            (at < self.first_at_ends()).then(|| self.sides.len() + (at - rates) % self.rates.len())
+        }
+    }
+
+    /// The side of an entry.
+    pub fn side(&self, at: usize) -> &Side {
+        match self.side_index(at) {
+            Some(index) => self.sides.get(index).unwrap_or_else(|| &self.rates[index - self.sides.len()]),
+            None => &self.at_ends[at - self.first_at_ends()],
+        }
+    }
+
+    /// The point of an entry; `None` at nodes and ends.
+    pub fn point_of(&self, at: usize) -> Option<usize> {
+        (at < self.sides.len() * self.points).then(|| at / self.sides.len())
+    }
+
+    /// s of an entry.
+    pub fn place(&self, at: usize, spline: &Spline) -> f64 {
+        let nodes = self.sides.len() * self.points;
+        if at < nodes {
+            spline.mesh.point(at / self.sides.len()).0
+        } else if at < self.first_of_rates() {
+            spline.mesh.nodes[(at - nodes) / self.states]
+        } else if at < self.first_at_ends() {
+            spline.mesh.gauss_point((at - self.first_of_rates()) / self.rates.len()).0
+        } else {
+            self.end_of(at) as f64
+        }
+    }
+
+    /// Whether an entry counts and is no equation.
+    #[inline(always)]
+    pub fn is_limit(&self, at: usize) -> bool {
+        let slack = self.slack[at];
+        slack > 0.0 && slack.is_finite()
+    }
+
+    /// The entries of equations that count.
+    pub fn equations(&self) -> impl Iterator<Item = usize> {
+        self.equations.iter().copied()
+    }
+
+    /// Whether an entry counts.
+    #[inline(always)]
+    pub fn is_on(&self, at: usize) -> bool {
+        self.slack[at].is_finite()
+    }
+
+    /// Second derivative by the distance of an entry that counts, whose slack and multiplier are eliminated.
+    #[inline(always)]
+    pub fn curvature(&self, at: usize) -> f64 {
+        let slack = self.slack[at];
+        if slack > 0.0 {
+            return self.multiplier[at] / slack;
+        }
+        self.stiffness * self.weight[at] * self.unit[at] * self.unit[at]
+    }
+
+    /// Moves the limit of a side inside by `amount` at the points and nodes of an interval.
+    pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64) {
+        self.shift.resize(self.weight.len(), 0.0);
+        let points = POINTS * interval..POINTS * (interval + 1);
+        let nodes = if side < self.states { interval..interval + 2 } else { 0..0 };
+        let entries = points.map(|p| self.at_point(p).start).chain(nodes.map(|k| self.at_node(k).start));
+        for first in entries.collect::<Vec<_>>() {
+            self.shift[first + side] += amount;
+        }
+    }
+
+    /// How far an entry is inside of its own limit, not the one that was moved.
+    pub fn true_distance(&self, at: usize) -> f64 {
+        self.distance[at] + self.shift.get(at).copied().unwrap_or(0.0)
+    }
+
+    /// d from the values at the points and nodes.
+    pub fn measure(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
+        self.measure_from_limits(spline, points, distance);
+        distance.iter_mut().zip(&self.shift).for_each(|(distance, shift)| *distance -= shift);
+    }
+
+    fn measure_from_limits(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
+        let (others, at_ends) = distance.split_at_mut(self.first_at_ends());
+        for ((distance, side), g) in at_ends.iter_mut().zip(&self.at_ends).zip(&points.ends.g) {
+            *distance = side.sign * (g - side.bound);
+        }
+        let (others, of_rates) = others.split_at_mut(self.first_of_rates());
+        let n = points.dof;
+        let values = points.rates.jerk.chunks_exact(n).zip(points.rates.torque.chunks_exact(n));
+        measure_rates(&self.rates, values, of_rates);
+        if self.sides.is_empty() {
+            return;
+        }
+        let (at_points, at_nodes) = others.split_at_mut(self.sides.len() * points.count());
+        measure(&self.sides, points, at_points);
+        let states = spline.unknowns.chunks(spline.node()).enumerate();
+        for (distance, (k, state)) in at_nodes.chunks_exact_mut(self.states.max(1)).zip(states) {
+            let rate = 1.0 / spline.clock_at(k);
+            for (distance, side) in distance.iter_mut().zip(&self.sides) {
+                let factor = if side.limited == Limited::Rate { rate } else { 1.0 };
+                *distance = side.sign * (factor * state[side.index(n)] - side.bound);
+            }
+        }
+        if self.relief.is_empty() {
+            return;
+        }
+        for (at, distance) in others.iter_mut().enumerate() {
+            *distance += self.side_index(at).map_or(0.0, |side| self.relief[side]);
+        }
+    }
+
+    /// Sum of the weights of all limits without the equations.
+    pub fn total_weight(&self) -> f64 {
+        self.total_weight
+    }
+}
+
+/// d from jerks and rates of torques.
+pub(crate) fn measure_rates<'a>(
+    sides: &[Side],
+    values: impl Iterator<Item = (&'a [f64], &'a [f64])>,
+    distance: &mut [f64],
+) {
+    if sides.is_empty() {
+        return;
+    }
+    for (distance, (jerk, torque)) in distance.chunks_exact_mut(sides.len()).zip(values) {
+        for (distance, side) in distance.iter_mut().zip(sides) {
+            let values = if side.limited == Limited::Jerk { jerk } else { torque };
+            *distance = side.sign * (values[side.joint] - side.bound);
+        }
+    }
+}
+
+/// d from the values at points.
+pub(crate) fn measure(sides: &[Side], points: &Points, distance: &mut [f64]) {
+    let n = points.dof;
+    for (p, distance) in distance.chunks_exact_mut(sides.len()).enumerate() {
+        let (z, tau, g, h) = (points.z(p), points.tau(p), points.g(p), points.h(p));
+        for (distance, side) in distance.iter_mut().zip(sides) {
+            let value = match side.limited {
+                Limited::Torque => tau[side.joint],
+                Limited::Power | Limited::TorqueSpeed => h[side.joint],
+                Limited::Task => g[side.joint],
+                _ => z[side.index(n)],
+            };
+            *distance = side.sign * (value - side.bound);
+        }
+    }
+}

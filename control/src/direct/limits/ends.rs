@@ -1,0 +1,153 @@
+//! The ends of the phases of a motion among the unknowns: its start, its vias, its end.
+
+use super::side::{Limited, Side};
+use crate::direct::motion::mesh::Mesh;
+use crate::direct::motion::shape::Shape;
+use crate::direct::motion::times::FreeTimes;
+use crate::problem::{BoundaryState, Problem, ToolPose};
+
+/// What is given at the ends of the phases, K + 1 of them: 0 is the start of the motion, K its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Ends {
+    /// For each end and each unknown there (q, v, with continuous accelerations a): whether it is given.
+    pub given: Vec<Vec<bool>>,
+    /// Number of joints.
+    dof: usize,
+    /// Which times of phases are unknowns.
+    pub times: FreeTimes,
+    /// Unknowns of the start that those of the end follow, at a constant distance.
+    pub tied: Vec<usize>,
+    /// Whether an end has a given place, all positions or those of tools; and given rates.
+    has_place: Vec<bool>,
+    has_rates: Vec<bool>,
+}
+
+/// Whether a place is given, by joints or by tools.
+fn has_place(state: &BoundaryState, tools: &[ToolPose]) -> bool {
+    state.q_free.is_empty() || !tools.is_empty()
+}
+
+impl Ends {
+    pub fn new(problem: &Problem) -> Self {
+        let n = problem.robot.dof();
+        let smooth = Shape::of(problem).is_smooth();
+        let given = |state: &BoundaryState| {
+            let q = (0..n).map(|i| !state.q_free.contains(&i));
+            let v = (0..n).map(|i| !state.v_free.contains(&i));
+            let a = (0..if smooth { n } else { 0 }).map(|_| state.a.is_some());
+            q.chain(v).chain(a).collect()
+        };
+        let (states, tools) = (problem.ends(), problem.tools_at_ends());
+        let given: Vec<Vec<bool>> = states.iter().map(given).collect();
+        let is_tied = |i: &usize| problem.periodic.is_some() && !given[0][*i];
+        let tied = (0..given[0].len()).filter(is_tied).collect();
+        Self {
+            dof: n,
+            times: FreeTimes::of(problem),
+            tied,
+            given,
+            has_place: states.iter().zip(tools).map(|(state, tools)| has_place(state, tools)).collect(),
+            has_rates: states.iter().map(|state| state.v_free.is_empty()).collect(),
+        }
+    }
+
+    /// Whether what holds along the motion holds at an end with its rate, whatever the motion is.
+    pub fn keeps(&self, end: usize) -> bool {
+        self.has_place[end] && self.has_rates[end]
+    }
+
+    /// Whether the position, rate or acceleration of a side is given at an end.
+    pub fn is_given(&self, end: usize, side: &Side) -> bool {
+        let at = side.index(self.dof);
+        self.given[end].get(at).is_some_and(|given| *given)
+    }
+
+    /// Whether nothing is free at an end, the acceleration neither.
+    fn is_all_given(&self, end: usize) -> bool {
+        self.given[end].len() > 2 * self.dof && self.given[end].iter().all(|given| *given)
+    }
+
+    /// The number of unknowns that all intervals share, or those of the start and of the end: parameters of
+    /// the times, then what is tied.
+    pub fn shared(&self) -> usize {
+        self.times.count() + self.tied.len()
+    }
+
+    /// Whether the ends settle a side at a point, whatever the motion is, or there would be more equations
+    /// than unknowns with it: three for each interval and joint.
+    pub fn is_settled(&self, mesh: &Mesh, p: usize, side: &Side) -> bool {
+        let (k, j) = mesh.interval_of(p);
+        let phase = mesh.phase(k);
+        let points = mesh.points_of_phase(phase);
+        // The end of the phase that is so many points away, on either side.
+        let near = |distance: usize| {
+            let left = (p == points.start + distance).then_some(phase);
+            let right = (p + distance + 1 == points.end).then_some(phase + 1);
+            left.into_iter().chain(right)
+        };
+        let is_row = (side.is_equation || side.is_half) && side.limited == Limited::Task;
+        // The end holds equations already; with a point beside it there would be one too many.
+        let is_via = |end: usize| end > 0 && end < mesh.phases();
+        let holds = |end: usize| match is_via(end) {
+            // Given positions or rates of a via take one of the two points beside it each.
+            true => {
+                if end > phase {
+                    self.has_place[end]
+                } else {
+                    self.has_rates[end]
+                }
+            }
+            false => self.keeps(end),
+        };
+        if is_row && near(0).any(holds) {
+            return true;
+        }
+        if !mesh.shape.is_smooth() {
+            return false;
+        }
+        // The node that an interval shares with the next one has an equation too, so the middle has none.
+        let middle = side.is_equation && j == mesh.shape.stride() / 2;
+        // So do two phases, whose points at a via are two.
+        let twice = side.is_equation && p == points.start && phase > 0;
+        let beside = |end: usize| self.keeps(end) && self.is_all_given(end);
+        let is_beside = is_row && near(1).any(beside);
+        let settled = near(0).any(|end| match side.limited {
+            Limited::Position | Limited::Rate | Limited::Acceleration => self.is_given(end, side),
+            // The torque of a via depends on what the robot carries before and after it.
+            _ => self.is_all_given(end),
+        });
+        middle || twice || is_beside || settled
+    }
+
+    /// All given unknowns, and those that are tied, among those of a mesh: node, place in its state.
+    pub fn removed(&self, mesh: &Mesh) -> impl Iterator<Item = (usize, usize)> {
+        let given = mesh.ends().iter().zip(&self.given).flat_map(|(&node, given)| {
+            given.iter().enumerate().filter(|(_, given)| **given).map(move |(i, _)| (node, i))
+        });
+        let last = mesh.intervals();
+        given.chain(self.tied.iter().flat_map(move |&i| [(0, i), (last, i)]))
+    }
+
+    /// The part of a derivative by the unknowns and by the times of all phases that is one by the shared
+    /// unknowns; then zero for what is removed.
+    pub fn reduce(&self, mesh: &Mesh, by_unknowns: &mut [f64], by_times: &[f64], shared: &mut [f64]) {
+        let node = mesh.shape.node() * self.dof;
+        let (times, tied) = shared.split_at_mut(self.times.count());
+        self.times.reduce(by_times, times);
+        for (to, &i) in tied.iter_mut().zip(&self.tied) {
+            *to = by_unknowns[i] + by_unknowns[node * mesh.intervals() + i];
+        }
+        self.removed(mesh).for_each(|(k, i)| by_unknowns[node * k + i] = 0.0);
+    }
+
+    /// The steps of removed unknowns and of the times by those of the shared ones.
+    pub fn expand(&self, mesh: &Mesh, shared: &[f64], unknowns: &mut [f64], times: &mut Vec<f64>) {
+        let node = mesh.shape.node() * self.dof;
+        let (of_times, tied) = shared.split_at(self.times.count());
+        self.times.expand(of_times, times);
+        for (&step, &i) in tied.iter().zip(&self.tied) {
+            unknowns[i] = step;
+            unknowns[node * mesh.intervals() + i] = step;
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Loops over all entries of the barrier, compiled for the widest vectors of the processor.
+//!
+//! Entries that are off have an infinite slack, equations none ([`Barrier`](super::barrier::Barrier)): both
+//! are masked here, without a branch for each entry, and equations are few and come afterwards.
+
+use super::barrier::Barrier;
+use crate::constants::direct::FAR;
+use crate::numerics::padded::LANES;
+use crate::numerics::widest::widest_fused;
+
+/// Whether an entry is a limit that counts, by its slack.
+#[inline(always)]
+fn is_limit(slack: f64) -> bool {
+    slack > 0.0 && slack < f64::INFINITY
+}
+
+/// Runs `$body` with vectors of the arrays, then with one entry at a time for the rest: `$n` is their length.
+macro_rules! for_vectors {
+    ($at:ident in $count:expr, $n:ident => $body:expr) => {
+        widest_fused(
+            #[inline(always)]
+            |_| {
+                let (mut $at, count) = (0, $count);
+                while $at + LANES <= count {
+                    const $n: usize = LANES;
+                    $body;
+                    $at += LANES;
+                }
+                while $at < count {
+                    const $n: usize = 1;
+                    $body;
+                    $at += 1;
+                }
+            },
+        )
+    };
+}
+
+/// `N` entries of an array.
+#[inline(always)]
+fn part<const N: usize>(array: &[f64], at: usize) -> [f64; N] {
+    let mut part = [0.0; N];
+    part.copy_from_slice(&array[at..at + N]);
+    part
+}
+
+/// Sums or largest values of lanes.
+#[derive(Clone, Copy)]
+struct Lanes([f64; LANES]);
+
+impl Lanes {
+    #[inline(always)]
+    fn zeros() -> Self {
+        Self([0.0; LANES])
+    }
+
+    #[inline(always)]
+    fn add<const N: usize>(&mut self, values: [f64; N]) {
+        self.0.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+    }
+
+    #[inline(always)]
+    fn keep_largest<const N: usize>(&mut self, values: [f64; N]) {
+        self.0
+            .iter_mut()
+            .zip(values)
+            .for_each(|(most, value)| *most = if value > *most { value } else { *most });
+    }
+
+    fn sum(self) -> f64 {
+        self.0.iter().sum()
+    }
+
+    fn largest(self) -> f64 {
+        self.0.into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// The changes of distances by all parts of a step: at mu = 0, the factor of mu, corrections.
+pub(super) type Changes<'a> = [&'a [f64]; 3];
+
+/// The change of the distances of the entries from `at`.
+#[inline(always)]
+fn change<const N: usize>(changes: Changes<'_>, mu: f64, at: usize) -> [f64; N] {
+    let [zero, of_mu, corrections] = changes.map(|change| part::<N>(change, at));
+    std::array::from_fn(|c| zero[c] + mu * of_mu[c] + corrections[c])
+}
+
+/// Steps of slacks and multipliers for a barrier; `corrections` are added to `mu w`. The largest decrease of
+/// a slack and of a multiplier, in parts of these.
+pub(crate) fn steps(
+    barrier: &Barrier,
+    mu: f64,
+    changes: Changes<'_>,
+    corrections: &[f64],
+    slack_step: &mut [f64],
+    multiplier_step: &mut [f64],
+) -> [f64; 2] {
+    let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
+    let (distance, weight) = (&barrier.distance[..], &barrier.weight[..]);
+    let [mut primal, mut dual] = [Lanes::zeros(); 2];
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
+        let (change, more) = (change::<N>(changes, mu, at), part::<N>(corrections, at));
+        let ([mut ds, mut deta], [mut of_s, mut of_eta]) = ([[0.0; N]; 2], [[0.0; N]; 2]);
+        for c in 0..N {
+            let on = is_limit(s[c]);
+            let inverse = 1.0 / if on { s[c] } else { 1.0 };
+            let d = d[c] + change[c];
+            let (step, of) = (d - s[c], mu * w[c] + more[c] - eta[c] * d);
+            ds[c] = if on { step } else { 0.0 };
+            deta[c] = if on { of * inverse } else { 0.0 };
+            of_s[c] = -ds[c] * inverse;
+            of_eta[c] = if on { -deta[c] / eta[c] } else { 0.0 };
+        }
+        slack_step[at..at + N].copy_from_slice(&ds);
+        multiplier_step[at..at + N].copy_from_slice(&deta);
+        primal.keep_largest(of_s);
+        dual.keep_largest(of_eta);
+    });
+    for at in barrier.equations() {
+        let d = barrier.distance[at] + change::<1>(changes, mu, at)[0];
+        multiplier_step[at] = -barrier.curvature(at) * d;
+    }
+    [primal.largest(), dual.largest()]
+}
+
+/// Sum of slack times multiplier, after these parts of their steps.
+pub(crate) fn complementarity(barrier: &Barrier, after: Option<[(f64, &[f64]); 2]>) -> f64 {
+    let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
+    let [(primal, slack_step), (dual, multiplier_step)] = after.unwrap_or([(0.0, slack), (0.0, multiplier)]);
+    let mut sum = Lanes::zeros();
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (ds, deta) = (part::<N>(slack_step, at), part::<N>(multiplier_step, at));
+        let product = |c: usize| (s[c] + primal * ds[c]) * (eta[c] + dual * deta[c]);
+        sum.add::<N>(std::array::from_fn(|c| if is_limit(s[c]) { product(c) } else { 0.0 }));
+    });
+    sum.sum()
+}
+
+/// What the entries add to the slope of cost and barrier along a step.
+pub(crate) fn slope(barrier: &Barrier, mu: f64, changes: Changes<'_>, slack_step: &[f64]) -> f64 {
+    let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
+    let (distance, weight) = (&barrier.distance[..], &barrier.weight[..]);
+    let mut sum = Lanes::zeros();
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
+        let (change, ds) = (change::<N>(changes, mu, at), part::<N>(slack_step, at));
+        sum.add::<N>(std::array::from_fn(|c| {
+            let on = is_limit(s[c]);
+            let inverse = 1.0 / if on { s[c] } else { 1.0 };
+            let of_distance = eta[c] * (1.0 - d[c] * inverse) * change[c];
+            let sum = of_distance - mu * w[c] * ds[c] * inverse;
+            if on { sum } else { 0.0 }
+        }));
+    });
+    let of = |at: usize| {
+        let eta = barrier.multiplier[at] - barrier.curvature(at) * barrier.distance[at];
+        eta * change::<1>(changes, mu, at)[0]
+    };
+    sum.sum() + barrier.equations().map(of).sum::<f64>()
+}
+
+/// Sum of |d - s| in parts of ranges, weighted.
+pub(crate) fn infeasibility(barrier: &Barrier, distance: &[f64], slack: &[f64]) -> f64 {
+    let (weight, unit) = (&barrier.weight[..], &barrier.unit[..]);
+    let mut sum = Lanes::zeros();
+    for_vectors!(at in slack.len(), N => {
+        let (s, d) = (part::<N>(slack, at), part::<N>(distance, at));
+        let (w, unit) = (part::<N>(weight, at), part::<N>(unit, at));
+        let off = |c: usize| w[c] * unit[c] * (d[c] - s[c]).abs();
+        sum.add::<N>(std::array::from_fn(|c| if s[c] < f64::INFINITY { off(c) } else { 0.0 }));
+    });
+    sum.sum()
+}
+
+/// Slacks after the part `alpha` of a step: no less than the distance that is reached.
+pub(crate) fn trial_slacks(slack: &mut [f64], alpha: f64, slack_step: &[f64], distance: &[f64]) {
+    for_vectors!(at in slack.len(), N => {
+        let (s, d) = (part::<N>(slack, at), part::<N>(distance, at));
+        let step = part::<N>(slack_step, at);
+        let next: [f64; N] = std::array::from_fn(|c| {
+            let next = s[c] + alpha * step[c];
+            let next = if d[c] > next { d[c] } else { next };
+            if is_limit(s[c]) { next } else { s[c] }
+        });
+        slack[at..at + N].copy_from_slice(&next);
+    });
+}
+
+/// Takes the steps of multipliers: those of equations as far as the motion, the others this part, within a
+/// factor of `mu w / s` with the new slacks.
+pub(crate) fn take_multipliers(
+    barrier: &mut Barrier,
+    [primal, dual]: [f64; 2],
+    mu: f64,
+    multiplier_step: &[f64],
+) {
+    let (slack, weight, multiplier) = (&barrier.slack[..], &barrier.weight[..], &mut barrier.multiplier[..]);
+    for_vectors!(at in slack.len(), N => {
+        let (s, w) = (part::<N>(slack, at), part::<N>(weight, at));
+        let (eta, step) = (part::<N>(multiplier, at), part::<N>(multiplier_step, at));
+        let next: [f64; N] = std::array::from_fn(|c| {
+            let on = is_limit(s[c]);
+            let central = mu * w[c] / if on { s[c] } else { 1.0 };
+            let (low, high) = (central * (1.0 / FAR), central * FAR);
+            let next = eta[c] + dual * step[c];
+            let next = if next < low { low } else { next };
+            let next = if next > high { high } else { next };
+            if on { next } else { eta[c] }
+        });
+        multiplier[at..at + N].copy_from_slice(&next);
+    });
+    for at in &barrier.equations {
+        barrier.multiplier[*at] += primal * multiplier_step[*at];
+    }
+}
+
+/// Largest violation of a limit in parts of its range; 0 for none, infinite where a value is not a number.
+pub(crate) fn violation(barrier: &Barrier) -> f64 {
+    let (slack, distance, unit) = (&barrier.slack[..], &barrier.distance[..], &barrier.unit[..]);
+    let mut most = Lanes::zeros();
+    for_vectors!(at in slack.len(), N => {
+        let (s, d, unit) = (part::<N>(slack, at), part::<N>(distance, at), part::<N>(unit, at));
+        let of = |c: usize| {
+            let part = if is_limit(s[c]) { -d[c] * unit[c] } else { 0.0 };
+            if part.is_nan() { f64::INFINITY } else { part }
+        };
+        most.keep_largest::<N>(std::array::from_fn(of));
+    });
+    most.largest()
+}
+
+/// The sum of w log s. Slacks of one weight are multiplied before their logarithm is taken.
+pub(crate) fn logarithms(slack: &[f64], weight: &[f64]) -> f64 {
+    let (mut sum, mut product, mut last) = (0.0, 1.0_f64, 0.0);
+    for (&s, &w) in slack.iter().zip(weight).filter(|(s, _)| is_limit(**s)) {
+        if w != last || !(SMALLEST..LARGEST).contains(&product) {
+            sum += last * product.ln();
+            (product, last) = (1.0, w);
+        }
+        product *= s;
+    }
+    sum + last * product.ln()
+}
+
+/// Between these a product may be multiplied once more, with slacks from 1e-150 to 1e150.
+const SMALLEST: f64 = 1e-150;
+const LARGEST: f64 = 1e150;

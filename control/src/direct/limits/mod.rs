@@ -1,0 +1,12 @@
+//! What a motion has to keep: sides of limits, rows of tasks, powers, and what is given at the ends of phases.
+//!
+//! [`Barrier`](barrier::Barrier) holds all entries with their slacks and multipliers, and measures how far each of
+//! them is from its bound; [`entries`] are the loops over them.
+
+pub(super) mod barrier;
+pub(super) mod ends;
+pub(super) mod entries;
+pub(super) mod multipliers;
+pub(super) mod power;
+pub(super) mod side;
+pub(super) mod tasks;

@@ -1,0 +1,243 @@
+//! Rows of tasks along a motion and at the ends of its phases.
+
+use super::side::Side;
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::values::Points;
+use crate::task::build::TaskRows;
+use crate::task::functions::{PathFunction, TaskFunctions};
+use crate::task::row::Row;
+use costate::EvalError;
+
+/// The functions of a task, and room for one point.
+#[derive(Clone, Debug)]
+pub(crate) struct Tasks {
+    along: TaskFunctions,
+    /// At each end of a phase.
+    ends: Vec<TaskFunctions>,
+    /// 2n x 2n.
+    hessian: Vec<f64>,
+    /// q and v at an end.
+    state: Vec<f64>,
+    /// Largest |q| and |dq/dx| on an interval.
+    bounds: [Vec<f64>; 2],
+    /// dq/dx of each joint at five places of an interval.
+    quartics: Vec<[f64; 5]>,
+    /// q, v, a.
+    z: Vec<f64>,
+}
+
+impl Tasks {
+    /// Those of a robot with n joints.
+    pub fn new(rows: &TaskRows, n: usize) -> Self {
+        Self {
+            along: rows.along.clone(),
+            ends: rows.at_ends().cloned().collect(),
+            hessian: vec![0.0; 4 * n * n],
+            state: vec![0.0; 2 * n],
+            bounds: [vec![0.0; n], vec![0.0; n]],
+            quartics: vec![[0.0; 5]; n],
+            z: vec![0.0; 3 * n],
+        }
+    }
+
+    /// Number of rows along the motion.
+    pub fn rows(&self) -> usize {
+        self.along.rows()
+    }
+
+    /// Number of rows at all ends of phases.
+    pub fn end_rows(&self) -> usize {
+        self.ends.iter().map(PathFunction::rows).sum()
+    }
+
+    /// What holds along the motion.
+    pub fn sides(&self) -> impl Iterator<Item = Side> {
+        self.along.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row))
+    }
+
+    /// What holds at each end of a phase.
+    pub fn end_sides(&self) -> Vec<Vec<Side>> {
+        let sides = |functions: &TaskFunctions| {
+            functions.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row)).collect()
+        };
+        self.ends.iter().map(sides).collect()
+    }
+
+    /// Gives an equation at an end of a phase another right-hand side.
+    pub fn set_end_value(&mut self, end: usize, row: usize, value: f64) {
+        self.ends[end].set_value(row, value);
+    }
+
+    /// The rows along the motion at all points.
+    ///
+    /// # Errors
+    /// Positions or rates that are not finite.
+    pub fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        if self.along.is_empty() {
+            return Ok(());
+        }
+        let n = points.dof;
+        for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(points.rows)) {
+            self.along.values(&z[..n], &z[n..2 * n], g)?;
+        }
+        Ok(())
+    }
+
+    /// The rows at the ends.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn evaluate_ends(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+        let (n, mut first) = (spline.dof, 0);
+        for (end, functions) in self.ends.iter_mut().enumerate() {
+            if functions.is_empty() {
+                continue;
+            }
+            let g = &mut points.ends.g[first..first + functions.rows()];
+            spline.end(end, &mut self.state);
+            functions.values(&self.state[..n], &self.state[n..], g)?;
+            first += functions.rows();
+        }
+        Ok(())
+    }
+
+    /// All rows with their Jacobians; their weighted second derivatives are added to the Hessian at the
+    /// points.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn contract(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+        self.contract_points(points)?;
+        let (n, mut first) = (spline.dof, 0);
+        for (end, functions) in self.ends.iter_mut().enumerate() {
+            if functions.is_empty() {
+                continue;
+            }
+            let rows = first..first + functions.rows();
+            first = rows.end;
+            spline.end(end, &mut self.state);
+            let all = &mut points.ends;
+            all.hessian[end].fill(0.0);
+            functions.contract(
+                &self.state[..n],
+                &self.state[n..],
+                &all.weights[rows.clone()],
+                &mut all.g[rows.clone()],
+                &mut all.g_x[2 * n * rows.start..2 * n * rows.end],
+                &mut all.hessian[end],
+            )?;
+        }
+        Ok(())
+    }
+
+    fn contract_points(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        if self.along.is_empty() {
+            return Ok(());
+        }
+        let (n, rows) = (points.dof, points.rows);
+        for p in 0..points.count() {
+            let z = &points.z[3 * n * p..][..3 * n];
+            self.hessian.fill(0.0);
+            self.along.contract(
+                &z[..n],
+                &z[n..2 * n],
+                &points.g_weights[rows * p..][..rows],
+                &mut points.g[rows * p..][..rows],
+                &mut points.g_x[2 * n * rows * p..][..2 * n * rows],
+                &mut self.hessian,
+            )?;
+            let hessian = &mut points.hessian[9 * n * n * p..][..9 * n * n];
+            for (to, from) in hessian.chunks_exact_mut(3 * n).zip(self.hessian.chunks_exact(2 * n)) {
+                to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+            }
+        }
+        Ok(())
+    }
+
+    /// The largest violation of a clearance on interval `k`, in parts of its range; no two bodies pass
+    /// through each other unseen.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn sweep(&mut self, spline: &Spline, k: usize) -> Result<f64, EvalError> {
+        if self.along.is_empty() {
+            return Ok(0.0);
+        }
+        let n = spline.dof;
+        // dq/dx is a quartic, or a cubic.
+        let length = spline.length(k);
+        for j in 0..5 {
+            spline.in_interval(k, j as f64 / 4.0, &mut self.z);
+            self.quartics.iter_mut().zip(&self.z[n..]).for_each(|(quartic, v)| quartic[j] = length * v);
+        }
+        let [positions, rates] = &mut self.bounds;
+        for (i, values) in self.quartics.iter().enumerate() {
+            let most = bound_of_quartic(values);
+            // z is that of the end of the interval.
+            (rates[i], positions[i]) = (most, self.z[i].abs() + most);
+        }
+        let z = &mut self.z;
+        self.along.sweep([positions, rates], &mut self.state[..n], |x, q| {
+            spline.in_interval(k, x, z);
+            q.copy_from_slice(&z[..n]);
+        })
+    }
+
+    /// How far tools are off at an end of a phase in a state (q, v), in m and rad; the largest.
+    pub fn miss(&mut self, end: usize, state: &[f64]) -> f64 {
+        let (q, v) = state.split_at(state.len() / 2);
+        let end = &mut self.ends[end];
+        let mut g = vec![0.0; end.rows()];
+        if end.values(q, v, &mut g).is_err() {
+            return f64::INFINITY;
+        }
+        end.bounds().iter().zip(g).fold(0.0, |most, (row, g)| most.max(row.excess(g)))
+    }
+
+    /// What holds on a side, along the motion (`None`) or at an end.
+    pub fn row(&self, end: Option<usize>, side: &Side) -> &Row {
+        let functions = end.map_or(&self.along, |end| &self.ends[end]);
+        &functions.bounds()[side.joint]
+    }
+}
+
+/// A bound of a polynomial of degree four on [0, 1], from its values at 0, 1/4, 1/2, 3/4 and 1: the largest
+/// of its Bernstein coefficients, in whose range it is.
+fn bound_of_quartic(&[a, b, c, d, e]: &[f64; 5]) -> f64 {
+    let sum = (16.0 * (b + d) - 18.0 * c - 4.0 * (a + e)) / 3.0;
+    let difference = (16.0 * (b - d) - 5.0 * (a - e)) / 6.0;
+    let middle = (16.0 * c - a - e - 4.0 * sum) / 6.0;
+    let coefficients = [a, 0.5 * (sum + difference), middle, 0.5 * (sum - difference), e];
+    coefficients.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bound_of_quartic;
+
+    /// The bound, and the largest value at many places.
+    fn compare(f: impl Fn(f64) -> f64) -> (f64, f64) {
+        let bound = bound_of_quartic(&std::array::from_fn(|j| f(j as f64 / 4.0)));
+        let largest = (0..=1000).map(|j| f(f64::from(j) / 1000.0).abs()).fold(0.0, f64::max);
+        (bound, largest)
+    }
+
+    #[test]
+    fn quartics_stay_within_their_bounds() {
+        // Zero at the four places that tell a cubic.
+        let (bound, largest) = compare(|x| x * (x - 1.0 / 3.0) * (x - 2.0 / 3.0) * (x - 1.0));
+        assert!(largest > 0.01 && bound >= largest && bound < 10.0 * largest, "{bound} {largest}");
+        let mut random = fastrand::Rng::with_seed(2);
+        for _ in 0..300 {
+            let c: [f64; 5] = std::array::from_fn(|_| 2.0 * random.f64() - 1.0);
+            let (bound, largest) = compare(|x| c.iter().fold(0.0, |sum, c| sum * x + c));
+            assert!(bound >= largest * (1.0 - 1e-12) && bound < 12.0 * largest, "{c:?} {bound} {largest}");
+        }
+        // Bernstein's polynomials themselves.
+        for (i, factor) in [1.0, 4.0, 6.0, 4.0, 1.0].into_iter().enumerate() {
+            let power = i as i32;
+            let (bound, _) = compare(|x| factor * x.powi(power) * (1.0 - x).powi(4 - power));
+            assert!((bound - 1.0).abs() < 1e-13, "{i} {bound}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Where the direct method begins.
+
+use super::mesh::Mesh;
+use super::phase_times::{fill_rates, phase_times, ways, with_guesses};
+use super::shape::Shape;
+use super::spline::Spline;
+use crate::constants::direct::NEIGHBOUR;
+use crate::cubics::{Cubics, Disturbance};
+use crate::problem::{FinalTime, Problem};
+use crate::result::trajectory::Trajectory;
+use crate::task::build::TaskRows;
+use crate::task::reach::reach;
+use std::borrow::Cow;
+
+/// Cubics from end to end of the phases with a disturbance, or a saved motion, on so many equal intervals in
+/// each phase.
+pub(crate) fn guess(
+    problem: &Problem,
+    saved: Option<&Trajectory>,
+    disturbance: &Disturbance,
+    intervals: usize,
+) -> Spline {
+    let n = problem.robot.dof();
+    let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
+    let saved = saved.zip(duration);
+    let mut ends = with_guesses(problem);
+    let lengths =
+        saved.and_then(|(saved, _)| saved.phase_times()).filter(|all| all.len() == problem.phases());
+    let times = match (lengths, problem.time) {
+        (lengths, FinalTime::Free { guess }) => {
+            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), duration.unwrap_or(guess))
+        }
+        (lengths, FinalTime::Fixed(time)) => {
+            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), time)
+        }
+    };
+    fill_rates(problem, &mut ends, &times);
+    let phases: Vec<Problem> = ends
+        .windows(2)
+        .zip(&times)
+        .map(|(ends, &time)| Problem {
+            start: ends[0].clone(),
+            end: ends[1].clone(),
+            time: FinalTime::Fixed(time),
+            ..problem.clone()
+        })
+        .collect();
+    let sum: f64 = times.iter().sum();
+    let began: Vec<f64> = (0..times.len()).map(|phase| times[..phase].iter().sum()).collect();
+    // q and dq/ds at a place of a phase.
+    let at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
+        let (part, time) = (s - phase as f64, times[phase]);
+        let found = saved.and_then(|(saved, duration)| {
+            let since = (began[phase] + part * time) / sum * duration;
+            Some((saved.at((saved.t[0] + since).min(*saved.t.last()?))?, duration / sum))
+        });
+        match found {
+            Some((point, stretch)) => {
+                q.copy_from_slice(&point.q);
+                rate.iter_mut().zip(&point.v).for_each(|(rate, v)| *rate = stretch * time * v);
+            }
+            None => {
+                let cubics = Cubics { problem: &phases[phase], disturbance, goal: 1.0 };
+                for (i, (q, rate)) in q.iter_mut().zip(rate).enumerate() {
+                    let at = cubics.at(i, part);
+                    (*q, *rate) = (at.q, time * at.v);
+                }
+            }
+        }
+    };
+    // The second derivative is that of rates around the place: for a guess as good as the exact one.
+    let step = NEIGHBOUR / intervals as f64;
+    let (mut q, mut before, mut after) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let state = |phase: usize, s: f64, z: &mut [f64]| {
+        let (left, right) = ((s - step).max(phase as f64), (s + step).min(phase as f64 + 1.0));
+        at(phase, left, &mut q, &mut before);
+        at(phase, right, &mut q, &mut after);
+        let (position, rates) = z.split_at_mut(n);
+        let (rate, curvature) = rates.split_at_mut(n);
+        at(phase, s, position, rate);
+        for ((to, before), after) in curvature.iter_mut().zip(&before).zip(&after) {
+            *to = (after - before) / (right - left);
+        }
+    };
+    let mesh = Mesh::new(Mesh::even(times.len(), intervals), Shape::of(problem));
+    let mut spline = Spline::through(n, mesh, times.clone(), state);
+    meet_ends(problem, &mut spline);
+    spline
+}
+
+/// Puts what is given at the ends of phases into the unknowns; the end of a periodic motion follows its
+/// start.
+fn meet_ends(problem: &Problem, spline: &mut Spline) {
+    let n = spline.dof;
+    for (number, end) in problem.ends().iter().enumerate() {
+        let place = spline.end_unknowns(number);
+        let unknowns = &mut spline.unknowns[place];
+        for i in 0..n {
+            if !end.q_free.contains(&i) {
+                unknowns[i] = end.q[i];
+            }
+            if !end.v_free.contains(&i) {
+                unknowns[n + i] = end.v[i];
+            }
+        }
+        if let Some(a) = &end.a {
+            unknowns[2 * n..].iter_mut().zip(a).for_each(|(to, a)| *to = *a);
+        }
+    }
+    let Some(shift) = &problem.periodic else { return };
+    let (start, end) = (spline.end_unknowns(0), spline.end_unknowns(spline.mesh.phases()));
+    for (k, (from, to)) in start.zip(end).enumerate() {
+        spline.unknowns[to] = spline.unknowns[from] + shift.get(k).copied().unwrap_or(0.0);
+    }
+}
+
+/// The problem with positions at the ends of its phases at which tools are where they shall be. Later starts
+/// look for other ones.
+pub(crate) fn with_tools_reached<'a>(
+    problem: &'a Problem,
+    rows: &TaskRows,
+    number: usize,
+) -> Cow<'a, Problem> {
+    let mut found = Cow::Borrowed(problem);
+    let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
+    let phases = problem.phases();
+    for (end, rows) in rows.at_ends().enumerate() {
+        if rows.is_empty() {
+            continue;
+        }
+        // Vias with tools before this one are known now.
+        let state = &with_guesses(&found)[end];
+        let reached = reach(&mut rows.clone(), &state.q, &state.q_free, &limits, number);
+        let problem = found.to_mut();
+        match end {
+            0 => problem.start.q = reached.q,
+            _ if end == phases => problem.end.q = reached.q,
+            _ => {
+                let via = &mut problem.vias[end - 1];
+                (via.q, via.q_free) = (Some(reached.q), state.q_free.clone());
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,12 @@
+//! Motions as piecewise polynomials: the mesh, how smooth a motion is, positions and rates from the unknowns at
+//! nodes and in intervals, and the times of phases.
+//!
+//! A [`guess`](guess::guess) gives the first motion. Nothing here knows of a robot's dynamics or of limits.
+
+pub(super) mod basis;
+pub(super) mod guess;
+pub(super) mod mesh;
+pub(super) mod phase_times;
+pub(super) mod shape;
+pub(super) mod spline;
+pub(super) mod times;

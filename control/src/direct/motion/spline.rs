@@ -1,0 +1,318 @@
+//! Motions as piecewise polynomials in s: in phase p, which takes the time T_p, s = p + (t - t_p) / T_p.
+
+use super::basis::Basis;
+use super::mesh::Mesh;
+use super::shape::Shape;
+use std::sync::Arc;
+
+/// q(s) on [0, K], a polynomial of degree four or five on each interval ([`Shape`]); and the times of the K
+/// phases.
+///
+/// Derivatives in s jump where one phase ends and the next one begins, those in time do not. So the unknowns
+/// at the ends of phases are derivatives in time, and each interval depends on the time of its own phase
+/// alone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Spline {
+    /// Number of joints.
+    pub dof: usize,
+    pub mesh: Arc<Mesh>,
+    /// q and dq/ds at each node, n entries each, and the second derivative where it is continuous; at the
+    /// ends of phases q, v and the acceleration. Then the heights of the bubbles of each interval, n entries,
+    /// where there are any.
+    pub unknowns: Vec<f64>,
+    /// T_p (s).
+    pub times: Vec<f64>,
+}
+
+/// The unknowns of an interval that are derivatives in time: at an end of a phase that is an end of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TimeDerivative {
+    /// Their number among the coefficients of the interval and a joint.
+    pub column: usize,
+    /// Their order, m: the coefficient is T^m times the unknown.
+    pub order: f64,
+    /// The first of them among all unknowns.
+    pub first: usize,
+}
+
+impl Spline {
+    /// The number of unknowns of n joints.
+    pub fn size(n: usize, intervals: usize, shape: Shape) -> usize {
+        shape.node() * n * (intervals + 1) + shape.inner() * n * intervals
+    }
+
+    /// Number of unknowns at a node.
+    #[inline(always)]
+    pub fn node(&self) -> usize {
+        self.mesh.shape.node() * self.dof
+    }
+
+    /// Takes another motion; allocates only if that is longer than ever before.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.dof = other.dof;
+        self.times.clone_from(&other.times);
+        self.mesh.clone_from(&other.mesh);
+        self.unknowns.clone_from(&other.unknowns);
+    }
+
+    /// The unknowns of an interval: heights of bubbles, states of both ends.
+    #[inline(always)]
+    pub fn of_interval<'a>(&self, unknowns: &'a [f64], k: usize) -> (&'a [f64], &'a [f64]) {
+        let (node, inner) = (self.node(), self.mesh.shape.inner() * self.dof);
+        let (ends, inners) = unknowns.split_at(node * self.mesh.nodes.len());
+        (&inners[inner * k..inner * (k + 1)], &ends[node * k..node * (k + 2)])
+    }
+
+    /// The time of the phase of an interval (s).
+    #[inline(always)]
+    pub fn clock(&self, k: usize) -> f64 {
+        self.times[self.mesh.phase(k)]
+    }
+
+    /// How long an interval takes (s).
+    pub fn length(&self, k: usize) -> f64 {
+        self.clock(k) * self.mesh.width(k)
+    }
+
+    /// How long the motion takes (s).
+    pub fn duration(&self) -> f64 {
+        self.times.iter().sum()
+    }
+
+    /// The time at s (s).
+    pub fn time_at(&self, s: f64) -> f64 {
+        let parts = self.times.iter().enumerate();
+        parts.map(|(phase, time)| time * (s - phase as f64).clamp(0.0, 1.0)).sum()
+    }
+
+    /// s at a time.
+    pub fn place_of(&self, time: f64) -> f64 {
+        let mut rest = time.max(0.0);
+        for (phase, length) in self.times.iter().enumerate() {
+            if rest < *length {
+                return phase as f64 + rest / length;
+            }
+            rest -= length;
+        }
+        self.times.len() as f64
+    }
+
+    /// The weight of a point in the integral over time.
+    #[inline(always)]
+    pub fn weight(&self, p: usize) -> f64 {
+        self.mesh.point(p).1 * self.clock(self.mesh.interval_of(p).0)
+    }
+
+    /// What the unknowns at a node are divided by to get derivatives in time of the first order.
+    pub fn clock_at(&self, node: usize) -> f64 {
+        if self.mesh.is_end(node) { 1.0 } else { self.clock(node) }
+    }
+
+    /// The unknowns of an end of a phase among all.
+    pub fn end_unknowns(&self, end: usize) -> std::ops::Range<usize> {
+        let first = self.node() * self.mesh.ends()[end];
+        first..first + self.node()
+    }
+
+    /// q and v at an end of a phase, 2n numbers.
+    pub fn end(&self, end: usize, state: &mut [f64]) {
+        state.copy_from_slice(&self.unknowns[self.end_unknowns(end)][..2 * self.dof]);
+    }
+
+    /// The unknowns of an interval that are derivatives in time.
+    #[inline(always)]
+    pub(crate) fn time_derivatives(&self, k: usize) -> impl Iterator<Item = TimeDerivative> + use<> {
+        let (n, order, inner) = (self.dof, self.mesh.shape.node(), self.mesh.shape.inner());
+        let ends = [self.mesh.is_end(k), self.mesh.is_end(k + 1)];
+        (0..2).filter(move |&side| ends[side]).flat_map(move |side| {
+            (1..order).map(move |m| TimeDerivative {
+                column: inner + order * side + m,
+                order: m as f64,
+                first: n * (order * (k + side) + m),
+            })
+        })
+    }
+
+    /// A basis of interval `k` over its unknowns: derivatives in s.
+    #[inline(always)]
+    fn over_unknowns(&self, k: usize, mut basis: Basis) -> Basis {
+        if self.mesh.is_end(k) || self.mesh.is_end(k + 1) {
+            let time = self.clock(k);
+            for TimeDerivative { column, order, .. } in self.time_derivatives(k) {
+                let factor = if order == 1.0 { time } else { time * time };
+                basis.rows.iter_mut().for_each(|row| row[column] *= factor);
+            }
+        }
+        basis
+    }
+
+    /// The basis at point `j` of an interval over its unknowns.
+    #[inline(always)]
+    pub(crate) fn basis(&self, k: usize, j: usize) -> Basis {
+        self.over_unknowns(k, *self.mesh.basis(k, j))
+    }
+
+    /// The same at one of Gauss's points, where accelerations are continuous.
+    pub(crate) fn gauss_basis(&self, k: usize, j: usize) -> Basis {
+        self.over_unknowns(k, *self.mesh.gauss_basis(k, j))
+    }
+
+    /// The same at the part `x` of an interval.
+    pub(super) fn basis_at(&self, k: usize, x: f64) -> Basis {
+        self.over_unknowns(k, Basis::at(self.mesh.shape, x, self.mesh.width(k)))
+    }
+
+    /// q, v, a at all points, 3n numbers a point.
+    pub fn evaluate(&self, z: &mut [f64]) {
+        for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
+            let (k, j) = self.mesh.interval_of(p);
+            let (inner, ends) = self.of_interval(&self.unknowns, k);
+            self.basis(k, j).combine(self.dof, inner, ends, z);
+            self.scale(k, z);
+        }
+    }
+
+    /// q, v, a at the part `x` of interval `k`, 3n numbers; with the jerk 4n.
+    pub fn in_interval(&self, k: usize, x: f64, z: &mut [f64]) {
+        self.in_parts(k, x, z);
+        self.scale(k, z);
+    }
+
+    /// The same with derivatives in s.
+    pub fn in_parts(&self, k: usize, x: f64, z: &mut [f64]) {
+        let (inner, ends) = self.of_interval(&self.unknowns, k);
+        self.basis_at(k, x).combine(self.dof, inner, ends, z);
+    }
+
+    /// Derivatives in s become derivatives in time.
+    #[inline(always)]
+    fn scale(&self, k: usize, z: &mut [f64]) {
+        let (rate, mut factor) = (1.0 / self.clock(k), 1.0);
+        for derivatives in z.chunks_exact_mut(self.dof).skip(1) {
+            factor *= rate;
+            derivatives.iter_mut().for_each(|derivative| *derivative *= factor);
+        }
+    }
+
+    /// A motion through the states and positions that `at` gives in a phase: q and its first two derivatives
+    /// in s, n numbers each, at nodes and in the middle of intervals.
+    pub fn through(
+        n: usize,
+        mesh: Arc<Mesh>,
+        times: Vec<f64>,
+        mut at: impl FnMut(usize, f64, &mut [f64]),
+    ) -> Self {
+        let shape = mesh.shape;
+        let unknowns = vec![0.0; Self::size(n, mesh.intervals(), shape)];
+        let mut spline = Self { dof: n, mesh, unknowns, times };
+        let (node, mut state, mut z) = (shape.node() * n, vec![0.0; 3 * n], vec![0.0; 3 * n]);
+        for k in 0..spline.mesh.nodes.len() {
+            let interval = k.min(spline.mesh.intervals() - 1);
+            at(spline.mesh.phase(interval), spline.mesh.nodes[k], &mut state);
+            if spline.mesh.is_end(k) {
+                spline.scale(interval, &mut state);
+            }
+            spline.unknowns[node * k..node * (k + 1)].copy_from_slice(&state[..node]);
+        }
+        let first = node * spline.mesh.nodes.len();
+        for k in 0..if shape.inner() > 0 { spline.mesh.intervals() } else { 0 } {
+            at(spline.mesh.phase(k), spline.mesh.nodes[k] + 0.5 * spline.mesh.width(k), &mut state);
+            spline.in_parts(k, 0.5, &mut z);
+            let bubble = &mut spline.unknowns[first + n * k..first + n * (k + 1)];
+            bubble.iter_mut().zip(state.iter().zip(&z)).for_each(|(bubble, (q, cubic))| *bubble = q - cubic);
+        }
+        spline
+    }
+
+    /// The same motion on other nodes: exact where they contain those of this motion.
+    pub fn on_nodes(&self, nodes: Vec<f64>) -> Self {
+        let (n, shape) = (self.dof, self.mesh.shape);
+        let at = |phase: usize, s: f64, z: &mut [f64]| {
+            let (k, x) = self.mesh.place_in(phase, s);
+            self.in_parts(k, x, z);
+        };
+        let mut spline = Self::through(n, Mesh::new(nodes, shape), self.times.clone(), at);
+        for end in 0..=self.mesh.phases() {
+            let state = &self.unknowns[self.end_unknowns(end)];
+            let place = spline.end_unknowns(end);
+            spline.unknowns[place].copy_from_slice(state);
+        }
+        spline
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Mesh, Shape, Spline};
+
+    /// Random motions of two joints: one phase, and two of different times.
+    fn motions(shape: Shape) -> [(Spline, Vec<f64>); 2] {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut motion = |nodes: Vec<f64>, times: Vec<f64>, finer: Vec<f64>| {
+            let mesh = Mesh::new(nodes, shape);
+            let size = Spline::size(2, mesh.intervals(), shape);
+            let unknowns = (0..size).map(|_| random.f64() - 0.5).collect();
+            (Spline { dof: 2, mesh, unknowns, times }, finer)
+        };
+        [
+            motion(vec![0.0, 0.3, 0.4, 1.0], vec![1.7], vec![0.0, 0.1, 0.3, 0.35, 0.4, 0.9, 1.0]),
+            motion(
+                vec![0.0, 0.6, 1.0, 1.5, 1.75, 2.0],
+                vec![1.7, 0.6],
+                vec![0.0, 0.1, 0.6, 1.0, 1.25, 1.5, 1.75, 2.0],
+            ),
+        ]
+    }
+
+    fn sample(spline: &Spline, s: f64, z: &mut [f64]) {
+        let (k, x) = spline.mesh.place(s);
+        spline.in_interval(k, x, z);
+    }
+
+    #[test]
+    fn a_finer_mesh_carries_the_same_motion() {
+        for shape in [Shape::Quartic, Shape::Quintic] {
+            for (spline, nodes) in motions(shape) {
+                let finer = spline.on_nodes(nodes);
+                let phases = spline.mesh.phases() as f64;
+                let (mut found, mut expected) = ([0.0; 8], [0.0; 8]);
+                for i in 0..=50 {
+                    let s = phases * f64::from(i) / 50.0;
+                    sample(&finer, s, &mut found);
+                    sample(&spline, s, &mut expected);
+                    let size = expected.iter().fold(1.0, |most: f64, z| most.max(z.abs()));
+                    assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11 * size), "{s}");
+                    assert!((spline.place_of(spline.time_at(s)) - s).abs() < 1e-14);
+                }
+                let mut z = vec![0.0; 6 * spline.mesh.points()];
+                spline.evaluate(&mut z);
+                let mut sum = 0.0;
+                for p in 0..spline.mesh.points() {
+                    let (k, j) = spline.mesh.interval_of(p);
+                    spline.in_interval(k, shape.places()[j], &mut expected[..6]);
+                    assert!(z[6 * p..6 * p + 6].iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11));
+                    sum += spline.weight(p);
+                }
+                assert!((sum - spline.duration()).abs() < 1e-14);
+                let points: Vec<usize> =
+                    (0..spline.mesh.phases()).flat_map(|phase| spline.mesh.points_of_phase(phase)).collect();
+                assert_eq!(points, (0..spline.mesh.points()).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
+    fn rates_do_not_jump_nor_accelerations_of_quintics() {
+        for (shape, orders) in [(Shape::Quartic, 2), (Shape::Quintic, 3)] {
+            for (spline, _) in motions(shape) {
+                for k in 0..spline.mesh.intervals() - 1 {
+                    let (mut left, mut right) = ([0.0; 6], [0.0; 6]);
+                    spline.in_interval(k, 1.0, &mut left);
+                    spline.in_interval(k + 1, 0.0, &mut right);
+                    let pairs = left.iter().zip(&right).take(2 * orders);
+                    assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12), "{left:?} {right:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The metric of damping: how far a step moves the accelerations, and a little the rates and positions, as
+//! torques.
+
+use super::interval::{IntervalHessian, row_length};
+use crate::constants::direct::REST_OF_METRIC;
+use crate::direct::motion::shape::Shape;
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::values::Points;
+use crate::numerics::chain::ChainMatrix;
+
+/// Room for the metric of a point, and of an interval.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Metric {
+    hessian: Vec<f64>,
+    interval: IntervalHessian,
+}
+
+impl Metric {
+    /// Room for n joints.
+    pub fn new(n: usize, shape: Shape) -> Self {
+        Self { hessian: vec![0.0; 3 * n * row_length(n)], interval: IntervalHessian::new(n, shape) }
+    }
+
+    /// Adds `sum w T ((M da)' R (M da) + c (M dv/T)' R (M dv/T) + c (M dq/T^2)' R (M dq/T^2))` to a matrix of
+    /// zeros; R is diagonal, `weights`. With the small part c every change costs something, that of positions
+    /// alone too, which is left where they are free at both ends.
+    pub fn fill(&mut self, matrix: &mut ChainMatrix, spline: &Spline, points: &Points, weights: &[f64]) {
+        let (n, width) = (spline.dof, 3 * spline.dof);
+        for p in 0..points.count() {
+            let weight = spline.weight(p);
+            let tau_z = points.tau_z(p);
+            let time = spline.clock(spline.mesh.interval_of(p).0);
+            let rate = 1.0 / (time * time);
+            let of_states = [REST_OF_METRIC * rate * rate, REST_OF_METRIC * rate];
+            for i in 0..n {
+                for j in 0..n {
+                    let entries = (0..n).map(|l| {
+                        let row = &tau_z[width * l + 2 * n..][..n];
+                        weights[l] * row[i] * row[j]
+                    });
+                    let square = weight * entries.sum::<f64>();
+                    for (group, part) in of_states.into_iter().chain([1.0]).enumerate() {
+                        self.hessian[row_length(n) * (n * group + i) + n * group + j] = part * square;
+                    }
+                }
+            }
+            let (k, j) = spline.mesh.interval_of(p);
+            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            self.interval.take(j, n, factors, &self.hessian);
+            let points = spline.mesh.own_points(k);
+            if j + 1 == points {
+                self.interval.add_to(matrix, k, n, points);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Metric;
+    use crate::direct::interior::iterate::tests::started;
+    use crate::direct::motion::shape::Shape;
+    use crate::numerics::chain::ChainMatrix;
+
+    #[test]
+    fn nothing_that_is_free_is_undamped() {
+        for shape in [Shape::Quartic, Shape::Quintic] {
+            let mut interior = started(shape);
+            interior.refresh().unwrap();
+            // Nothing is removed: a path that is moved as a whole has other positions alone.
+            let mut matrix = ChainMatrix::new(shape.node() * 2, shape.inner() * 2);
+            matrix.reset(interior.spline.mesh.intervals());
+            let (spline, points) = (&interior.spline, &interior.points);
+            Metric::new(2, shape).fill(&mut matrix, spline, points, &[1.0, 0.3]);
+            assert!(matrix.factorise().is_ok(), "{shape:?}");
+        }
+    }
+}

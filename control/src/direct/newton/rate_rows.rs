@@ -1,0 +1,93 @@
+//! Derivatives of jerks and rates of torques by the unknowns of an interval and by T.
+
+use super::point_terms::Work;
+use crate::direct::motion::shape::{MOST_POINTS, POINTS};
+use crate::direct::motion::spline::{Spline, TimeDerivative};
+use crate::direct::points::rates::SLOPES;
+use crate::direct::points::values::Points;
+
+/// Room for the rows of an interval.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RateRows {
+    /// Derivatives of the torques at the points by the unknowns of the interval, n rows a point, and by T.
+    by_unknowns: Vec<f64>,
+    by_time: Vec<f64>,
+    /// The derivative of one value.
+    pub row: Vec<f64>,
+    work: Work,
+}
+
+impl RateRows {
+    /// For n joints.
+    pub fn new(n: usize) -> Self {
+        Self { work: Work::new(n, [0; 2]), ..Self::default() }
+    }
+
+    /// Derivatives of a jerk at one of Gauss's points by the unknowns of the interval, as the row; the first
+    /// and the second one by T.
+    pub fn take_jerk(&mut self, k: usize, j: usize, i: usize, spline: &Spline, points: &Points) -> [f64; 2] {
+        let (n, inverse) = (spline.dof, 1.0 / spline.clock(k));
+        let count = spline.mesh.shape.coefficients();
+        self.row.clear();
+        self.row.resize(count * n, 0.0);
+        for (b, factor) in spline.gauss_basis(k, j).rows[3][..count].iter().enumerate() {
+            self.row[b * n + i] = factor * inverse * inverse * inverse;
+        }
+        let jerk = points.rates.jerk[n * (POINTS * k + j) + i];
+        let (mut by_time, mut second) = (-3.0 * jerk, 12.0 * jerk);
+        // Terms with the powers T^(m - 3).
+        for TimeDerivative { column, order, first } in spline.time_derivatives(k) {
+            let part = order * self.row[column * n + i] * spline.unknowns[first + i];
+            by_time += part;
+            second += part * (order - 7.0);
+        }
+        [inverse * by_time, inverse * inverse * second]
+    }
+
+    /// The same of the rate of a torque, after the torques.
+    pub fn take_torque_rate(
+        &mut self,
+        k: usize,
+        j: usize,
+        i: usize,
+        spline: &Spline,
+        points: &Points,
+    ) -> f64 {
+        let (n, inverse) = (spline.dof, 1.0 / spline.clock(k));
+        let size = spline.mesh.shape.coefficients() * n;
+        let (scale, mut by_time) = (inverse / spline.mesh.width(k), 0.0);
+        self.row.clear();
+        self.row.resize(size, 0.0);
+        for (m, slope) in SLOPES[j].iter().enumerate() {
+            let by_unknowns = &self.by_unknowns[size * (n * m + i)..][..size];
+            self.row.iter_mut().zip(by_unknowns).for_each(|(to, entry)| *to += scale * slope * entry);
+            by_time += scale * slope * self.by_time[n * m + i];
+        }
+        by_time - inverse * points.rates.torque[n * (POINTS * k + j) + i]
+    }
+
+    /// Derivatives of the torques at the points of an interval.
+    pub fn differentiate_torques(&mut self, k: usize, spline: &Spline, points: &Points) {
+        let (n, inverse, mesh) = (spline.dof, 1.0 / spline.clock(k), &spline.mesh);
+        let count = mesh.shape.coefficients();
+        self.by_unknowns.clear();
+        self.by_unknowns.resize(MOST_POINTS * n * count * n, 0.0);
+        self.by_time.clear();
+        for m in 0..MOST_POINTS {
+            let p = mesh.first_point(k) + m;
+            let (factors, tau_z) = (spline.basis(k, m).in_time(inverse), points.tau_z(p));
+            self.work.differentiate_in_time(points.z(p), spline, k, &factors);
+            for (i, tau_z) in tau_z.chunks_exact(3 * n).enumerate() {
+                self.by_time.push(tau_z.iter().zip(&self.work.z_t).map(|(a, b)| a * b).sum());
+                let row = &mut self.by_unknowns[count * n * (n * m + i)..][..count * n];
+                for (b, row) in row.chunks_exact_mut(n).enumerate() {
+                    for (l, entry) in row.iter_mut().enumerate() {
+                        *entry = factors[0][b] * tau_z[l]
+                            + factors[1][b] * tau_z[n + l]
+                            + factors[2][b] * tau_z[2 * n + l];
+                    }
+                }
+            }
+        }
+    }
+}

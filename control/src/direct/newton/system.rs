@@ -1,0 +1,316 @@
+//! Newton's equations: second derivatives of the Lagrangian of the barrier problem in the unknowns.
+
+use super::border::Border;
+use super::end_columns::EndColumns;
+use super::interval::{IntervalHessian, add_by_time, add_gradient, row_length};
+use super::metric::Metric;
+use super::point_terms::{Work, side_terms};
+use super::rate_rows::RateRows;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::ends::Ends;
+use crate::direct::limits::side::Limited;
+use crate::direct::motion::shape::Shape;
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::running::Running;
+use crate::direct::points::values::Points;
+use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite, dot};
+use crate::numerics::widest::widest_fused;
+
+/// The equations `[K B; B' C] (dx, dy) = -(g, g_y)`, g = g_0 + mu g_1, for the unknowns x of a spline and
+/// those that are shared, y: parameters of the times of its phases, and states at both ends of a motion whose
+/// end follows its start. Slacks and multipliers are eliminated at each point ([`side_terms`]).
+#[derive(Clone, Debug)]
+pub(crate) struct System {
+    pub(super) matrix: ChainMatrix,
+    pub(super) factor: ChainMatrix,
+    damping: ChainMatrix,
+    damping_is_current: bool,
+    /// Gradients in x at mu = 0 and its factor of mu.
+    pub gradient: [Vec<f64>; 2],
+    /// The same in y.
+    pub shared_gradient: [Vec<f64>; 2],
+    pub(super) border: Border,
+    /// What the equations have for the given ends.
+    pub(crate) at_ends: EndColumns,
+    pub(super) by_times: ByTimes,
+    /// The metric of damping in the times: cost over the squares of times.
+    time_metric: Vec<f64>,
+    /// Gradient of corrections, in x, in the times and in y.
+    pub(crate) correction: Vec<f64>,
+    pub(crate) time_correction: Vec<f64>,
+    pub(crate) shared_correction: Vec<f64>,
+    pub(crate) work: Work,
+    /// Whether second derivatives of torques and rows count.
+    pub exact: bool,
+    interval: IntervalHessian,
+    metric: Metric,
+    pub(super) rate_rows: RateRows,
+}
+
+/// Derivatives by the time of each phase.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ByTimes {
+    /// Gradients, as those in x.
+    pub gradient: [Vec<f64>; 2],
+    /// Of the gradient in x.
+    pub columns: Vec<Vec<f64>>,
+    /// Second ones. No two phases have any together.
+    pub second: Vec<f64>,
+}
+
+impl ByTimes {
+    fn reset(&mut self, phases: usize, size: usize) {
+        for list in self.gradient.iter_mut().chain([&mut self.second]) {
+            list.clear();
+            list.resize(phases, 0.0);
+        }
+        self.columns.resize_with(phases, Vec::new);
+        for column in &mut self.columns {
+            column.clear();
+            column.resize(size, 0.0);
+        }
+    }
+}
+
+impl System {
+    /// For n joints and so many rows of tasks and of powers.
+    pub fn new(n: usize, shape: Shape, rows: [usize; 2]) -> Self {
+        let empty = || ChainMatrix::new(shape.node() * n, shape.inner() * n);
+        Self {
+            matrix: empty(),
+            factor: empty(),
+            damping: empty(),
+            damping_is_current: false,
+            gradient: [Vec::new(), Vec::new()],
+            shared_gradient: Default::default(),
+            border: Border::default(),
+            at_ends: EndColumns::new(n, shape),
+            by_times: ByTimes::default(),
+            time_metric: Vec::new(),
+            correction: Vec::new(),
+            time_correction: Vec::new(),
+            shared_correction: Vec::new(),
+            work: Work::new(n, rows),
+            exact: true,
+            interval: IntervalHessian::new(n, shape),
+            metric: Metric::new(n, shape),
+            rate_rows: RateRows::new(n),
+        }
+    }
+
+    /// Assembles the equations from contracted points.
+    pub fn assemble(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+        ends: &Ends,
+    ) {
+        widest_fused(
+            #[inline(always)]
+            |_| self.assemble_all(spline, points, barrier, running, ends),
+        );
+    }
+
+    #[inline(always)]
+    fn assemble_all(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+        ends: &Ends,
+    ) {
+        self.matrix.reset(spline.mesh.intervals());
+        self.damping_is_current = false;
+        for vector in &mut self.gradient {
+            vector.clear();
+            vector.resize(spline.unknowns.len(), 0.0);
+        }
+        self.by_times.reset(spline.mesh.phases(), spline.unknowns.len());
+        self.by_times.gradient[0].fill(running.time);
+        self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
+        for p in 0..points.count() {
+            self.add_point(p, spline, points, barrier, running);
+        }
+        self.add_rates(spline, points);
+        for k in 0..spline.mesh.nodes.len() {
+            self.add_node(k, spline, barrier);
+        }
+        self.add_ends(spline, points, barrier);
+        if ends.times.count() > 0 {
+            let cost = running.cost(spline, points).abs() / spline.duration();
+            self.time_metric.clear();
+            self.time_metric.extend(spline.times.iter().map(|time| cost / time));
+        }
+        self.at_ends.take(&self.matrix, &self.by_times.columns, spline.mesh.intervals());
+        self.fix(ends, spline);
+    }
+
+    /// Adds a point: its gradients and its Hessian in z become those in the unknowns and in the time of its
+    /// phase.
+    #[inline(always)]
+    fn add_point(
+        &mut self,
+        p: usize,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+    ) {
+        let (k, j) = spline.mesh.interval_of(p);
+        let (n, phase, inverse) = (points.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
+        let factors = spline.basis(k, j).in_time(inverse);
+        let work = &mut self.work;
+        let (weight, cost) = work.collect(p, self.exact, spline, points, barrier, running);
+        work.differentiate_in_time(points.z(p), spline, k, &factors);
+        let [gradient, at_zero, of_mu, slope] = &mut work.z;
+        let by_times = &mut self.by_times;
+        by_times.gradient[0][phase] += weight * cost + dot(at_zero, &work.z_t);
+        by_times.gradient[1][phase] += dot(of_mu, &work.z_t);
+        let mut second = dot(gradient, &work.z_tt) + 2.0 * dot(slope, &work.z_t);
+        for (i, row) in work.hessian.chunks_exact(row_length(n)).enumerate() {
+            let product = dot(row, &work.z_t);
+            second += work.z_t[i] * product;
+            slope[i] += product + [0.0, -inverse, -2.0 * inverse][i / n] * gradient[i];
+        }
+        by_times.second[phase] += second;
+        self.interval.take(j, n, factors, &work.hessian);
+        let own = spline.mesh.own_points(k);
+        if j + 1 == own {
+            self.interval.add_to(&mut self.matrix, k, n, own);
+        }
+        let column = &mut by_times.columns[phase];
+        let targets = self.gradient.iter_mut().chain([&mut *column]);
+        for (to, from) in targets.zip(&work.z[1..]) {
+            add_gradient(spline, k, &factors, from, to);
+        }
+        add_by_time(spline, k, &factors, &work.z[0], column);
+        if k == 0 || k + 1 == spline.mesh.intervals() {
+            add_gradient(spline, k, &factors, &work.z[0], &mut self.at_ends.gradient);
+        }
+    }
+
+    /// Adds the limits of positions and rates at a node.
+    fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
+        let (n, node) = (spline.dof, spline.node());
+        let (first, inverse) = (node * k, 1.0 / spline.clock_at(k));
+        for at in barrier.at_node(k) {
+            let side = barrier.side(at);
+            let ([gradient, at_zero, of_mu], sigma) = side_terms(barrier, at, side.sign);
+            let i = side.index(n);
+            let is_rate = side.limited == Limited::Rate;
+            let scale = if is_rate { inverse } else { 1.0 };
+            self.gradient[0][first + i] += scale * at_zero;
+            self.gradient[1][first + i] += scale * of_mu;
+            self.matrix.node_rows(k)[(2 * node + 1) * i] += scale * scale * sigma;
+            if is_rate && !spline.mesh.is_end(k) {
+                // v = q'/T.
+                let (v, phase) = (inverse * spline.unknowns[first + i], spline.mesh.phase(k));
+                let (slope, by_times) = (-inverse * v, &mut self.by_times);
+                by_times.gradient[0][phase] += slope * at_zero;
+                by_times.gradient[1][phase] += slope * of_mu;
+                by_times.second[phase] += slope * slope * sigma + 2.0 * inverse * inverse * v * gradient;
+                by_times.columns[phase][first + i] += scale * slope * sigma - inverse * inverse * gradient;
+            }
+        }
+    }
+
+    /// Adds the rows of tasks at the ends of phases, which depend on positions.
+    #[inline(always)]
+    fn add_ends(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
+        let (n, node, mut done) = (spline.dof, spline.node(), None);
+        for (at, g_x) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)) {
+            let (end, row) = (barrier.end_of(at), &g_x[..n]);
+            let k = spline.mesh.ends()[end];
+            let (parts, sigma) = side_terms(barrier, at, barrier.side(at).sign);
+            let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
+            for (gradient, part) in gradients.zip([parts[1], parts[2], parts[0]]) {
+                let gradient = gradient[node * k..].iter_mut().zip(row);
+                gradient.for_each(|(to, entry)| *to += part * entry);
+            }
+            let rows = self.matrix.node_rows(k);
+            for (to, entry) in rows.chunks_exact_mut(2 * node).zip(row) {
+                let factor = sigma * entry;
+                to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
+            }
+            if done.replace(end) != Some(end) && self.exact {
+                let hessian = points.ends.hessian[end].chunks_exact(2 * n).take(n);
+                for (to, from) in rows.chunks_exact_mut(2 * node).zip(hessian) {
+                    to.iter_mut().zip(&from[..n]).for_each(|(to, from)| *to += from);
+                }
+            }
+        }
+    }
+
+    /// Takes what is given or tied at the ends out of the equations, and collects what is shared.
+    fn fix(&mut self, ends: &Ends, spline: &Spline) {
+        let (by_times, mesh) = (&self.by_times, &spline.mesh);
+        self.border.collect((&by_times.columns, &by_times.second), &self.matrix, ends, mesh);
+        let pairs = self.gradient.iter_mut().zip(&by_times.gradient);
+        for ((gradient, by_times), shared) in pairs.zip(&mut self.shared_gradient) {
+            shared.resize(ends.shared(), 0.0);
+            ends.reduce(mesh, gradient, by_times, shared);
+        }
+        ends.removed(mesh).for_each(|(k, i)| self.matrix.remove(k, i));
+    }
+
+    /// Factorises, with `damping` times the metric of `weights` added to K.
+    pub fn factorise(
+        &mut self,
+        damping: f64,
+        ends: &Ends,
+        spline: &Spline,
+        points: &Points,
+        weights: &[f64],
+    ) -> Result<(), NotPositiveDefinite> {
+        self.factor.copy_from(&self.matrix);
+        if damping > 0.0 {
+            if !self.damping_is_current {
+                self.damping.reset(spline.mesh.intervals());
+                self.metric.fill(&mut self.damping, spline, points, weights);
+                self.border.collect_metric(&self.time_metric, &self.damping, ends, &spline.mesh);
+                ends.removed(&spline.mesh).for_each(|(k, i)| self.damping.remove(k, i));
+                self.damping_is_current = true;
+            }
+            self.factor.add(damping, &self.damping);
+        }
+        self.factor.factorise()?;
+        match self.border.factorise(damping, &mut self.factor) {
+            true => Ok(()),
+            false => Err(NotPositiveDefinite { block: spline.mesh.nodes.len() }),
+        }
+    }
+
+    /// Makes room for the metric of damping.
+    pub fn reserve_damping(&mut self, intervals: usize) {
+        self.damping.reset(intervals);
+        self.damping_is_current = false;
+    }
+
+    /// Solves for the part of the step that belongs to the gradient `part`; without what is removed.
+    pub fn solve(&mut self, part: usize, dx: &mut Vec<f64>, shared: &mut Vec<f64>) {
+        dx.clear();
+        dx.extend(self.gradient[part].iter().map(|g| -g));
+        shared.clear();
+        shared.extend(self.shared_gradient[part].iter().map(|g| -g));
+        self.finish_solution(dx, shared);
+    }
+
+    /// Solves with a right-hand side.
+    pub(crate) fn finish_solution(&mut self, dx: &mut [f64], shared: &mut [f64]) {
+        self.factor.solve(dx);
+        self.border.finish(dx, shared);
+    }
+
+    /// Solves with another right-hand side, whose last entries are those of the shared unknowns.
+    pub fn solve_column(&mut self, column: &mut [f64]) {
+        let (dx, shared) = column.split_at_mut(self.gradient[0].len());
+        self.finish_solution(dx, shared);
+    }
+}
+
+#[cfg(test)]
+#[path = "system_tests.rs"]
+mod tests;

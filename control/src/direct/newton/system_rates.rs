@@ -1,0 +1,92 @@
+//! What jerks and rates of torques add to Newton's equations: squares of rows over an interval.
+
+use super::interval::add_local;
+use super::rate_rows::RateRows;
+use super::system::System;
+use crate::direct::motion::shape::POINTS;
+use crate::direct::motion::spline::{Spline, TimeDerivative};
+use crate::direct::points::rates::Term;
+use crate::direct::points::values::Points;
+
+/// How a value y = y(x, T) depends on T beside what the points already have: as a power of 1/T.
+struct InTime {
+    /// Derivative of y.
+    first: f64,
+    /// Factor of the derivative by the unknowns in the mixed derivative.
+    mixed: f64,
+    /// What the derivative by y is multiplied with in the second derivative.
+    second: f64,
+    /// What it is multiplied with in the first derivative.
+    gradient: f64,
+}
+
+impl System {
+    /// Adds jerks and rates of torques. The points have added what the latter are by torques at constant
+    /// factors 1/(h T) already.
+    pub(super) fn add_rates(&mut self, spline: &Spline, points: &Points) {
+        let mut rows = std::mem::take(&mut self.rate_rows);
+        let (has_jerks, has_torques) = (points.rates.has_jerks, points.rates.has_torques);
+        for k in 0..if has_jerks || has_torques { spline.mesh.intervals() } else { 0 } {
+            if has_jerks {
+                self.add_jerks(k, spline, points, &mut rows);
+            }
+            if has_torques {
+                self.add_torque_rates(k, spline, points, &mut rows);
+            }
+        }
+        self.rate_rows = rows;
+    }
+
+    /// The jerk is linear in the coefficients, and a multiple of 1/T^3.
+    fn add_jerks(&mut self, k: usize, spline: &Spline, points: &Points, rows: &mut RateRows) {
+        let inverse = 1.0 / spline.clock(k);
+        for j in 0..POINTS {
+            for i in 0..spline.dof {
+                let p = spline.dof * (POINTS * k + j) + i;
+                let term = &points.rates.jerk_terms[p];
+                let [first, second] = rows.take_jerk(k, j, i, spline, points);
+                let in_time = InTime { first, mixed: -3.0 * inverse, second, gradient: first };
+                for TimeDerivative { column, order, first } in spline.time_derivatives(k) {
+                    let entry = order * inverse * rows.row[column * spline.dof + i];
+                    self.by_times.columns[spline.mesh.phase(k)][first + i] += term.first[0] * entry;
+                }
+                self.add_row(k, spline, &rows.row, term, &in_time);
+                let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
+                for (gradient, factor) in gradients.zip([term.first[1], term.first[2], term.first[0]]) {
+                    add_local(spline, k, &rows.row, factor, gradient);
+                }
+            }
+        }
+    }
+
+    /// Rates of torques are sums of torques over T.
+    fn add_torque_rates(&mut self, k: usize, spline: &Spline, points: &Points, rows: &mut RateRows) {
+        let inverse = 1.0 / spline.clock(k);
+        rows.differentiate_torques(k, spline, points);
+        for j in 0..POINTS {
+            for i in 0..spline.dof {
+                let p = spline.dof * (POINTS * k + j) + i;
+                let (y, term) = (points.rates.torque[p], &points.rates.torque_terms[p]);
+                let first = rows.take_torque_rate(k, j, i, spline, points);
+                let second = -2.0 * inverse * first;
+                let in_time = InTime { first, mixed: -inverse, second, gradient: -inverse * y };
+                self.add_row(k, spline, &rows.row, term, &in_time);
+            }
+        }
+    }
+
+    /// Adds the square of the derivatives of a value, by the unknowns of an interval and by T.
+    fn add_row(&mut self, k: usize, spline: &Spline, row: &[f64], term: &Term, in_time: &InTime) {
+        let Term { first: [first, at_zero, of_mu], second, slope, cost } = *term;
+        let (phase, by_times) = (spline.mesh.phase(k), &mut self.by_times);
+        by_times.gradient[0][phase] += cost + at_zero * in_time.gradient;
+        by_times.gradient[1][phase] += of_mu * in_time.gradient;
+        by_times.second[phase] +=
+            (second * in_time.first + 2.0 * slope) * in_time.first + first * in_time.second;
+        let factor = second * in_time.first + first * in_time.mixed + slope;
+        add_local(spline, k, row, factor, &mut by_times.columns[phase]);
+        if second != 0.0 {
+            self.matrix.add_square(k, second, row);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! What the direct method found: the motion with its costates at all nodes and points.
+
+use super::costates::{Costates, costates};
+use super::smooth_costates::smooth_costates;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::motion::shape::POINTS;
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::values::PointDynamics;
+use crate::problem::Problem;
+use crate::problem::limits::JointLimits;
+use crate::result::trajectory::Trajectory;
+use costate::EvalError;
+use costate::lagrangian::{Lagrangian, LegendreTransform};
+use costate::robot::Robot;
+
+/// The trajectory at the nodes and at the points between them, with H*.
+///
+/// Torques and accelerations may jump at a node. So it stands there twice, with those before it and
+/// after it.
+pub(crate) fn trajectory<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+) -> Result<Trajectory, EvalError> {
+    interior.refresh()?;
+    if interior.spline.mesh.shape.is_smooth() {
+        return smooth_trajectory(problem, interior);
+    }
+    let costates = costates(interior);
+    let (spline, points) = (&interior.spline, &interior.points);
+    let mut rows = Rows::new(problem, spline);
+    let mut z = vec![0.0; 3 * spline.dof];
+    for k in 0..spline.mesh.intervals() {
+        rows.enter(spline.mesh.phase(k));
+        for (node, x) in [(k, 0.0), (k + 1, 1.0)] {
+            if node > k {
+                for p in POINTS * k..POINTS * node {
+                    let time = spline.time_at(spline.mesh.point(p).0);
+                    let costate = costates.at_points[p].clone();
+                    rows.add(time, points.z(p), points.tau(p), costate, costates.hamiltonian[p])?;
+                }
+            }
+            spline.in_interval(k, x, &mut z);
+            let (q, v, a) = parts(&z);
+            let tau = rows.inverse.inverse_dynamics(q, v, a)?.to_vec();
+            let value = costates.hamiltonian[(POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1)];
+            // At a via they jump.
+            let before = node > k && spline.mesh.is_end(node);
+            let costate = if before { &costates.before[k] } else { &costates.at_nodes[node] };
+            rows.add(spline.time_at(spline.mesh.nodes[node]), &z, &tau, costate.clone(), value)?;
+        }
+    }
+    Ok(rows.trajectory())
+}
+
+/// The same where nothing jumps at nodes, which are points.
+fn smooth_trajectory<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+) -> Result<Trajectory, EvalError> {
+    let Costates { at_points, hamiltonian, .. } = smooth_costates(interior);
+    let (spline, points) = (&interior.spline, &interior.points);
+    let mut rows = Rows::new(problem, spline);
+    for (p, (costate, hamiltonian)) in at_points.into_iter().zip(hamiltonian).enumerate() {
+        let time = spline.time_at(spline.mesh.point(p).0);
+        rows.enter(spline.mesh.phase(spline.mesh.interval_of(p).0));
+        rows.add(time, points.z(p), points.tau(p), costate, hamiltonian)?;
+    }
+    Ok(rows.trajectory())
+}
+
+/// q, v, a.
+fn parts(z: &[f64]) -> (&[f64], &[f64], &[f64]) {
+    let n = z.len() / 3;
+    (&z[..n], &z[n..2 * n], &z[2 * n..])
+}
+
+/// The rows of a trajectory, one time after the other.
+struct Rows<'a> {
+    problem: &'a Problem,
+    via_times: Vec<f64>,
+    /// Those of all phases, and the phase of the models.
+    robots: Vec<Robot>,
+    phase: usize,
+    limits: Vec<JointLimits>,
+    inverse: Lagrangian<f64>,
+    transform: LegendreTransform<f64>,
+    times: Vec<f64>,
+    /// q, v, p, u, y_q, y_p.
+    columns: [Vec<Vec<f64>>; 6],
+    hamiltonian: Vec<f64>,
+    accelerations: Vec<Vec<f64>>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(problem: &'a Problem, spline: &Spline) -> Self {
+        Self {
+            via_times: (1..spline.times.len()).map(|end| spline.time_at(end as f64)).collect(),
+            robots: problem.robots(),
+            phase: 0,
+            problem,
+            limits: problem.joint_limits(),
+            inverse: Lagrangian::new(&problem.robot),
+            transform: LegendreTransform::new(&problem.robot),
+            times: Vec::new(),
+            columns: Default::default(),
+            hamiltonian: Vec::new(),
+            accelerations: Vec::new(),
+        }
+    }
+
+    fn trajectory(self) -> Trajectory {
+        let trajectory = Trajectory::from_rows(self.times, self.columns).with_hamiltonian(self.hamiltonian);
+        trajectory.with_accelerations(self.accelerations).with_via_times(self.via_times)
+    }
+
+    /// What follows belongs to this phase.
+    fn enter(&mut self, phase: usize) {
+        if self.phase != phase {
+            let robot = &self.robots[phase];
+            (self.inverse, self.transform) = (Lagrangian::new(robot), LegendreTransform::new(robot));
+            self.phase = phase;
+        }
+    }
+
+    /// Adds a time: torques cut to their limits, costates of (q, v) as those of (q, p).
+    fn add(
+        &mut self,
+        time: f64,
+        z: &[f64],
+        tau: &[f64],
+        mut costate: Vec<f64>,
+        hamiltonian: f64,
+    ) -> Result<(), EvalError> {
+        let n = tau.len();
+        let (q, v, a) = parts(z);
+        let cut =
+            tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
+        let u: Vec<f64> = cut.zip(&self.problem.gain).map(|(tau, gain)| tau / gain).collect();
+        let mut map = self.transform.at(q, v, &u)?;
+        map.costate_to_hamiltonian(&mut costate)?;
+        let momentum = map.momentum().to_vec();
+        let (y_q, y_p) = costate.split_at(n);
+        for (column, row) in self.columns.iter_mut().zip([q, v, &momentum, &u, y_q, y_p]) {
+            column.push(row.to_vec());
+        }
+        self.times.push(time);
+        self.accelerations.push(a.to_vec());
+        self.hamiltonian.push(hamiltonian);
+        Ok(())
+    }
+}

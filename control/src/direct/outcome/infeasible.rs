@@ -1,0 +1,83 @@
+//! What limits give, in the words of the user.
+
+use super::report::{excess, name, of_rate, unit};
+use crate::constants::direct as constants;
+use crate::direct::interior::elastic::Given;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::side::Limited;
+use crate::direct::points::values::PointDynamics;
+use crate::problem::Problem;
+use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
+use crate::result::solution::RobotNames;
+use costate::robot::JointKind;
+
+/// What the limits of an elastic iterate give, or at least what a proof says.
+pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Option<Infeasibility> {
+    let Some(short) = problem.too_short() else { return found };
+    let limit = || {
+        let joint = problem.robot.independent_joints().nth(short.joint)?;
+        let unit = match (joint.kind, short.is_acceleration) {
+            (JointKind::Prismatic, false) => "m/s",
+            (JointKind::Prismatic, true) => "m/s^2",
+            (_, false) => "rad/s",
+            (_, true) => "rad/s^2",
+        };
+        let ends = problem.ends();
+        let forward = ends.last()?.q[short.joint] >= ends.first()?.q[short.joint];
+        Some(RelaxedLimit {
+            kind: if short.is_acceleration { "acceleration" } else { "rate" }.into(),
+            name: joint.name.clone(),
+            side: if forward { "max" } else { "min" }.into(),
+            time: 0.0,
+            amount: short.amount,
+            part: 0.5 * short.amount / short.limit,
+            unit: unit.into(),
+            limit: Some(if forward { short.limit } else { -short.limit }),
+        })
+    };
+    let mut found = found.unwrap_or_else(|| Infeasibility {
+        limits: limit().into_iter().collect(),
+        ..Infeasibility::default()
+    });
+    found.is_global = true;
+    found.least_time = Some(short.needed);
+    Some(found)
+}
+
+/// What the limits of an elastic iterate give.
+pub(crate) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D>) -> Infeasibility {
+    let mut given = interior.given();
+    given.sort_by(|a, b| b.part.total_cmp(&a.part));
+    let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
+    given.retain(|given| given.part > least);
+    let names = RobotNames::of(&problem.robot).joints;
+    let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
+    let limits = given.iter().map(|given| limit(interior, given, &names, &kinds)).collect();
+    // No proof, linear limits or not: between the points of a mesh other motions keep more.
+    Infeasibility { limits, ..Infeasibility::default() }
+}
+
+fn limit<D: PointDynamics>(
+    interior: &Interior<D>,
+    given: &Given,
+    names: &[String],
+    kinds: &[JointKind],
+) -> RelaxedLimit {
+    let side = &interior.barrier.sides()[given.side];
+    let of_rate = of_rate(interior, given.at);
+    RelaxedLimit {
+        kind: side.limited.name().into(),
+        name: name(interior, side, None, names).into(),
+        side: match (side.is_half, side.sign > 0.0) {
+            (true, _) => "equal",
+            (_, true) => "min",
+            (_, false) => "max",
+        }
+        .into(),
+        time: interior.spline.time_at(interior.barrier.place(given.at, &interior.spline)),
+        amount: excess(interior, side, None, -given.amount),
+        part: given.part,
+        unit: unit(interior, side, None, kinds).into(),
+        limit: (side.limited != Limited::Task).then_some(side.bound - of_rate),
+    }
+}

@@ -1,0 +1,9 @@
+//! What was found, in the words of the user: costates from multipliers, the trajectory, how limits are used, the
+//! motion integrated again, or the limits that cannot be kept.
+
+pub(super) mod costates;
+pub(super) mod found;
+pub(super) mod infeasible;
+pub(super) mod report;
+pub(super) mod smooth_costates;
+pub(super) mod verify;

@@ -1,0 +1,155 @@
+//! The running cost of a motion: time, effort, energy, penalties, user terms, tools.
+
+use super::energy::Energy;
+use super::rates::RateCosts;
+use super::values::Points;
+use crate::direct::motion::spline::Spline;
+use crate::extremal::penalty::Penalties;
+use crate::extremal::user_terms::UserTerms;
+use crate::problem::Problem;
+use crate::task::costs::ToolCosts;
+
+/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools + jerks + rates of torques`, per second.
+#[derive(Debug)]
+pub(crate) struct Running {
+    /// c_t.
+    pub time: f64,
+    /// r_i over the square of the gain.
+    pub effort: Vec<f64>,
+    pub energy: Energy,
+    pub rates: RateCosts,
+    penalties: Penalties,
+    terms: UserTerms<f64>,
+    tools: ToolCosts,
+}
+
+impl Running {
+    pub fn new(problem: &Problem, tools: ToolCosts) -> Self {
+        let effort =
+            problem.cost.effort.iter().zip(&problem.gain).map(|(r, gain)| r / (gain * gain)).collect();
+        let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
+        let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
+        let energy = Energy::new(&problem.cost);
+        let rates = RateCosts::new(&problem.cost);
+        Self { time: problem.cost.time, effort, energy, rates, penalties, terms, tools }
+    }
+
+    /// Changes the value at which a row of a tool costs nothing.
+    pub fn set_tool_value(&mut self, row: usize, value: f64) {
+        self.tools.set_value(row, value);
+    }
+
+    /// The cost of a motion.
+    pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
+        let cost = |p: usize| spline.weight(p) * self.rate(points.z(p), points.tau(p));
+        (0..points.count()).map(cost).sum::<f64>() + points.rates.cost(spline, &self.rates)
+    }
+
+    /// l at a point without the costs of jerks and of rates of torques; infinite where tools cannot be
+    /// evaluated.
+    pub fn rate(&mut self, z: &[f64], tau: &[f64]) -> f64 {
+        let n = tau.len();
+        let (q, v) = (&z[..n], &z[n..2 * n]);
+        let effort: f64 = tau.iter().zip(&self.effort).map(|(tau, r)| 0.5 * r * tau * tau).sum();
+        let tools = if self.tools.any() { self.tools.evaluate(q, v).unwrap_or(f64::INFINITY) } else { 0.0 };
+        let energy = self.energy.rate(v, tau);
+        self.time + effort + energy + self.terms.at(q, v) + self.penalty_rate(z) + tools
+    }
+
+    /// The penalties at a point.
+    fn penalty_rate(&self, z: &[f64]) -> f64 {
+        if !self.penalties.any() {
+            return 0.0;
+        }
+        let n = z.len() / 3;
+        let of = |i: usize| self.penalties.position(i, z[i]).value + self.penalties.rate(i, z[n + i]).value;
+        (0..n).map(of).sum()
+    }
+
+    /// The penalties of a motion.
+    pub fn penalty_cost(&self, spline: &Spline, points: &Points) -> f64 {
+        (0..points.count()).map(|p| spline.weight(p) * self.penalty_rate(points.z(p))).sum()
+    }
+
+    /// Adds l_v at a point, at constant torques.
+    pub fn add_rate_gradient(&mut self, z: &[f64], tau: &[f64], gradient: &mut [f64]) {
+        let n = gradient.len();
+        self.energy.add_rate_gradient(&z[n..2 * n], tau, gradient);
+        if self.penalties.any() {
+            (0..n).for_each(|i| gradient[i] += self.penalties.rate(i, z[n + i]).first);
+        }
+        // Poses of tools do not depend on rates.
+        if !self.terms.any() {
+            return;
+        }
+        self.terms.first(&z[..n], &z[n..2 * n]);
+        gradient.iter_mut().zip(&self.terms.gradient[n..]).for_each(|(to, from)| *to += from);
+    }
+
+    /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian,
+    /// whose rows are as long as the gradient, 3n or more. The value is l without effort and energy.
+    pub fn add_terms(
+        &mut self,
+        z: &[f64],
+        [weight, time]: [f64; 2],
+        gradient: &mut [f64],
+        slope: &mut [f64],
+        hessian: &mut [f64],
+    ) -> f64 {
+        let (n, width) = (z.len() / 3, gradient.len());
+        let mut penalty = 0.0;
+        if self.penalties.any() {
+            for i in 0..n {
+                let terms =
+                    [(i, self.penalties.position(i, z[i])), (n + i, self.penalties.rate(i, z[n + i]))];
+                for (at, term) in terms {
+                    penalty += term.value;
+                    gradient[at] += time * weight * term.first;
+                    slope[at] += weight * term.first;
+                    hessian[width * at + at] += time * weight * term.second;
+                }
+            }
+        }
+        let (q, v) = (&z[..n], &z[n..2 * n]);
+        let tools = self.add_tools([q, v], [weight, time], gradient, slope, hessian);
+        if !self.terms.any() {
+            return penalty + tools;
+        }
+        self.terms.second(q, v);
+        for i in 0..2 * n {
+            gradient[i] += time * weight * self.terms.gradient[i];
+            slope[i] += weight * self.terms.gradient[i];
+            for j in 0..2 * n {
+                hessian[width * i + j] += time * weight * self.terms.hessian[(i, j)];
+            }
+        }
+        penalty + tools + self.terms.value
+    }
+
+    /// The same of the tools.
+    fn add_tools(
+        &mut self,
+        [q, v]: [&[f64]; 2],
+        [weight, time]: [f64; 2],
+        gradient: &mut [f64],
+        slope: &mut [f64],
+        hessian: &mut [f64],
+    ) -> f64 {
+        if !self.tools.any() {
+            return 0.0;
+        }
+        if self.tools.contract(q, v).is_err() {
+            return f64::INFINITY;
+        }
+        let size = self.tools.gradient.len();
+        for (i, from) in self.tools.gradient.iter().enumerate() {
+            gradient[i] += time * weight * from;
+            slope[i] += weight * from;
+        }
+        let rows = hessian.chunks_exact_mut(gradient.len()).zip(self.tools.hessian.chunks_exact(size));
+        for (to, from) in rows {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += time * weight * from);
+        }
+        self.tools.value
+    }
+}

@@ -1,0 +1,10 @@
+//! Where a mesh is too coarse: errors estimated between the points, jumps inside of intervals, and limits that are
+//! exceeded there.
+//!
+//! [`Resolution`](resolution::Resolution) measures them and chooses the nodes of the next mesh.
+
+pub(super) mod between;
+pub(super) mod jumps;
+pub(super) mod move_inside;
+pub(super) mod rates_between;
+pub(super) mod resolution;

@@ -1,0 +1,85 @@
+//! Limits that are exceeded between points by little.
+
+use super::between::BETWEEN;
+use super::resolution::Resolution;
+use crate::constants::direct as constants;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::points::values::PointDynamics;
+
+impl Resolution {
+    /// Moves limits inside by what they are exceeded between points, in the intervals where that is too much,
+    /// if this may be enough: equations and bodies that pass through each other need narrower intervals.
+    /// Whether they were moved.
+    pub fn move_limits_inside<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
+        let sides = interior.barrier.sides();
+        let (count, shape) = (sides.len(), interior.spline.mesh.shape);
+        let moves = |i: &usize| !sides[*i].limited.jumps(shape) && !sides[*i].is_equation;
+        let over = |k: usize, i: usize| {
+            let distances = &self.distance[count * BETWEEN.len() * k..];
+            let places = distances.chunks_exact(count).take(BETWEEN.len());
+            places.map(|distances| sides[i].violation(distances[i])).fold(0.0, f64::max)
+        };
+        let most = |k: usize| (0..count).filter(moves).map(|i| over(k, i)).fold(0.0, f64::max);
+        let enough = |(k, all): (usize, &f64)| *all <= most(k).max(constants::VIOLATION_BETWEEN);
+        if !self.violations.iter().enumerate().all(enough) {
+            return false;
+        }
+        let least = constants::MOVED_FROM * constants::VIOLATION_BETWEEN;
+        let all = (0..self.violations.len()).flat_map(|k| (0..count).map(move |i| (k, i)));
+        let all = all.filter(|(_, i)| moves(i)).map(|(k, i)| (k, i, over(k, i), sides[i].range));
+        let far: Vec<_> = all.filter(|&(_, _, over, _)| over > least).collect();
+        for (k, i, over, range) in far {
+            interior.barrier.move_inside(k, i, constants::MOVED * over * range);
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::between::BETWEEN;
+    use super::{Resolution, constants};
+    use crate::direct::interior::iterate::tests::started;
+    use crate::direct::limits::side::Limited;
+    use crate::direct::motion::shape::Shape;
+
+    #[test]
+    fn limits_move_only_if_that_may_be_enough() {
+        let mut interior = started(Shape::Quartic);
+        let sides = interior.barrier.sides();
+        let of = |kind: Limited| sides.iter().position(|side| side.limited == kind).unwrap();
+        let (count, side, row) = (sides.len(), of(Limited::Rate), of(Limited::Task));
+        let (range, of_row) = (sides[side].range, sides[row].range);
+        assert!(sides[row].is_equation);
+        let part = 5.0 * constants::VIOLATION_BETWEEN;
+        let mut resolution = Resolution::default();
+        resolution.violations = vec![0.0; 3];
+        resolution.distance = vec![1e3; 3 * BETWEEN.len() * count];
+        let at = |k: usize, i: usize| count * (BETWEEN.len() * k + 4) + i;
+        for i in 0..count {
+            let is_equation = interior.barrier.sides()[i].is_equation;
+            (0..3 * BETWEEN.len()).for_each(|p| {
+                if is_equation {
+                    resolution.distance[count * p + i] = 0.0;
+                }
+            });
+        }
+        resolution.distance[at(1, side)] = -part * range;
+        resolution.violations[1] = part;
+        let shifts = |interior: &super::Interior<_>| -> Vec<f64> {
+            let barrier: &crate::direct::limits::barrier::Barrier = &interior.barrier;
+            (0..barrier.count()).map(|at| barrier.true_distance(at) - barrier.distance[at]).collect()
+        };
+        // An equation in the next interval is off as well.
+        resolution.distance[at(2, row)] = 2.0 * part * of_row;
+        resolution.violations[2] = 2.0 * part;
+        assert!(!resolution.move_limits_inside(&mut interior));
+        assert!(shifts(&interior).iter().all(|shift| *shift == 0.0));
+        (resolution.distance[at(2, row)], resolution.violations[2]) = (0.0, 0.0);
+        assert!(resolution.move_limits_inside(&mut interior));
+        let moved: Vec<f64> = shifts(&interior).into_iter().filter(|shift| *shift != 0.0).collect();
+        assert_eq!(moved.len(), 3 + 2);
+        let expected = constants::MOVED * part * range;
+        assert!(moved.iter().all(|shift| (shift / expected - 1.0).abs() < 1e-6), "{moved:?}");
+    }
+}

@@ -1,0 +1,319 @@
+//! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
+
+use super::between::{BETWEEN, weight};
+use super::jumps::Jumps;
+use super::rates_between::RatesBetween;
+use crate::constants::direct as constants;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::barrier::measure;
+use crate::direct::limits::multipliers::Multipliers;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::motion::shape::{POINTS, quadratic};
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::rates::RateCosts;
+use crate::direct::points::values::{PointDynamics, Points};
+use costate::EvalError;
+
+/// What a mesh does not resolve.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Resolution {
+    /// Estimated error of the cost by each interval.
+    pub errors: Vec<f64>,
+    /// Largest violation of a limit inside of each interval, in parts of its range.
+    pub violations: Vec<f64>,
+    /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
+    pub cut: Vec<f64>,
+    /// The cost of the motion, by a finer rule than that of its points.
+    pub cost: f64,
+    jumps: Jumps,
+    /// Nodes of this mesh that were moved.
+    moves: Vec<Move>,
+    points: Points,
+    pub(super) distance: Vec<f64>,
+    rates: RatesBetween,
+    /// Intervals that are narrower are not divided.
+    pub narrowest: f64,
+}
+
+/// A node that was moved.
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    /// Where it is now.
+    place: f64,
+    distance: f64,
+}
+
+impl Resolution {
+    /// Estimated error of the cost.
+    pub fn error(&self) -> f64 {
+        self.errors.iter().sum()
+    }
+
+    /// Largest violation between points.
+    pub fn violation(&self) -> f64 {
+        self.violations.iter().fold(0.0, |most, &violation| most.max(violation))
+    }
+
+    /// Distances to all limits between the points, all sides of one place after the other.
+    pub fn distances(&self) -> &[f64] {
+        &self.distance
+    }
+
+    /// The same of jerks and rates of torques.
+    pub fn rate_distances(&self) -> &[f64] {
+        &self.rates.distance
+    }
+
+    /// Measures a solved motion.
+    pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
+        let intervals = interior.spline.mesh.intervals();
+        self.narrowest = interior.narrowest();
+        self.errors.clear();
+        self.errors.resize(intervals, 0.0);
+        self.cut.clear();
+        self.cut.resize(intervals, 0.0);
+        self.violations.clear();
+        self.violations.resize(intervals, 0.0);
+        self.evaluate_between(interior)?;
+        self.estimate(interior);
+        self.compare_costs(interior);
+        self.look_between(interior);
+        for (k, most) in self.violations.iter_mut().enumerate() {
+            *most = most.max(interior.tasks.sweep(&interior.spline, k)?);
+        }
+        Ok(())
+    }
+
+    /// Where its control is smooth, the torque of an exact motion differs from this one by about a Legendre
+    /// polynomial of degree three on each interval, which vanishes at the points. At a node the two that meet
+    /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the
+    /// metric of the effort; the square of the polynomial has the mean 1/7.
+    ///
+    /// Where accelerations are continuous this holds for rates of torques and for jerks, and torques differ
+    /// by the integral of the polynomial, whose square has the mean 1/630, times the width.
+    fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
+        let (spline, n) = (&interior.spline, interior.spline.dof);
+        let shape = spline.mesh.shape;
+        self.jumps.measure(&interior.points, &spline.mesh, interior.barrier.rate_sides());
+        for (k, error) in self.errors.iter_mut().enumerate() {
+            if spline.mesh.is_end(k) && spline.mesh.is_end(k + 1) {
+                // Nothing to compare with.
+                *error = f64::INFINITY;
+                continue;
+            }
+            let length = spline.length(k);
+            let square = |i: usize| 0.25 * self.jumps.mean_square(k, i);
+            let effort = |i: usize| interior.running.effort[i] * square(i);
+            let squares = (0..n).map(|i| match shape.is_smooth() {
+                false => effort(i) / 7.0,
+                true => {
+                    let RateCosts { jerk, torque } = &interior.running.rates;
+                    let of =
+                        |weights: &[f64], at: usize| weights.get(i).map_or(0.0, |w| w * square(at) / 7.0);
+                    effort(i) * length * length / 630.0 + of(torque, i) + of(jerk, n + i)
+                }
+            });
+            *error = 0.5 * length * squares.sum::<f64>();
+        }
+    }
+
+    /// Evaluates the motion between the points.
+    fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
+        let (spline, n) = (&interior.spline, interior.spline.dof);
+        let phases = spline.mesh.ends().iter().skip(1).map(|node| BETWEEN.len() * node);
+        self.points.resize_values(n, interior.rows(), phases);
+        for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
+            spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
+        }
+        interior.dynamics.evaluate(&mut self.points)?;
+        interior.powers.evaluate(&mut self.points);
+        interior.tasks.evaluate(&mut self.points)?;
+        self.rates.evaluate(interior, &mut self.points)
+    }
+
+    /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
+    fn compare_costs<D>(&mut self, interior: &mut Interior<D>) {
+        let Interior { spline, running, points, .. } = interior;
+        self.cost = 0.0;
+        for (k, error) in self.errors.iter_mut().enumerate() {
+            let length = spline.length(k);
+            let mut rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
+            let shape = spline.mesh.shape;
+            let weights = shape.weights().iter().enumerate();
+            let coarse: f64 =
+                weights.map(|(j, part)| part * rate(points, spline.mesh.first_point(k) + j)).sum();
+            let places = 0..BETWEEN.len();
+            let fine: f64 = places.map(|at| weight(at) * rate(&self.points, BETWEEN.len() * k + at)).sum();
+            let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
+            let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
+            *error += (fine - length * coarse).abs();
+            self.cost += fine;
+        }
+    }
+
+    /// Looks for limits that are exceeded between the points.
+    fn look_between<D>(&mut self, interior: &Interior<D>) {
+        let (sides, shape): (&[Side], _) = (interior.barrier.sides(), interior.spline.mesh.shape);
+        if sides.is_empty() {
+            self.distance.clear();
+            return self.add_errors_of_limits(interior);
+        }
+        self.distance.resize(sides.len() * self.points.count(), 0.0);
+        measure(sides, &self.points, &mut self.distance);
+        for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
+            let most = &mut self.violations[at / BETWEEN.len()];
+            // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
+            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps(shape));
+            *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
+            let (k, part) =
+                (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.clock(at / BETWEEN.len()));
+            let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
+            let over = torques.map(|(d, side)| side.violation(*d).max(0.0)).sum::<f64>();
+            self.cut[k] += part * interior.spline.mesh.width(k) * over;
+        }
+        self.add_errors_of_limits(interior);
+    }
+
+    /// Adds to the error of each interval what multiplier times distance make in the mean between
+    /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
+    /// each point, and next to nothing is left.
+    fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
+        let multipliers = Multipliers::at_points(&interior.spline, &interior.barrier);
+        let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
+        for (k, error) in self.errors.iter_mut().enumerate() {
+            let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
+            for (i, side) in sides.iter().enumerate() {
+                let (mut signed, mut unsigned) = (0.0, 0.0);
+                for (at, &x) in BETWEEN.iter().enumerate() {
+                    let parts = shape.parts(x).into_iter().take(shape.places().len()).enumerate();
+                    let density = |j: usize| multipliers.at_point(interior.spline.mesh.first_point(k) + j, i);
+                    let density: f64 = parts.map(|(j, part)| part * density(j)).sum();
+                    let density = if side.is_equation { density } else { density.max(0.0) };
+                    let product = weight(at) * density * distances[sides.len() * at + i];
+                    signed += product;
+                    unsigned += product.abs();
+                }
+                let smooth = side.limited.jumps(shape) || side.is_equation;
+                *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
+            }
+            for i in 0..interior.barrier.rate_sides().len() {
+                let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
+                let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
+                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    weight(at) * density.max(0.0) * self.rates.distance(BETWEEN.len() * k + at)[i]
+                });
+                *error += interior.spline.mesh.width(k) * signed.sum::<f64>().abs();
+            }
+        }
+    }
+
+    /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with
+    /// the largest errors, until what is left is a small part of the whole or of `tolerance`. Where a
+    /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
+    /// evenly.
+    pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+        let beyond = |k: usize| {
+            self.violations[k] > constants::VIOLATION_BETWEEN
+                || self.rates.violations.get(k).is_some_and(|&most| most > constants::VIOLATION_OF_RATES)
+        };
+        let mut chosen: Vec<bool> = (0..self.errors.len()).map(beyond).collect();
+        choose(&mut chosen, &self.errors, tolerance);
+        self.divided(spline, &chosen, tolerance)
+    }
+
+    /// Nodes of a finer mesh on which limits cut off less of the torques.
+    pub fn nodes_for_torques(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+        let mut chosen = vec![false; self.cut.len()];
+        choose(&mut chosen, &self.cut, 0.0);
+        self.divided(spline, &chosen, tolerance)
+    }
+
+    fn divided(&mut self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
+        let (narrowest, smooth) = (self.narrowest, spline.mesh.shape.is_smooth());
+        let share = tolerance / self.errors.len() as f64;
+        let mut moves = Vec::new();
+        let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
+        for k in (0..chosen.len()).filter(|&k| chosen[k]) {
+            let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
+            let (cuts, is_narrow) = (self.jumps.cuts(k), width < narrowest);
+            for cut in cuts.iter().filter(|_| smooth || !is_narrow) {
+                let place = left + width * cut.place;
+                // Where accelerations are continuous, nodes move where there is no room for another one.
+                let (near, part) = if cut.place < 0.5 { (k, cut.place) } else { (k + 1, 1.0 - cut.place) };
+                let no_room = width * part < narrowest && !spline.mesh.is_end(near);
+                let replaces = if smooth { no_room.then_some(near) } else { cut.replaces };
+                if smooth && is_narrow && replaces.is_none() {
+                    continue;
+                }
+                added.push(place);
+                if let Some(node) = replaces {
+                    let from = spline.mesh.nodes[node];
+                    moved[node] = self.approaches(from, place);
+                    moves.push(Move { place, distance: (place - from).abs() });
+                }
+            }
+            if cuts.is_empty() && !is_narrow {
+                // The error of a motion that is smooth in an interval falls with the seventh power of
+                // its width.
+                let by_error = (self.errors[k] / share).powf(1.0 / 7.0);
+                // What exceeds a limit between points falls with its square where an arc at the limit begins.
+                let by_violation = (self.violations[k] / constants::VIOLATION_BETWEEN).max(0.0).sqrt();
+                let parts = by_error.max(by_violation).ceil().clamp(2.0, constants::MOST_PARTS);
+                added.extend((1..parts as usize).map(|part| left + width * part as f64 / parts));
+            }
+        }
+        let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
+        let closest = if smooth { constants::CLOSEST_SMOOTH } else { constants::CLOSEST };
+        self.moves = moves;
+        with_added(kept.collect(), added, closest * narrowest)
+    }
+
+    /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not
+    /// at a jump, and stays.
+    fn approaches(&self, from: f64, to: f64) -> bool {
+        let before = self.moves.iter().find(|before| before.place == from);
+        before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)
+    }
+}
+
+/// Nodes in their order with those that are added, one after the other, unless they are closer than this to
+/// another one.
+fn with_added(mut nodes: Vec<f64>, mut added: Vec<f64>, closest: f64) -> Vec<f64> {
+    added.sort_by(f64::total_cmp);
+    for place in added {
+        let right = nodes.partition_point(|&node| node < place);
+        let beside = nodes[right.saturating_sub(1)..].iter().take(2);
+        if beside.into_iter().all(|node| (node - place).abs() >= closest) {
+            nodes.insert(right, place);
+        }
+    }
+    nodes
+}
+
+/// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.
+fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
+    let mut order: Vec<usize> = (0..errors.len()).collect();
+    order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
+    let mut rest: f64 = errors.iter().sum();
+    let enough = (constants::LEFT * rest).max(constants::ENOUGH * tolerance);
+    for k in order {
+        if rest <= enough {
+            break;
+        }
+        chosen[k] = true;
+        rest -= errors[k];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_added;
+
+    #[test]
+    fn nodes_that_are_kept_stay() {
+        // Two that are close to each other; an added one close to each of them, to the ends, to another one.
+        let nodes = vec![0.0, 0.4, 0.405, 1.0];
+        let added = vec![0.996, 0.7, 0.395, 0.41, 0.004, 0.2, 0.705];
+        assert_eq!(with_added(nodes, added, 0.01), [0.0, 0.2, 0.4, 0.405, 0.7, 1.0]);
+    }
+}

@@ -1,0 +1,45 @@
+//! The final time of a guess, where that is free.
+
+use crate::constants::direct as constants;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::motion::spline::Spline;
+use crate::direct::points::values::PointDynamics;
+
+/// How good a final time is: what limits are exceeded, then the cost.
+type Figures = [f64; 2];
+
+impl<D: PointDynamics> Interior<D> {
+    /// Gives the guess the best of several final times around its own. That is the one with the least cost
+    /// among those with room to all limits, else the one that exceeds them least.
+    ///
+    /// Far inside of all limits nothing but the barrier would bend the motion of least time, and the first
+    /// steps would lead anywhere.
+    pub fn choose_time(&mut self, at: impl Fn(f64) -> Spline) {
+        let smooth = if self.needs_smoothing() { self.smooth_effort() } else { self.running.effort.clone() };
+        let effort = std::mem::replace(&mut self.running.effort, smooth);
+        let (first, mut best): (Spline, Option<(Figures, Spline)>) = (self.spline.clone(), None);
+        for k in -constants::TIMES..=constants::TIMES {
+            let spline = at(first.duration() * 2.0_f64.powf(f64::from(k) * constants::OCTAVES));
+            let Some(found) = self.figures_of(&spline) else { continue };
+            if best.as_ref().is_none_or(|(least, _)| found < *least) {
+                best = Some((found, spline));
+            }
+        }
+        self.spline = best.map_or(first, |(_, spline)| spline);
+        self.running.effort = effort;
+    }
+
+    /// `None` where the motion cannot be evaluated.
+    fn figures_of(&mut self, spline: &Spline) -> Option<Figures> {
+        self.spline.copy_from(spline);
+        self.prepare();
+        self.evaluate().ok()?;
+        let barrier = &self.barrier;
+        let limits = (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0);
+        let limits = limits.filter(|&at| !barrier.side(at).is_equation);
+        let exceeded = limits.map(|at| constants::FIRST_SLACK - barrier.unit[at] * barrier.distance[at]);
+        let most = exceeded.fold(0.0, f64::max);
+        let cost = self.running.cost(&self.spline, &self.points);
+        cost.is_finite().then_some([most, cost])
+    }
+}

@@ -1,0 +1,9 @@
+//! From a problem to a solution: starts, smoothed first steps, one mesh after the other, and a motion that keeps
+//! its limits where the iteration is stuck.
+//!
+//! [`Direct`](direct::Direct) puts it together.
+
+pub(super) mod direct;
+pub(super) mod first_time;
+pub(super) mod restore;
+pub(super) mod smoothing;
