@@ -1,7 +1,7 @@
 //! Limits of the robot's joints that a motion exceeds.
 
 use crate::problem::Problem;
-use crate::problem::rounded::rounded;
+use crate::problem::rounded::rounded_range;
 use crate::result::trajectory::Trajectory;
 use costate::robot::{JointKind, printable};
 
@@ -31,7 +31,8 @@ impl Problem {
             for ((what, (low, high), (least, most)), unit) in ranges.into_iter().zip(units) {
                 let slack = 1e-9 * (high - low).abs().max(high.abs());
                 if low < least - slack || high > most + slack {
-                    let [low, high, least, most] = [low, high, least, most].map(rounded);
+                    let ([low, high], [least, most]) =
+                        (rounded_range([low, high]), rounded_range([least, most]));
                     let name = printable(&joint.name);
                     warnings.push(format!(
                         "{what} of joint '{name}' runs from {low} to {high} {unit}; its limits are {least} and {most}"

@@ -14,22 +14,34 @@ use costate_control::{ActiveLimit, LimitUse, Method};
 /// [`LimitUse::active`].
 const ACTIVE: f64 = 1e-4;
 
-/// Most spans of time of one limit in a cell.
-const MOST_SPANS: usize = 4;
+/// Most spans of time that are listed of one limit.
+const MOST_SPANS: usize = 6;
 
-const HEADER: [&str; 6] = ["limits", "kept", "largest excess", "between points", "where", "active"];
+const HEADER: [&str; 5] = ["limits", "kept", "largest excess", "between points", "where"];
+const ACTIVE_HEADER: [&str; 4] = ["active limit", "of", "side", "when (s)"];
+
+/// Limits of one kind.
+struct Row<'a> {
+    /// As in [`HEADER`].
+    cells: [String; 5],
+    active: Vec<Span<'a>>,
+}
+
+/// A span of time in which a joint, a tool or a body is at a limit.
+struct Span<'a> {
+    name: &'a str,
+    side: &'a str,
+    from: f64,
+    to: f64,
+}
 
 /// The section; empty if nothing is limited.
 pub fn section(motion: &Motion<'_>) -> String {
-    let mut rows: Vec<[String; 6]> = motion
-        .solution
-        .limits
-        .kinds()
-        .filter_map(|(kind, usage)| Some(of_kind(motion, kind, usage?)))
-        .collect();
+    let kinds = motion.solution.limits.kinds();
+    let mut rows: Vec<Row<'_>> =
+        kinds.filter_map(|(kind, usage)| Some(of_kind(motion, kind, usage?))).collect();
     // The direct method reports on what it keeps; bounds of the others and what is compared are looked at here.
-    let is_direct = motion.solution.options.method == Method::Direct;
-    if !is_direct && !motion.solution.trajectory.t.is_empty() {
+    if motion.solution.options.method != Method::Direct {
         rows.extend(at_nodes(motion, Quantity::Control, &kept(motion, Quantity::Control), true));
     }
     for quantity in [Quantity::Position, Quantity::Rate, Quantity::Control] {
@@ -38,25 +50,34 @@ pub fn section(motion: &Motion<'_>) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let cells = |tag: &str, cells: [&str; 6]| -> String {
-        cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect()
-    };
-    let rows: String = rows
+    let all = table(&HEADER, rows.iter().map(|row| row.cells.to_vec()));
+    let active: Vec<Vec<String>> = rows
         .iter()
-        .map(|row| format!("<tr>{}</tr>", cells("td", row.each_ref().map(String::as_str))))
+        .flat_map(|row| together(&row.active).into_iter().map(|cells| [&row.cells[..1], &cells].concat()))
         .collect();
+    let active = if active.is_empty() { String::new() } else { table(&ACTIVE_HEADER, active.into_iter()) };
     format!(
-        "<section><h2>Limits</h2><div class=\"wide\"><table class=\"limits\"><thead><tr>{}</tr></thead>\
-         <tbody>{rows}</tbody></table></div><p class=\"note\">A hard limit is one that the motion must keep. \
-         The limits of the robot that are only compared give warnings; they are compared at the nodes. A limit \
-         is active where the motion is at it, to 1e-4 of the distance between both sides, or beyond \
-         it.</p></section>\n",
-        cells("th", HEADER)
+        "<section><h2>Limits</h2>{all}<p class=\"note\">A hard limit is one that the motion must keep. Limits of \
+         the robot that are only compared give warnings; they are compared at the nodes. A limit is active \
+         where the motion is beyond it, or nearer than 1e-4 of the distance between both \
+         sides.</p>{active}</section>\n"
+    )
+}
+
+fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let row = |tag: &str, cells: &mut dyn Iterator<Item = &str>| -> String {
+        let cells: String = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>")
+    };
+    let rows: String = rows.map(|cells| row("td", &mut cells.iter().map(String::as_str))).collect();
+    let header = row("th", &mut header.iter().copied());
+    format!(
+        "<div class=\"wide\"><table class=\"limits\"><thead>{header}</thead><tbody>{rows}</tbody></table></div>"
     )
 }
 
 /// The row of a kind of hard limits of the direct method.
-fn of_kind(motion: &Motion<'_>, kind: &str, usage: &LimitUse) -> [String; 6] {
+fn of_kind<'a>(motion: &Motion<'a>, kind: &str, usage: &'a LimitUse) -> Row<'a> {
     let unit = match kind {
         "task" => "m, rad or m/s".to_owned(),
         kind => units::of_robot(&motion.problem.robot, limit_units(kind)),
@@ -69,11 +90,18 @@ fn of_kind(motion: &Motion<'_>, kind: &str, usage: &LimitUse) -> [String; 6] {
     let between = if kind == "torque" { "-".into() } else { scientific(usage.between) };
     let name = if kind == "task" { "tools, clearances".into() } else { spaced(kind) };
     let excess = format!("{} {unit}", scientific(usage.at_points));
-    [name, "hard".into(), excess, between, place, activity(&usage.active)]
+    let span = |limit: &'a ActiveLimit| {
+        let ActiveLimit { name, side, from, to, .. } = limit;
+        Span { name, side, from: *from, to: *to }
+    };
+    Row {
+        cells: [name, "hard".into(), excess, between, place],
+        active: usage.active.iter().map(span).collect(),
+    }
 }
 
 /// A row for limits of joints that the solver does not report on; none if nothing is limited.
-fn at_nodes(motion: &Motion<'_>, quantity: Quantity, ranges: &[Range], is_hard: bool) -> Option<[String; 6]> {
+fn at_nodes<'a>(motion: &Motion<'a>, quantity: Quantity, ranges: &[Range], is_hard: bool) -> Option<Row<'a>> {
     let trajectory = &motion.solution.trajectory;
     let (name, rows, unit): (_, _, Units) = match quantity {
         Quantity::Position => ("position", &trajectory.q, units::POSITION),
@@ -106,28 +134,12 @@ fn at_nodes(motion: &Motion<'_>, quantity: Quantity, ranges: &[Range], is_hard: 
     }
     let excess = format!("{} {}", scientific(worst.0), units::of_robot(&motion.problem.robot, unit));
     let kept = if is_hard { "hard" } else { "only compared" };
-    Some([name.into(), kept.into(), excess, "-".into(), worst.1, spans(&active)])
+    Some(Row { cells: [name.into(), kept.into(), excess, "-".into(), worst.1], active })
 }
 
-/// A span of time in which a joint, a tool or a body is at a limit.
-struct Span<'a> {
-    name: &'a str,
-    side: &'a str,
-    from: f64,
-    to: f64,
-}
-
-fn activity(active: &[ActiveLimit]) -> String {
-    let span = |limit| {
-        let ActiveLimit { name, side, from, to, .. }: &ActiveLimit = limit;
-        Span { name, side, from: *from, to: *to }
-    };
-    spans(&active.iter().map(span).collect::<Vec<_>>())
-}
-
-/// `elbow max: 0.1 to 0.3, 0.5 s; ...`.
-fn spans(active: &[Span<'_>]) -> String {
-    let mut texts = Vec::new();
+/// Name, side and times of each limit: `elbow`, `max`, `0.1 to 0.3, 0.5`.
+fn together(active: &[Span<'_>]) -> Vec<[String; 3]> {
+    let mut found = Vec::new();
     let mut rest = active.iter().collect::<Vec<_>>();
     while let Some(&&Span { name, side, .. }) = rest.first() {
         let (same, others): (Vec<_>, Vec<_>) =
@@ -140,27 +152,28 @@ fn spans(active: &[Span<'_>]) -> String {
         let times: Vec<String> = same.iter().take(MOST_SPANS).map(time).collect();
         let more = same.len().saturating_sub(MOST_SPANS);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        texts.push(format!("{name} {side}: {} s{more}", times.join(", ")));
+        found.push([name.into(), side.into(), times.join(", ") + &more]);
     }
-    if texts.is_empty() { "-".into() } else { texts.join("; ") }
+    found
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Span, spans};
+    use super::{Span, together};
 
     #[test]
     fn spans_of_one_limit_stand_together() {
         let span = |name, side, from, to| Span { name, side, from, to };
-        assert_eq!(spans(&[]), "-");
+        assert!(together(&[]).is_empty());
         let active = [
             span("a", "max", 0.0, 0.25),
             span("b", "min", 0.5, 0.5),
             span("a", "max", 0.75, 1.0),
             span("a", "min", 0.3, 0.3),
         ];
-        assert_eq!(spans(&active), "a max: 0 to 0.25, 0.75 to 1 s; b min: 0.5 s; a min: 0.3 s");
-        let many: Vec<_> = (0..6).map(|k| span("a", "max", f64::from(k), f64::from(k))).collect();
-        assert_eq!(spans(&many), "a max: 0, 1, 2, 3 s and 2 more");
+        let expected = [["a", "max", "0 to 0.25, 0.75 to 1"], ["b", "min", "0.5"], ["a", "min", "0.3"]];
+        assert_eq!(together(&active), expected);
+        let many: Vec<_> = (0..8).map(|k| span("a", "max", f64::from(k), f64::from(k))).collect();
+        assert_eq!(together(&many)[0][2], "0, 1, 2, 3, 4, 5 and 2 more");
     }
 }

@@ -134,7 +134,7 @@ fn keys(motion: &Motion<'_>, panels: &[Panel]) -> String {
     let mut keys = Vec::new();
     let has = |look| panels.iter().flat_map(|(_, plot)| &plot.curves).any(|curve| curve.look == look);
     if has(Look::Kept) {
-        keys.push("dashed: hard limits, which the motion must keep");
+        keys.push("dashed: hard limits, which the motion must keep, where the curves come near");
     }
     if has(Look::Compared) {
         keys.push("dotted: limits of the robot that are only compared, with a warning");
