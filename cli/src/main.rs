@@ -30,8 +30,8 @@ use std::process::ExitCode;
 
 /// Exact first and second derivatives of robot dynamics, and optimal motions
 ///
-/// Begin with `costate info ROBOT` for the joints and limits of a robot, `costate eval ROBOT` for its dynamics
-/// at given states, `costate optimize PROBLEM.toml` for a motion.
+/// Begin with `costate info ROBOT` for the joints and limits of a robot, `costate eval ROBOT` for its
+/// dynamics at given states, `costate optimize PROBLEM.toml` for a motion.
 ///
 /// Units are rad, m, kg, s, N and N m. Joints are numbered from 0, in the order of `costate info`.
 #[derive(Parser)]

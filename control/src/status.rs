@@ -155,10 +155,10 @@ impl fmt::Display for Status {
             }
             Self::NewtonFailed => {
                 "Newton's method found no step that reduces the error; \
-                 raise solver.starts or solver.nodes, or allow more time (time.final)"
+                 raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
             Self::IterationLimit => {
-                "Newton's method used up its iterations; raise solver.starts or solver.nodes, or allow more time (time.final)"
+                "Newton's method used up its iterations; raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
             Self::MeshLimit => "the tolerance needs more nodes than a mesh may have; raise solver.tolerance",
             Self::Singular => {
@@ -177,18 +177,18 @@ impl fmt::Display for Status {
                  use solver.method = \"direct\""
             }
             Self::BoundsNotReached => {
-                "no motion within the bounds was found; widen bounds.u_min and bounds.u_max, or allow more time (time.final)"
+                "no motion within the bounds was found; widen bounds.u_min and bounds.u_max, or allow more time (time.final, time.guess)"
             }
             Self::PathOnly => {
                 "no optimal motion was found; this one meets both ends and keeps the bounds, and its cost is \
-                 an upper limit; raise solver.starts or solver.nodes, or allow more time (time.final)"
+                 an upper limit; raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
             Self::LimitsNotKept => {
-                "no motion that keeps all limits was found; widen [limits], allow more time (time.final), or raise \
+                "no motion that keeps all limits was found; widen [limits], allow more time (time.final, time.guess), or raise \
                  solver.starts"
             }
             Self::Infeasible => {
-                "no motion nearby keeps all limits; let those give that are named, or allow more time (time.final)"
+                "no motion nearby keeps all limits; let those give that are named, or allow more time (time.final, time.guess)"
             }
             Self::Cancelled => "cancelled; this is the best iterate so far",
             Self::TimeLimit => "the time limit was reached; raise solver.time_limit or --time-limit",

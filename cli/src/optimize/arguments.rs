@@ -2,7 +2,7 @@
 
 use super::continuation::ParameterRange;
 use super::samples::rate;
-use crate::arguments::positive;
+use crate::arguments::{count, positive};
 use clap::{ValueEnum, ValueHint};
 use costate_control::{Polish, Verify};
 use std::num::NonZeroUsize;
@@ -42,11 +42,11 @@ pub struct Arguments {
     pub time_limit: Option<Duration>,
     /// Solve so many times, each from the beginning, and tell the least time: later ones find the machine
     /// code that the first one compiled
-    #[arg(long, value_name = "COUNT", conflicts_with = "range")]
+    #[arg(long, value_name = "COUNT", value_parser = count, conflicts_with = "range")]
     pub repeat: Option<NonZeroUsize>,
     /// Threads for several starts; by default as many as the processor runs at once; overrides solver.threads
     /// of the problem file
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = count)]
     pub threads: Option<NonZeroUsize>,
     /// How the solution is verified; overrides solver.verify of the problem file
     #[arg(long, value_enum, value_name = "LEVEL")]

@@ -94,6 +94,9 @@ fn longer(problem: &Problem) -> &'static str {
     if time_is_free(problem) { "raise time.guess" } else { "raise time.final" }
 }
 
+/// Most limits that have to give in one sentence; the one that gives most comes first.
+const MOST_LIMITS: usize = 4;
+
 /// What would have to give so that a motion exists.
 fn infeasible(solution: &Solution) -> String {
     let status = &solution.motion.status;
@@ -112,7 +115,11 @@ fn infeasible(solution: &Solution) -> String {
         let from = limit.limit.map_or_else(String::new, |limit| format!("{} {unit} ", short(limit, 4)));
         format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when})")
     };
-    let limits: Vec<_> = found.limits.iter().map(gives).collect();
+    let mut limits: Vec<_> = found.limits.iter().take(MOST_LIMITS).map(gives).collect();
+    let more = found.limits.len().saturating_sub(MOST_LIMITS);
+    if more > 0 {
+        limits.push(format!("{more} more give too (limits.infeasible of --json has all)"));
+    }
     let later = found.final_time.map_or_else(String::new, |time| {
         format!("; with a final time of {} s a motion keeps all limits", short(time, 4))
     });

@@ -123,6 +123,16 @@ impl Problem {
         !self.terms.is_empty() || tools.iter().any(costs)
     }
 
+    /// Whether the robot rests at its end from the start on. Terms of the user may reward to wait.
+    fn has_no_way(&self) -> bool {
+        let Self { start, end, .. } = self;
+        let given =
+            [&start.q_free, &start.v_free, &end.q_free, &end.v_free].iter().all(|free| free.is_empty());
+        let rests = start.v.iter().chain(&end.v).all(|&v| v == 0.0);
+        let is_simple = self.terms.is_empty() && self.vias.is_empty() && self.periodic.is_none();
+        is_simple && given && rests && start.q == end.q
+    }
+
     /// Final time and weights.
     fn check_costs(&self) -> Result<(), ProblemError> {
         let (key, time) = match self.time {
@@ -136,6 +146,9 @@ impl Problem {
         let is_free = matches!(self.time, FinalTime::Free { .. });
         if is_free && self.cost.time == 0.0 && !self.has_cost_of_states() {
             return Err(ProblemError::FreeTimeWithoutCost);
+        }
+        if is_free && self.has_no_way() {
+            return Err(ProblemError::NoWay);
         }
         self.weights(Key::EFFORT, &self.cost.effort)?;
         for (key, weights) in [(Key::TORQUE_RATE, &self.cost.torque_rate), (Key::JERK, &self.cost.jerk)] {

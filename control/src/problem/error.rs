@@ -68,6 +68,8 @@ pub enum ProblemError {
     },
     /// A free final time without a cost of time.
     FreeTimeWithoutCost,
+    /// A free final time, and the robot rests at its end from the start on: nothing is to be done.
+    NoWay,
     /// A control without effect.
     NoGain {
         /// The joint.
@@ -233,7 +235,7 @@ impl ProblemError {
             | Self::TaskNeedsDirect { key } => key,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
-            Self::FreeTimeWithoutCost => Key::FREE_TIME,
+            Self::FreeTimeWithoutCost | Self::NoWay => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
             Self::EmptyBounds { .. } => Key::U_MIN,
             Self::EmptyRange { .. } => Key::Q_MIN,
@@ -275,6 +277,11 @@ impl ProblemError {
             Self::FreeTimeWithoutCost => {
                 "a free final time needs cost.time > 0 or [[cost.tool]] (in Rust also a term of the running cost): \
                  otherwise the slowest motion is the cheapest"
+                    .into()
+            }
+            Self::NoWay => {
+                "the robot rests at its end from the start on, so the cheapest motion takes no time; move start.q or \
+                 end.q, give time.final, or add [[via]]"
                     .into()
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),

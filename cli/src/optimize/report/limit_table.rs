@@ -40,7 +40,8 @@ pub fn section(motion: &Motion<'_>) -> String {
     let kinds = motion.solution.limits.kinds();
     let mut rows: Vec<Row<'_>> =
         kinds.filter_map(|(kind, usage)| Some(of_kind(motion, kind, usage?))).collect();
-    // The direct method reports on what it keeps; bounds of the others and what is compared are looked at here.
+    // The direct method reports on what it keeps; bounds of the others, and what is compared, are looked at
+    // here.
     if motion.solution.options.method != Method::Direct {
         rows.extend(at_nodes(motion, Quantity::Control, &kept(motion, Quantity::Control), true));
     }

@@ -182,6 +182,13 @@ fn messages_name_what_helps() {
             &["time.free: a free final time needs cost.time > 0 or [[cost.tool]]"],
         ),
         (
+            with("q = [1.0, 0.5]", "q = [0.0, 0.0]")
+                .replace("final = 1.0", "free = true\nguess = 1.0")
+                .replace("effort", "time = 1.0\neffort"),
+            7,
+            &["time.free: the robot rests at its end from the start on", "[[via]]"],
+        ),
+        (
             arm("[[keep]]\nkind = \"box\"\nframe = \"tool0\"\n"),
             12,
             &["keep.frame: nothing is asked of the tool 'tool0': give min or max"],
@@ -197,6 +204,9 @@ fn messages_name_what_helps() {
     }
     let slow = and("limits", "torque_max = [1.0, 1.0]\nfrom_robot = false");
     missing.check(&slow, IMPOSSIBLE, None, &["another guess (solver.starts)"]);
+    // More limits of the arm give than a sentence holds.
+    let fast = arm("[limits]\nfrom_robot = true\n").replace("final = 1.0", "final = 0.1");
+    missing.check(&fast, IMPOSSIBLE, None, &["'shoulder_pan_joint' gives by", "more give too", "--json"]);
 }
 
 /// Of the limits of a joint those change that are given.
@@ -206,7 +216,7 @@ fn limits_of_the_robot_that_are_not_given_stay() {
     let with_limits = |line: &str| ur5.replacen("[start]", &format!("{line}\n[start]"), 1);
     let limits = "limits = { shoulder_lift_joint = { lower = -1.0, upper = 1.0 } }";
     let output = optimize("keys_limits", &with_limits(limits), &["--json", "--time-limit", "20"]);
-    // The rates and the effort of the file are compared with the motion, and its start is beyond the new range.
+    // The rate of the file is compared with the motion, and its start is beyond the new range.
     let message = stderr(&output);
     let words = "position of joint 'shoulder_lift_joint' runs from";
     assert!(message.contains(words) && message.contains("its limits are -1 and 1"), "{message}");
