@@ -7,7 +7,6 @@ use super::svg::escaped;
 use super::units::{self, Units};
 use crate::optimize::figures::limit_units;
 use crate::optimize::summary::spaced;
-use crate::report::scientific;
 use costate_control::{ActiveLimit, LimitUse, Method};
 
 /// A part of the distance between two limits within which a motion is at one of them, as in
@@ -88,9 +87,9 @@ fn of_kind<'a>(motion: &Motion<'a>, kind: &str, usage: &'a LimitUse) -> Row<'a> 
         .as_ref()
         .map_or_else(|| "-".to_owned(), |worst| format!("{}, t = {} s", worst.name, short(worst.time, 4)));
     // Torques are cut to their limits between the points.
-    let between = if kind == "torque" { "-".into() } else { scientific(usage.between) };
+    let between = if kind == "torque" { "-".into() } else { short(usage.between, 3) };
     let name = if kind == "task" { "tools, clearances".into() } else { spaced(kind) };
-    let excess = format!("{} {unit}", scientific(usage.at_points));
+    let excess = format!("{} {unit}", short(usage.at_points, 3));
     let span = |limit: &'a ActiveLimit| {
         let ActiveLimit { name, side, from, to, .. } = limit;
         Span { name, side, from: *from, to: *to }
@@ -133,7 +132,7 @@ fn at_nodes<'a>(motion: &Motion<'a>, quantity: Quantity, ranges: &[Range], is_ha
             }
         }
     }
-    let excess = format!("{} {}", scientific(worst.0), units::of_robot(&motion.problem.robot, unit));
+    let excess = format!("{} {}", short(worst.0, 3), units::of_robot(&motion.problem.robot, unit));
     let kept = if is_hard { "hard" } else { "only compared" };
     Some(Row { cells: [name.into(), kept.into(), excess, "-".into(), worst.1], active })
 }

@@ -55,7 +55,7 @@ fn limits_that_are_not_kept_are_told_from_those_that_are() {
     let table = between(&page, "<h2>Limits</h2>", "</table>");
     assert!(table.contains("<td>control</td><td>only compared</td>"), "{table}");
     // Those of the robot are 1 N m; the motion needs 28.1 N m at the elbow.
-    assert!(table.contains("2.7e1 N m") && table.contains("elbow, t = 0 s"), "{table}");
+    assert!(table.contains("27.1 N m") && table.contains("elbow, t = 0 s"), "{table}");
     let none = two_link() + "[limits]\nfrom_robot = false\n";
     assert!(!self::page("page_free", &none).contains("<h2>Limits</h2>"));
 }
