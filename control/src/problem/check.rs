@@ -246,13 +246,17 @@ impl Problem {
 
     /// Of an index, or of a name in quotes.
     pub(crate) fn unknown_joint(&self, key: Key, joint: String) -> ProblemError {
-        let joints: Vec<String> = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
-        let mut nearest = match self.robot.joint_index(joint.trim_matches('\'')) {
+        let all: Vec<String> = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
+        let dof = all.len();
+        let mut joints = match self.robot.joint_index(joint.trim_matches('\'')) {
             Err(RobotError::UnknownJoint { nearest, .. }) => nearest,
             _ => Vec::new(),
         };
-        nearest.retain(|name| joints.contains(name));
-        ProblemError::UnknownJoint { key, joint, nearest, joints }
+        joints.retain(|name| all.contains(name));
+        if joints.is_empty() {
+            joints = all;
+        }
+        ProblemError::UnknownJoint { key, joint, joints, dof }
     }
 
     pub(super) fn name(&self, joint: usize) -> String {

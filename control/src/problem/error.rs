@@ -45,10 +45,10 @@ pub enum ProblemError {
         key: Key,
         /// Name or index that was given.
         joint: String,
-        /// Names of joints that resemble it.
-        nearest: Vec<String>,
-        /// Names of the joints.
+        /// Names of joints that resemble it, or of all joints if none does.
         joints: Vec<String>,
+        /// Number of joints.
+        dof: usize,
     },
     /// A number that must be positive.
     NotPositive {
@@ -258,15 +258,13 @@ impl ProblemError {
             Self::NotANumber { joint, .. } => {
                 format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit", joint = printable(joint))
             }
-            Self::UnknownJoint { joint, nearest, joints, .. } if !nearest.is_empty() => {
-                let last = joints.len().saturating_sub(1);
-                let nearest = nearest.iter().map(|name| format!("'{}'", printable(name))).collect::<Vec<_>>().join(" or ");
-                format!("there is no joint {}; did you mean {nearest}? Joints can also be given by index, 0 to {last}", printable(joint))
-            }
-            Self::UnknownJoint { joint, joints, .. } => {
-                let last = joints.len().saturating_sub(1);
-                let names = listed(joints);
-                format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}", joint = printable(joint))
+            Self::UnknownJoint { joint, joints, dof, .. } => {
+                let (joint, last) = (printable(joint), dof.saturating_sub(1));
+                let offered = match joints.len() < *dof {
+                    true => format!("did you mean {}? Joints can also be given", joints.iter().map(|name| format!("'{}'", printable(name))).collect::<Vec<_>>().join(" or ")),
+                    false => format!("the joints are {}, or", listed(joints)),
+                };
+                format!("there is no joint {joint}; {offered} by index 0 to {last}")
             }
             Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
             Self::Negative { joint, value, .. } => {
