@@ -2,7 +2,10 @@
 
 mod bounds;
 mod input;
+mod keys;
+mod missing;
 mod outputs;
+mod pages;
 mod problems;
 mod solutions;
 mod stopping;
