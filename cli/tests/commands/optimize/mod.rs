@@ -1,6 +1,7 @@
 //! `costate optimize`.
 
 mod bounds;
+mod feedback;
 mod input;
 mod outputs;
 mod problems;
