@@ -47,7 +47,9 @@ mod task;
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
 };
-pub use direct::{Budget, Feedback, Resolve, ResolveError, ResolveStatus, Resolved};
+pub use direct::{
+    Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
+};
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
