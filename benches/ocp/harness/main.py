@@ -1,6 +1,7 @@
 """The whole comparison; started by benches/ocp/run."""
 
 import argparse
+import functools
 import json
 import os
 import re
@@ -10,6 +11,8 @@ from pathlib import Path
 
 import agreement
 import derivatives
+import inside
+import points
 import robots
 import sensitivities
 import tables
@@ -41,6 +44,8 @@ def arguments():
     parser.add_argument("--repeats", type=int, default=3, help="times each solver runs; the least time counts (3)")
     parser.add_argument("--time-limit", type=float, default=60.0, help="of each solver (s, 60)")
     parser.add_argument("--interpreted", action="store_true", help="also the peer without compiled functions")
+    parser.add_argument("--inside", action="store_true",
+                        help="also the peer with costate's own functions inside (always with --write)")
     parser.add_argument("--no-best", dest="best", action="store_false", help="do not look for the best cost on finer meshes")
     parser.add_argument("--costate", type=Path, help="its command line; built from this folder if not given")
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
@@ -75,11 +80,18 @@ def describe(options, costate):
     }
 
 
+def the_peer(options):
+    return Peer(functools.partial(points.build, options.cache), options.time_limit)
+
+
 def run(options, costate, file):
-    peers = {"peer": Peer(options.cache, limit=options.time_limit)}
-    first = peers["peer"]
+    first = the_peer(options)
+    peers = {"peer": first}
+    if options.inside:
+        own = lambda robot, spheres: inside.build(options.cache, costate, robot, spheres, first.points(robot, spheres))
+        peers["peer_ours"] = Peer(own, options.time_limit)
     if options.interpreted:
-        peers["interpreted"] = Peer(options.cache, interpreted=True, limit=options.time_limit)
+        peers["interpreted"] = Peer(points.interpreted, options.time_limit)
     further = [f"--{text}" for text in options.costate_arguments]
     ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
             for label, tolerance in zip(("costate", "accurate"), options.tolerances)}
@@ -105,10 +117,11 @@ def run(options, costate, file):
 
 def main():
     options = arguments()
+    options.inside |= options.write
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            kept = [part.check(ROOT, costate, Peer(options.cache)) for part in (derivatives, values, sensitivities)]
+            kept = [part.check(ROOT, costate, the_peer(options)) for part in (derivatives, values, sensitivities)]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
         figures = run(options, costate, file)

@@ -16,7 +16,7 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver};
+use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver, StageTimes};
 use outputs::Outputs;
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         arguments.range.map(|range| continuation::follow(&mut task, range, &interrupt)).transpose()?;
     let (solution, seconds) = match &branch {
         Some(branch) => (branch.solution.clone(), started.elapsed().as_secs_f64()),
-        None => solve_repeatedly(&task, &interrupt, arguments.repeat.map_or(1, NonZeroUsize::get))?,
+        None => solve_repeatedly(&task, arguments, &interrupt)?,
     };
     let interrupted = interrupt.is_requested();
 
@@ -93,8 +93,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
         let continuation = branch.as_ref().map(continuation::Points::new);
         let samples = samples.as_ref();
         let sensitivities = derivatives.as_deref();
+        let (solve_time, stage_times) = (seconds, solution.stage_times);
         let printed =
-            Printed { solution: &solution, solve_time: seconds, continuation, samples, sensitivities };
+            Printed { solution: &solution, solve_time, stage_times, continuation, samples, sensitivities };
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
     } else if !outputs.use_standard_output() {
         let mut out = std::io::stdout().lock();
@@ -125,6 +126,9 @@ struct Printed<'a> {
     solution: &'a Solution,
     /// Time of solving (s).
     solve_time: f64,
+    /// Its parts (s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stage_times: Option<StageTimes>,
     #[serde(skip_serializing_if = "Option::is_none")]
     continuation: Option<continuation::Points<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -133,32 +137,44 @@ struct Printed<'a> {
     sensitivities: Option<&'a [CostDerivative]>,
 }
 
-/// Solves the problem so many times, or until a signal. The first solution, and the least time (s).
+/// Solves the problem as often as asked for, or until a signal. The first solution, and the least time (s)
+/// with its parts.
 fn solve_repeatedly(
     task: &Task,
+    arguments: &Arguments,
     interrupt: &Interrupt,
-    times: usize,
 ) -> Result<(Solution, f64), Box<dyn std::error::Error>> {
-    let started = Instant::now();
-    let first = solve(task, interrupt)?;
-    let mut least = started.elapsed().as_secs_f64();
-    for _ in 1..times {
+    let timed = || -> Result<(Solution, f64), Box<dyn std::error::Error>> {
         let started = Instant::now();
-        solve(task, interrupt)?;
+        let solution = solve(task, arguments.times, interrupt)?;
+        Ok((solution, started.elapsed().as_secs_f64()))
+    };
+    let (mut first, mut least) = timed()?;
+    for _ in 1..arguments.repeat.map_or(1, NonZeroUsize::get) {
+        let (solution, seconds) = timed()?;
         if interrupt.is_requested() {
             break;
         }
-        least = least.min(started.elapsed().as_secs_f64());
+        if seconds < least {
+            (first.stage_times, least) = (solution.stage_times, seconds);
+        }
     }
     Ok((first, least))
 }
 
 /// Solves the problem, with a progress line. A signal stops the search, which keeps the best iterate.
-fn solve(task: &Task, interrupt: &Interrupt) -> Result<Solution, Box<dyn std::error::Error>> {
+fn solve(
+    task: &Task,
+    takes_times: bool,
+    interrupt: &Interrupt,
+) -> Result<Solution, Box<dyn std::error::Error>> {
     let line = progress::Line::new(&task.problem.robot)?;
     let mut solver = Solver::new(&task.problem, task.options.clone())?;
     if let Some(start) = &task.start_from {
         solver = solver.with_start(start)?;
+    }
+    if takes_times {
+        solver = solver.with_stage_times();
     }
     let solver = solver.on_iteration(|iteration| {
         line.show_iteration(iteration);

@@ -4,7 +4,7 @@ use super::figures::{Needed, figures, time_is_free};
 use super::report::numbers::short;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
-use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
+use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StageTimes, StartResult, Status, Verify};
 use std::io::Write;
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
@@ -188,6 +188,10 @@ pub fn print(
         table.row(vec![name.into(), value]);
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
+    for (stage, time) in solution.stage_times.iter().flat_map(StageTimes::named) {
+        let share = 100.0 * time / seconds;
+        table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
+    }
     write!(out, "{table}")?;
     for remark in [explanation(problem, solution), skipped_starts(solution)].into_iter().flatten() {
         writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;

@@ -213,6 +213,13 @@ fn solving_again_and_again_tells_the_least_time_of_the_same_solution() {
         assert_eq!(once[key], often[key], "{key}");
     }
     assert!(often["solve_time"].as_f64().unwrap() > 0.0);
+    assert!(often["stage_times"].is_null());
+    let timed = json(&optimize("repeat", &text, &["--json", "--repeat", "2", "--times"]));
+    let times = timed["stage_times"].as_object().unwrap();
+    let total: f64 = times.values().map(|time| time.as_f64().unwrap()).sum();
+    assert!(times["points"].as_f64() > Some(0.0) && total <= timed["solve_time"].as_f64().unwrap());
+    let printed = stdout(&optimize("repeat", &text, &["--times"]));
+    assert!(times.keys().all(|stage| printed.contains(stage)), "{printed}");
     for more in [&["--repeat", "0"][..], &["--repeat", "2", "--continue", "final_time=1:2"]] {
         assert_eq!(optimize("repeat", &text, more).status.code(), Some(2), "{more:?}");
     }
