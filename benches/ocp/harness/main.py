@@ -2,6 +2,7 @@
 
 import argparse
 import functools
+import hashlib
 import json
 import os
 import re
@@ -23,6 +24,7 @@ from comparison import Comparison
 from judge import Judge
 from ours import Ours
 from peer import Peer
+from record import Record
 from shell import compilers, first_line, say, stop
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -77,6 +79,10 @@ def describe(options, costate):
         "elements": options.elements,
         "tolerances": options.tolerances,
         "repeats": options.repeats,
+        # What else the figures depend on: an interrupted run goes on only where all of it is the same.
+        "options": {key: getattr(options, key) for key in ("classes", "robots", "tasks", "time_limit", "best", "inside",
+                                                           "interpreted", "costate_arguments")},
+        "binary": hashlib.sha256(costate.read_bytes()).hexdigest()[:12],
     }
 
 
@@ -99,20 +105,19 @@ def run(options, costate, file):
         difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
         say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
     comparison = Comparison(peers, ours, Judge(first), options)
-    figures = [describe(options, costate)]
-    with file.open("w") as stream:
-        stream.write(json.dumps(figures[0]) + "\n")
-        for task in tasks.make(ROOT, costate, first, options.classes, options.robots, options.tasks, options.seed):
-            if options.only_write_tasks:
-                print(*(side.write(task) for side in ours.values()))
-                continue
-            row = comparison.run(task)
-            figures.append(row)
-            stream.write(json.dumps(row) + "\n")
-            stream.flush()
-            sides = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in row["sides"].items())
-            say(f"{task.name}: {'; '.join(sides)}")
-    return figures
+    drawn = functools.partial(tasks.make, ROOT, costate, first, options.classes, options.robots, options.tasks,
+                              options.seed)
+    if options.only_write_tasks:
+        for task in drawn():
+            print(*(side.write(task) for side in ours.values()))
+        return []
+    record = Record(file, describe(options, costate))
+    for task in drawn(record.tasks()):
+        row = comparison.run(task)
+        record.add(row)
+        sides = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in row["sides"].items())
+        say(f"{task.name}: {'; '.join(sides)}")
+    return record.close()
 
 
 def main():

@@ -4,7 +4,7 @@ use super::figures::{Needed, figures, time_is_free};
 use super::report::numbers::short;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
-use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StageTimes, StartResult, Status, Verify};
+use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
 use std::io::Write;
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
@@ -188,7 +188,10 @@ pub fn print(
         table.row(vec![name.into(), value]);
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
-    for (stage, time) in solution.stage_times.iter().flat_map(StageTimes::named) {
+    let stages = solution.stage_times.as_ref();
+    // Checks of the problem, the line of progress, memory.
+    let rest = stages.map(|times| ("rest", (seconds - times.total()).max(0.0)));
+    for (stage, time) in stages.iter().flat_map(|times| times.named()).chain(rest) {
         let share = 100.0 * time / seconds;
         table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
     }

@@ -16,7 +16,9 @@ pub struct StageTimes {
     pub assembly: f64,
     /// Factorisation of these equations and substitution.
     pub equations: f64,
-    /// From a direction to the next iterate: changes of limits, barrier, corrections, trial motions.
+    /// What the step changes in the limits, choice of the barrier, corrections of the step.
+    pub limits: f64,
+    /// Trial motions along the step.
     pub search: f64,
     /// Estimated errors and the next mesh.
     pub meshes: f64,
@@ -33,6 +35,7 @@ pub(crate) enum Stage {
     Points,
     Assembly,
     Equations,
+    Limits,
     Search,
     Meshes,
     Verification,
@@ -41,12 +44,13 @@ pub(crate) enum Stage {
 
 impl StageTimes {
     /// Name and time (s) of each stage.
-    pub fn named(&self) -> [(&'static str, f64); 8] {
+    pub fn named(&self) -> [(&'static str, f64); 9] {
         [
             ("preparation", self.preparation),
             ("points", self.points),
             ("assembly", self.assembly),
             ("equations", self.equations),
+            ("limits", self.limits),
             ("search", self.search),
             ("meshes", self.meshes),
             ("verification", self.verification),
@@ -61,8 +65,8 @@ impl StageTimes {
 
     /// Both together.
     pub(crate) fn and(mut self, other: &Self) -> Self {
-        use Stage::{Assembly, Equations, Meshes, Points, Polish, Preparation, Search, Verification};
-        let all = [Preparation, Points, Assembly, Equations, Search, Meshes, Verification, Polish];
+        use Stage::{Assembly, Equations, Limits, Meshes, Points, Polish, Preparation, Search, Verification};
+        let all = [Preparation, Points, Assembly, Equations, Limits, Search, Meshes, Verification, Polish];
         for (stage, (_, time)) in all.into_iter().zip(other.named()) {
             *self.of(stage) += time;
         }
@@ -75,6 +79,7 @@ impl StageTimes {
             Stage::Points => &mut self.points,
             Stage::Assembly => &mut self.assembly,
             Stage::Equations => &mut self.equations,
+            Stage::Limits => &mut self.limits,
             Stage::Search => &mut self.search,
             Stage::Meshes => &mut self.meshes,
             Stage::Verification => &mut self.verification,

@@ -74,7 +74,7 @@ impl<D: PointDynamics> Interior<D> {
     pub(super) fn solve_correction(&mut self) {
         let Self { system, spline, points, barrier, ends, corrections, .. } = self;
         system.collect_corrections(spline, points, barrier, ends, &corrections[1]);
-        self.clock.lap(Stage::Search);
+        self.clock.lap(Stage::Limits);
         self.system.solve_for_corrections(&mut self.steps[3], &mut self.shared_steps[3]);
         self.clock.lap(Stage::Equations);
         self.finish_part(3);

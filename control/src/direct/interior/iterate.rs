@@ -241,12 +241,13 @@ impl<D: PointDynamics> Interior<D> {
                     self.solve();
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
-                    self.clock.lap(Stage::Search);
+                    self.clock.lap(Stage::Limits);
                     if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }
                     self.correct();
+                    self.clock.lap(Stage::Limits);
                     taken = self.search();
                     self.clock.lap(Stage::Search);
                     if taken.is_some() {

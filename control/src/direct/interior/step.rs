@@ -21,7 +21,7 @@ impl<D: PointDynamics> Interior<D> {
             self.clock.lap(Stage::Equations);
             self.finish_part(part);
             self.relaxation.add_change(part, &self.barrier, &mut self.changes[part]);
-            self.clock.lap(Stage::Search);
+            self.clock.lap(Stage::Limits);
         }
         let (unknowns, count) = (self.spline.unknowns.len(), self.barrier.count());
         let of_barrier = self.changes[2..].iter_mut().chain(&mut self.corrections);
