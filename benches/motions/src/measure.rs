@@ -19,11 +19,16 @@ pub struct Measured {
     pub solved: bool,
 }
 
-/// Solves so many times, after one solve that compiles the dynamics of the robot.
+/// CPU time for which short solves are repeated (s), and how often at most.
+const LONG_ENOUGH: f64 = 0.25;
+const MOST: usize = 100;
+
+/// Solves at least so many times, after one solve that compiles the dynamics of the robot.
 pub fn measure(problem: &Problem, options: &SolverOptions, repeats: usize) -> Result<Measured, ProblemError> {
     let (first, ..) = solve(problem, options)?;
     let (mut steps, mut solves) = (Vec::new(), Vec::new());
-    for _ in 0..repeats {
+    let began = cpu_time();
+    while solves.len() < repeats || (solves.len() < MOST && cpu_time() - began < LONG_ENOUGH) {
         let (_, more, whole) = solve(problem, options)?;
         steps.extend(more);
         solves.push(whole);

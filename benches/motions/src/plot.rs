@@ -47,14 +47,26 @@ impl Scale {
     }
 }
 
+/// The next 1, 2 or 5 times a power of ten below.
+fn round_down(value: f64) -> f64 {
+    let power = 10_f64.powf(value.log10().floor());
+    let steps = [5.0, 2.0, 1.0].map(|step| step * power);
+    steps.into_iter().find(|step| *step <= value).unwrap_or(power)
+}
+
+/// The next one above.
+fn round_up(value: f64) -> f64 {
+    1.0 / round_down(1.0 / value)
+}
+
 impl Plot {
     pub fn svg(&self) -> String {
         let values = || self.lines.iter().flat_map(|line| &line.points);
         let least = |of: fn(&(f64, f64)) -> f64| values().map(of).fold(f64::INFINITY, f64::min);
         let most = |of: fn(&(f64, f64)) -> f64| values().map(of).fold(0.0, f64::max);
-        let decades = [least(|p| p.1).log10().floor() as i32, most(|p| p.1).log10().ceil() as i32];
+        let range = [round_down(0.85 * least(|p| p.1)), round_up(1.15 * most(|p| p.1))];
         let x = Scale { from: [least(|p| p.0) / 1.12, most(|p| p.0) * 1.12], to: [LEFT, WIDTH - RIGHT] };
-        let y = Scale { from: decades.map(|power| 10_f64.powi(power)), to: [HEIGHT - BOTTOM, TOP] };
+        let y = Scale { from: range, to: [HEIGHT - BOTTOM, TOP] };
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" \
              height=\"{HEIGHT}\" font-family=\"system-ui, sans-serif\" font-size=\"14\" role=\"img\">\n\
@@ -62,7 +74,7 @@ impl Plot {
              <text x=\"{LEFT}\" y=\"34\" font-size=\"18\" font-weight=\"600\" fill=\"#222\">{title}</text>\n",
             title = escaped(&self.title),
         );
-        self.axes(&mut svg, &x, &y, decades);
+        self.axes(&mut svg, &x, &y);
         for line in &self.lines {
             draw(&mut svg, line, &x, &y);
         }
@@ -71,13 +83,14 @@ impl Plot {
         svg
     }
 
-    fn axes(&self, svg: &mut String, x: &Scale, y: &Scale, [low, high]: [i32; 2]) {
+    fn axes(&self, svg: &mut String, x: &Scale, y: &Scale) {
         let ([left, right], [bottom, top]) = (x.to, y.to);
-        for power in low..=high {
+        let [low, high] = y.from;
+        for power in low.log10().floor() as i32..=high.log10().ceil() as i32 {
             for step in 1..10 {
                 let value = f64::from(step) * 10_f64.powi(power);
-                if value > y.from[1] * 1.0001 {
-                    break;
+                if !(0.999 * low..=1.001 * high).contains(&value) {
+                    continue;
                 }
                 let (at, color) = (y.at(value), if step == 1 { "#c8c8c8" } else { "#efefef" });
                 put(svg, format_args!("<path d=\"M{left:.1} {at:.1}H{right:.1}\" stroke=\"{color}\"/>"));

@@ -6,11 +6,14 @@ use crate::measure::{Measured, measure, median};
 use crate::plot::{Line, Plot};
 use crate::problems::{of_chain, of_file};
 use crate::tables::{duration, exponent, markdown};
+use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
+use costate::robot::Robot;
 use costate_control::{MachineCode, Polish, SolverOptions, Verify};
 
-/// Numbers of joints; machine code is written for at most 14.
+/// Numbers of joints.
 const JOINTS: [usize; 9] = [2, 3, 4, 6, 8, 10, 12, 16, 24];
-const COMPILED: usize = 14;
+/// Most joints, and most steps of a program, for which the solver writes machine code.
+const COMPILED: (usize, usize) = (14, 18_000);
 /// Motions of each chain.
 const MOTIONS: u64 = 5;
 /// Nodes of the mesh on which Newton steps are timed: 14 intervals.
@@ -33,6 +36,14 @@ fn on_mesh(options: SolverOptions, nodes: usize) -> SolverOptions {
     options.with_nodes(nodes).with_max_nodes(nodes)
 }
 
+/// Whether there is machine code of the second derivatives of inverse dynamics.
+fn is_compiled(robot: &Robot) -> bool {
+    let (joints, steps) = COMPILED;
+    let options = ProgramOptions::default().with_limit(steps);
+    let program = robot_program(robot, Quantity::YTauZZ, Coordinates::Lagrangian, &options);
+    robot.dof() <= joints && program.is_ok_and(|program| program.steps() <= steps)
+}
+
 /// Table and plot over the number of joints.
 pub fn joints(short: bool) -> Result<(String, Plot), Failure> {
     let (counts, motions, repeats) =
@@ -48,7 +59,8 @@ pub fn joints(short: bool) -> Result<(String, Plot), Failure> {
                 .collect();
             Ok(median(each?))
         };
-        let by_code = if n <= COMPILED { steps(MachineCode::AtOnce)? } else { f64::NAN };
+        let is_compiled = is_compiled(&of_chain(n, 0)?.robot);
+        let by_code = if is_compiled { steps(MachineCode::AtOnce)? } else { f64::NAN };
         let by_generic = steps(MachineCode::Never)?;
         let solves: Result<Vec<Measured>, Failure> = (0..motions)
             .map(|seed| Ok(measure(&of_chain(n, seed)?, &options(MachineCode::AtOnce), repeats)?))
@@ -56,7 +68,7 @@ pub fn joints(short: bool) -> Result<(String, Plot), Failure> {
         let solves = solves?;
         let of = |value: fn(&Measured) -> f64| median(solves.iter().map(value).collect());
         let (solve, x) = (of(|found| found.solve), n as f64);
-        if n <= COMPILED {
+        if is_compiled {
             compiled.push((x, by_code));
         }
         generic.push((x, by_generic));
