@@ -15,11 +15,8 @@ mod scaling;
 mod stages;
 mod tables;
 
-use std::error::Error;
+use problems::{Failure, ROOT};
 use std::path::Path;
-
-/// What a run may end with.
-pub type Failure = Box<dyn Error>;
 
 const HELP: &str = "\
 costate-motions [--write] [--short]
@@ -27,9 +24,6 @@ costate-motions [--write] [--short]
   --write   puts the tables into BENCHMARKS.md and the plots into docs/
   --short   few chains, short meshes, few repeats
 ";
-
-/// The folder of the project.
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 fn main() -> Result<(), Failure> {
     let (mut write, mut short) = (false, false);

@@ -1,11 +1,17 @@
 //! The problems: chains of joints with all limits, and motions of known robots.
 
 use crate::robots::chain;
-use crate::{Failure, ROOT};
 use costate::lagrangian::Lagrangian;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{MotionLimits, Objective, Problem, ProblemFile};
 use fastrand::Rng;
+use std::error::Error;
+
+/// What a run may end with.
+pub type Failure = Box<dyn Error>;
+
+/// The folder of the project.
+pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// Largest distance of a joint (rad), and duration (s).
 const DISTANCE: f64 = 1.0;

@@ -1,10 +1,9 @@
 //! Time against the number of joints and the number of nodes.
 
-use crate::Failure;
 use crate::fit::Power;
 use crate::measure::{Measured, measure, median};
 use crate::plot::{Line, Plot};
-use crate::problems::{of_chain, of_file};
+use crate::problems::{Failure, of_chain, of_file};
 use crate::tables::{duration, exponent, markdown};
 use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::robot::Robot;

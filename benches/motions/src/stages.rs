@@ -1,8 +1,7 @@
 //! Where the time goes.
 
-use crate::Failure;
 use crate::measure::stages;
-use crate::problems::{of_file, panda};
+use crate::problems::{Failure, of_file, panda};
 use crate::tables::{duration, markdown};
 use costate_control::{MachineCode, Polish, Problem, SolverOptions};
 
