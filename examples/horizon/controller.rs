@@ -59,7 +59,7 @@ impl Controller {
             MotionLimits::default().with_v_max(limits().map(|limits| RATES * limits.velocity).collect());
         problem.time = FinalTime::Fixed(HORIZON);
         problem.cost = Objective::new(0.0, limits().map(|limits| 1.0 / limits.effort.powi(2)).collect());
-        let options = SolverOptions::direct()
+        let options = SolverOptions::default()
             .with_tolerance(TOLERANCE)
             .with_nodes(3 * INTERVALS + 1)
             .with_machine_code(MachineCode::AtOnce);

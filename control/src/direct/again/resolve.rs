@@ -11,15 +11,17 @@ use crate::direct::solve::direct::{Dynamics, interior};
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
-use crate::problem::{BoundaryState, Problem};
+use crate::problem::{BoundaryState, Problem, Reference, Shape, TaskError};
 use crate::solve::recorder::Interruption;
 use crate::task::build::TaskRows;
+use crate::task::check_references::check_reference;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// A problem that is solved again and again on one mesh, with other starts, ends and goals.
+/// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and places
+/// of obstacles.
 ///
 /// The mesh has `(nodes - 1) / 3` equal intervals of the [options](SolverOptions::nodes), whose tolerance is
 /// that of each solve. The first solve begins at the guess of [`Solver`](crate::Solver). Every later one
@@ -35,7 +37,7 @@ use std::time::{Duration, Instant};
 /// let robot = Robot::from_file("robots/ur5.urdf")?;
 /// let (from, to) = ([0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.5, -1.4, 1.6, -1.6, -1.5, 0.2]);
 /// let problem = Problem::rest_to_rest(robot, &from, &to, 1.0);
-/// let options = SolverOptions::direct().with_tolerance(1e-4).with_machine_code(MachineCode::AtOnce);
+/// let options = SolverOptions::default().with_tolerance(1e-4).with_machine_code(MachineCode::AtOnce);
 /// let mut motion = Resolve::new(&problem, options)?;
 /// motion.solve()?;
 /// motion.set_start(&[0.01, -1.6, 1.8, -1.79, -1.57, 0.0], &[0.0, 0.1, 0.0, 0.0, 0.0, 0.0])?;
@@ -53,6 +55,8 @@ pub struct Resolve {
     /// (q, v) at start and end.
     states: [Vec<f64>; 2],
     goals: Goals,
+    /// Number of obstacles.
+    obstacles: usize,
     again: Again,
     feedback: Feedback,
     shown: Shown,
@@ -90,6 +94,7 @@ impl Resolve {
             model: Lagrangian::new(&problem.robot),
             states: [state(&problem.start), state(&problem.end)],
             goals: Goals::of(&problem.task),
+            obstacles: problem.task.obstacles.len(),
             again: Again::new(n),
             feedback: Feedback::default(),
             shown: Shown::default(),
@@ -196,6 +201,53 @@ impl Resolve {
         Ok(())
     }
 
+    /// The next solve has this shape in [`Task::obstacles`](crate::Task::obstacles)`[obstacle]`: the same one in
+    /// another place, a capsule of any length. It stands still during the motion; what moves is where it is
+    /// in the next solve. Whether the start keeps away from it is not checked: limits that cannot be kept
+    /// show in [`Resolved::violation`].
+    ///
+    /// # Errors
+    /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: another shape or size, numbers that are not finite.
+    pub fn set_obstacle(&mut self, obstacle: usize, shape: &Shape) -> Result<(), ResolveError> {
+        let (table, entry) = ("obstacle", obstacle);
+        if obstacle >= self.obstacles {
+            return Err(ResolveError::NoEntry { table, entry });
+        }
+        let moved = self.interior.tasks.move_obstacle(obstacle, shape);
+        moved.map_err(|cause| ResolveError::Task { table, entry, cause })
+    }
+
+    /// The next solve has this reference in [`Task::references`](crate::Task::references)`[reference]`, of the
+    /// same joints, or of the same tool and coordinates; with its weights. Allocates only if it has more knots
+    /// than any before it.
+    ///
+    /// # Errors
+    /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: a reference of something else, or one that
+    /// [`Problem::check`] would refuse.
+    pub fn set_reference(&mut self, reference: usize, to: &Reference) -> Result<(), ResolveError> {
+        let (table, entry, n) = ("cost.reference", reference, self.dof());
+        let references = &mut self.interior.running.references;
+        if reference >= references.count() {
+            return Err(ResolveError::NoEntry { table, entry });
+        }
+        let task = |cause| ResolveError::Task { table, entry, cause };
+        check_reference(to, n).map_err(|(_, cause)| task(cause))?;
+        references.set(reference, to).map_err(|_| task(TaskError::OtherReference))
+    }
+
+    /// The next solve starts at this time (s) of all references: what they are at `time` they are at the start
+    /// of the motion. 0 at first.
+    ///
+    /// # Errors
+    /// [`ResolveError::NotFinite`].
+    pub fn set_start_time(&mut self, time: f64) -> Result<(), ResolveError> {
+        if !time.is_finite() {
+            return Err(ResolveError::NotFinite { what: "the start time", entry: 0 });
+        }
+        self.interior.running.references.start = time;
+        Ok(())
+    }
+
     /// Begins the warm start later by `dt` (s), the time since the last solve: the part of the motion that is
     /// over is left out. With a fixed final time the motion goes on beyond its end at the rates there; with a
     /// free one its rest remains. Less than half an interval makes no difference: the new start and end
@@ -249,7 +301,7 @@ impl Resolve {
         self.damping *= constants::DAMPING_DOWN;
         let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
         let mut last = Instant::now();
-        let watch = |iterate: &Interior<Dynamics>, _: f64| {
+        let watch = |iterate: &mut Interior<Dynamics>, _: f64| {
             shown.offer(iterate);
             *damping = iterate.damping;
             let now = Instant::now();

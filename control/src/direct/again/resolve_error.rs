@@ -1,5 +1,6 @@
 //! What is wrong with a new start, end or goal.
 
+use crate::problem::TaskError;
 use costate::EvalError;
 
 /// Why a new start, end or goal was refused, or what is asked of a motion.
@@ -43,6 +44,24 @@ pub enum ResolveError {
         low: f64,
         /// Its largest value.
         high: f64,
+    },
+    /// An obstacle or a reference that the problem does not have.
+    #[error("{table}: there is no entry {entry}, counted from 0; their number stays")]
+    NoEntry {
+        /// The table of the problem.
+        table: &'static str,
+        /// The number that was given, from 0.
+        entry: usize,
+    },
+    /// An obstacle or a reference that does not fit.
+    #[error("{table}, entry {entry}: {cause}")]
+    Task {
+        /// The table of the problem.
+        table: &'static str,
+        /// The number that was given, from 0.
+        entry: usize,
+        /// What is wrong with it.
+        cause: TaskError,
     },
     /// A tool that the problem does not have, or one without a position.
     #[error("{table}: there is no entry {entry} with a position, counted from 0; poses keep their kind")]

@@ -15,7 +15,6 @@ use crate::problem::{
     FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Problem, Task, Tool, ToolPose, Via,
 };
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
@@ -51,11 +50,12 @@ fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoint
     problem.task = Task::default()
         .with_end_tool(ToolPose::of(tool()).with_position([f64::INFINITY, 0.3, f64::INFINITY]))
         .with_keep(Keep::new(tool(), Kept::Plane { through, normal: [1.0, 0.5, 0.0], distance: 0.0 }))
-        .with_keep(Keep::new(tool(), Kept::Speed { max: 1.0 }));
+        .with_keep(Keep::new(tool(), Kept::Speed { max: 1.0 }))
+        .with_keep(Keep::new(tool(), Kept::Acceleration { max: 2.0 }));
     let rows = TaskRows::new(&problem).unwrap();
-    let running = Running::new(&problem, ToolCosts::new(rows.costs.clone(), rows.weights.clone(), 2));
-    let (tasks, ends) = (Tasks::new(&rows, 2), Ends::new(&problem));
+    let running = Running::new(&problem, &rows);
     let powers = Powers::new(&problem);
+    let (tasks, ends) = (Tasks::new(&rows, 2, powers.rows()), Ends::new(&problem));
     let mut interior = Interior::new(spline, sides, tasks, powers, running, ends, dynamics);
     interior.start(None).unwrap();
     interior

@@ -133,8 +133,8 @@ impl Powers {
 
     /// h at all points, from z and the torques.
     pub fn evaluate(&self, points: &mut Points) {
-        let (n, rows) = (points.dof, self.rows());
-        if rows == 0 {
+        let (n, rows) = (points.dof, points.powers);
+        if self.functions.is_empty() {
             return;
         }
         let states = points.z.chunks_exact(3 * n).zip(points.tau.chunks_exact(n));
@@ -147,8 +147,8 @@ impl Powers {
 
     /// Adds what the weights of the rows make to those of the torques.
     pub fn weigh_torques(&self, points: &mut Points) {
-        let (n, rows) = (points.dof, self.rows());
-        if rows == 0 {
+        let (n, rows) = (points.dof, points.powers);
+        if self.functions.is_empty() {
             return;
         }
         let states = points.z.chunks_exact(3 * n).zip(points.weights.chunks_exact_mut(n));
@@ -162,8 +162,8 @@ impl Powers {
     /// h and h_z at contracted points. To the Hessian, which holds the torques with their weights, are added
     /// the products of rates and torques.
     pub fn contract(&self, points: &mut Points) {
-        let (n, rows) = (points.dof, self.rows());
-        if rows == 0 {
+        let (n, rows) = (points.dof, points.powers);
+        if self.functions.is_empty() {
             return;
         }
         self.evaluate(points);

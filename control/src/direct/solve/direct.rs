@@ -36,7 +36,6 @@ use crate::solve::Recorder;
 use crate::solve::recorder::Interruption;
 use crate::status::Status;
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::EvalError;
 use costate::robot::Robot;
 
@@ -90,7 +89,7 @@ impl Direct<'_> {
         interior.clock.lap(Stage::Preparation);
         if goes_on && !too_short && interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
-            let mut watch = |iterate: &Interior<Dynamics>, step: f64| {
+            let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, 0, step));
                 recorder.interruption()
             };
@@ -117,17 +116,23 @@ impl Direct<'_> {
         interior.clock.lap(Stage::Preparation);
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
-            let (mut patience, mut stuck) = (Patience::default(), false);
-            let watch = |iterate: &Interior<Dynamics>, step: f64| {
+            let mut resolved = interior.spline.clone();
+            let (mut patience, mut stuck, mut unresolved) = (Patience::default(), false, false);
+            let watch = |iterate: &mut Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, first, step));
                 stuck = patience.is_over(iterate.figures.violation);
-                if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
+                let looks = (iterate.figures.iterations - first).is_multiple_of(constants::LOOK);
+                unresolved = looks && resolution.is_far_off(iterate);
+                if looks && !unresolved {
+                    resolved.clone_from(&iterate.spline);
+                }
+                if stuck || unresolved { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
             let mut end = interior.iterate(precision, self.options.max_iterations, watch)?;
             if end == End::Solved && precision <= least {
                 interior.take_last_step();
             }
-            if stuck {
+            if stuck || unresolved {
                 end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
             }
             let mut figures = interior.figures;
@@ -135,6 +140,7 @@ impl Direct<'_> {
             if is_over
                 && figures.violation > constants::VIOLATION_ACCEPTED
                 && restorations < constants::RESTORATIONS
+                && !unresolved
                 && !smooth
             {
                 restorations += 1;
@@ -160,6 +166,7 @@ impl Direct<'_> {
                 End::Interrupted(interruption) => {
                     return Ok(Refined { error, ..Refined::without(interruption.into()) });
                 }
+                _ if unresolved => Status::MeshLimit,
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
@@ -176,7 +183,7 @@ impl Direct<'_> {
             let unverified = accurate && precision <= least && self.options.verify == Verify::None;
             if refined.status.is_converged()
                 || unverified
-                || (violated && mesh >= constants::MESHES_WITHOUT_MOTION)
+                || (violated && !unresolved && mesh >= constants::MESHES_WITHOUT_MOTION)
             {
                 break;
             }
@@ -199,16 +206,24 @@ impl Direct<'_> {
             let enough = tolerance * figures.size;
             let narrowest = resolution.narrowest;
             let nodes = match (violated, accurate) {
-                (true, _) => interior.spline.mesh.halved(narrowest),
+                (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
-                (false, false) => resolution.nodes(&interior.spline, enough),
+                _ => resolution.nodes(&interior.spline, enough),
             };
             let mesh_nodes = &interior.spline.mesh.nodes;
             let nodes = if nodes == *mesh_nodes { interior.spline.mesh.halved(narrowest) } else { nodes };
             let stride = interior.spline.mesh.shape.stride();
             if stride * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
+                if unresolved {
+                    interior.spline = resolved;
+                    interior.start(Some(interior.mu))?;
+                    resolution.measure(interior)?;
+                }
                 break;
+            }
+            if unresolved {
+                interior.spline = resolved;
             }
             interior.move_to(nodes)?;
             interior.clock.lap(Stage::Meshes);
@@ -260,7 +275,10 @@ impl Direct<'_> {
             true => Again::unknown(f64::INFINITY),
             false => integrate_again(problem, self.options.verify, interior, resolution),
         });
-        let values = &trajectory.hamiltonian;
+        // Without what the clock adds to it H* is constant.
+        let ahead = interior.clock_ahead(&trajectory.t);
+        let values: Vec<f64> =
+            trajectory.hamiltonian.iter().zip(&ahead).map(|(h, ahead)| h - ahead).collect();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let of_phases: Vec<&[f64]> = trajectory.phases().map(|rows| &values[rows]).collect();
         let far_from = |mean: f64| move |value: &f64| (value - mean).abs();
@@ -272,7 +290,7 @@ impl Direct<'_> {
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
             penalty_cost,
-            hamiltonian: mean(values),
+            hamiltonian: mean(&values),
             phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
@@ -322,10 +340,9 @@ pub(crate) fn interior(
         model
     };
     let dynamics = PhaseDynamics::new(&problem.robots(), model);
-    let costs = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), problem.robot.dof());
-    let tasks = Tasks::new(rows, problem.robot.dof());
-    let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
+    let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let powers = Powers::new(problem);
+    let tasks = Tasks::new(rows, problem.robot.dof(), powers.rows());
     let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
     let can_choose =
         matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
