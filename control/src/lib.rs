@@ -85,6 +85,7 @@ pub use result::nodes::Nodes;
 pub use result::polish_report::{PolishOutcome, PolishReport};
 pub use result::samples::{SampleError, Samples};
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
+pub use result::stage_times::StageTimes;
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
 pub use sensitivity::{CostDerivative, SensitivityError, cost_by_parameters};

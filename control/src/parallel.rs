@@ -2,6 +2,7 @@
 
 use crate::options::SolverOptions;
 use crate::result::solution::{Solution, StartResult};
+use crate::result::stage_times::StageTimes;
 use crate::solve::Recorder;
 use crate::status::Status;
 use std::cmp::Ordering;
@@ -15,6 +16,7 @@ struct Shared {
     best: Option<(usize, Solution)>,
     starts: Vec<(usize, StartResult)>,
     newton_iterations: usize,
+    stage_times: Option<StageTimes>,
 }
 
 /// The best solution of all starts; each of them is solved on its own by `solve`, from its number, with a
@@ -36,11 +38,12 @@ pub(crate) fn best_of_starts(
             lock(&shared).take(number, solution);
         }
     });
-    let Shared { best, mut starts, newton_iterations, .. } =
+    let Shared { best, mut starts, newton_iterations, stage_times, .. } =
         shared.into_inner().unwrap_or_else(PoisonError::into_inner);
     starts.sort_by_key(|(number, _)| *number);
     let starts = starts.into_iter().map(|(_, start)| start).collect();
-    best.map(|(_, best)| Solution { newton_iterations, starts, options: options.clone(), ..best })
+    let options = options.clone();
+    best.map(|(_, best)| Solution { newton_iterations, stage_times, starts, options, ..best })
 }
 
 /// The number of the next start, if there is one and the search goes on.
@@ -64,6 +67,7 @@ impl Shared {
         let motion = &solution.motion;
         self.starts.push((number, StartResult { total: motion.total(), status: motion.status.clone() }));
         self.newton_iterations += solution.newton_iterations;
+        self.stage_times = solution.stage_times.map(|own| own.and(&self.stage_times.unwrap_or_default()));
         let better = self
             .best
             .as_ref()

@@ -179,7 +179,8 @@ fn with_report(
     }
     let mut shown = match polished.filter(|_| outcome.is_polished()) {
         Some((polished, limits)) => {
-            Solution { limits, starts: direct.starts, options: direct.options, ..polished }
+            let Solution { starts, options, stage_times, .. } = direct;
+            Solution { limits, starts, options, stage_times, ..polished }
         }
         None => direct,
     };

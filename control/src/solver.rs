@@ -8,6 +8,7 @@ use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
 use crate::progress::{Cancel, Iteration, Listener};
 use crate::result::solution::Solution;
+use crate::result::stage_times::StageTimes;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::Recorder;
@@ -48,6 +49,7 @@ pub struct Solver<'a> {
     start: Option<Trajectory>,
     listener: Option<Listener<'a>>,
     cancel: Option<Cancel>,
+    takes_times: bool,
 }
 
 impl<'a> Solver<'a> {
@@ -62,7 +64,8 @@ impl<'a> Solver<'a> {
         };
         let problem = problem.check_for(options.method)?;
         options.check()?;
-        Ok(Self { problem, rows, options, start: None, listener: None, cancel: None })
+        let (start, listener, cancel) = (None, None, None);
+        Ok(Self { problem, rows, options, start, listener, cancel, takes_times: false })
     }
 
     /// Begins the first start with a saved motion, stretched to the final time of the problem.
@@ -90,11 +93,20 @@ impl<'a> Solver<'a> {
         self
     }
 
+    /// Measures where the time of the direct method goes
+    /// ([`Solution::stage_times`](crate::Solution::stage_times)): a clock is read a few times in each Newton
+    /// step.
+    pub fn with_stage_times(mut self) -> Self {
+        self.takes_times = true;
+        self
+    }
+
     /// Solves. Never fails: [`Motion::status`](crate::Motion::status) says how it ended, and the best iterate
     /// is kept.
     pub fn solve(self) -> Solution {
-        let Self { problem, rows, options, start, listener, cancel } = self;
+        let Self { problem, rows, options, start, listener, cancel, takes_times } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
+        recorder.takes_times = takes_times;
         if let Some(rows) = rows {
             return directly(problem, &rows, options, start, &mut recorder);
         }
@@ -121,19 +133,23 @@ fn directly(
     }
     let tolerance = rough_tolerance(&problem, &options);
     let rough = polishes && tolerance > options.tolerance;
-    let (mut iterations, mut steps) = (Vec::new(), 0);
+    let (mut iterations, mut steps, mut times) = (Vec::new(), 0, StageTimes::default());
     let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
     for stage in rough.then_some(&first).into_iter().chain([&options]) {
         let began = Instant::now();
         let direct = Direct { problem, rows, options: stage, saved: start.as_ref() };
         let found = direct.solve(recorder);
-        let mut found = polish(&problem, &options, found, began.elapsed(), recorder);
+        times = times.and(&found.stage_times.unwrap_or_default());
+        let taken = began.elapsed();
+        let mut found = polish(&problem, &options, found, taken, recorder);
+        times.polish += (began.elapsed() - taken).as_secs_f64();
         found.motion.iterations.splice(0..0, iterations);
         let polished = found.polish.as_ref().is_some_and(|report| report.outcome.is_polished());
         let is_last = std::ptr::eq(stage, &options) || recorder.interruption().is_some();
         steps += found.newton_iterations;
         if polished || is_last {
-            return Solution { newton_iterations: steps, options: options.clone(), ..found };
+            let stage_times = recorder.takes_times.then_some(times);
+            return Solution { newton_iterations: steps, stage_times, options: options.clone(), ..found };
         }
         iterations = std::mem::take(&mut found.motion.iterations);
         start = if found.is_motion() { Some(found.trajectory) } else { start };
@@ -149,6 +165,7 @@ impl fmt::Debug for Solver<'_> {
             .field("start", &self.start.as_ref().map(|start| start.t.len()))
             .field("listener", &self.listener.is_some())
             .field("cancel", &self.cancel)
+            .field("takes_times", &self.takes_times)
             .finish_non_exhaustive()
     }
 }

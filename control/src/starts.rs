@@ -210,6 +210,7 @@ pub(crate) fn solution(
         end_defect,
         limits: LimitReport::default(),
         polish: None,
+        stage_times: None,
         trajectory: Trajectory::from_nodes(nodes, v),
         starts: Vec::new(),
         options: options.clone(),

@@ -23,6 +23,9 @@ class Comparison:
 
     def run(self, task):
         """The row of figures of one task."""
+        # Compiled before anything is timed.
+        for peer in self.peers.values():
+            peer.points_of(task)
         sides = {label: (lambda again, peer=peer: peer.solve(task, self.options.elements))
                  for label, peer in self.peers.items()}
         sides |= {label: (lambda again, ours=ours: ours.solve(task, TIMES if again else 1))
@@ -57,8 +60,10 @@ class Comparison:
     def best(self, task, answers, sides):
         """Least cost among those with a small error: the peer's on a finer mesh from several starts, and answers that obey
         the dynamics closely. Where the peer is slow, finer meshes are left out."""
-        peer = next(iter(self.peers.values()))
-        coarse = [answer for label, answer in answers.items() if sides[label]["solved"]]
+        # Further peers solve the same program as the first one.
+        first, *others = self.peers
+        peer = self.peers[first]
+        coarse = [answer for label, answer in answers.items() if sides[label]["solved"] and label not in others]
         costs = [side["cost"] for side in sides.values() if side["solved"] and side["gap"] <= CLOSE]
         if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
             coarse = []

@@ -27,7 +27,7 @@ def check(root, costate, peer):
 
 
 def errors(task, peer, rng):
-    transcription = Transcription(task, peer.points(task), numpy.linspace(0, 1, ELEMENTS + 1))
+    transcription = Transcription(task, peer.points_of(task), numpy.linspace(0, 1, ELEMENTS + 1))
     program = Program(transcription)
     nlp, derivatives = program.nlp(), program.derivatives()
     values = ca.Function("values", [nlp["x"]], [nlp["f"], nlp["g"]])

@@ -6,6 +6,8 @@ from classes import CLASSES
 from comparison import excess
 
 PEER = "peer"
+# The peer with costate's functions inside.
+INSIDE = "peer_ours"
 # costate at its first tolerance, which is that of the peer's accuracy, and at its second one.
 OURS, ACCURATE = "costate", "accurate"
 # Share of tasks that must be solved in these classes.
@@ -42,7 +44,8 @@ def verdicts(figures):
     """(goal, measured, verdict), missed goals first."""
     rows = [solves_what_the_peer_solves(figures), *sure(figures), *fast(figures), *arms(figures), *limits(figures)]
     rows.append(best_cost(figures))
-    order = {"**missed**": 0, "not measured": 1, "kept": 2}
+    rows += inside(figures)
+    order = {"**missed**": 0, "not measured": 1, "kept": 2, "faster": 3, "slower": 3}
     return sorted(rows, key=lambda row: order[row[2]])
 
 
@@ -73,6 +76,16 @@ def fast(figures):
     text = ", ".join(f"{kind} {value:.2f}" for kind, value in medians.items())
     yield (f"median of every class at least {WORST_RATIO:g} times faster", text or "-",
            verdict(min(medians.values()) >= WORST_RATIO if medians else None))
+
+
+def inside(figures):
+    """Beside the peer with costate's own functions: what is left is not due to derivatives. No goal; only if measured."""
+    every = ratios(of(figures), INSIDE)
+    if every:
+        text = ", ".join(f"{kind} {median(found):.2f}" for kind in kinds(figures)
+                         if (found := ratios(of(figures, kind), INSIDE)))
+        yield ("beside the peer with costate's functions inside: median of all tasks; of every class",
+               f"{median(every):.2f}; {text}", "faster" if median(every) > 1 else "slower")
 
 
 def arms(figures):

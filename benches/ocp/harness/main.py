@@ -1,6 +1,8 @@
 """The whole comparison; started by benches/ocp/run."""
 
 import argparse
+import functools
+import hashlib
 import json
 import os
 import re
@@ -10,6 +12,8 @@ from pathlib import Path
 
 import agreement
 import derivatives
+import inside
+import points
 import robots
 import sensitivities
 import tables
@@ -20,6 +24,7 @@ from comparison import Comparison
 from judge import Judge
 from ours import Ours
 from peer import Peer
+from record import Record
 from shell import compilers, first_line, say, stop
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -41,6 +46,8 @@ def arguments():
     parser.add_argument("--repeats", type=int, default=3, help="times each solver runs; the least time counts (3)")
     parser.add_argument("--time-limit", type=float, default=60.0, help="of each solver (s, 60)")
     parser.add_argument("--interpreted", action="store_true", help="also the peer without compiled functions")
+    parser.add_argument("--inside", action="store_true",
+                        help="also the peer with costate's own functions inside (always with --write)")
     parser.add_argument("--no-best", dest="best", action="store_false", help="do not look for the best cost on finer meshes")
     parser.add_argument("--costate", type=Path, help="its command line; built from this folder if not given")
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
@@ -72,14 +79,25 @@ def describe(options, costate):
         "elements": options.elements,
         "tolerances": options.tolerances,
         "repeats": options.repeats,
+        # What else the figures depend on: an interrupted run goes on only where all of it is the same.
+        "options": {key: getattr(options, key) for key in ("classes", "robots", "tasks", "time_limit", "best", "inside",
+                                                           "interpreted", "costate_arguments")},
+        "binary": hashlib.sha256(costate.read_bytes()).hexdigest()[:12],
     }
 
 
+def the_peer(options):
+    return Peer(functools.partial(points.build, options.cache), options.time_limit)
+
+
 def run(options, costate, file):
-    peers = {"peer": Peer(options.cache, limit=options.time_limit)}
-    first = peers["peer"]
+    first = the_peer(options)
+    peers = {"peer": first}
+    if options.inside:
+        own = lambda robot, spheres: inside.build(options.cache, costate, robot, spheres, first.points(robot, spheres))
+        peers["peer_ours"] = Peer(own, options.time_limit)
     if options.interpreted:
-        peers["interpreted"] = Peer(options.cache, interpreted=True, limit=options.time_limit)
+        peers["interpreted"] = Peer(points.interpreted, options.time_limit)
     further = [f"--{text}" for text in options.costate_arguments]
     ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
             for label, tolerance in zip(("costate", "accurate"), options.tolerances)}
@@ -87,28 +105,28 @@ def run(options, costate, file):
         difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
         say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
     comparison = Comparison(peers, ours, Judge(first), options)
-    figures = [describe(options, costate)]
-    with file.open("w") as stream:
-        stream.write(json.dumps(figures[0]) + "\n")
-        for task in tasks.make(ROOT, costate, first, options.classes, options.robots, options.tasks, options.seed):
-            if options.only_write_tasks:
-                print(*(side.write(task) for side in ours.values()))
-                continue
-            row = comparison.run(task)
-            figures.append(row)
-            stream.write(json.dumps(row) + "\n")
-            stream.flush()
-            sides = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in row["sides"].items())
-            say(f"{task.name}: {'; '.join(sides)}")
-    return figures
+    drawn = functools.partial(tasks.make, ROOT, costate, first, options.classes, options.robots, options.tasks,
+                              options.seed)
+    if options.only_write_tasks:
+        for task in drawn():
+            print(*(side.write(task) for side in ours.values()))
+        return []
+    record = Record(file, describe(options, costate))
+    for task in drawn(record.tasks()):
+        row = comparison.run(task)
+        record.add(row)
+        sides = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in row["sides"].items())
+        say(f"{task.name}: {'; '.join(sides)}")
+    return record.close()
 
 
 def main():
     options = arguments()
+    options.inside |= options.write
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            kept = [part.check(ROOT, costate, Peer(options.cache)) for part in (derivatives, values, sensitivities)]
+            kept = [part.check(ROOT, costate, the_peer(options)) for part in (derivatives, values, sensitivities)]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
         figures = run(options, costate, file)
@@ -123,4 +141,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:
+        stop("interrupted; the same command goes on after the tasks that are finished")

@@ -11,8 +11,8 @@ import problem_file
 from motion import Sampled
 from peer import Answer
 
-# Keys of the JSON that may hold the time of the solver (s).
-SECONDS = ("solve_time", "time_of_solving", "seconds")
+# Keys of the JSON that may hold the time of the solver (s), the best first.
+SECONDS = ("solve_cpu_time", "solve_time")
 SOLVED = ("converged", "converged_smoothed")
 
 

@@ -47,26 +47,30 @@ class Answer:
 class Peer:
     """Solvers of tasks; compiled functions are kept, a robot's model is built once."""
 
-    def __init__(self, cache, interpreted=False, limit=60.0):
-        self.cache, self.interpreted, self.limit = cache, interpreted, limit
+    def __init__(self, build, limit=60.0):
+        """`build` makes the points of a robot with so many spheres in its way."""
+        self.build, self.limit = build, limit
         self._points, self._forward = {}, {}
 
-    def points(self, task):
-        key = task.robot.name, len(task.obstacles)
+    def points(self, robot, spheres):
+        key = robot.name, spheres
         if key not in self._points:
-            self._points[key] = points.build(self.cache, task.robot, len(task.obstacles), self.interpreted)
+            self._points[key] = self.build(robot, spheres)
         return self._points[key]
+
+    def points_of(self, task):
+        return self.points(task.robot, len(task.obstacles))
 
     def torques(self, task, q, v, a):
         """Inverse dynamics, a row for each time."""
         z = numpy.vstack([q.T, v.T, a.T])
         par = numpy.tile(numpy.array(task.obstacles_flat)[:, None], z.shape[1])
-        return numpy.array(self.points(task).value.map(z.shape[1])(z, par))[: task.n].T
+        return numpy.array(self.points_of(task).value.map(z.shape[1])(z, par))[: task.n].T
 
     def accelerations(self, task, q, v, u):
         """Forward dynamics M a = u - h with M and h of the model, a row for each time."""
         if task.robot.name not in self._forward:
-            self._forward[task.robot.name] = points.forward(self.cache, task.robot, self.interpreted)
+            self._forward[task.robot.name] = points.forward(self.points(task.robot, 0), task.n)
         n = task.n
         if len(q) == 1:
             bias, m = self._forward[task.robot.name](q[0], v[0])
@@ -90,7 +94,7 @@ class Peer:
     def solve(self, task, elements, start=None, mesh=None, bend=0.0, **options):
         before = process_seconds()
         mesh = numpy.linspace(0, 1, elements + 1) if mesh is None else mesh
-        unknowns = Transcription(task, self.points(task), mesh)
+        unknowns = Transcription(task, self.points_of(task), mesh)
         program = Program(unknowns)
         settings = {**OPTIONS, "ipopt.max_cpu_time": self.limit, **program.derivatives(), **options}
         solver = ca.nlpsol("solver", "ipopt", program.nlp(), settings)

@@ -3,6 +3,7 @@
 z = (q, v, a), c(z) = (tau, clearances); Jacobian and lower triangle of the Hessian of lam.c by CasADi. The functions are
 compiled once a robot and called at every point."""
 
+import functools
 import hashlib
 from dataclasses import dataclass
 
@@ -47,36 +48,44 @@ def entries(matrix):
 
 
 def compiled(cache, name, function):
-    """The function from C by the first compiler that there is; made again only if its text has changed."""
-    folder = cache / "points"
-    folder.mkdir(exist_ok=True)
+    """The function from C."""
     stem = f"{name}_{function.name()}"
     generator = ca.CodeGenerator(f"{stem}.c")
     generator.add(function)
-    text = generator.dump()
+    return ca.external(function.name(), str(library(cache, stem, generator.dump())))
+
+
+def library(cache, stem, text):
+    """C compiled by the first compiler that there is; again only if its text has changed."""
+    folder = cache / "points"
+    folder.mkdir(exist_ok=True)
     source = folder / f"{stem}_{hashlib.sha256(text.encode()).hexdigest()[:12]}.c"
     if not source.exists():
         source.write_text(text)
     _, c, _ = compilers()[0]
     command = [c, "-std=gnu11", *FLAGS.split(), "-w", "-fPIC", "-shared", source, "-lm"]
-    library = build_once(cache, f"{stem}.so", command, [source])
-    return ca.external(function.name(), str(library))
+    return build_once(cache, f"{stem}.so", command, [source])
 
 
-def build(cache, robot, spheres, interpreted):
+def build(cache, robot, spheres):
+    """Compiled."""
+    name = f"{robot.name}{spheres or ''}"
+    return interpreted(robot, spheres, functools.partial(compiled, cache, name))
+
+
+def interpreted(robot, spheres, made=lambda function: function):
+    """As CasADi evaluates them itself, or as what is made of them."""
     found, in_jacobian, in_hessian = expressions(robot, spheres)
     rows = found["value"].numel_out(0)
-    if not interpreted:
-        name = f"{robot.name}{spheres or ''}"
-        found = {key: compiled(cache, name, function) for key, function in found.items()}
-    return Points(*found.values(), in_jacobian.get_triplet(), in_hessian.get_triplet(), rows)
+    found = [made(function) for function in found.values()]
+    return Points(*found, in_jacobian.get_triplet(), in_hessian.get_triplet(), rows)
 
 
-def forward(cache, robot, interpreted):
-    """h(q, v) and M(q), for the judge."""
-    model, n = Model(robot), robot.n
-    q, v, a = (ca.SX.sym(name, n) for name in "qva")
-    tau = model.torques(q, v, a)
-    still = ca.densify(ca.substitute(tau, a, ca.SX.zeros(n)))
-    function = ca.Function("forward", [q, v], [still, ca.densify(ca.jacobian(tau, a))], {"cse": True})
-    return function if interpreted else compiled(cache, robot.name, function)
+def forward(points, n):
+    """h(q, v) and M(q), for the judge, from the points of a robot without obstacles: torques do not depend on more than the
+    first power of a. Nothing else has to be differentiated or compiled."""
+    q, v, none = ca.MX.sym("q", n), ca.MX.sym("v", n), ca.DM(0, 1)
+    z = ca.vertcat(q, v, ca.DM.zeros(n))
+    rows, columns = (list(part) for part in points.jacobian_at)
+    jacobian = ca.MX(ca.Sparsity.triplet(points.rows, 3 * n, rows, columns), points.jacobian(z, none))
+    return ca.Function("forward", [q, v], [points.value(z, none), ca.densify(jacobian[:, 2 * n:])])

@@ -6,7 +6,8 @@ import goals
 from comparison import excess
 from shell import stop
 
-NAMES = {"costate": "costate", "accurate": "costate, accurate", "peer": "peer", "interpreted": "peer, interpreted"}
+NAMES = {"costate": "costate", "accurate": "costate, accurate", "peer": "peer",
+         "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
 
 
 def tables(figures):

@@ -11,22 +11,24 @@ from shell import say
 DRAWS = 60
 
 
-def make(root, costate, peer, kinds, names, count, seed):
-    """`count` tasks a class, taken in turn from the robots."""
+def make(root, costate, peer, kinds, names, count, seed, finished=()):
+    """`count` tasks a class, taken in turn from the robots, without those that are finished."""
     for kind in kinds:
         for number in range(count):
             robot = robots.read(root, costate, names[number % len(names)])
-            task = one(peer, kind, robot, number // len(names), seed)
+            name = f"{kind}_{robot.name}_{number // len(names) + 1}"
+            if name in finished:
+                continue
+            task = one(peer, kind, robot, number // len(names), seed, name)
             if task is None:
                 say(f"{kind}: {robot.name}: no draw of {DRAWS} suits")
             else:
                 yield task
 
 
-def one(peer, kind, robot, number, seed):
+def one(peer, kind, robot, number, seed, name):
     place = robots.ALL.index(robot.name) if robot.name in robots.ALL else len(robots.ALL)
     rng = numpy.random.default_rng([seed, ord(kind), place, number])
-    name = f"{kind}_{robot.name}_{number + 1}"
     for _ in range(DRAWS):
         task = classes.CLASSES[kind][1](Draw(rng, robot, peer, name, kind))
         if task is not None:

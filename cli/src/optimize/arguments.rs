@@ -65,6 +65,10 @@ pub struct Arguments {
     /// numbers of the robot
     #[arg(long)]
     pub sensitivities: bool,
+    /// Also print where the time went: evaluating points, Newton's equations, line search, meshes,
+    /// verification (direct method)
+    #[arg(long)]
+    pub times: bool,
     /// Also print the table of Newton steps
     #[arg(long)]
     pub iterations: bool,

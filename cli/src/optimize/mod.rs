@@ -2,6 +2,7 @@
 
 mod arguments;
 mod continuation;
+mod cpu_time;
 mod feedback;
 mod figures;
 mod kinematics;
@@ -17,7 +18,8 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver};
+use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver, StageTimes};
+use cpu_time::cpu_time;
 use outputs::Outputs;
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -48,12 +50,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
     task.problem.warnings().iter().for_each(terminal::warning);
 
     let interrupt = Interrupt::listen()?;
-    let started = Instant::now();
+    let (started, cpu_before) = (Instant::now(), cpu_time());
     let branch =
         arguments.range.map(|range| continuation::follow(&mut task, range, &interrupt)).transpose()?;
-    let (solution, seconds) = match &branch {
-        Some(branch) => (branch.solution.clone(), started.elapsed().as_secs_f64()),
-        None => solve_repeatedly(&task, &interrupt, arguments.repeat.map_or(1, NonZeroUsize::get))?,
+    let (solution, taken) = match &branch {
+        Some(branch) => (branch.solution.clone(), Taken::since(started, cpu_before)),
+        None => solve_repeatedly(&task, arguments, &interrupt)?,
     };
     let interrupted = interrupt.is_requested();
 
@@ -97,15 +99,16 @@ pub fn run(arguments: &Arguments) -> Outcome {
         let continuation = branch.as_ref().map(continuation::Points::new);
         let samples = samples.as_ref();
         let sensitivities = derivatives.as_deref();
+        let stage_times = solution.stage_times;
         let printed =
-            Printed { solution: &solution, solve_time: seconds, continuation, samples, sensitivities };
+            Printed { solution: &solution, taken, stage_times, continuation, samples, sensitivities };
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
     } else if !outputs.use_standard_output() {
         let mut out = std::io::stdout().lock();
         if let Some(branch) = &branch {
             continuation::print(branch, &mut out)?;
         }
-        summary::print(problem, &solution, seconds, &mut out)?;
+        summary::print(problem, &solution, taken.solve_time, &mut out)?;
         if arguments.iterations {
             summary::print_iterations(&solution, &mut out)?;
         }
@@ -127,8 +130,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
 struct Printed<'a> {
     #[serde(flatten)]
     solution: &'a Solution,
-    /// Time of solving (s).
-    solve_time: f64,
+    #[serde(flatten)]
+    taken: Taken,
+    /// Parts of the time of solving (s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stage_times: Option<StageTimes>,
     #[serde(skip_serializing_if = "Option::is_none")]
     continuation: Option<continuation::Points<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -137,32 +143,72 @@ struct Printed<'a> {
     sensitivities: Option<&'a [CostDerivative]>,
 }
 
-/// Solves the problem so many times, or until a signal. The first solution, and the least time (s).
+/// What solving took.
+#[derive(Clone, Copy, serde::Serialize)]
+struct Taken {
+    /// Time of solving (s).
+    solve_time: f64,
+    /// CPU time of all threads (s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solve_cpu_time: Option<f64>,
+}
+
+impl Taken {
+    /// Since a time and a CPU time.
+    fn since(started: Instant, cpu_before: Option<f64>) -> Self {
+        let solve_cpu_time = cpu_time().zip(cpu_before).map(|(now, before)| now - before);
+        Self { solve_time: started.elapsed().as_secs_f64(), solve_cpu_time }
+    }
+
+    /// The least of both.
+    fn least(self, other: Self) -> Self {
+        let both = self.solve_cpu_time.zip(other.solve_cpu_time);
+        Self {
+            solve_time: self.solve_time.min(other.solve_time),
+            solve_cpu_time: both.map(|(one, other)| one.min(other)),
+        }
+    }
+}
+
+/// Solves the problem as often as asked for, or until a signal. The first solution, and the least times with
+/// the parts of the least one.
 fn solve_repeatedly(
     task: &Task,
+    arguments: &Arguments,
     interrupt: &Interrupt,
-    times: usize,
-) -> Result<(Solution, f64), Box<dyn std::error::Error>> {
-    let started = Instant::now();
-    let first = solve(task, interrupt)?;
-    let mut least = started.elapsed().as_secs_f64();
-    for _ in 1..times {
-        let started = Instant::now();
-        solve(task, interrupt)?;
+) -> Result<(Solution, Taken), Box<dyn std::error::Error>> {
+    let timed = || -> Result<(Solution, Taken), Box<dyn std::error::Error>> {
+        let (started, cpu_before) = (Instant::now(), cpu_time());
+        let solution = solve(task, arguments.times, interrupt)?;
+        Ok((solution, Taken::since(started, cpu_before)))
+    };
+    let (mut first, mut least) = timed()?;
+    for _ in 1..arguments.repeat.map_or(1, NonZeroUsize::get) {
+        let (solution, taken) = timed()?;
         if interrupt.is_requested() {
             break;
         }
-        least = least.min(started.elapsed().as_secs_f64());
+        if taken.solve_time < least.solve_time {
+            first.stage_times = solution.stage_times;
+        }
+        least = least.least(taken);
     }
     Ok((first, least))
 }
 
 /// Solves the problem, with a progress line. A signal stops the search, which keeps the best iterate.
-fn solve(task: &Task, interrupt: &Interrupt) -> Result<Solution, Box<dyn std::error::Error>> {
+fn solve(
+    task: &Task,
+    takes_times: bool,
+    interrupt: &Interrupt,
+) -> Result<Solution, Box<dyn std::error::Error>> {
     let line = progress::Line::new(&task.problem.robot)?;
     let mut solver = Solver::new(&task.problem, task.options.clone())?;
     if let Some(start) = &task.start_from {
         solver = solver.with_start(start)?;
+    }
+    if takes_times {
+        solver = solver.with_stage_times();
     }
     let solver = solver.on_iteration(|iteration| {
         line.show_iteration(iteration);

@@ -204,6 +204,13 @@ pub fn print(
         table.row(vec![name.into(), value]);
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
+    let stages = solution.stage_times.as_ref();
+    // Checks of the problem, the line of progress, memory.
+    let rest = stages.map(|times| ("rest", (seconds - times.total()).max(0.0)));
+    for (stage, time) in stages.iter().flat_map(|times| times.named()).chain(rest) {
+        let share = 100.0 * time / seconds;
+        table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
+    }
     write!(out, "{table}")?;
     for remark in [explanation(problem, solution), skipped_starts(solution)].into_iter().flatten() {
         writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;

@@ -16,6 +16,7 @@ pub(crate) mod samples;
 pub(crate) mod saved;
 pub(crate) mod solution;
 pub(crate) mod solved;
+pub(crate) mod stage_times;
 pub(crate) mod trajectory;
 pub(crate) mod trajectory_error;
 pub(crate) mod verify;

@@ -194,7 +194,8 @@ impl From<&Solution> for Document {
 impl TryFrom<Document> for Solution {
     type Error = TrajectoryError;
 
-    /// Errors of components, the iterations and the values between nodes are not in the document.
+    /// Errors of components, the iterations, the values between nodes and the times of stages are not in the
+    /// document.
     fn try_from(document: Document) -> Result<Self, TrajectoryError> {
         check_version(document.format)?;
         let n = document.trajectory.q.first().map_or(0, Vec::len);
@@ -233,6 +234,7 @@ impl TryFrom<Document> for Solution {
             starts: document.starts.into_iter().map(start).collect(),
             limits: document.limits,
             polish: document.polish,
+            stage_times: None,
             options: document.options,
             robot: RobotNames { robot: document.robot, joints },
         })

@@ -4,6 +4,7 @@ use crate::options::SolverOptions;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
 use crate::result::polish_report::PolishReport;
+use crate::result::stage_times::StageTimes;
 use crate::result::trajectory::Trajectory;
 use crate::status::Status;
 use costate::robot::Robot;
@@ -26,6 +27,9 @@ pub struct Solution {
     /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
     /// not asked.
     pub polish: Option<PolishReport>,
+    /// Where the time of the direct method went; `None` unless
+    /// [asked for](crate::Solver::with_stage_times). Not saved.
+    pub stage_times: Option<StageTimes>,
     /// The motion over time.
     pub trajectory: Trajectory,
     /// Each start in its order; the best of them is this solution.
@@ -109,6 +113,7 @@ impl Solution {
             newton_iterations: 0,
             limits: LimitReport::default(),
             polish: None,
+            stage_times: None,
             trajectory: Trajectory::default(),
             starts: Vec::new(),
             options: SolverOptions::default(),

@@ -32,6 +32,8 @@ impl From<Interruption> for Status {
 #[derive(Default)]
 pub(crate) struct Recorder<'a> {
     pub iterations: Vec<Iteration>,
+    /// Whether the direct method measures the times of its stages.
+    pub takes_times: bool,
     listener: Option<Listener<'a>>,
     stop: Stop,
 }
@@ -75,7 +77,7 @@ impl Stop {
 
 impl<'a> Recorder<'a> {
     pub fn new(listener: Option<Listener<'a>>, stop: Stop) -> Self {
-        Self { iterations: Vec::new(), listener, stop }
+        Self { listener, stop, ..Self::default() }
     }
 
     /// Whether to stop, and why.
@@ -92,13 +94,14 @@ impl<'a> Recorder<'a> {
     /// report to the listener of this one, and what stops one stops all.
     pub fn split(&mut self, threads: usize, work: impl Fn(&mut Recorder<'_>) + Sync) {
         let listener = Mutex::new(self.listener.take());
-        let stop = self.stop.clone();
+        let (stop, takes_times) = (self.stop.clone(), self.takes_times);
         let on_thread = || {
             let report = |iteration: &Iteration| {
                 let mut listener = listener.lock().unwrap_or_else(PoisonError::into_inner);
                 listener.as_mut().map_or(ControlFlow::Continue(()), |listener| listener(iteration))
             };
-            work(&mut Recorder::new(Some(Box::new(report)), stop.clone()));
+            let recorder = Recorder::new(Some(Box::new(report)), stop.clone());
+            work(&mut Recorder { takes_times, ..recorder });
         };
         thread::scope(|scope| {
             // A thread that cannot be started leaves its part to the others.

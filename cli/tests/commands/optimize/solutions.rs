@@ -33,6 +33,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "robot",
         "shooting_defect",
         "smoothing",
+        "solve_cpu_time",
         "solve_time",
         "starts",
         "status",
@@ -103,9 +104,11 @@ fn a_saved_solution_is_a_warm_start_for_the_same_robot_only() {
     let text = text.replace("../../robots/pendulum.toml", &robot("pendulum.toml"));
     let first = optimize("start_from", &text, &["--json", "--save", saved.to_str().unwrap()]);
     assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
-    // The time of solving is printed, not saved.
+    // The times of solving are printed, not saved.
     let mut printed = json(&first);
-    assert!(printed.as_object_mut().unwrap().remove("solve_time").unwrap().as_f64().unwrap() > 0.0);
+    for key in ["solve_time", "solve_cpu_time"] {
+        assert!(printed.as_object_mut().unwrap().remove(key).unwrap().as_f64().unwrap() > 0.0);
+    }
     assert_eq!(serde_json::from_str::<Value>(&std::fs::read_to_string(&saved).unwrap()).unwrap(), printed);
     let again =
         optimize("start_from", &format!("{text}[start_from]\nfile = \"solution.json\"\n"), &["--json"]);
@@ -213,6 +216,13 @@ fn solving_again_and_again_tells_the_least_time_of_the_same_solution() {
         assert_eq!(once[key], often[key], "{key}");
     }
     assert!(often["solve_time"].as_f64().unwrap() > 0.0);
+    assert!(often["stage_times"].is_null());
+    let timed = json(&optimize("repeat", &text, &["--json", "--repeat", "2", "--times"]));
+    let times = timed["stage_times"].as_object().unwrap();
+    let total: f64 = times.values().map(|time| time.as_f64().unwrap()).sum();
+    assert!(times["points"].as_f64() > Some(0.0) && total <= timed["solve_time"].as_f64().unwrap());
+    let printed = stdout(&optimize("repeat", &text, &["--times"]));
+    assert!(times.keys().all(|stage| printed.contains(stage)), "{printed}");
     for more in [&["--repeat", "0"][..], &["--repeat", "2", "--continue", "final_time=1:2"]] {
         assert_eq!(optimize("repeat", &text, more).status.code(), Some(2), "{more:?}");
     }

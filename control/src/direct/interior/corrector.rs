@@ -18,6 +18,7 @@ use crate::direct::newton::point_terms::add_row;
 use crate::direct::newton::system::System;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::dot;
+use crate::result::stage_times::Stage;
 
 impl<D: PointDynamics> Interior<D> {
     /// Corrects the step for the barrier that was chosen, as long as that makes it longer.
@@ -73,7 +74,9 @@ impl<D: PointDynamics> Interior<D> {
     pub(super) fn solve_correction(&mut self) {
         let Self { system, spline, points, barrier, ends, corrections, .. } = self;
         system.collect_corrections(spline, points, barrier, ends, &corrections[1]);
+        self.clock.lap(Stage::Limits);
         self.system.solve_for_corrections(&mut self.steps[3], &mut self.shared_steps[3]);
+        self.clock.lap(Stage::Equations);
         self.finish_part(3);
     }
 }

@@ -16,6 +16,7 @@ use crate::direct::newton::point_terms::weigh;
 use crate::direct::newton::system::System;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::result::stage_times::{Clock, Stage};
 use crate::solve::recorder::Interruption;
 use costate::EvalError;
 
@@ -69,6 +70,8 @@ pub(crate) struct Interior<D> {
     pub(crate) multipliers: Multipliers,
     /// Weights of torques in the metric of damping.
     weights: Vec<f64>,
+    /// The times of the stages, where they are asked for.
+    pub clock: Clock,
 }
 
 /// A trial step.
@@ -124,6 +127,7 @@ impl<D: PointDynamics> Interior<D> {
             mu: 0.0,
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
             weights: vec![0.0; n],
+            clock: Clock::default(),
             steps: Default::default(),
             changes: Default::default(),
             time_steps: Default::default(),
@@ -225,8 +229,10 @@ impl<D: PointDynamics> Interior<D> {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
             self.refresh()?;
+            self.clock.lap(Stage::Points);
             self.system.exact = true;
             self.assemble();
+            self.clock.lap(Stage::Assembly);
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
             let (mut damping, mut taken) = (0.0, None);
             while damping < constants::MOST_DAMPING && taken.is_none() {
@@ -235,18 +241,23 @@ impl<D: PointDynamics> Interior<D> {
                     self.solve();
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
+                    self.clock.lap(Stage::Limits);
                     if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }
                     self.correct();
+                    self.clock.lap(Stage::Limits);
                     taken = self.search();
+                    self.clock.lap(Stage::Search);
                     if taken.is_some() {
                         break;
                     }
                 } else if self.system.exact && self.squares.begin() {
+                    self.clock.lap(Stage::Equations);
                     self.system.exact = false;
                     self.assemble();
+                    self.clock.lap(Stage::Assembly);
                     damping = self.squares.damping;
                     continue;
                 }
@@ -263,6 +274,7 @@ impl<D: PointDynamics> Interior<D> {
             }
             self.stiffen(equations, part);
             self.move_from_limits(part);
+            self.clock.lap(Stage::Search);
             if let Some(interruption) = watch(self, part) {
                 return Ok(End::Interrupted(interruption));
             }

@@ -9,6 +9,7 @@ use crate::direct::motion::spline::TimeDerivative;
 use crate::direct::points::rates::{SLOPES, combine};
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
+use crate::result::stage_times::Stage;
 
 impl<D: PointDynamics> Interior<D> {
     /// Both parts of the step, and of the change of distances; without corrections.
@@ -17,8 +18,10 @@ impl<D: PointDynamics> Interior<D> {
             let (dx, shared) = (&mut self.steps[part], &mut self.shared_steps[part]);
             self.system.solve(part, dx, shared);
             self.relaxation.correct(part, dx, shared);
+            self.clock.lap(Stage::Equations);
             self.finish_part(part);
             self.relaxation.add_change(part, &self.barrier, &mut self.changes[part]);
+            self.clock.lap(Stage::Limits);
         }
         let (unknowns, count) = (self.spline.unknowns.len(), self.barrier.count());
         let of_barrier = self.changes[2..].iter_mut().chain(&mut self.corrections);

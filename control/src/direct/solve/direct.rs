@@ -31,6 +31,7 @@ use crate::progress::{Iteration, Phase};
 use crate::result::infeasibility::Infeasibility;
 use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution};
+use crate::result::stage_times::{Clock, Stage};
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
 use crate::solve::recorder::Interruption;
@@ -67,7 +68,9 @@ impl Direct<'_> {
     pub fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let saved = self.saved.filter(|_| number == 0);
+        let clock = Clock::new(recorder.takes_times);
         let mut interior = interior(problem, self.rows, self.options, number, saved);
+        interior.clock = clock;
         let mut resolution = Resolution::default();
         let refined = self.refine(&mut interior, &mut resolution, recorder)?;
         self.finish(&mut interior, &resolution, refined, recorder)
@@ -84,6 +87,7 @@ impl Direct<'_> {
         let problem = self.problem.problem();
         let too_short = problem.too_short().is_some();
         let goes_on = recorder.interruption().is_none();
+        interior.clock.lap(Stage::Preparation);
         if goes_on && !too_short && interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
             let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
@@ -110,6 +114,7 @@ impl Direct<'_> {
         let (mut mesh, mut moved) = (0, 0);
         // Limits neither give nor move where accelerations are continuous.
         let smooth = interior.spline.mesh.shape.is_smooth();
+        interior.clock.lap(Stage::Preparation);
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
             let mut resolved = interior.spline.clone();
@@ -153,6 +158,7 @@ impl Direct<'_> {
                 figures = interior.figures;
             }
             resolution.measure(interior)?;
+            interior.clock.lap(Stage::Meshes);
             let error = (resolution.error() + figures.gap) / figures.size;
             let violated = figures.violation > constants::VIOLATION_ACCEPTED;
             let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
@@ -168,6 +174,7 @@ impl Direct<'_> {
                 End::Solved if accurate && precision <= least => {
                     let found =
                         again.insert(integrate_again(problem, self.options.verify, interior, resolution));
+                    interior.clock.lap(Stage::Verification);
                     let bound = constants::VERIFIED * tolerance.sqrt();
                     if found.relative <= bound { Status::Converged } else { Status::NotVerified }
                 }
@@ -220,6 +227,7 @@ impl Direct<'_> {
                 interior.spline = resolved;
             }
             interior.move_to(nodes)?;
+            interior.clock.lap(Stage::Meshes);
             // What solves a mesh is near a solution on the next one.
             if end == End::Solved {
                 (guess, gap) = (interior.spline.clone(), constants::WARM);
@@ -260,6 +268,7 @@ impl Direct<'_> {
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
+        interior.clock.lap(Stage::Meshes);
         let trajectory = trajectory(problem, interior)?;
         // What exceeds its limits leads nowhere.
         let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
@@ -294,11 +303,14 @@ impl Direct<'_> {
             iterations,
             ..Motion::missing(status, interior.spline.duration())
         };
+        let limits = report(problem, interior, resolution, infeasible);
+        interior.clock.lap(Stage::Verification);
         Ok(Solution {
             newton_iterations: interior.figures.iterations,
             end_defect: again.defect,
-            limits: report(problem, interior, resolution, infeasible),
+            limits,
             polish: None,
+            stage_times: interior.clock.times(),
             trajectory,
             starts: Vec::new(),
             options: self.options.clone(),

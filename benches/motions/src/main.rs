@@ -1,0 +1,57 @@
+//! Where the time of an optimal motion goes, and how it grows with joints and nodes.
+//!
+//! `cargo run --release -p costate-motions` prints the tables; with `--write` they go to `BENCHMARKS.md` and
+//! the plots to `docs/`.
+
+mod clock;
+mod fit;
+mod measure;
+mod plot;
+mod problems;
+#[path = "../../routes/src/robots.rs"]
+#[expect(dead_code, reason = "its files and numbers of joints are those of other tables")]
+mod robots;
+mod scaling;
+mod stages;
+mod tables;
+
+use problems::{Failure, ROOT};
+use std::path::Path;
+
+const HELP: &str = "\
+costate-motions [--write] [--short]
+
+  --write   puts the tables into BENCHMARKS.md and the plots into docs/
+  --short   few chains, short meshes, few repeats
+";
+
+fn main() -> Result<(), Failure> {
+    let (mut write, mut short) = (false, false);
+    for argument in std::env::args().skip(1) {
+        match argument.as_str() {
+            "--write" => write = true,
+            "--short" => short = true,
+            "--help" => {
+                print!("{HELP}");
+                return Ok(());
+            }
+            other => return Err(format!("unknown argument {other}; see --help").into()),
+        }
+    }
+    let (joints, of_joints) = scaling::joints(short)?;
+    let (nodes, of_nodes) = scaling::nodes(short)?;
+    let texts =
+        [("motions stages", stages::table(short)?), ("motions joints", joints), ("motions nodes", nodes)];
+    for (name, text) in &texts {
+        println!("\n{name}\n\n{text}");
+    }
+    if write {
+        for (name, text) in &texts {
+            tables::put(&Path::new(ROOT).join("BENCHMARKS.md"), name, text)?;
+        }
+        for (file, plot) in [("motions_joints", of_joints), ("motions_nodes", of_nodes)] {
+            std::fs::write(format!("{ROOT}/docs/{file}.svg"), plot.svg())?;
+        }
+    }
+    Ok(())
+}
