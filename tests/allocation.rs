@@ -48,6 +48,7 @@ fn kinematics_do_not_allocate() {
         let count = allocations(|| {
             second.set_motion(&q, &v, &a).unwrap();
             second.acceleration_hessian(frame, ReferenceFrame::Local, &wrench).unwrap();
+            second.acceleration_jacobian(frame, ReferenceFrame::Local).unwrap();
             kinematics.set_position(&q).unwrap();
             kinematics.set_state(&q, &v).unwrap();
             kinematics.set_motion(&q, &v, &a).unwrap();

@@ -47,7 +47,9 @@ mod task;
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
 };
-pub use direct::{Budget, Feedback, Resolve, ResolveError, ResolveStatus, Resolved};
+pub use direct::{
+    Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
+};
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
@@ -71,9 +73,9 @@ pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, FinalTime, Keep, Kept, LinkCapsule, MotionLimits, Objective,
-    Obstacle, Payload, Penalty, Problem, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
-    TorqueSpeedError, Via, ViaError,
+    BodyPairs, BoundaryState, Bounds, Collision, FinalTime, JointReference, Keep, Kept, LinkCapsule,
+    MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task, TaskError, Tool,
+    ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};

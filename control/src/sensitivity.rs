@@ -48,8 +48,8 @@ pub enum SensitivityError {
         /// What the problem asks of tools or bodies first.
         key: Key,
     },
-    /// The torques of the motion matter by their rates too, its accelerations are continuous, it has vias, or
-    /// its end follows its start: these derivatives are not computed.
+    /// The torques of the motion matter by their rates too, its accelerations are continuous, those of a tool
+    /// are limited, it has vias, or its end follows its start: these derivatives are not computed.
     #[error("{key}: derivatives of the cost are not computed with this; remove it")]
     Rates {
         /// What the problem limits, gives or what costs something first.
@@ -68,7 +68,7 @@ impl Problem {
     /// [`ParameterError`], for a robot whose joints cannot be told apart by their names.
     pub fn parameters(&self) -> Result<ParameterSet, ParameterError> {
         let all = ParameterSet::new(&self.robot).model();
-        if self.task.is_empty() {
+        if self.task.first_key_of_links().is_none() {
             return Ok(all);
         }
         let kept = all.parameters().iter().zip(all.names()).filter(|(parameter, _)| !moves_links(parameter));
@@ -102,7 +102,7 @@ impl Problem {
 /// let quarter = std::f64::consts::FRAC_PI_2;
 /// let problem = Problem::rest_to_rest(robot, &[0.0; 2], &[quarter; 2], 1.0);
 /// let problem = problem.with_limits(MotionLimits::none());
-/// let solution = Solver::new(&problem, SolverOptions::direct())?.solve();
+/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
 /// let set = ParameterSet::new(&problem.robot).named("elbow.x")?;
 /// let found = cost_by_parameters(&problem, &solution, &set)?;
 /// assert_eq!((found[0].name.as_str(), found[0].value), ("elbow.x", 1.0));
@@ -149,10 +149,11 @@ fn check(problem: &Problem, solution: &Solution, parameters: &ParameterSet) -> R
     if *parameters.robot() != problem.robot {
         return Err(SensitivityError::OtherRobot { what: "parameters are those" });
     }
-    if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()) {
+    let accelerations = problem.task.first_of_accelerations();
+    if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()).or(accelerations) {
         return Err(SensitivityError::Rates { key });
     }
-    let Some(key) = problem.task.first_key() else { return Ok(()) };
+    let Some(key) = problem.task.first_key_of_links() else { return Ok(()) };
     let moving = parameters.parameters().iter().zip(parameters.names()).find(|(one, _)| moves_links(one));
     match moving {
         Some((_, name)) => Err(SensitivityError::MovesTools { name: name.clone(), key }),

@@ -136,7 +136,7 @@ impl Starts<'_> {
             seed,
             verify: Verify::None,
             polish: Polish::Never,
-            ..SolverOptions::direct()
+            ..SolverOptions::default()
         };
         let direct = Direct { problem: checked, rows: &rows, options: &options, saved: None };
         let mut found = direct.start(number, recorder)?;

@@ -1,4 +1,4 @@
-//! Second derivatives of the acceleration of a frame, by one dual number.
+//! First and second derivatives of the acceleration of a frame, by one dual number.
 
 use super::{Kinematics, ReferenceFrame};
 use crate::error::EvalError;
@@ -6,9 +6,9 @@ use crate::kernels::check;
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
-use crate::spatial::{Force, Vec3};
+use crate::spatial::{Force, Motion, Vec3};
 
-/// Workspace for the second derivatives of accelerations of frames; no call allocates.
+/// Workspace for the derivatives of accelerations of frames; no call allocates.
 ///
 /// The acceleration `A = J a + Jdot v` is the derivative of the twist V(q, v) along (v, a). So one dual
 /// number along the motion, carried through the second derivatives H of `h = W . V`, gives those of `W . A`:
@@ -18,13 +18,20 @@ use crate::spatial::{Force, Vec3};
 /// (W . A)_vq = dH_vq/dt + H_qq     (W . A)_aq = H_vq
 /// ```
 ///
-/// all others are zero. At W in axes of the world and without moment this is the second derivative of the
+/// all others are zero; and the first ones of A are
+///
+/// ```text
+/// A_q = d(V_q)/dt        A_v = dJ/dt + V_q        A_a = J
+/// ```
+///
+/// At W in axes of the world and without moment this is the second derivative of the
 /// acceleration of a point; O(d^2) products for d joints on the path.
 #[derive(Clone, Debug)]
 pub struct KinematicsSecondOrder<S: Scalar> {
     kinematics: Kinematics<Tangent<S>>,
     q: Vec<Tangent<S>>,
     v: Vec<Tangent<S>>,
+    jacobian: Matrix<S>,
     hessian: Matrix<S>,
 }
 
@@ -41,6 +48,7 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
             kinematics: Kinematics::from_tree(tree),
             q: filled(zero, n),
             v: filled(zero, n),
+            jacobian: Matrix::zeros(6, 3 * n),
             hessian: Matrix::zeros(3 * n, 3 * n),
         }
     }
@@ -68,6 +76,44 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
             (self.q[i], self.v[i]) = (Tangent::new(q, v), Tangent::new(v, a));
         }
         self.kinematics.set_state(&self.q, &self.v)
+    }
+
+    /// A (rad/s^2, m/s^2), as [`Kinematics::acceleration`].
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    pub fn acceleration(&self, frame: usize, axes: ReferenceFrame) -> Result<Motion<S>, EvalError> {
+        let Motion { angular, linear } = self.kinematics.twist(frame, axes)?;
+        let rate = |a: Vec3<Tangent<S>>| Vec3::from(a.to_array().map(|entry| entry.eps));
+        Ok(Motion { angular: rate(angular), linear: rate(linear) })
+    }
+
+    /// The derivatives of A by (q, v, a), 6 x 3n: rows of the angular part, then of the linear one.
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    #[inline(never)]
+    pub fn acceleration_jacobian(
+        &mut self,
+        frame: usize,
+        axes: ReferenceFrame,
+    ) -> Result<&Matrix<S>, EvalError> {
+        let n = self.q.len();
+        let twist = self.kinematics.twist_jacobian(frame, axes)?;
+        for i in 0..6 {
+            for j in 0..n {
+                self.jacobian[(i, j)] = twist[(i, j)].eps;
+                self.jacobian[(i, n + j)] = twist[(i, j)].re;
+            }
+        }
+        let by_rates = self.kinematics.jacobian(frame, axes)?;
+        for i in 0..6 {
+            for j in 0..n {
+                self.jacobian[(i, n + j)] = self.jacobian[(i, n + j)] + by_rates[(i, j)].eps;
+                self.jacobian[(i, 2 * n + j)] = by_rates[(i, j)].re;
+            }
+        }
+        Ok(&self.jacobian)
     }
 
     /// The second derivatives of `W . A` in (q, v, a), 3n x 3n, symmetric, for a weight W = (moment; force)

@@ -33,6 +33,10 @@ pub struct Arguments {
     /// Write the samples as CSV: t, and q, v, a, tau and u of each joint
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "sample")]
     pub sample_to: Option<PathBuf>,
+    /// Write the gains of the optimal feedback, dtau/dq and dtau/dv, at the rate of --sample or at the points
+    /// of the motion, and its derivatives by the limits, as JSON
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "range")]
+    pub feedback: Option<PathBuf>,
     /// Follow the solution while a parameter changes (indirect methods): final_time (s), or a factor of
     /// gravity, armature, bounds, penalty_weight or smoothing; as gravity=0:1
     #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]

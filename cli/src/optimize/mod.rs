@@ -2,6 +2,7 @@
 
 mod arguments;
 mod continuation;
+mod feedback;
 mod figures;
 mod kinematics;
 mod outputs;
@@ -73,6 +74,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     outputs.write(&motion, samples.as_ref())?;
     if let Some(error) = unsampled {
         return Err(error.into());
+    }
+    if arguments.feedback.is_some() {
+        outputs.write_feedback(&feedback::feedback(problem, &solution, arguments.sample)?)?;
     }
     let derivatives = match arguments.sensitivities {
         true => match sensitivities::sensitivities(problem, &solution) {

@@ -3,6 +3,7 @@
 pub(crate) mod almost_block_diagonal;
 pub(crate) mod chain;
 pub(crate) mod dormand_prince;
+pub(crate) mod knots;
 pub(crate) mod lu;
 pub(crate) mod padded;
 mod tiles;

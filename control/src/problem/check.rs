@@ -3,7 +3,7 @@
 use crate::options::Method;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
-use crate::problem::{Bounds, FinalTime, Penalty, Problem, ToolCost};
+use crate::problem::{Bounds, FinalTime, Penalty, Problem, Reference, ToolCost};
 use crate::task::check::check_task;
 use costate::robot::RobotError;
 use std::ops::Deref;
@@ -116,11 +116,12 @@ impl Problem {
         Ok(CheckedProblem { problem: self })
     }
 
-    /// Whether positions or rates cost anything all along the motion: terms, tools.
+    /// Whether positions or rates cost anything all along the motion: terms, tools, references.
     fn has_cost_of_states(&self) -> bool {
         let tools = &self.task.tool_costs;
         let costs = |cost: &ToolCost| cost.position_weight.max(cost.orientation_weight) > 0.0;
-        !self.terms.is_empty() || tools.iter().any(costs)
+        let references = self.task.references.iter().any(Reference::costs);
+        !self.terms.is_empty() || tools.iter().any(costs) || references
     }
 
     /// Whether the robot rests at its end from the start on. Terms of the user may reward to wait.

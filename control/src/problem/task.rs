@@ -2,9 +2,11 @@
 
 use super::key::Key;
 use super::obstacles::{Collision, Obstacle};
-use super::tools::{Keep, ToolCost, ToolPose};
+use super::references::Reference;
+use super::tools::{Keep, Kept, ToolCost, ToolPose};
 
-/// Poses of tools at the ends, what tools keep along the motion, what they cost, and obstacles.
+/// Poses of tools at the ends, what tools keep along the motion, what they cost, references over time, and
+/// obstacles.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Task {
@@ -16,6 +18,8 @@ pub struct Task {
     pub keep: Vec<Keep>,
     /// Running costs of tools.
     pub tool_costs: Vec<ToolCost>,
+    /// References over time, whose distance costs something.
+    pub references: Vec<Reference>,
     /// What the robot does not touch.
     pub obstacles: Vec<Obstacle>,
     /// With what it does not touch them.
@@ -35,10 +39,24 @@ impl Task {
             (self.end_tools.is_empty(), "end.tool", "frame"),
             (self.keep.is_empty(), "keep", "kind"),
             (self.tool_costs.is_empty(), "cost.tool", "frame"),
+            (self.references.is_empty(), "cost.reference", "times"),
             (self.obstacles.is_empty(), "obstacle", "kind"),
             (self.collision.is_none(), "collision", "capsules"),
         ];
         parts.into_iter().find(|(is_empty, ..)| !is_empty).map(|(_, table, name)| Key::entry(table, name, 0))
+    }
+
+    /// The key of the first limit on the acceleration of a tool.
+    pub(crate) fn first_of_accelerations(&self) -> Option<Key> {
+        let first = self.keep.iter().position(|keep| matches!(keep.kept, Kept::Acceleration { .. }))?;
+        Some(Key::entry("keep", "acceleration", first))
+    }
+
+    /// The same without references of joints: what moves with the links.
+    pub(crate) fn first_key_of_links(&self) -> Option<Key> {
+        let mut links = self.clone();
+        links.references.retain(|reference| matches!(reference, Reference::Tool(_)));
+        links.first_key()
     }
 
     /// With a tool here at the start. The start must leave joints free for it.
@@ -66,6 +84,13 @@ impl Task {
     #[must_use]
     pub fn with_tool_cost(mut self, cost: ToolCost) -> Self {
         self.tool_costs.push(cost);
+        self
+    }
+
+    /// With a reference over time.
+    #[must_use]
+    pub fn with_reference(mut self, reference: impl Into<Reference>) -> Self {
+        self.references.push(reference.into());
         self
     }
 

@@ -54,6 +54,34 @@ pub enum TaskError {
         /// The condition.
         what: String,
     },
+    /// A time of a reference that is not later than the one before.
+    NotLater {
+        /// The time (s).
+        time: f64,
+        /// The one before it (s).
+        before: f64,
+    },
+    /// A list of a reference with another number of entries than it needs.
+    WrongCount {
+        /// What it needs an entry for.
+        what: &'static str,
+        /// Number of entries it needs.
+        expected: usize,
+        /// Number of entries that were given.
+        found: usize,
+    },
+    /// A reference whose orientation turns by half a turn or more from one knot to the next one.
+    HalfTurn {
+        /// The time of the first of the two knots (s).
+        time: f64,
+    },
+    /// Velocities of a reference without its positions.
+    NoPositions,
+    /// An obstacle that shall move and has another shape or size.
+    OtherShape,
+    /// A reference that shall take the place of another one, and is of something else: joints, another tool,
+    /// other coordinates.
+    OtherReference,
     /// Obstacles or pairs, but no bodies of the robot that could touch them.
     NoBodies,
     /// A name that no body and no obstacle has.
@@ -145,6 +173,25 @@ impl fmt::Display for TaskError {
                 f,
                 "no free joint changes the {}; leave it out (a coordinate that is inf is free), or free other joints",
                 printable(what)
+            ),
+            Self::NotLater { time, before } => {
+                write!(f, "the time {} s is not later than {} s, the one before", number(*time), number(*before))
+            }
+            Self::WrongCount { what, expected, found } => {
+                write!(f, "needs {expected} entries, one for each {what}, but has {found}")
+            }
+            Self::HalfTurn { time } => write!(
+                f,
+                "the orientation turns by half a turn or more from the knot at {} s to the next one; give one between them",
+                number(*time)
+            ),
+            Self::NoPositions => f.write_str("there are no positions that could have these velocities; give positions"),
+            Self::OtherShape => {
+                f.write_str("has another shape or size than the obstacle that shall move; only places change")
+            }
+            Self::OtherReference => f.write_str(
+                "is a reference of something else than the one whose place it takes: joints, the tool and the coordinates that \
+                 are given stay",
             ),
             Self::NoBodies => f.write_str(
                 "the robot has no bodies that could touch anything; give [collision] with capsules = \"auto\" and a radius, \

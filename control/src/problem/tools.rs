@@ -160,6 +160,12 @@ pub enum Kept {
         /// Largest speed of the point (m/s).
         max: f64,
     },
+    /// The acceleration of the tool is not larger than this.
+    Acceleration {
+        /// Largest magnitude of the second derivative of the position of the point in the world (m/s^2),
+        /// without gravity.
+        max: f64,
+    },
 }
 
 /// A running cost of a tool: half a weight times the square of its distance from a position, plus half a

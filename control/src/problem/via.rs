@@ -21,7 +21,7 @@ use costate::robot::LinkInertia;
 ///     .with_time(FinalTime::Free { guess: 2.0 })
 ///     .with_cost(Objective::new(20.0, vec![1.0, 1.0]))
 ///     .with_via(Via::at(&[1.0, 0.2]).stopping().with_payload(tip));
-/// let solution = Solver::new(&problem, SolverOptions::direct())?.solve();
+/// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
 /// assert!(solution.motion.status.is_converged() && solution.trajectory.via_times.len() == 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -1,7 +1,7 @@
 //! Which bodies keep away from what.
 
 use super::bodies::{Link, links, segment};
-use super::clearance::{Body, Clearances, CoreBox, Other};
+use super::clearance::{Body, Clearances, CoreBox, Obstacle as Placed, Other};
 use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, length, positive_or_zero};
 use super::row::Row;
@@ -30,7 +30,7 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
     let mut bodies: Vec<Body> = own.iter().map(|link| link.body.clone()).collect();
     let mut others = Vec::new();
     for (entry, obstacle) in task.obstacles.iter().enumerate() {
-        others.push(other(Given { table: "obstacle", entry }, obstacle, &mut bodies)?);
+        others.push(other(Given { table: "obstacle", entry }, &obstacle.shape, &mut bodies)?);
     }
     let names = Names::new(&own, &task.obstacles)?;
     let except: HashSet<[usize; 2]> = names.pairs(key("except"), &collision.except)?.into_iter().collect();
@@ -58,7 +58,8 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
     for (pair, other) in pairs {
         let [a, b] = pair.map(|k| names.of(k));
         let is_flat = matches!(other, Other::HalfSpace { .. });
-        match clearances.push(pair[0], other, collision.margin, functions.placed()) {
+        let obstacle = pair[1].checked_sub(own.len());
+        match clearances.push(pair[0], other, obstacle, collision.margin, functions.placed()) {
             Some((_, 0.0)) if !is_flat => {
                 let names = [a, b].map(str::to_owned);
                 return Err(TaskError::NoRadius { names }.at(key("margin")));
@@ -95,24 +96,35 @@ fn few(found: usize) -> Result<(), ProblemError> {
 }
 
 /// An obstacle; spheres and capsules join the bodies.
-fn other(at: Given, obstacle: &Obstacle, bodies: &mut Vec<Body>) -> Result<Other, ProblemError> {
-    let mut world = |from: &[f64; 3], to: Option<&[f64; 3]>, radius: f64| {
+fn other(at: Given, shape: &Shape, bodies: &mut Vec<Body>) -> Result<Other, ProblemError> {
+    Ok(match in_world(at, shape)? {
+        Placed::Body(body) => {
+            bodies.push(body);
+            Other::Body(bodies.len() - 1)
+        }
+        Placed::Box(core) => Other::Box(core),
+        Placed::HalfSpace { normal, height } => Other::HalfSpace { normal, height },
+    })
+}
+
+/// A shape whose numbers are checked; allocates for errors alone.
+fn in_world(at: Given, shape: &Shape) -> Result<Placed, ProblemError> {
+    let round = |from: &[f64; 3], to: Option<&[f64; 3]>, radius: f64| {
         let from = Vector3::from(*from);
         let to = segment(&from, to.map(|to| Vector3::from(*to)));
-        bodies.push(Body { carried: None, from, to, radius });
-        Other::Body(bodies.len() - 1)
+        Placed::Body(Body { carried: None, from, to, radius })
     };
-    Ok(match &obstacle.shape {
+    Ok(match shape {
         Shape::Sphere { centre, radius } => {
             finite(at.key("xyz"), centre)?;
             length(at.key("radius"), *radius)?;
-            world(centre, None, *radius)
+            round(centre, None, *radius)
         }
         Shape::Capsule { from, to, radius } => {
             finite(at.key("from"), from)?;
             finite(at.key("to"), to)?;
             length(at.key("radius"), *radius)?;
-            world(from, Some(to), *radius)
+            round(from, Some(to), *radius)
         }
         Shape::Box { placement, size } => {
             finite(at.key("xyz"), placement.translation.as_slice())?;
@@ -120,14 +132,32 @@ fn other(at: Given, obstacle: &Obstacle, bodies: &mut Vec<Body>) -> Result<Other
             let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| placement.rotation[(i, j)]));
             let axes = tools::rotation(rows).ok_or_else(|| TaskError::NotARotation.at(at.key("rpy")))?;
             let half = Vector3::from(*size) * 0.5;
-            Other::Box(CoreBox { axes: axes.into_inner(), centre: placement.translation, half })
+            Placed::Box(CoreBox { axes: axes.into_inner(), centre: placement.translation, half })
         }
         Shape::HalfSpace { through, normal } => {
             finite(at.key("xyz"), through)?;
             let normal = direction(at.key("normal"), *normal)?;
-            Other::HalfSpace { normal, height: normal.dot(&Vector3::from(*through)) }
+            Placed::HalfSpace { normal, height: normal.dot(&Vector3::from(*through)) }
         }
     })
+}
+
+/// Moves obstacle `entry` of a task.
+///
+/// # Errors
+/// The cause: numbers out of range, another shape or size.
+pub(crate) fn move_obstacle(
+    functions: &mut TaskFunctions,
+    entry: usize,
+    shape: &Shape,
+) -> Result<(), TaskError> {
+    match in_world(Given { table: "obstacle", entry }, shape) {
+        Ok(to) if functions.move_obstacle(entry, &to) => Ok(()),
+        Ok(_) => Err(TaskError::OtherShape),
+        Err(ProblemError::Task { cause, .. }) => Err(cause),
+        // What is wrong with a shape is wrong with the task.
+        Err(_) => Err(TaskError::NotFinite),
+    }
 }
 
 /// The names of bodies, then of obstacles.

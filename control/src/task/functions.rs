@@ -1,12 +1,13 @@
 //! Rows g(q, v) with their bounds and derivatives.
 
-use super::clearance::{Bounds, Clearances};
+use super::clearance::{Bounds, Clearances, Obstacle};
 use super::placed::{Hessian, Placed};
 use super::row::Row;
-use super::tool::ToolFunction;
+use super::tool::{Quantity, ToolFunction};
 use crate::constants::task::MEETING;
 use costate::EvalError;
 use costate::robot::Robot;
+use nalgebra::Rotation3;
 
 /// Rows g(q, v) of a robot with n coordinates; no call allocates.
 pub(crate) trait PathFunction {
@@ -93,6 +94,38 @@ impl TaskFunctions {
         (row.lower, row.upper) = (value, value);
     }
 
+    /// Gives a part that is an orientation another one to compare with.
+    pub(super) fn set_orientation(&mut self, part: usize, desired: Rotation3<f64>) {
+        if let Part::Tool(ToolFunction { quantity: Quantity::Orientation(rotation), .. }) =
+            &mut self.parts[part]
+        {
+            *rotation = desired;
+        }
+    }
+
+    /// [`values`](PathFunction::values) at v = 0.
+    pub(super) fn values_at_rest(&mut self, q: &[f64], g: &mut [f64]) -> Result<(), EvalError> {
+        let still = std::mem::take(&mut self.still);
+        let done = self.values(q, &still, g);
+        self.still = still;
+        done
+    }
+
+    /// [`contract`](PathFunction::contract) at v = 0.
+    pub(super) fn contract_at_rest(
+        &mut self,
+        q: &[f64],
+        w: &[f64],
+        g: &mut [f64],
+        jacobian: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Result<(), EvalError> {
+        let still = std::mem::take(&mut self.still);
+        let done = self.contract(q, &still, w, g, jacobian, hessian);
+        self.still = still;
+        done
+    }
+
     /// Whether any row depends on v.
     pub fn depends_on_rates(&self) -> bool {
         self.moves
@@ -125,6 +158,14 @@ impl TaskFunctions {
             }
         }
         Ok(worst)
+    }
+
+    /// Moves an obstacle, unless it is another shape or has another size. Whether it did.
+    pub(super) fn move_obstacle(&mut self, obstacle: usize, to: &Obstacle) -> bool {
+        self.parts.iter_mut().all(|part| match part {
+            Part::Clearances(clearances) => clearances.move_obstacle(obstacle, to),
+            Part::Tool(_) => true,
+        })
     }
 
     /// Whether there is nothing to evaluate.

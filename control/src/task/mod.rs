@@ -6,18 +6,24 @@
 //! of it), with the bounds between which they must lie. [`build`] makes them from a problem, [`check`] finds
 //! tasks that cannot be done.
 
+pub(crate) mod accelerations;
 mod bodies;
 pub(crate) mod build;
 pub(crate) mod check;
+pub(crate) mod check_references;
 mod clearance;
-mod collision;
+pub(crate) mod collision;
 pub(crate) mod costs;
 pub(crate) mod functions;
 mod given;
+mod kept;
 mod placed;
 pub(crate) mod reach;
+pub(crate) mod references;
 pub(crate) mod row;
 mod tool;
+mod tool_rows;
+mod turns;
 
 #[cfg(test)]
 #[path = "allocation_tests.rs"]

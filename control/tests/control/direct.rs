@@ -30,7 +30,7 @@ fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::direct().with_polish(Polish::Never))
+    solve_with(problem, SolverOptions::default().with_polish(Polish::Never))
 }
 
 /// Largest violation at the points among all kinds, each in parts of `ranges`: q, v, a, tau.
@@ -123,7 +123,7 @@ fn limits_of_positions_and_torques() {
     let mut problem = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
     problem.cost = Objective::new(0.0, vec![1.0]);
-    let solution = solve_with(&problem, SolverOptions::direct().with_starts(4));
+    let solution = solve_with(&problem, SolverOptions::default().with_starts(4));
     let mut arm = Problem::rest_to_rest(robot("two_link"), &[0.0; 2], &[FRAC_PI_2; 2], 2.0);
     arm.bounds = Some(Bounds::symmetric(vec![12.0, 5.0]));
     arm.limits = MotionLimits::none().with_v_max(vec![INF, 3.0]).with_q_min(vec![-0.5, -INF]);
@@ -154,7 +154,7 @@ fn limits_of_accelerations_and_torques() {
         problem.time = FinalTime::Free { guess: 3.0 };
         problem.cost = Objective::new(1.0, vec![0.0]);
         problem.bounds = None;
-        Solver::new(&problem, SolverOptions::direct()).map(Solver::solve)
+        Solver::new(&problem, SolverOptions::default()).map(Solver::solve)
     };
     let limits = MotionLimits::none();
     // Nothing bounds the control.
@@ -179,7 +179,7 @@ fn limits_of_accelerations_and_torques() {
 #[test]
 fn limits_that_no_motion_can_keep_are_errors() {
     let arm = |limits| problem("two_link").with_limits(limits);
-    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::direct()).unwrap_err().to_string();
+    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err().to_string();
     let names: Vec<_> = robot("two_link").joints().iter().map(|joint| joint.name.clone()).collect();
     let none = MotionLimits::none;
     for (limits, key, joint) in [
@@ -204,7 +204,7 @@ fn limits_that_no_motion_can_keep_are_errors() {
     beyond.end.q[3] = -6.5;
     let error = refused(&beyond);
     assert!(error.starts_with("end.q") && error.contains("wrist_1_joint"), "{error}");
-    assert!(Solver::new(&beyond.with_limits(none()), SolverOptions::direct()).is_ok());
+    assert!(Solver::new(&beyond.with_limits(none()), SolverOptions::default()).is_ok());
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn limits_need_the_direct_method() {
     let error = Solver::new(&limited, SolverOptions::of(Method::Collocation)).unwrap_err();
     assert_eq!(error, ProblemError::LimitsNeedDirect);
     assert!(error.to_string().starts_with("method"), "{error}");
-    let options = SolverOptions::direct();
+    let options = SolverOptions::default();
     let error = Continuation::new(&limited, Parameter::FinalTime, 1.0, 2.0, options).unwrap_err();
     assert!(error.to_string().contains("no hard limits"), "{error}");
     // Files: the method follows from the limits.
@@ -222,7 +222,7 @@ fn limits_need_the_direct_method() {
         let text = format!("{text}\n[limits]\n{limits}\n[solver]\n{solver}\n");
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
     };
-    assert_eq!(file("v_max = [inf, 7.0]", "").unwrap().options, SolverOptions::direct());
+    assert_eq!(file("v_max = [inf, 7.0]", "").unwrap().options, SolverOptions::default());
     assert_eq!(file("from_robot = false", "").unwrap().options, SolverOptions::default());
     let error = file("v_max = [inf, 7.0]", "method = \"shooting\"").unwrap_err().to_string();
     assert!(error.contains("solver.method") && error.contains("direct"), "{error}");
@@ -258,15 +258,15 @@ fn a_saved_motion_is_a_start() {
     let saved: Solution = serde_json::from_str(&serde_json::to_string(&solution).unwrap()).unwrap();
     assert_eq!(saved.limits, solution.limits);
     assert_eq!(saved.motion.status, Status::Converged);
-    let solver = Solver::new(&problem, SolverOptions::direct()).unwrap();
+    let solver = Solver::new(&problem, SolverOptions::default()).unwrap();
     let again = solver.with_start(&saved.trajectory).unwrap().solve();
     check(&problem, &again, 155.74483972, 1e-6);
     // The pendulum keeps the side from which it starts: the worse motion stays what it is.
     let mut swing = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
-    let back = solve_with(&swing, SolverOptions::direct().with_starts(4));
+    let back = solve_with(&swing, SolverOptions::default().with_starts(4));
     swing.limits = MotionLimits::none().with_q_min(vec![-0.6]);
-    let solver = Solver::new(&swing, SolverOptions::direct()).unwrap();
+    let solver = Solver::new(&swing, SolverOptions::default()).unwrap();
     let warm = solver.with_start(&back.trajectory).unwrap().solve();
     assert_eq!(warm.motion.status, Status::Converged);
     assert!(warm.total() > back.total() && warm.total() < 1.1 * back.total(), "{}", warm.total());
@@ -275,7 +275,7 @@ fn a_saved_motion_is_a_start() {
 #[test]
 fn a_search_that_is_stopped_keeps_its_motion() {
     let problem = limited("two_link", &[INF, 7.0]);
-    let solver = || Solver::new(&problem, SolverOptions::direct().with_starts(3)).unwrap();
+    let solver = || Solver::new(&problem, SolverOptions::default().with_starts(3)).unwrap();
     let cancel = Cancel::new();
     cancel.cancel();
     let stopped = solver().with_cancel(cancel).solve();
@@ -293,7 +293,7 @@ fn a_search_that_is_stopped_keeps_its_motion() {
     // The last iteration on a mesh makes no step.
     assert!(stopped.motion.iterations.len() == 2 && (2..5).contains(&stopped.newton_iterations));
     assert!(stopped.trajectory.t.len() > 1 && stopped.total().is_finite());
-    let limited = SolverOptions::direct().with_time_limit(Duration::from_nanos(1));
+    let limited = SolverOptions::default().with_time_limit(Duration::from_nanos(1));
     let late = solve_with(&problem, limited);
     assert_eq!(late.motion.status, Status::TimeLimit);
     assert!(late.trajectory.t.len() > 1);

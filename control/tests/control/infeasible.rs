@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 const INF: f64 = f64::INFINITY;
 
 fn solve(problem: &Problem) -> Solution {
-    Solver::new(problem, SolverOptions::direct().with_polish(Polish::Never)).unwrap().solve()
+    Solver::new(problem, SolverOptions::default().with_polish(Polish::Never)).unwrap().solve()
 }
 
 /// What a problem lacks.
@@ -87,7 +87,7 @@ fn a_mesh_proves_nothing() {
     // at Gauss's points.
     let mut tight = metre(MotionLimits::none().with_a_max(vec![1.0005]));
     (tight.end.q, tight.end.v) = (vec![0.281677], vec![0.0655]);
-    let options = SolverOptions::direct().with_polish(Polish::Never).with_nodes(19);
+    let options = SolverOptions::default().with_polish(Polish::Never).with_nodes(19);
     let solution = Solver::new(&tight, options).unwrap().solve();
     if let Some(found) = &solution.limits.infeasible {
         assert!(!found.is_global && found.least_time.is_none(), "{found:?}");
@@ -124,7 +124,7 @@ fn a_proof_needs_no_motion() {
 #[test]
 fn an_elastic_phase_has_the_limits_of_the_options() {
     let weak = metre(MotionLimits::none().with_torque_max(vec![1.0]));
-    let options = SolverOptions::direct().with_nodes(16).with_max_nodes(20).with_max_iterations(3);
+    let options = SolverOptions::default().with_nodes(16).with_max_nodes(20).with_max_iterations(3);
     let solution = Solver::new(&weak, options.with_polish(Polish::Never)).unwrap().solve();
     assert!(!solution.motion.status.is_solved());
     let iterations = &solution.motion.iterations;

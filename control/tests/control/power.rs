@@ -36,7 +36,7 @@ fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::direct().with_polish(Polish::Never))
+    solve_with(problem, SolverOptions::default().with_polish(Polish::Never))
 }
 
 /// Solved with this cost.
@@ -141,7 +141,7 @@ fn energy_has_a_cost() {
 #[test]
 fn costates_contain_powers() {
     let sharp = |problem: &Problem| {
-        let options = SolverOptions::direct().with_polish(Polish::Never).with_verify(Verify::None);
+        let options = SolverOptions::default().with_polish(Polish::Never).with_verify(Verify::None);
         solve_with(problem, options.with_tolerance(1e-7))
     };
     let limits = none().with_power_max(vec![30.0, 150.0]).with_total_power_max(110.0);
@@ -171,7 +171,7 @@ fn costates_contain_powers() {
 #[test]
 fn a_polish_keeps_powers_or_is_not_tried() {
     let outcome = |problem: &Problem| {
-        let solution = solve_with(problem, SolverOptions::direct().with_polish(Polish::Always));
+        let solution = solve_with(problem, SolverOptions::default().with_polish(Polish::Always));
         (solution.polish.as_ref().unwrap().outcome, solution)
     };
     let motors = none().with_torque_max(vec![20.0, 28.0]).with_torque_speed(vec![3.0, 4.0], vec![8.0, 12.0]);
@@ -214,7 +214,7 @@ fn a_power_that_is_too_small_is_told() {
 
 #[test]
 fn wrong_limits_and_costs_are_refused() {
-    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::direct()).unwrap_err().to_string();
+    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err().to_string();
     let motors =
         |corner: [f64; 2], no_load: [f64; 2]| none().with_torque_speed(corner.into(), no_load.into());
     let mut alone = none();
@@ -239,9 +239,9 @@ fn wrong_limits_and_costs_are_refused() {
     }
     // A robot's effort is a torque limit; no speed is none.
     let fine = motors([0.5, INF], [2.0, INF]).with_from_robot(true);
-    assert!(Solver::new(&arm(fine), SolverOptions::direct()).is_ok());
+    assert!(Solver::new(&arm(fine), SolverOptions::default()).is_ok());
     let cause = TorqueSpeedError::NoTorqueLimit { joint: "shoulder".into() };
-    let error = Solver::new(&arm(motors([0.5, INF], [2.0, INF])), SolverOptions::direct()).unwrap_err();
+    let error = Solver::new(&arm(motors([0.5, INF], [2.0, INF])), SolverOptions::default()).unwrap_err();
     assert!(matches!(&error, ProblemError::TorqueSpeed { cause: found, .. } if *found == cause), "{error}");
     let costly =
         |energy: Vec<f64>| arm(none()).with_cost(Objective::new(0.0, vec![1.0; 2]).with_energy(energy));
@@ -259,9 +259,9 @@ fn wrong_limits_and_costs_are_refused() {
     // Energy alone is a cost where torques are bounded.
     let mut only = costly(vec![1.0; 2]).with_limits(none().with_torque_max(vec![30.0; 2]));
     only.cost.effort = vec![0.0; 2];
-    assert!(Solver::new(&only, SolverOptions::direct()).is_ok());
+    assert!(Solver::new(&only, SolverOptions::default()).is_ok());
     only.cost.energy = None;
-    assert_eq!(Solver::new(&only, SolverOptions::direct()).unwrap_err(), ProblemError::NothingToMinimise);
+    assert_eq!(Solver::new(&only, SolverOptions::default()).unwrap_err(), ProblemError::NothingToMinimise);
 }
 
 #[test]
@@ -282,7 +282,7 @@ fn other_methods_refuse_powers_and_energy() {
         let free = arm(none()).with_cost(Objective::new(0.0, vec![1.0; 2]).with_energy(vec![0.0; 2]));
         assert!(Solver::new(&free, options).is_ok(), "energy that costs nothing");
     }
-    let options = SolverOptions::direct();
+    let options = SolverOptions::default();
     let error = Continuation::new(&costly, Parameter::FinalTime, 1.0, 2.0, options).unwrap_err();
     assert!(error.to_string().contains("energy"), "{error}");
 }
@@ -295,7 +295,7 @@ fn problem_files_choose_the_direct_method() {
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
     };
     let found = file("energy = 0.5\nenergy_smoothing = 2.0", "", "").unwrap();
-    assert_eq!(found.options, SolverOptions::direct());
+    assert_eq!(found.options, SolverOptions::default());
     assert_eq!(
         found.problem.cost,
         Objective::new(0.0, vec![1.0; 2]).with_energy(vec![0.5; 2]).with_energy_smoothing(2.0)
@@ -306,7 +306,7 @@ fn problem_files_choose_the_direct_method() {
     assert_eq!(file("energy = 0.0", "", "").unwrap().options, SolverOptions::default());
     let limits = "power_max = [30.0, inf]\ntotal_power_max = 120\ntorque_max = [20, 28]\ncorner_speed = [3, inf]\nno_load_speed = [8, inf]";
     let found = file("", limits, "").unwrap();
-    assert_eq!(found.options, SolverOptions::direct());
+    assert_eq!(found.options, SolverOptions::default());
     let expected =
         none().with_power_max(vec![30.0, INF]).with_total_power_max(120.0).with_torque_max(vec![20.0, 28.0]);
     assert_eq!(found.problem.limits, expected.with_torque_speed(vec![3.0, INF], vec![8.0, INF]));

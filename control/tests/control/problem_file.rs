@@ -160,7 +160,7 @@ fn levels_of_verification_and_polish_are_read() {
     }
     for (value, polish) in [("true", Polish::Always), ("false", Polish::Never), ("\"auto\"", Polish::Auto)] {
         let options = verified(&format!("method = \"direct\"\npolish = {value}"));
-        assert_eq!(options, SolverOptions::direct().with_polish(polish));
+        assert_eq!(options, SolverOptions::default().with_polish(polish));
     }
 }
 

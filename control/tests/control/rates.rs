@@ -41,11 +41,11 @@ fn none() -> MotionLimits {
 }
 
 fn solve_to(problem: &Problem, tolerance: f64) -> Solution {
-    Solver::new(problem, SolverOptions::direct().with_tolerance(tolerance)).unwrap().solve()
+    Solver::new(problem, SolverOptions::default().with_tolerance(tolerance)).unwrap().solve()
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_to(problem, SolverOptions::direct().tolerance)
+    solve_to(problem, SolverOptions::default().tolerance)
 }
 
 /// Solved with this cost, and driven to the end by its torques.
@@ -215,7 +215,7 @@ fn a_limit_that_is_too_small_is_told() {
 
 #[test]
 fn wrong_limits_costs_and_accelerations_are_refused() {
-    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::direct()).unwrap_err().to_string();
+    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err().to_string();
     let cost = || Objective::new(0.0, vec![1.0; 2]);
     let from = |a: &[f64]| {
         let problem = arm(none().with_a_max(vec![5.0; 2]));
@@ -242,7 +242,7 @@ fn wrong_limits_costs_and_accelerations_are_refused() {
     }
     // A cost of jerks alone is one, and bounds a control that costs nothing.
     let mut only = arm(none()).with_cost(Objective::new(0.0, vec![0.0; 2]).with_jerk(vec![1.0; 2]));
-    assert!(Solver::new(&only, SolverOptions::direct()).is_ok());
+    assert!(Solver::new(&only, SolverOptions::default()).is_ok());
     only.cost.jerk = Some(vec![1.0, 0.0]);
     assert!(refused(&only).contains("'elbow'"), "{}", refused(&only));
 }
@@ -254,7 +254,7 @@ fn ends_that_need_too_much_are_refused() {
         let mut problem = arm(limits.with_jerk_max(vec![1e3; 2]));
         // Of the unit arm stretched out: M = [[20/3, 17/6], [17/6, 4/3]].
         problem.start = BoundaryState::fixed(&[0.0; 2], &v).with_a(&[3.0, 0.0]);
-        Solver::new(&problem, SolverOptions::direct()).map_err(|error| error.to_string()).err()
+        Solver::new(&problem, SolverOptions::default()).map_err(|error| error.to_string()).err()
     };
     let torque = |limit: f64| refused(none().with_torque_max(vec![30.0, limit]), [0.0; 2]);
     assert_eq!(torque(8.51), None);
@@ -292,7 +292,7 @@ fn what_does_not_take_jerks_refuses_them() {
     }
     for (problem, key) in [(&costly, "cost.jerk"), (&limited, "limits.torque_rate_max"), (&given, "start.a")]
     {
-        let error = Resolve::new(problem, SolverOptions::direct()).unwrap_err();
+        let error = Resolve::new(problem, SolverOptions::default()).unwrap_err();
         assert!(
             matches!(error, ProblemError::NotAgain { .. }) && error.to_string().starts_with(key),
             "{error}"
@@ -304,7 +304,7 @@ fn what_does_not_take_jerks_refuses_them() {
         assert_eq!(solution.polish.as_ref().unwrap().outcome, PolishOutcome::Limited);
     }
     let error =
-        Continuation::new(&costly, Parameter::FinalTime, 1.0, 2.0, SolverOptions::direct()).unwrap_err();
+        Continuation::new(&costly, Parameter::FinalTime, 1.0, 2.0, SolverOptions::default()).unwrap_err();
     let ProblemError::Continuation { cause, .. } = error else { panic!("{error}") };
     assert_eq!(cause, ContinuationCause::Rates);
 }
@@ -318,14 +318,14 @@ fn problem_files_choose_the_direct_method() {
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default()).unwrap()
     };
     let found = file("STARTa = [0.0, 0.1]\nEND");
-    assert_eq!((found.options, found.problem.start.a), (SolverOptions::direct(), Some(vec![0.0, 0.1])));
+    assert_eq!((found.options, found.problem.start.a), (SolverOptions::default(), Some(vec![0.0, 0.1])));
     let found = file("START ENDjerk = [0.5, 0]\ntorque_rate = [0, 2]\n");
-    assert_eq!(found.options, SolverOptions::direct());
+    assert_eq!(found.options, SolverOptions::default());
     let expected =
         Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![0.5, 0.0]).with_torque_rate(vec![0.0, 2.0]);
     assert_eq!(found.problem.cost, expected);
     let found = file("START END[limits]\njerk_max = [9, inf]\ntorque_rate_max = [inf, 8]\n");
-    assert_eq!(found.options, SolverOptions::direct());
+    assert_eq!(found.options, SolverOptions::default());
     let limits = MotionLimits::default().with_jerk_max(vec![9.0, INF]).with_torque_rate_max(vec![INF, 8.0]);
     assert_eq!(found.problem.limits, limits);
 }
@@ -337,7 +337,7 @@ fn a_saved_motion_is_a_guess() {
     let solution = solve(&problem);
     let saved: Solution = serde_json::from_str(&serde_json::to_string(&solution).unwrap()).unwrap();
     assert_eq!(saved.limits, solution.limits);
-    let solver = Solver::new(&problem, SolverOptions::direct()).unwrap();
+    let solver = Solver::new(&problem, SolverOptions::default()).unwrap();
     let again = solver.with_start(&saved.trajectory).unwrap().solve();
     assert_eq!(again.motion.status, Status::Converged);
     assert!((again.total() / solution.total() - 1.0).abs() < 3e-6);

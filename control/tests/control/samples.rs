@@ -40,7 +40,7 @@ fn check_dynamics(problem: &Problem, samples: &Samples) {
 fn both_methods_give_the_same_samples_and_the_last_is_at_the_end() {
     let problem = problem("puma560_pick_and_place").with_limits(MotionLimits::none());
     let indirect = solve(&problem, SolverOptions::default());
-    let direct = solve(&problem, SolverOptions::direct().with_tolerance(1e-9).with_polish(Polish::Never));
+    let direct = solve(&problem, SolverOptions::default().with_tolerance(1e-9).with_polish(Polish::Never));
     // 1 s is not a multiple of 1/30.7 s.
     let [a, b] = [&indirect, &direct].map(|solution| solution.sample(&problem, 30.7).unwrap());
     for samples in [&a, &b] {
@@ -65,7 +65,7 @@ fn both_methods_give_the_same_samples_and_the_last_is_at_the_end() {
 #[test]
 fn torques_are_cut_to_their_limits_and_positions_are_those_of_the_spline() {
     let problem = problem("two_link_bounded").with_limits(MotionLimits::none());
-    let solution = solve(&problem, SolverOptions::direct().with_polish(Polish::Never));
+    let solution = solve(&problem, SolverOptions::default().with_polish(Polish::Never));
     let samples = solution.sample(&problem, 2000.0).unwrap();
     let bounds = problem.bounds.as_ref().unwrap();
     for u in &samples.u {

@@ -100,7 +100,7 @@ fn errors_name_the_via_and_the_key() {
 #[test]
 fn what_does_not_take_vias_says_so() {
     let via = problem().with_via(Via::at(&[0.5; 2]));
-    let options = SolverOptions::direct();
+    let options = SolverOptions::default();
     assert!(matches!(Resolve::new(&via, options.clone()), Err(ProblemError::NotAgain { .. })));
     let error = Solver::new(&via, SolverOptions::of(Method::Collocation)).unwrap_err();
     assert_eq!(error.to_string().split(':').next(), Some("vias[0].q"));
@@ -115,7 +115,7 @@ fn a_saved_motion_begins_with_its_phases() {
     let start = BoundaryState::fixed(&[0.0; 2], &[0.0; 2]);
     let problem = problem().with_start(start).with_time(FinalTime::Fixed(2.0));
     let problem = problem.with_limits(costate_control::MotionLimits::none()).with_via(Via::at(&[1.0, 0.2]));
-    let options = SolverOptions::direct().with_tolerance(1e-6);
+    let options = SolverOptions::default().with_tolerance(1e-6);
     let first = Solver::new(&problem, options.clone()).unwrap().solve();
     let text = serde_json::to_string(&first).unwrap();
     let read: Solution = serde_json::from_str(&text).unwrap();

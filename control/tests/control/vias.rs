@@ -34,7 +34,7 @@ fn tip() -> Payload {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    Solver::new(problem, SolverOptions::direct().with_tolerance(1e-6)).unwrap().solve()
+    Solver::new(problem, SolverOptions::default().with_tolerance(1e-6)).unwrap().solve()
 }
 
 /// Solved with this cost and these times of vias, driven to the end by its torques.

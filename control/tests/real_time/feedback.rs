@@ -14,7 +14,7 @@ fn problem(name: &str) -> Problem {
 
 /// Solves on so many intervals.
 fn solved(problem: &Problem, intervals: usize, tolerance: f64) -> (Resolve, f64) {
-    let options = SolverOptions::direct().with_tolerance(tolerance).with_nodes(3 * intervals + 1);
+    let options = SolverOptions::default().with_tolerance(tolerance).with_nodes(3 * intervals + 1);
     let mut motion = Resolve::new(problem, options).unwrap();
     let found = motion.solve().unwrap();
     assert_eq!(found.status, ResolveStatus::Solved);

@@ -14,7 +14,7 @@ fn problem(name: &str) -> Problem {
 
 /// Of the direct method, close to the least cost.
 fn direct(tolerance: f64) -> SolverOptions {
-    SolverOptions::direct().with_tolerance(tolerance).with_polish(Polish::Never)
+    SolverOptions::default().with_tolerance(tolerance).with_polish(Polish::Never)
 }
 
 fn solve(problem: &Problem, options: SolverOptions) -> Solution {

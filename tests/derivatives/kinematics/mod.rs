@@ -178,6 +178,32 @@ properties! {
     }
 
     #[test]
+    fn derivatives_of_accelerations_are_those_along_any_direction(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let (n, frame) = (case.n(), quantities.frame);
+        let mut second = KinematicsSecondOrder::<f64>::new(&quantities.robot);
+        second.set_motion(&case.q, &case.v, &case.u).unwrap();
+        // By a dual number along a direction of (q, v, a).
+        let mut along = Kinematics::<Tangent<f64>>::new(&quantities.robot);
+        let direction: Vec<f64> = (0..3 * n).map(|i| (1.0 + 2.3 * i as f64).sin()).collect();
+        let z = [&case.q[..n], &case.v[..n], &case.u[..n]].concat();
+        let z: Vec<_> = z.iter().zip(&direction).map(|(&z, &d)| Tangent::new(z, d)).collect();
+        along.set_motion(&z[..n], &z[n..2 * n], &z[2 * n..]).unwrap();
+        for axes in ReferenceFrame::ALL {
+            let (value, judge) = (second.acceleration(frame, axes).unwrap(), along.acceleration(frame, axes).unwrap());
+            let values = [value.angular.to_array(), value.linear.to_array()].concat();
+            let judged = [judge.angular.to_array(), judge.linear.to_array()].concat();
+            let jacobian = second.acceleration_jacobian(frame, axes).unwrap();
+            for (i, judged) in judged.iter().enumerate() {
+                let terms: Vec<f64> = (0..3 * n).map(|j| jacobian[(i, j)] * direction[j]).collect();
+                let (slope, size) = (terms.iter().sum::<f64>(), terms.iter().fold(1.0, |most: f64, t| most.max(t.abs())));
+                prop_assert!((values[i] - judged.re).abs() < TOLERANCE * judged.re.abs().max(1.0), "{axes:?}");
+                prop_assert!((slope - judged.eps).abs() < 10.0 * TOLERANCE * size, "{axes:?} {i}");
+            }
+        }
+    }
+
+    #[test]
     fn contracted_momentum_is_that_of_hyper_dual_numbers(case in all_cases(5)) {
         let quantities = Quantities::new(&case);
         let judged = Judged::at(&quantities, &case.q, &case.v);

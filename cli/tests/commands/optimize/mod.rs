@@ -1,6 +1,7 @@
 //! `costate optimize`.
 
 mod bounds;
+mod feedback;
 mod input;
 mod keys;
 mod missing;

@@ -1,11 +1,14 @@
 //! The same problem solved again and again, as a controller needs it.
 //!
-//! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its ends.
-//! [`Resolve`](resolve::Resolve) is what users hold.
+//! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
+//! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
+pub(super) mod changes;
 pub(super) mod feedback;
 pub(super) mod goals;
+pub(super) mod motion_derivative;
 pub(super) mod neighbours;
+pub(super) mod parameter_columns;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;

@@ -111,7 +111,7 @@ impl<D: PointDynamics> Interior<D> {
             figures: Figures::default(),
             least_size: 0.0,
             least_violation: constants::VIOLATION_AT_POINTS,
-            system: System::new(n, shape, [tasks.rows(), powers.rows()]),
+            system: System::new(n, shape, tasks.rows()),
             tasks,
             powers,
             relaxation: Relaxation::default(),
@@ -132,9 +132,9 @@ impl<D: PointDynamics> Interior<D> {
         }
     }
 
-    /// Numbers of rows of tasks and of powers.
+    /// Numbers of rows g(q, v) and h(q, v, a) at a point.
     pub fn rows(&self) -> [usize; 2] {
-        [self.tasks.rows(), self.powers.rows()]
+        self.tasks.rows()
     }
 
     /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
@@ -215,7 +215,7 @@ impl<D: PointDynamics> Interior<D> {
         &mut self,
         tolerance: f64,
         most: usize,
-        mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
+        mut watch: impl FnMut(&mut Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         self.filter.clear();
         let squares = self.has_squares_alone() && !self.relaxation.is_on();

@@ -7,6 +7,7 @@ use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::guess::guess;
+use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::running::Running;
@@ -15,7 +16,6 @@ use crate::problem::{
     FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Problem, Task, Tool, ToolPose, Via,
 };
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 
 /// A motion of the two-link arm with a free time, which exceeds some of its limits.
@@ -43,7 +43,7 @@ fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoint
     let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.1, 1.1));
     let sides = kinds.into_iter().flat_map(pair).collect();
     problem.vias = vias.to_vec();
-    let spline = guess(&problem, None, &Disturbance::default(), 3);
+    let spline = guess(&problem, None, &Disturbance::default(), Mesh::even(problem.phases(), 3));
     let dynamics = PhaseDynamics::new(&problem.robots(), RobotPoints::new);
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
     let through = [0.1; 3];
@@ -51,11 +51,12 @@ fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoint
     problem.task = Task::default()
         .with_end_tool(ToolPose::of(tool()).with_position([f64::INFINITY, 0.3, f64::INFINITY]))
         .with_keep(Keep::new(tool(), Kept::Plane { through, normal: [1.0, 0.5, 0.0], distance: 0.0 }))
-        .with_keep(Keep::new(tool(), Kept::Speed { max: 1.0 }));
+        .with_keep(Keep::new(tool(), Kept::Speed { max: 1.0 }))
+        .with_keep(Keep::new(tool(), Kept::Acceleration { max: 2.0 }));
     let rows = TaskRows::new(&problem).unwrap();
-    let running = Running::new(&problem, ToolCosts::new(rows.costs.clone(), rows.weights.clone(), 2));
-    let (tasks, ends) = (Tasks::new(&rows, 2), Ends::new(&problem));
+    let running = Running::new(&problem, &rows);
     let powers = Powers::new(&problem);
+    let (tasks, ends) = (Tasks::new(&rows, 2, powers.rows()), Ends::new(&problem));
     let mut interior = Interior::new(spline, sides, tasks, powers, running, ends, dynamics);
     interior.start(None).unwrap();
     interior

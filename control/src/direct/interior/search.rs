@@ -80,7 +80,7 @@ impl<D: PointDynamics> Interior<D> {
         if !forward {
             return false;
         }
-        let rows = [self.tasks.rows(), self.powers.rows()];
+        let rows = self.tasks.rows();
         trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.ends_of_points());
         trial.points.ends.resize(self.spline.dof, self.tasks.end_rows(), self.spline.mesh.ends().len());
         trial.spline.evaluate(&mut trial.points.z);

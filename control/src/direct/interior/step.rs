@@ -90,7 +90,9 @@ impl<D: PointDynamics> Interior<D> {
                     last = this;
                     value = match side.limited {
                         Limited::Torque => dot(&tau_z[3 * n * side.joint..][..3 * n], dz),
-                        Limited::Power | Limited::TorqueSpeed => dot(&h_z[3 * n * side.joint..][..3 * n], dz),
+                        Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
+                            dot(&h_z[3 * n * side.joint..][..3 * n], dz)
+                        }
                         Limited::Task => dot(&g_x[2 * n * side.joint..][..2 * n], &dz[..2 * n]),
                         _ => dz[side.index(n)],
                     };

@@ -350,7 +350,7 @@ pub(crate) fn measure(sides: &[Side], points: &Points, distance: &mut [f64]) {
         for (distance, side) in distance.iter_mut().zip(sides) {
             let value = match side.limited {
                 Limited::Torque => tau[side.joint],
-                Limited::Power | Limited::TorqueSpeed => h[side.joint],
+                Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => h[side.joint],
                 Limited::Task => g[side.joint],
                 _ => z[side.index(n)],
             };

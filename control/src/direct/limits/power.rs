@@ -133,8 +133,8 @@ impl Powers {
 
     /// h at all points, from z and the torques.
     pub fn evaluate(&self, points: &mut Points) {
-        let (n, rows) = (points.dof, self.rows());
-        if rows == 0 {
+        let (n, rows) = (points.dof, points.powers);
+        if self.functions.is_empty() {
             return;
         }
         let states = points.z.chunks_exact(3 * n).zip(points.tau.chunks_exact(n));
@@ -147,8 +147,8 @@ impl Powers {
 
     /// Adds what the weights of the rows make to those of the torques.
     pub fn weigh_torques(&self, points: &mut Points) {
-        let (n, rows) = (points.dof, self.rows());
-        if rows == 0 {
+        let (n, rows) = (points.dof, points.powers);
+        if self.functions.is_empty() {
             return;
         }
         let states = points.z.chunks_exact(3 * n).zip(points.weights.chunks_exact_mut(n));
@@ -162,8 +162,8 @@ impl Powers {
     /// h and h_z at contracted points. To the Hessian, which holds the torques with their weights, are added
     /// the products of rates and torques.
     pub fn contract(&self, points: &mut Points) {
-        let (n, rows) = (points.dof, self.rows());
-        if rows == 0 {
+        let (n, rows) = (points.dof, points.powers);
+        if self.functions.is_empty() {
             return;
         }
         self.evaluate(points);
@@ -188,6 +188,18 @@ impl Powers {
                 }
             }
         }
+    }
+
+    /// What a row changes by with the torques, at these rates.
+    pub fn change(&self, row: usize, v: &[f64], torques: &[f64]) -> f64 {
+        let function = &self.functions[row];
+        function.joints.clone().map(|i| function.by_torque(v[i]) * torques[i]).sum()
+    }
+
+    /// Adds a multiple of what the derivatives of a row by the rates change by with the torques.
+    pub fn add_products(&self, row: usize, factor: f64, torques: &[f64], gradient: &mut [f64]) {
+        let function = &self.functions[row];
+        function.joints.clone().for_each(|i| gradient[i] += factor * function.product * torques[i]);
     }
 
     /// Adds a multiple of the derivatives of a row by the rates, at constant torques.

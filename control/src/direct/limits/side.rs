@@ -16,6 +16,8 @@ pub(crate) enum Limited {
     TorqueSpeed,
     /// A row of a task.
     Task,
+    /// The acceleration of a tool, a row of a task that depends on a too.
+    ToolAcceleration,
     /// At Gauss's points of motions whose accelerations are continuous, as what follows.
     Jerk,
     TorqueRate,
@@ -31,17 +33,24 @@ impl Limited {
             Self::Torque => "torque",
             Self::Power => "power",
             Self::TorqueSpeed => "torque_speed",
-            Self::Task => "task",
+            Self::Task | Self::ToolAcceleration => "task",
             Self::Jerk => "jerk",
             Self::TorqueRate => "torque_rate",
         }
+    }
+
+    /// Whether it is a row of a task.
+    pub fn is_task(self) -> bool {
+        matches!(self, Self::Task | Self::ToolAcceleration)
     }
 
     /// Whether it may jump at nodes: only its values at points are those of the motion that is meant.
     pub fn jumps(self, shape: Shape) -> bool {
         match self {
             Self::Jerk | Self::TorqueRate => true,
-            Self::Acceleration | Self::Torque | Self::Power | Self::TorqueSpeed => !shape.is_smooth(),
+            Self::Acceleration | Self::Torque | Self::Power | Self::TorqueSpeed | Self::ToolAcceleration => {
+                !shape.is_smooth()
+            }
             Self::Position | Self::Rate | Self::Task => false,
         }
     }
@@ -102,9 +111,9 @@ impl Side {
     }
 
     /// The sides of a row of a task.
-    pub fn of_row(index: usize, row: &Row) -> impl Iterator<Item = Self> {
+    pub fn of_row(limited: Limited, index: usize, row: &Row) -> impl Iterator<Item = Self> {
         let is_equation = row.is_equation();
-        Self::pair(Limited::Task, index, row.lower, row.upper)
+        Self::pair(limited, index, row.lower, row.upper)
             .take(if is_equation { 1 } else { 2 })
             .map(move |side| Self { range: row.range, is_equation, ..side })
     }

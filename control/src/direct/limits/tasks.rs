@@ -1,9 +1,12 @@
 //! Rows of tasks along a motion and at the ends of its phases.
 
-use super::side::Side;
+use super::side::{Limited, Side};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
+use crate::problem::{Shape, TaskError};
+use crate::task::accelerations::ToolAccelerations;
 use crate::task::build::TaskRows;
+use crate::task::collision::move_obstacle;
 use crate::task::functions::{PathFunction, TaskFunctions};
 use crate::task::row::Row;
 use costate::EvalError;
@@ -12,6 +15,9 @@ use costate::EvalError;
 #[derive(Clone, Debug)]
 pub(crate) struct Tasks {
     along: TaskFunctions,
+    accelerations: ToolAccelerations,
+    /// The first of their rows among the rows h of points.
+    first: usize,
     /// At each end of a phase.
     ends: Vec<TaskFunctions>,
     /// 2n x 2n.
@@ -27,10 +33,12 @@ pub(crate) struct Tasks {
 }
 
 impl Tasks {
-    /// Those of a robot with n joints.
-    pub fn new(rows: &TaskRows, n: usize) -> Self {
+    /// Those of a robot with n joints whose points have so many rows h of powers.
+    pub fn new(rows: &TaskRows, n: usize, powers: usize) -> Self {
         Self {
             along: rows.along.clone(),
+            accelerations: rows.accelerations.clone(),
+            first: powers,
             ends: rows.at_ends().cloned().collect(),
             hessian: vec![0.0; 4 * n * n],
             state: vec![0.0; 2 * n],
@@ -40,9 +48,9 @@ impl Tasks {
         }
     }
 
-    /// Number of rows along the motion.
-    pub fn rows(&self) -> usize {
-        self.along.rows()
+    /// Numbers of rows along the motion: g(q, v); h, those of powers and of accelerations of tools.
+    pub fn rows(&self) -> [usize; 2] {
+        [self.along.rows(), self.first + self.accelerations.bounds().len()]
     }
 
     /// Number of rows at all ends of phases.
@@ -52,13 +60,23 @@ impl Tasks {
 
     /// What holds along the motion.
     pub fn sides(&self) -> impl Iterator<Item = Side> {
-        self.along.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row))
+        let of = |limited, first: usize| {
+            move |(index, row): (usize, &Row)| Side::of_row(limited, first + index, row).collect::<Vec<_>>()
+        };
+        let rows = self.along.bounds().iter().enumerate().flat_map(of(Limited::Task, 0));
+        let accelerations = self.accelerations.bounds().iter().enumerate();
+        rows.chain(accelerations.flat_map(of(Limited::ToolAcceleration, self.first)))
     }
 
     /// What holds at each end of a phase.
     pub fn end_sides(&self) -> Vec<Vec<Side>> {
         let sides = |functions: &TaskFunctions| {
-            functions.bounds().iter().enumerate().flat_map(|(index, row)| Side::of_row(index, row)).collect()
+            functions
+                .bounds()
+                .iter()
+                .enumerate()
+                .flat_map(|(index, row)| Side::of_row(Limited::Task, index, row))
+                .collect()
         };
         self.ends.iter().map(sides).collect()
     }
@@ -68,15 +86,28 @@ impl Tasks {
         self.ends[end].set_value(row, value);
     }
 
+    /// Moves an obstacle.
+    ///
+    /// # Errors
+    /// The cause: numbers out of range, another shape or size.
+    pub fn move_obstacle(&mut self, obstacle: usize, to: &Shape) -> Result<(), TaskError> {
+        move_obstacle(&mut self.along, obstacle, to)
+    }
+
     /// The rows along the motion at all points.
     ///
     /// # Errors
     /// Positions or rates that are not finite.
     pub fn evaluate(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        let n = points.dof;
+        if !self.accelerations.bounds().is_empty() {
+            for (z, h) in points.z.chunks_exact(3 * n).zip(points.h.chunks_exact_mut(points.powers)) {
+                self.accelerations.values(z, &mut h[self.first..])?;
+            }
+        }
         if self.along.is_empty() {
             return Ok(());
         }
-        let n = points.dof;
         for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(points.rows)) {
             self.along.values(&z[..n], &z[n..2 * n], g)?;
         }
@@ -108,6 +139,7 @@ impl Tasks {
     /// As [`evaluate`](Self::evaluate).
     pub fn contract(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
         self.contract_points(points)?;
+        self.contract_accelerations(points)?;
         let (n, mut first) = (spline.dof, 0);
         for (end, functions) in self.ends.iter_mut().enumerate() {
             if functions.is_empty() {
@@ -154,6 +186,23 @@ impl Tasks {
         Ok(())
     }
 
+    fn contract_accelerations(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        if self.accelerations.bounds().is_empty() {
+            return Ok(());
+        }
+        let (width, rows, first) = (3 * points.dof, points.powers, self.first);
+        for p in 0..points.count() {
+            self.accelerations.contract(
+                &points.z[width * p..][..width],
+                &points.h_weights[rows * p..][first..rows],
+                &mut points.h[rows * p..][first..rows],
+                &mut points.h_z[width * rows * p..][width * first..width * rows],
+                &mut points.hessian[width * width * p..][..width * width],
+            )?;
+        }
+        Ok(())
+    }
+
     /// The largest violation of a clearance on interval `k`, in parts of its range; no two bodies pass
     /// through each other unseen.
     ///
@@ -196,6 +245,9 @@ impl Tasks {
 
     /// What holds on a side, along the motion (`None`) or at an end.
     pub fn row(&self, end: Option<usize>, side: &Side) -> &Row {
+        if side.limited == Limited::ToolAcceleration {
+            return &self.accelerations.bounds()[side.joint - self.first];
+        }
         let functions = end.map_or(&self.along, |end| &self.ends[end]);
         &functions.bounds()[side.joint]
     }

@@ -85,6 +85,11 @@ impl Spline {
         parts.map(|(phase, time)| time * (s - phase as f64).clamp(0.0, 1.0)).sum()
     }
 
+    /// The time of a point (s).
+    pub fn time_of(&self, p: usize) -> f64 {
+        self.time_at(self.mesh.point(p).0)
+    }
+
     /// s at a time.
     pub fn place_of(&self, time: f64) -> f64 {
         let mut rest = time.max(0.0);

@@ -62,8 +62,9 @@ fn collect(
     for i in 0..count {
         for j in 0..=i {
             let entry = if i < free {
-                let of = |phase: usize| ends.times.factor(phase, i) * ends.times.factor(phase, j);
-                of_times.iter().enumerate().map(|(phase, second)| of(phase) * second).sum()
+                let phases = mesh.phases();
+                let of = |a: usize, b: usize| ends.times.factor(a, i) * ends.times.factor(b, j);
+                of_times.iter().enumerate().map(|(at, second)| of(at / phases, at % phases) * second).sum()
             } else {
                 columns[j][tied[i - free]] + columns[j][last + tied[i - free]]
             };
@@ -77,7 +78,7 @@ fn collect(
 
 impl Border {
     /// Takes the border at an iterate from the derivatives of the gradient by the times of phases, whose own
-    /// second derivatives are `of_times`, and from K before anything is removed from it.
+    /// second derivatives are the second part, K x K, and from K before anything is removed from it.
     pub fn collect(
         &mut self,
         by_times: (&[Vec<f64>], &[f64]),
@@ -89,7 +90,7 @@ impl Border {
         collect(&mut self.columns, &mut self.corner, by_times, matrix, ends, mesh);
     }
 
-    /// Takes the metric of damping: in the times, diagonal, and the matrix.
+    /// Takes the metric of damping: in the times, K x K, and the matrix.
     pub fn collect_metric(&mut self, of_times: &[f64], matrix: &ChainMatrix, ends: &Ends, mesh: &Mesh) {
         collect(&mut self.metric, &mut self.metric_corner, (&[], of_times), matrix, ends, mesh);
     }

@@ -5,7 +5,7 @@ use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::MOST_COEFFICIENTS;
 use crate::direct::motion::spline::{Spline, TimeDerivative};
-use crate::direct::points::running::Running;
+use crate::direct::points::running::{ByClock, Running};
 use crate::direct::points::values::Points;
 use crate::numerics::padded::{add_multiple, add_squares, pad};
 
@@ -37,7 +37,7 @@ pub(crate) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
         for (side, multiplier) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
             match side.limited {
                 Limited::Torque => weights[side.joint] -= side.sign * multiplier,
-                Limited::Power | Limited::TorqueSpeed => {
+                Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
                     points.h_weights[powers * p + side.joint] -= side.sign * multiplier;
                 }
                 Limited::Task => points.g_weights[rows * p + side.joint] -= side.sign * multiplier,
@@ -72,7 +72,9 @@ pub(crate) fn add_row(points: &Points, p: usize, side: &Side, factor: f64, z: &m
     let n = points.dof;
     let row = match side.limited {
         Limited::Torque => &points.tau_z(p)[3 * n * side.joint..][..3 * n],
-        Limited::Power | Limited::TorqueSpeed => &points.h_z(p)[3 * n * side.joint..][..3 * n],
+        Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
+            &points.h_z(p)[3 * n * side.joint..][..3 * n]
+        }
         Limited::Task => &points.g_x(p)[2 * n * side.joint..][..2 * n],
         _ => {
             z[side.index(n)] += factor;
@@ -99,6 +101,8 @@ pub(crate) struct Work {
     /// dz/dT at constant unknowns, and the second derivative.
     pub z_t: Vec<f64>,
     pub z_tt: Vec<f64>,
+    /// Derivatives by the time since the start of the motion, where there are references.
+    pub clock: ByClock,
     /// Numbers of rows of tasks and of powers.
     counts: [usize; 2],
 }
@@ -117,6 +121,7 @@ impl Work {
             hessian: zeros(3 * n * width),
             z_t: zeros(3 * n),
             z_tt: zeros(3 * n),
+            clock: ByClock { mixed: zeros(3 * n), ..ByClock::default() },
             counts,
         }
     }
@@ -148,6 +153,17 @@ impl Work {
         }
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
+        if running.references.any() {
+            let at = (spline.time_of(p), z);
+            cost += running.add_references(
+                at,
+                [weight, time],
+                gradient,
+                slope,
+                &mut self.hessian,
+                &mut self.clock,
+            );
+        }
         for (i, row) in self.row_z[..n * width].chunks_exact(width).enumerate() {
             let force = running.effort[i] * tau[i];
             cost += 0.5 * force * tau[i];
@@ -212,7 +228,7 @@ impl Work {
             let (gradients, curvatures, index) = match side.limited {
                 Limited::Torque => (&mut self.rows[..], &mut self.row_curvature, side.joint),
                 Limited::Task => (&mut self.rows[..], &mut self.row_curvature, n + side.joint),
-                Limited::Power | Limited::TorqueSpeed => {
+                Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
                     (&mut self.rows[..], &mut self.row_curvature, n + self.counts[0] + side.joint)
                 }
                 _ => (&mut self.z[..], &mut self.curvature, side.index(n)),

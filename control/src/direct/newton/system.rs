@@ -1,6 +1,7 @@
 //! Newton's equations: second derivatives of the Lagrangian of the barrier problem in the unknowns.
 
 use super::border::Border;
+use super::by_times::ByTimes;
 use super::end_columns::EndColumns;
 use super::interval::{IntervalHessian, add_by_time, add_gradient, row_length};
 use super::metric::Metric;
@@ -33,7 +34,7 @@ pub(crate) struct System {
     /// What the equations have for the given ends.
     pub(crate) at_ends: EndColumns,
     pub(super) by_times: ByTimes,
-    /// The metric of damping in the times: cost over the squares of times.
+    /// The metric of damping in the times, diagonal: cost over the squares of times.
     time_metric: Vec<f64>,
     /// Gradient of corrections, in x, in the times and in y.
     pub(crate) correction: Vec<f64>,
@@ -45,31 +46,6 @@ pub(crate) struct System {
     interval: IntervalHessian,
     metric: Metric,
     pub(super) rate_rows: RateRows,
-}
-
-/// Derivatives by the time of each phase.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ByTimes {
-    /// Gradients, as those in x.
-    pub gradient: [Vec<f64>; 2],
-    /// Of the gradient in x.
-    pub columns: Vec<Vec<f64>>,
-    /// Second ones. No two phases have any together.
-    pub second: Vec<f64>,
-}
-
-impl ByTimes {
-    fn reset(&mut self, phases: usize, size: usize) {
-        for list in self.gradient.iter_mut().chain([&mut self.second]) {
-            list.clear();
-            list.resize(phases, 0.0);
-        }
-        self.columns.resize_with(phases, Vec::new);
-        for column in &mut self.columns {
-            column.clear();
-            column.resize(size, 0.0);
-        }
-    }
 }
 
 impl System {
@@ -141,8 +117,12 @@ impl System {
         self.add_ends(spline, points, barrier);
         if ends.times.count() > 0 {
             let cost = running.cost(spline, points).abs() / spline.duration();
+            let phases = spline.times.len();
             self.time_metric.clear();
-            self.time_metric.extend(spline.times.iter().map(|time| cost / time));
+            self.time_metric.resize(phases * phases, 0.0);
+            for (phase, time) in spline.times.iter().enumerate() {
+                self.time_metric[(phases + 1) * phase] = cost / time;
+            }
         }
         self.at_ends.take(&self.matrix, &self.by_times.columns, spline.mesh.intervals());
         self.fix(ends, spline);
@@ -175,7 +155,7 @@ impl System {
             second += work.z_t[i] * product;
             slope[i] += product + [0.0, -inverse, -2.0 * inverse][i / n] * gradient[i];
         }
-        by_times.second[phase] += second;
+        by_times.add_second([phase; 2], second);
         self.interval.take(j, n, factors, &work.hessian);
         let own = spline.mesh.own_points(k);
         if j + 1 == own {
@@ -187,6 +167,9 @@ impl System {
             add_gradient(spline, k, &factors, from, to);
         }
         add_by_time(spline, k, &factors, &work.z[0], column);
+        if running.references.any() {
+            by_times.add_clock(p, spline, &factors, work);
+        }
         if k == 0 || k + 1 == spline.mesh.intervals() {
             add_gradient(spline, k, &factors, &work.z[0], &mut self.at_ends.gradient);
         }
@@ -211,7 +194,8 @@ impl System {
                 let (slope, by_times) = (-inverse * v, &mut self.by_times);
                 by_times.gradient[0][phase] += slope * at_zero;
                 by_times.gradient[1][phase] += slope * of_mu;
-                by_times.second[phase] += slope * slope * sigma + 2.0 * inverse * inverse * v * gradient;
+                let second = slope * slope * sigma + 2.0 * inverse * inverse * v * gradient;
+                by_times.add_second([phase; 2], second);
                 by_times.columns[phase][first + i] += scale * slope * sigma - inverse * inverse * gradient;
             }
         }

@@ -81,8 +81,8 @@ impl System {
         let (phase, by_times) = (spline.mesh.phase(k), &mut self.by_times);
         by_times.gradient[0][phase] += cost + at_zero * in_time.gradient;
         by_times.gradient[1][phase] += of_mu * in_time.gradient;
-        by_times.second[phase] +=
-            (second * in_time.first + 2.0 * slope) * in_time.first + first * in_time.second;
+        let by_time = (second * in_time.first + 2.0 * slope) * in_time.first + first * in_time.second;
+        by_times.add_second([phase; 2], by_time);
         let factor = second * in_time.first + first * in_time.mixed + slope;
         add_local(spline, k, row, factor, &mut by_times.columns[phase]);
         if second != 0.0 {

@@ -15,13 +15,13 @@ use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points, RobotPoints};
 use crate::problem::running_cost::{RunningCost, UserTerm};
 use crate::problem::{
-    FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Penalty, Problem, Task, Tool, ToolCost,
-    ToolPose, Via,
+    FinalTime, JointReference, Keep, Kept, MotionLimits, Objective, Payload, Penalty, Problem, Task, Tool,
+    ToolCost, ToolPose, ToolReference, Via,
 };
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
+use nalgebra::Rotation3;
 
 /// A term that couples positions and rates.
 struct Coupled;
@@ -32,18 +32,29 @@ impl RunningCost for Coupled {
     }
 }
 
-/// Rows of all kinds: an equation and limits along the motion, one of them on the speed; equations at
-/// the end; a cost.
+/// Rows of all kinds: an equation and limits along the motion, one of them on the speed and one on the
+/// acceleration; equations at the end; costs of a tool, and of references of joints and of a tool, with knots
+/// between the points.
 fn task() -> Task {
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
     let keep = |kept| Keep::new(tool(), kept);
     let free = f64::INFINITY;
+    let times = || vec![0.07, 0.9, 2.3];
+    let rows = || vec![vec![0.3, -0.2], vec![0.9, 0.4], vec![-0.5, 0.1]];
+    let turns = [0.2, 1.1, 0.4].map(|angle| Rotation3::from_euler_angles(0.3, -0.2, angle)).to_vec();
     Task::default()
+        .with_reference(JointReference::new(times(), rows(), vec![1.2, 0.7]).with_velocities(rows()))
+        .with_reference(
+            ToolReference::of(tool(), times())
+                .with_positions(vec![[0.1, free, 0.0], [0.6, free, 0.3], [0.2, free, 0.0]], 2.0)
+                .with_orientations(turns, 0.8),
+        )
         .with_end_tool(ToolPose::of(tool()).with_position([free, 0.3, free]))
         .with_tool_cost(ToolCost::new(ToolPose::of(tool()).with_position([0.1, 0.2, free]), 1.5, 1.0))
         .with_keep(keep(Kept::Plane { through: [0.1; 3], normal: [1.0, 0.5, 0.0], distance: 0.0 }))
         .with_keep(keep(Kept::Box { min: [-0.1, -0.2, -free], max: [0.3, 0.4, free] }))
         .with_keep(keep(Kept::Speed { max: 1.0 }))
+        .with_keep(keep(Kept::Acceleration { max: 2.0 }))
 }
 
 /// A random motion with random slacks and multipliers.
@@ -150,8 +161,8 @@ impl Case {
         problem.task = task();
         let ends = Ends::new(problem);
         let task = TaskRows::new(problem).unwrap();
-        let tasks = Tasks::new(&task, 2);
         let powers = Powers::new(problem);
+        let tasks = Tasks::new(&task, 2, powers.rows());
         let sides = sides.into_iter().chain(powers.sides().iter().copied()).chain(tasks.sides());
         let mut barrier = Barrier::new(sides.collect(), &tasks.end_sides());
         barrier.stiffness = 3.0;
@@ -168,12 +179,12 @@ impl Case {
             barrier.multiplier[at] = if on { 0.2 + random.f64() } else { 0.0 };
         }
         let mut points = Points::default();
-        let rows = [tasks.rows(), powers.rows()];
+        let rows = tasks.rows();
         points.resize(2, rows, spline.mesh.ends_of_points());
         points.ends.resize(2, tasks.end_rows(), spline.mesh.ends().len());
         Self {
             dynamics: PhaseDynamics::new(&problem.robots(), RobotPoints::new),
-            running: Running::new(problem, ToolCosts::new(task.costs, task.weights, 2)),
+            running: Running::new(problem, &task),
             ends,
             shift: vec![0.0; count],
             system: System::new(2, shape, rows),

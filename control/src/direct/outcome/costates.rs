@@ -24,12 +24,13 @@ pub(super) struct Costates {
 /// At a node the costate of a state is minus the derivative of the Lagrange function of what remains by
 /// it: the part that the interval to the right adds to the gradient. At a point the costate of p is the
 /// derivative of the Lagrange function by the torque, over weight and duration, `y_p = r tau + (eta_max
-/// - eta_min)`. In (q, v) the costates are `lambda_v = M y_p` and
+/// - eta_min)`. In (q, v) the costates are
 ///
-/// $$ \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt}(M y_p) $$
+/// $$ \lambda_v = M y_p + l_a, \qquad \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt} \lambda_v $$
 ///
 /// where l contains energy and the limits on v, powers and rows of tasks with their multipliers, l_v at
-/// constant torques; the derivative is that of the polynomial through points and nodes of an interval.
+/// constant torques; l_a is that of limits on accelerations of tools. The derivative is that of the
+/// polynomial through points and nodes of an interval.
 pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
     let (n, mesh) = (spline.dof, &spline.mesh);
@@ -61,17 +62,15 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         let right = state(k + 1, 1.0);
         found.at_nodes[k] = state(k, -1.0);
         let mut impulses = vec![found.at_nodes[k][n..].to_vec()];
-        impulses.extend(
-            (POINTS * k..POINTS * (k + 1))
-                .map(|p| mass_times(interior.points.tau_z(p), &torque_costate(interior, p))),
-        );
+        impulses.extend((POINTS * k..POINTS * (k + 1)).map(|p| impulse(interior, p)));
         impulses.push(right[n..].to_vec());
         for j in 0..POINTS {
             let costate = at_point(interior, k, j, &impulses);
             let p = POINTS * k + j;
             let z = interior.points.z(p);
             let power: f64 = costate.iter().zip(&z[n..]).map(|(y, rate)| y * rate).sum();
-            found.hamiltonian[p] = power - interior.running.rate(z, interior.points.tau(p));
+            found.hamiltonian[p] =
+                power - interior.running.rate(spline.time_of(p), z, interior.points.tau(p));
             found.at_points[p] = costate;
         }
         found.before.push(right.clone());
@@ -94,6 +93,11 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
             Limited::Power | Limited::TorqueSpeed => {
                 let factor = -side.sign * eta * scale;
                 interior.powers.add_by_rates(side.joint, factor, points.tau(p), &mut costate[..n]);
+            }
+            Limited::ToolAcceleration => {
+                let slopes = &points.h_z(p)[3 * n * side.joint + n..][..n];
+                let costate = costate.iter_mut().zip(slopes);
+                costate.for_each(|(costate, slope)| *costate -= side.sign * eta * scale * slope);
             }
             Limited::Task => {
                 let slopes = &points.g_x(p)[2 * n * side.joint + n..][..n];
@@ -121,6 +125,22 @@ fn torque_costate<D>(interior: &Interior<D>, p: usize) -> Vec<f64> {
     let n = interior.spline.dof;
     let scale = 1.0 / interior.spline.weight(p);
     interior.points.weights[n * p..][..n].iter().map(|weight| scale * weight).collect()
+}
+
+/// The derivative of the Lagrange function by the accelerations, over weight and duration: M y_p, and what
+/// limits on accelerations of tools add.
+fn impulse<D>(interior: &Interior<D>, p: usize) -> Vec<f64> {
+    let (points, barrier, n) = (&interior.points, &interior.barrier, interior.spline.dof);
+    let mut impulse = mass_times(points.tau_z(p), &torque_costate(interior, p));
+    let scale = 1.0 / interior.spline.weight(p);
+    for (side, eta) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
+        if side.limited == Limited::ToolAcceleration {
+            let slopes = &points.h_z(p)[3 * n * side.joint + 2 * n..][..n];
+            let impulse = impulse.iter_mut().zip(slopes);
+            impulse.for_each(|(impulse, slope)| *impulse -= side.sign * eta * scale * slope);
+        }
+    }
+    impulse
 }
 
 /// M y, from the Jacobian of the torques.

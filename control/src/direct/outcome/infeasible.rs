@@ -4,7 +4,6 @@ use super::report::{excess, name, of_rate, unit};
 use crate::constants::direct as constants;
 use crate::direct::interior::elastic::Given;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::side::Limited;
 use crate::direct::points::values::PointDynamics;
 use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
@@ -78,6 +77,6 @@ fn limit<D: PointDynamics>(
         amount: excess(interior, side, None, -given.amount),
         part: given.part,
         unit: unit(interior, side, None, kinds).into(),
-        limit: (side.limited != Limited::Task).then_some(side.bound - of_rate),
+        limit: (!side.limited.is_task()).then_some(side.bound - of_rate),
     }
 }

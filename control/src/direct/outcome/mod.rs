@@ -1,6 +1,7 @@
-//! What was found, in the words of the user: costates from multipliers, the trajectory, how limits are used, the
-//! motion integrated again, or the limits that cannot be kept.
+//! What was found, in the words of the user: costates from multipliers, the trajectory, how limits are used,
+//! the motion integrated again, or the limits that cannot be kept.
 
+pub(super) mod clock;
 pub(super) mod costates;
 pub(super) mod found;
 pub(super) mod infeasible;

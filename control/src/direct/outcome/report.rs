@@ -48,7 +48,11 @@ fn usage<D>(
         false => (barrier.sides(), resolution.distances()),
     };
     let mut found: Option<LimitUse> = None;
-    for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == limited) {
+    let is_this = |side: &Side| match limited {
+        Limited::Task => side.limited.is_task(),
+        _ => side.limited == limited,
+    };
+    for (i, side) in sides.iter().enumerate().filter(|(_, side)| is_this(side)) {
         let usage = found.get_or_insert_default();
         let between = distances.iter().skip(i).step_by(sides.len());
         usage.between = between.fold(usage.between, |most, &d| most.max(excess(interior, side, None, d)));
@@ -58,7 +62,7 @@ fn usage<D>(
     }
     let mut worst = VIOLATION_ACCEPTED;
     // The given ends are within the limits; the problem was checked.
-    for at in (0..barrier.count()).filter(|&at| barrier.is_on(at) && barrier.side(at).limited == limited) {
+    for at in (0..barrier.count()).filter(|&at| barrier.is_on(at) && is_this(barrier.side(at))) {
         let (side, distance) = (barrier.side(at), barrier.true_distance(at));
         let end = barrier.side_index(at).is_none().then(|| barrier.end_of(at));
         let usage = found.get_or_insert_default();
@@ -86,7 +90,7 @@ pub(super) fn name<'a, D>(
     end: Option<usize>,
     names: &'a [String],
 ) -> &'a str {
-    if side.limited == Limited::Task {
+    if side.limited.is_task() {
         return &interior.tasks.row(end, side).name;
     }
     joint(interior, side).map_or(ALL_JOINTS, |joint| &names[joint])
@@ -131,13 +135,13 @@ pub(super) fn unit<D>(
         Limited::Jerk => of(["rad/s^3", "m/s^3"]),
         Limited::TorqueRate => of(["N m/s", "N/s"]),
         Limited::Power => "W",
-        Limited::Task => interior.tasks.row(end, side).unit,
+        Limited::Task | Limited::ToolAcceleration => interior.tasks.row(end, side).unit,
     }
 }
 
 /// By how much a limit is exceeded at a distance, in its unit.
 pub(super) fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, distance: f64) -> f64 {
-    if side.limited == Limited::Task {
+    if side.limited.is_task() {
         interior.tasks.row(end, side).excess(side.bound + side.sign * distance)
     } else {
         (-distance).max(0.0)

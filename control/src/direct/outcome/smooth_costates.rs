@@ -12,8 +12,8 @@ use crate::direct::points::values::PointDynamics;
 ///
 /// The state is (q, v, a). Its costate at a node is minus the derivative by it of the Lagrange function of
 /// what remains: the part that the interval to the right adds. An interval has no other unknowns than the
-/// states at its ends, so the derivative of its part by its duration, at constant states, is -H*. Between the
-/// nodes the costates of q and v are linear.
+/// states at its ends, so the derivative of its part by its duration, at constant states and times of its
+/// points, is minus the mean of H*. Between the nodes the costates of q and v are linear.
 pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
     let (n, node, mesh) = (spline.dof, spline.node(), &spline.mesh);
@@ -73,6 +73,13 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
         at_nodes[k + 1] = state(k + 1, 1.0);
     }
     interior.points.rates.has_torques = has_torques;
+    let times: Vec<f64> = (0..mesh.points()).map(|p| spline.time_of(p)).collect();
+    let ahead = interior.clock_ahead(&times);
+    let mean_ahead = |k: usize| -> f64 {
+        let parts = mesh.shape.weights().iter().enumerate();
+        parts.map(|(j, part)| part * ahead[mesh.first_point(k) + j]).sum()
+    };
+    let of_point = |p: usize, k: usize| hamiltonian[k] + ahead[p] - mean_ahead(k);
     let places = (0..mesh.points()).map(|p| mesh.interval_of(p));
     let linear = |(k, j): (usize, usize)| -> Vec<f64> {
         let x = mesh.shape.places()[j];
@@ -81,7 +88,7 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
     };
     Costates {
         at_points: places.clone().map(linear).collect(),
-        hamiltonian: places.map(|(k, _)| hamiltonian[k]).collect(),
+        hamiltonian: places.enumerate().map(|(p, (k, _))| of_point(p, k)).collect(),
         at_nodes,
         before,
     }

@@ -7,9 +7,12 @@ use crate::direct::motion::spline::Spline;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
 use crate::problem::Problem;
+use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
+use crate::task::references::References;
 
-/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools + jerks + rates of torques`, per second.
+/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools + references + jerks + rates of torques`,
+/// per second. References depend on the time since the start of the motion.
 #[derive(Debug)]
 pub(crate) struct Running {
     /// c_t.
@@ -21,17 +24,35 @@ pub(crate) struct Running {
     penalties: Penalties,
     terms: UserTerms<f64>,
     tools: ToolCosts,
+    pub references: References,
+}
+
+/// Derivatives of the running cost at a point by the time since the start of the motion, with the weight w of
+/// the point and the time T of its phase.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ByClock {
+    /// `w l_t`.
+    pub rate: f64,
+    /// `T w l_t` and `T w l_tt`.
+    pub first: f64,
+    pub second: f64,
+    /// `T w l_zt`, z = (q, v, a).
+    pub mixed: Vec<f64>,
 }
 
 impl Running {
-    pub fn new(problem: &Problem, tools: ToolCosts) -> Self {
+    /// That of a problem with the functions of its task.
+    pub fn new(problem: &Problem, rows: &TaskRows) -> Self {
+        let n = problem.robot.dof();
+        let tools = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), n);
+        let references = References::new(&problem.task.references, rows.references.clone(), n);
         let effort =
             problem.cost.effort.iter().zip(&problem.gain).map(|(r, gain)| r / (gain * gain)).collect();
         let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
         let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
         let energy = Energy::new(&problem.cost);
         let rates = RateCosts::new(&problem.cost);
-        Self { time: problem.cost.time, effort, energy, rates, penalties, terms, tools }
+        Self { time: problem.cost.time, effort, energy, rates, penalties, terms, tools, references }
     }
 
     /// Changes the value at which a row of a tool costs nothing.
@@ -41,19 +62,23 @@ impl Running {
 
     /// The cost of a motion.
     pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
-        let cost = |p: usize| spline.weight(p) * self.rate(points.z(p), points.tau(p));
+        let cost = |p: usize| spline.weight(p) * self.rate(spline.time_of(p), points.z(p), points.tau(p));
         (0..points.count()).map(cost).sum::<f64>() + points.rates.cost(spline, &self.rates)
     }
 
-    /// l at a point without the costs of jerks and of rates of torques; infinite where tools cannot be
+    /// l at a time without the costs of jerks and of rates of torques; infinite where tools cannot be
     /// evaluated.
-    pub fn rate(&mut self, z: &[f64], tau: &[f64]) -> f64 {
+    pub fn rate(&mut self, time: f64, z: &[f64], tau: &[f64]) -> f64 {
         let n = tau.len();
         let (q, v) = (&z[..n], &z[n..2 * n]);
         let effort: f64 = tau.iter().zip(&self.effort).map(|(tau, r)| 0.5 * r * tau * tau).sum();
         let tools = if self.tools.any() { self.tools.evaluate(q, v).unwrap_or(f64::INFINITY) } else { 0.0 };
+        let references = match self.references.any() {
+            true => self.references.evaluate(time, q).unwrap_or(f64::INFINITY),
+            false => 0.0,
+        };
         let energy = self.energy.rate(v, tau);
-        self.time + effort + energy + self.terms.at(q, v) + self.penalty_rate(z) + tools
+        self.time + effort + energy + self.terms.at(q, v) + self.penalty_rate(z) + tools + references
     }
 
     /// The penalties at a point.
@@ -151,5 +176,35 @@ impl Running {
             to.iter_mut().zip(from).for_each(|(to, from)| *to += time * weight * from);
         }
         self.tools.value
+    }
+
+    /// The same of the references at a time, with the derivatives by it. `z` has 3n entries.
+    pub fn add_references(
+        &mut self,
+        (time_since, z): (f64, &[f64]),
+        [weight, time]: [f64; 2],
+        gradient: &mut [f64],
+        slope: &mut [f64],
+        hessian: &mut [f64],
+        clock: &mut ByClock,
+    ) -> f64 {
+        let n = z.len() / 3;
+        clock.mixed.fill(0.0);
+        let Ok(found) = self.references.contract(time_since, &z[..n]) else {
+            return f64::INFINITY;
+        };
+        let [first, second] = found.by_time;
+        (clock.rate, clock.first, clock.second) =
+            (weight * first, time * weight * first, time * weight * second);
+        for i in 0..n {
+            gradient[i] += time * weight * found.gradient[i];
+            slope[i] += weight * found.gradient[i];
+            clock.mixed[i] = time * weight * found.mixed[i];
+        }
+        let rows = hessian.chunks_exact_mut(gradient.len()).zip(found.hessian.chunks_exact(2 * n));
+        for (to, from) in rows.take(n) {
+            to.iter_mut().zip(&from[..n]).for_each(|(to, from)| *to += time * weight * from);
+        }
+        found.value
     }
 }

@@ -84,6 +84,18 @@ impl Resolution {
         Ok(())
     }
 
+    /// Whether the cost between the points has little to do with that at the points: then what is gained on this mesh is
+    /// lost on the next one. No if the motion cannot be evaluated there.
+    pub fn is_far_off<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> bool {
+        self.errors.clear();
+        self.errors.resize(interior.spline.mesh.intervals(), 0.0);
+        if self.evaluate_between(interior).is_err() {
+            return false;
+        }
+        self.compare_costs(interior);
+        self.error() > constants::UNRESOLVED * interior.figures.size
+    }
+
     /// Where its control is smooth, the torque of an exact motion differs from this one by about a Legendre
     /// polynomial of degree three on each interval, which vanishes at the points. At a node the two that meet
     /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the
@@ -137,13 +149,20 @@ impl Resolution {
         self.cost = 0.0;
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.length(k);
-            let mut rate = |points: &Points, p: usize| running.rate(points.z(p), points.tau(p));
+            let mut rate = |s: f64, points: &Points, p: usize| {
+                running.rate(spline.time_at(s), points.z(p), points.tau(p))
+            };
+            let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
             let shape = spline.mesh.shape;
             let weights = shape.weights().iter().enumerate();
-            let coarse: f64 =
-                weights.map(|(j, part)| part * rate(points, spline.mesh.first_point(k) + j)).sum();
-            let places = 0..BETWEEN.len();
-            let fine: f64 = places.map(|at| weight(at) * rate(&self.points, BETWEEN.len() * k + at)).sum();
+            let mut at_point = |j: usize| {
+                let p = spline.mesh.first_point(k) + j;
+                rate(left + width * shape.places()[j], points, p)
+            };
+            let coarse: f64 = weights.map(|(j, part)| part * at_point(j)).sum();
+            let mut between =
+                |at: usize| rate(left + width * BETWEEN[at], &self.points, BETWEEN.len() * k + at);
+            let fine: f64 = (0..BETWEEN.len()).map(|at| weight(at) * between(at)).sum();
             let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
             let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
             *error += (fine - length * coarse).abs();

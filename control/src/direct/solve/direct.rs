@@ -9,6 +9,7 @@ use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::guess::{guess, with_tools_reached};
+use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::outcome::found::trajectory;
 use crate::direct::outcome::infeasible::with_proof;
@@ -35,7 +36,6 @@ use crate::solve::Recorder;
 use crate::solve::recorder::Interruption;
 use crate::status::Status;
 use crate::task::build::TaskRows;
-use crate::task::costs::ToolCosts;
 use costate::EvalError;
 use costate::robot::Robot;
 
@@ -86,7 +86,7 @@ impl Direct<'_> {
         let goes_on = recorder.interruption().is_none();
         if goes_on && !too_short && interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
-            let mut watch = |iterate: &Interior<Dynamics>, step: f64| {
+            let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, 0, step));
                 recorder.interruption()
             };
@@ -112,17 +112,23 @@ impl Direct<'_> {
         let smooth = interior.spline.mesh.shape.is_smooth();
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
-            let (mut patience, mut stuck) = (Patience::default(), false);
-            let watch = |iterate: &Interior<Dynamics>, step: f64| {
+            let mut resolved = interior.spline.clone();
+            let (mut patience, mut stuck, mut unresolved) = (Patience::default(), false, false);
+            let watch = |iterate: &mut Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, first, step));
                 stuck = patience.is_over(iterate.figures.violation);
-                if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
+                let looks = (iterate.figures.iterations - first).is_multiple_of(constants::LOOK);
+                unresolved = looks && resolution.is_far_off(iterate);
+                if looks && !unresolved {
+                    resolved.clone_from(&iterate.spline);
+                }
+                if stuck || unresolved { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
             let mut end = interior.iterate(precision, self.options.max_iterations, watch)?;
             if end == End::Solved && precision <= least {
                 interior.take_last_step();
             }
-            if stuck {
+            if stuck || unresolved {
                 end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
             }
             let mut figures = interior.figures;
@@ -130,6 +136,7 @@ impl Direct<'_> {
             if is_over
                 && figures.violation > constants::VIOLATION_ACCEPTED
                 && restorations < constants::RESTORATIONS
+                && !unresolved
                 && !smooth
             {
                 restorations += 1;
@@ -154,6 +161,7 @@ impl Direct<'_> {
                 End::Interrupted(interruption) => {
                     return Ok(Refined { error, ..Refined::without(interruption.into()) });
                 }
+                _ if unresolved => Status::MeshLimit,
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
@@ -169,7 +177,7 @@ impl Direct<'_> {
             let unverified = accurate && precision <= least && self.options.verify == Verify::None;
             if refined.status.is_converged()
                 || unverified
-                || (violated && mesh >= constants::MESHES_WITHOUT_MOTION)
+                || (violated && !unresolved && mesh >= constants::MESHES_WITHOUT_MOTION)
             {
                 break;
             }
@@ -192,16 +200,24 @@ impl Direct<'_> {
             let enough = tolerance * figures.size;
             let narrowest = resolution.narrowest;
             let nodes = match (violated, accurate) {
-                (true, _) => interior.spline.mesh.halved(narrowest),
+                (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
-                (false, false) => resolution.nodes(&interior.spline, enough),
+                _ => resolution.nodes(&interior.spline, enough),
             };
             let mesh_nodes = &interior.spline.mesh.nodes;
             let nodes = if nodes == *mesh_nodes { interior.spline.mesh.halved(narrowest) } else { nodes };
             let stride = interior.spline.mesh.shape.stride();
             if stride * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
+                if unresolved {
+                    interior.spline = resolved;
+                    interior.start(Some(interior.mu))?;
+                    resolution.measure(interior)?;
+                }
                 break;
+            }
+            if unresolved {
+                interior.spline = resolved;
             }
             interior.move_to(nodes)?;
             // What solves a mesh is near a solution on the next one.
@@ -251,7 +267,10 @@ impl Direct<'_> {
             true => Again::unknown(f64::INFINITY),
             false => integrate_again(problem, self.options.verify, interior, resolution),
         });
-        let values = &trajectory.hamiltonian;
+        // Without what the clock adds to it H* is constant.
+        let ahead = interior.clock_ahead(&trajectory.t);
+        let values: Vec<f64> =
+            trajectory.hamiltonian.iter().zip(&ahead).map(|(h, ahead)| h - ahead).collect();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let of_phases: Vec<&[f64]> = trajectory.phases().map(|rows| &values[rows]).collect();
         let far_from = |mean: f64| move |value: &f64| (value - mean).abs();
@@ -263,7 +282,7 @@ impl Direct<'_> {
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
             penalty_cost,
-            hamiltonian: mean(values),
+            hamiltonian: mean(&values),
             phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
@@ -299,9 +318,21 @@ pub(crate) fn interior(
 ) -> Interior<Dynamics> {
     let (all, phases) = ((options.nodes - 1) / Shape::of(problem).stride(), problem.phases());
     let intervals = (all / phases).max(if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 });
+    interior_on(problem, rows, options, number, saved, &Mesh::even(phases, intervals))
+}
+
+/// The same on these nodes.
+pub(crate) fn interior_on(
+    problem: &Problem,
+    rows: &TaskRows,
+    options: &SolverOptions,
+    number: usize,
+    saved: Option<&Trajectory>,
+    nodes: &[f64],
+) -> Interior<Dynamics> {
     let reached = with_tools_reached(problem, rows, number);
     let disturbance = Disturbance::draw(&reached, options.seed, number);
-    let spline = guess(&reached, saved, &disturbance, intervals);
+    let spline = guess(&reached, saved, &disturbance, nodes.to_vec());
     let model = |robot: &Robot| {
         #[cfg(feature = "jit")]
         let model = FastPoints::new(robot, options.machine_code);
@@ -310,17 +341,16 @@ pub(crate) fn interior(
         model
     };
     let dynamics = PhaseDynamics::new(&problem.robots(), model);
-    let costs = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), problem.robot.dof());
-    let tasks = Tasks::new(rows, problem.robot.dof());
-    let (running, ends) = (Running::new(problem, costs), Ends::new(problem));
+    let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let powers = Powers::new(problem);
+    let tasks = Tasks::new(rows, problem.robot.dof(), powers.rows());
     let mut interior = Interior::new(spline, sides(problem), tasks, powers, running, ends, dynamics);
     let can_choose =
         matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
     if saved.is_none() && can_choose {
         interior.choose_time(|time| {
             let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
-            guess(&problem, None, &disturbance, intervals)
+            guess(&problem, None, &disturbance, nodes.to_vec())
         });
     }
     interior

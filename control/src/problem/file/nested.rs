@@ -1,7 +1,8 @@
 //! Tables whose keys are names of joints, and lists of tables.
 
-use super::document::{Fault, Table, describe, number};
 use super::error::ProblemFileCause;
+use super::fault::Fault;
+use super::table::{Table, describe, number};
 use toml::de::DeValue;
 
 impl<'d> Table<'d> {

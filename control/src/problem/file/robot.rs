@@ -1,7 +1,8 @@
 //! The key `robot`: a file, or a table with a file and changes of the robot in it.
 
-use super::document::{Fault, Table};
 use super::error::ProblemFileCause;
+use super::fault::Fault;
+use super::table::Table;
 use costate::robot::{
     FrameSpec, Friction, Limits, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench, WrenchAxes,
 };
@@ -116,7 +117,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     if !locked.is_empty() {
         add("lock", None, RobotEdit::Lock(locked).into());
     }
-    let kept = table.list("reduced_to", "a list of names of joints", super::document::string)?;
+    let kept = table.list("reduced_to", "a list of names of joints", super::table::string)?;
     if let Some(kept) = kept {
         add("reduced_to", None, RobotEdit::ReducedTo(kept).into());
     }

@@ -1,9 +1,11 @@
 //! The tables of tools and obstacles.
 
-use super::document::{Fault, Table, number, string};
 use super::error::ProblemFileCause;
+use super::fault::Fault;
 use super::robot::triple;
+use super::table::{Table, number, string};
 use crate::problem::obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
+use crate::problem::references::{JointReference, Reference, ToolReference};
 use crate::problem::task::Task;
 use crate::problem::tools::{self, Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 use costate::robot::Placement;
@@ -13,21 +15,58 @@ use toml::de::DeValue;
 const POSE: &[&str] = &["frame", "offset", "xyz", "rpy", "rotation", "axis", "along"];
 const COST: &[&str] =
     &["frame", "offset", "xyz", "rpy", "rotation", "axis", "along", "position_weight", "orientation_weight"];
+/// A reference of joints, and one of a tool.
+const JOINT_REFERENCE: &[&str] = &["times", "positions", "velocities", "weights"];
+const TOOL_REFERENCE: &[&str] = &[
+    "frame",
+    "offset",
+    "times",
+    "positions",
+    "velocities",
+    "orientations",
+    "position_weight",
+    "orientation_weight",
+];
+const REFERENCE: &[&str] = &[
+    "times",
+    "positions",
+    "velocities",
+    "weights",
+    "frame",
+    "offset",
+    "orientations",
+    "position_weight",
+    "orientation_weight",
+];
 const COLLISION: &[&str] = &["capsules", "radius", "capsule", "margin", "pairs", "except"];
 const CAPSULE: &[&str] = &["name", "frame", "from", "to", "radius"];
 
 /// What a tool can keep, with the keys of each kind.
-const KEPT: [(&str, &[&str]); 6] = [
+const KEPT: [(&str, &[&str]); 7] = [
     ("plane", &["kind", "frame", "offset", "through", "normal", "distance"]),
     ("line", &["kind", "frame", "offset", "through", "along", "distance"]),
     ("box", &["kind", "frame", "offset", "min", "max"]),
     ("axis", &["kind", "frame", "offset", "axis", "along", "angle"]),
     ("orientation", &["kind", "frame", "offset", "rpy", "rotation", "angle"]),
     ("speed", &["kind", "frame", "offset", "speed"]),
+    ("acceleration", &["kind", "frame", "offset", "acceleration"]),
 ];
 const KEEP: &[&str] = &[
-    "kind", "frame", "offset", "through", "normal", "along", "distance", "min", "max", "axis", "angle",
-    "rpy", "rotation", "speed",
+    "kind",
+    "frame",
+    "offset",
+    "through",
+    "normal",
+    "along",
+    "distance",
+    "min",
+    "max",
+    "axis",
+    "angle",
+    "rpy",
+    "rotation",
+    "speed",
+    "acceleration",
 ];
 
 /// The shapes of obstacles, with the keys of each.
@@ -51,6 +90,10 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
             tool_costs.push(ToolCost::new(pose(&table)?, weights[0], weights[1]));
         }
     }
+    let mut references = Vec::new();
+    if let Some(costs) = root.table("cost")? {
+        references = costs.tables("reference", REFERENCE)?.iter().map(reference).collect::<Result<_, _>>()?;
+    }
     let keep = root.tables("keep", KEEP)?.iter().map(keep).collect::<Result<_, _>>()?;
     let mut obstacles = Vec::new();
     for (k, table) in root.tables("obstacle", OBSTACLE)?.iter().enumerate() {
@@ -58,7 +101,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
         obstacles.push(Obstacle::new(name, shape(table)?));
     }
     let collision = root.table("collision")?.as_ref().map(collision).transpose()?;
-    Ok(Task { start_tools, end_tools, keep, tool_costs, obstacles, collision })
+    Ok(Task { start_tools, end_tools, keep, tool_costs, references, obstacles, collision })
 }
 
 /// The tools of a state.
@@ -157,9 +200,47 @@ fn keep(table: &Table<'_>) -> Result<Keep, Fault> {
             let rotation = table.need("rpy", rotation(table)?)?;
             Kept::Orientation { rotation, angle: tolerance("angle")? }
         }
-        _ => Kept::Speed { max: table.need("speed", table.number("speed")?)? },
+        "speed" => Kept::Speed { max: table.need("speed", table.number("speed")?)? },
+        _ => Kept::Acceleration { max: table.need("acceleration", table.number("acceleration")?)? },
     };
     Ok(Keep::new(tool(table)?, kept))
+}
+
+/// A reference of a tool if it has a frame, else one of joints.
+fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
+    let times = table.need("times", table.numbers("times")?)?;
+    if !table.has("frame") {
+        table.only(JOINT_REFERENCE)?;
+        let rows =
+            |name: &str| table.list(name, "a list of lists of numbers, one list for each time", numbers);
+        let positions = table.need("positions", rows("positions")?)?;
+        let weights = table.need("weights", table.numbers("weights")?)?;
+        let velocities = rows("velocities")?;
+        return Ok(Reference::Joints(JointReference { times, positions, velocities, weights }));
+    }
+    table.only(TOOL_REFERENCE)?;
+    let triples = |name: &str| {
+        let read = |value: &DeValue<'_>| <[f64; 3]>::try_from(numbers(value)?).ok();
+        table.list(name, "a list of lists of three numbers, one list for each time", read)
+    };
+    let weight = |name: &str| Ok::<_, Fault>(table.number(name)?.unwrap_or(1.0));
+    let turn = |rpy| Rotation3::from_matrix_unchecked(Placement::from_xyz_rpy([0.0; 3], rpy).rotation);
+    let orientations = triples("orientations")?.map(|list| list.into_iter().map(turn).collect());
+    Ok(Reference::Tool(ToolReference {
+        tool: tool(table)?,
+        times,
+        positions: triples("positions")?,
+        velocities: triples("velocities")?,
+        orientations,
+        position_weight: weight("position_weight")?,
+        orientation_weight: weight("orientation_weight")?,
+    }))
+}
+
+/// A list of numbers.
+fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
+    let DeValue::Array(entries) = value else { return None };
+    entries.iter().map(|entry| number(entry.get_ref())).collect()
 }
 
 fn shape(table: &Table<'_>) -> Result<Shape, Fault> {

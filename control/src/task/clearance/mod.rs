@@ -31,7 +31,7 @@ mod sweep;
 mod tests;
 
 pub(in crate::task) use cores::CoreBox;
-pub(in crate::task) use pair::{Body, Bounds, Other};
+pub(in crate::task) use pair::{Body, Bounds, Obstacle, Other};
 
 use super::placed::{Hessian, Placed};
 use cores::Core;
@@ -69,8 +69,16 @@ impl Clearances {
     }
 
     /// Adds a pair that keeps this distance beyond the surfaces, unless the robot does not move the two
-    /// against each other. The number of its rows, and R.
-    pub fn push(&mut self, body: usize, other: Other, margin: f64, placed: &Placed) -> Option<(usize, f64)> {
+    /// against each other; `obstacle` is the number of the other one among the obstacles. The number of its
+    /// rows, and R.
+    pub fn push(
+        &mut self,
+        body: usize,
+        other: Other,
+        obstacle: Option<usize>,
+        margin: f64,
+        placed: &Placed,
+    ) -> Option<(usize, f64)> {
         let path = |body: usize| self.bodies[body].carried.as_ref().map_or(&[][..], |carried| &carried.path);
         let (own, others, radius) = match other {
             Other::Body(b) => (path(body), path(b), self.bodies[b].radius),
@@ -87,11 +95,39 @@ impl Clearances {
             return None;
         }
         let radius = self.bodies[body].radius + radius + margin;
-        let pair = Pair { body, other, radius, paths, coordinates };
+        let pair = Pair { body, other, obstacle, radius, paths, coordinates };
         let rows = self.rows_of(&pair);
         self.pairs.push(pair);
         self.speeds.push(0.0);
         Some((rows, radius))
+    }
+
+    /// Moves an obstacle. False, and nothing changes, if it is another shape or has another size: a capsule may
+    /// have another length.
+    pub fn move_obstacle(&mut self, obstacle: usize, to: &Obstacle) -> bool {
+        let Self { bodies, pairs, .. } = self;
+        let mut own = pairs.iter_mut().filter(|pair| pair.obstacle == Some(obstacle)).peekable();
+        let fits = own.peek().is_none_or(|pair| match (&pair.other, to) {
+            (Other::Body(b), Obstacle::Body(body)) => {
+                bodies[*b].radius == body.radius && bodies[*b].to.is_some() == body.to.is_some()
+            }
+            (Other::Box(before), Obstacle::Box(after)) => before.half == after.half,
+            (Other::HalfSpace { .. }, Obstacle::HalfSpace { .. }) => true,
+            _ => false,
+        });
+        for pair in own.filter(|_| fits) {
+            match (&mut pair.other, to) {
+                (Other::Body(b), Obstacle::Body(body)) => {
+                    (bodies[*b].from, bodies[*b].to) = (body.from, body.to);
+                }
+                (Other::Box(place), Obstacle::Box(to)) => place.clone_from(to),
+                (Other::HalfSpace { normal, height }, Obstacle::HalfSpace { normal: n, height: h }) => {
+                    (*normal, *height) = (*n, *h);
+                }
+                _ => {}
+            }
+        }
+        fits
     }
 
     pub fn rows(&self) -> usize {

@@ -27,11 +27,25 @@ pub(in crate::task) enum Other {
     },
 }
 
+/// An obstacle by itself.
+#[derive(Clone, Debug)]
+pub(in crate::task) enum Obstacle {
+    Body(Body),
+    Box(CoreBox),
+    /// As [`Other::HalfSpace`].
+    HalfSpace {
+        normal: Vector3<f64>,
+        height: f64,
+    },
+}
+
 /// A body and what it keeps away from.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
     pub body: usize,
     pub other: Other,
+    /// The number of the obstacle that it is, if it is one.
+    pub obstacle: Option<usize>,
     /// R.
     pub radius: f64,
     /// The joints that move one of the two against the other, for each: joints that move both do not count.

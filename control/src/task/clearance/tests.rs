@@ -18,7 +18,7 @@ fn functions(robot: &Robot, bodies: Vec<Body>, pairs: Vec<(usize, Other)>, margi
     let mut clearances = Clearances::new(bodies, functions.placed());
     let mut rows = 0;
     for (body, other) in pairs {
-        rows += clearances.push(body, other, margin, functions.placed()).unwrap().0;
+        rows += clearances.push(body, other, None, margin, functions.placed()).unwrap().0;
     }
     let row = Row::clearance(1.0, false, String::new());
     functions.push(Part::Clearances(clearances), vec![row; rows]);
@@ -184,5 +184,5 @@ fn common_joints_do_not_count() {
     assert!(first < 1e-9 && second < 1e-8, "{first} {second}");
     let placed = Placed::new(&robot);
     let mut one = Clearances::new(vec![arm(2), arm(2)], &placed);
-    assert_eq!(one.push(0, Other::Body(1), 0.0, &placed), None, "two bodies of one link");
+    assert_eq!(one.push(0, Other::Body(1), None, 0.0, &placed), None, "two bodies of one link");
 }

@@ -1,0 +1,80 @@
+//! Derivatives by the times of phases.
+//!
+//! A point in phase p at the place s is passed at the time $t = \sum\_{i<p} T\_i + (s - p) T\_p$. So where
+//! the running cost depends on t it depends on the times of the phase and of all before it.
+
+use super::interval::add_gradient;
+use super::point_terms::Work;
+use crate::direct::motion::shape::MOST_COEFFICIENTS;
+use crate::direct::motion::spline::Spline;
+use crate::numerics::chain::dot;
+
+/// Derivatives by the time of each phase.
+#[derive(Clone, Debug, Default)]
+pub(in crate::direct) struct ByTimes {
+    /// Gradients, as those in x.
+    pub gradient: [Vec<f64>; 2],
+    /// Of the gradient in x.
+    pub columns: Vec<Vec<f64>>,
+    /// Second ones, K x K for K phases. Two phases have some together where the cost depends on the time
+    /// since the start of the motion.
+    pub second: Vec<f64>,
+}
+
+impl ByTimes {
+    /// Zero, for so many phases and unknowns.
+    pub fn reset(&mut self, phases: usize, size: usize) {
+        for (list, count) in
+            self.gradient.iter_mut().zip([phases; 2]).chain([(&mut self.second, phases * phases)])
+        {
+            list.clear();
+            list.resize(count, 0.0);
+        }
+        self.columns.resize_with(phases, Vec::new);
+        for column in &mut self.columns {
+            column.clear();
+            column.resize(size, 0.0);
+        }
+    }
+
+    /// Adds to the second derivatives by the times of two phases.
+    #[inline(always)]
+    pub fn add_second(&mut self, [a, b]: [usize; 2], value: f64) {
+        let phases = self.columns.len();
+        self.second[phases * a + b] += value;
+        if a != b {
+            self.second[phases * b + a] += value;
+        }
+    }
+
+    /// Adds what the clock makes of a point that was [collected](Work::collect), to the derivatives by the
+    /// times of its phase and of those before it.
+    #[inline(always)]
+    pub fn add_clock(
+        &mut self,
+        p: usize,
+        spline: &Spline,
+        factors: &[[f64; MOST_COEFFICIENTS]; 3],
+        work: &Work,
+    ) {
+        let (k, clock) = (spline.mesh.interval_of(p).0, &work.clock);
+        let phase = spline.mesh.phase(k);
+        let part = spline.mesh.point(p).0 - phase as f64;
+        let mixed = dot(&clock.mixed, &work.z_t);
+        // dt/dT of each phase.
+        let by = |i: usize| if i == phase { part } else { 1.0 };
+        for i in 0..=phase {
+            self.gradient[0][i] += by(i) * clock.first;
+            // The weight and z depend on the time of the own phase.
+            let own = by(i) * (clock.rate + mixed);
+            self.add_second([i, phase], if i == phase { 2.0 * own } else { own });
+            for j in 0..=i {
+                self.add_second([i, j], by(i) * by(j) * clock.second);
+            }
+        }
+        for (i, column) in self.columns[..=phase].iter_mut().enumerate() {
+            let scaled = factors.map(|row| row.map(|factor| by(i) * factor));
+            add_gradient(spline, k, &scaled, &clock.mixed, column);
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! What H* changes by where the cost depends on the time since the start of the motion.
+
+use crate::direct::interior::iterate::Interior;
+use crate::direct::motion::shape::{PLACES, WEIGHTS};
+use crate::direct::points::values::PointDynamics;
+
+impl<D: PointDynamics> Interior<D> {
+    /// The integral of l_t from each of these times, in their order, to the end of the motion. Along an
+    /// optimal motion dH*/dt = -l_t, so that H* less this is constant, and H* at the end.
+    pub(in crate::direct) fn clock_ahead(&mut self, times: &[f64]) -> Vec<f64> {
+        let mut ahead = vec![0.0; times.len()];
+        if !self.running.references.any() {
+            return ahead;
+        }
+        let (spline, references) = (&self.spline, &mut self.running.references);
+        let (mut z, end) = (vec![0.0; 3 * spline.dof], spline.duration());
+        let mut sum = 0.0;
+        for (i, &from) in times.iter().enumerate().rev() {
+            let to = times.get(i + 1).copied().unwrap_or(end);
+            for (place, weight) in PLACES.iter().zip(WEIGHTS) {
+                let time = from + place * (to - from);
+                let (k, x) = spline.mesh.place(spline.place_of(time));
+                spline.in_interval(k, x, &mut z);
+                // What cannot be evaluated is no motion, and has no H*.
+                let rate = references.contract(time, &z[..spline.dof]).map_or(f64::NAN, |l| l.by_time[0]);
+                sum += (to - from) * weight * rate;
+            }
+            ahead[i] = sum;
+        }
+        ahead
+    }
+}
