@@ -19,6 +19,9 @@ const MOST_SPANS: usize = 6;
 const HEADER: [&str; 5] = ["limits", "kept", "largest excess", "between points", "where"];
 const ACTIVE_HEADER: [&str; 4] = ["active limit", "of", "side", "when (s)"];
 
+/// What the motion must keep.
+const HARD: &str = "hard";
+
 /// Limits of one kind.
 struct Row<'a> {
     /// As in [`HEADER`].
@@ -53,7 +56,11 @@ pub fn section(motion: &Motion<'_>) -> String {
     let all = table(&HEADER, rows.iter().map(|row| row.cells.to_vec()));
     let active: Vec<Vec<String>> = rows
         .iter()
-        .flat_map(|row| together(&row.active).into_iter().map(|cells| [&row.cells[..1], &cells].concat()))
+        .flat_map(|row| {
+            let [name, kept, ..] = &row.cells;
+            let name = if kept == HARD { name.clone() } else { format!("{name}, {kept}") };
+            together(&row.active).into_iter().map(move |cells| [&[name.clone()], &cells[..]].concat())
+        })
         .collect();
     let active = if active.is_empty() { String::new() } else { table(&ACTIVE_HEADER, active.into_iter()) };
     format!(
@@ -95,7 +102,7 @@ fn of_kind<'a>(motion: &Motion<'a>, kind: &str, usage: &'a LimitUse) -> Row<'a> 
         Span { name, side, from: *from, to: *to }
     };
     Row {
-        cells: [name, "hard".into(), excess, between, place],
+        cells: [name, HARD.into(), excess, between, place],
         active: usage.active.iter().map(span).collect(),
     }
 }
@@ -133,7 +140,7 @@ fn at_nodes<'a>(motion: &Motion<'a>, quantity: Quantity, ranges: &[Range], is_ha
         }
     }
     let excess = format!("{} {}", short(worst.0, 3), units::of_robot(&motion.problem.robot, unit));
-    let kept = if is_hard { "hard" } else { "only compared" };
+    let kept = if is_hard { HARD } else { "only compared" };
     Some(Row { cells: [name.into(), kept.into(), excess, "-".into(), worst.1], active })
 }
 

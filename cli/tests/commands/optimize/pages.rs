@@ -54,6 +54,7 @@ fn limits_that_are_not_kept_are_told_from_those_that_are() {
     assert!(page.contains("dotted: limits of the robot that are only compared"));
     let table = between(&page, "<h2>Limits</h2>", "</table>");
     assert!(table.contains("<td>control</td><td>only compared</td>"), "{table}");
+    assert!(page.contains("<tr><td>control, only compared</td><td>shoulder</td><td>max</td>"), "{page}");
     // Those of the robot are 1 N m; the motion needs 28.1 N m at the elbow.
     assert!(table.contains("27.1 N m") && table.contains("elbow, t = 0 s"), "{table}");
     let none = two_link() + "[limits]\nfrom_robot = false\n";
