@@ -4,7 +4,6 @@
 //! [`Interior`](iterate::Interior) owns the iterate and its workspaces. The other files are its steps: directions
 //! ([`step`], [`corrector`]), the search along them with its [`filter`], the elastic phase, warm starts.
 
-pub(super) mod centre;
 pub(super) mod corrector;
 pub(super) mod elastic;
 pub(super) mod figures;
