@@ -69,6 +69,7 @@ pub use problem::error::{ProblemError, SourceError};
 #[cfg(feature = "toml")]
 pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
+pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{

@@ -7,8 +7,6 @@ use crate::problem::torque_speed_error::TorqueSpeedError;
 use crate::problem::via_error::ViaError;
 use costate::EvalError;
 use costate::codegen::CodegenError;
-use costate::robot::{printable, printable_number as number};
-use std::fmt;
 
 /// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
 /// give each.
@@ -44,8 +42,10 @@ pub enum ProblemError {
         key: Key,
         /// Name or index that was given.
         joint: String,
-        /// Names of the joints.
+        /// Names of joints that resemble it, or of all joints if none does.
         joints: Vec<String>,
+        /// Number of joints.
+        dof: usize,
     },
     /// A number that must be positive.
     NotPositive {
@@ -65,6 +65,8 @@ pub enum ProblemError {
     },
     /// A free final time without a cost of time.
     FreeTimeWithoutCost,
+    /// A free final time, and the robot rests at its end from the start on: nothing is to be done.
+    NoWay,
     /// A control without effect.
     NoGain {
         /// The joint.
@@ -92,8 +94,8 @@ pub enum ProblemError {
     NoRoom {
         /// The field.
         key: Key,
-        /// The joint.
-        joint: String,
+        /// The joint, if the field is a list.
+        joint: Option<String>,
         /// The limit.
         value: f64,
     },
@@ -230,7 +232,7 @@ impl ProblemError {
             | Self::TaskNeedsDirect { key } => key,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
-            Self::FreeTimeWithoutCost => Key::FREE_TIME,
+            Self::FreeTimeWithoutCost | Self::NoWay => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
             Self::EmptyBounds { .. } => Key::U_MIN,
             Self::EmptyRange { .. } => Key::Q_MIN,
@@ -238,98 +240,6 @@ impl ProblemError {
             Self::BadOption { key, .. } => Key::solver(key),
             Self::Continuation { .. } => return None,
         })
-    }
-
-    /// The reason and the remedy, without the field.
-    pub fn reason(&self) -> String {
-        match self {
-            Self::WrongLength { expected, found, .. } => {
-                let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
-                format!("has {found}, the robot has {joints}: give one entry for each joint")
-            }
-            Self::NotFinite { joint, .. } => format!("the entry of joint '{joint}' is not finite", joint = printable(joint)),
-            Self::NotANumber { joint, .. } => {
-                format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit", joint = printable(joint))
-            }
-            Self::UnknownJoint { joint, joints, .. } => {
-                let last = joints.len().saturating_sub(1);
-                let names = listed(joints);
-                format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}", joint = printable(joint))
-            }
-            Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
-            Self::Negative { joint, value, .. } => {
-                let entry =
-                    joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' ", joint = printable(joint)));
-                format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
-            }
-            Self::FreeTimeWithoutCost => {
-                "a free final time needs cost.time > 0, a term of the running cost or a cost of tools: otherwise the slowest motion \
-                 is the cheapest"
-                    .into()
-            }
-            Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
-            Self::EmptyBounds { joint, u_min, u_max } => {
-                format!("the lower bound {} of joint '{joint}' must be less than bounds.u_max = {}", number(*u_min), number(*u_max), joint = printable(joint))
-            }
-            Self::EmptyRange { joint, q_min, q_max } => {
-                format!("the lower limit {} of joint '{joint}' must be less than penalty.q_max = {}", number(*q_min), number(*q_max), joint = printable(joint))
-            }
-            Self::NoRoom { joint, value, .. } => {
-                format!("the limit {} of joint '{joint}' must be positive", number(*value), joint = printable(joint))
-            }
-            Self::EmptyLimits { joint, low, high, .. } => format!(
-                "joint '{joint}' has no room between {} and {}, the limits of the robot included", number(*low), number(*high),
-                joint = printable(joint)),
-            Self::OutsideLimits { joint, value, low, high, .. } => format!(
-                "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
-                 limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
-                joint = printable(joint)),
-            Self::BeyondLimit { joint, quantity, value, limit, .. } => format!(
-                "with the positions and rates that are given there {} need a {quantity} of {}, beyond the limit \
-                 {}; change the accelerations or leave some of them free, or widen the limit",
-                joint.as_ref().map_or_else(
-                    || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
-                number(*value), number(*limit)),
-            Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
-            Self::Task { cause, .. } => cause.to_string(),
-            Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
-            Self::Via { cause, .. } => cause.to_string(),
-            Self::PhasesNeedDirect { .. } => {
-                "vias and periodic motions are taken by method = \"direct\" only; choose it, or remove them".into()
-            }
-            Self::TorqueSpeed { cause, .. } => cause.to_string(),
-            Self::EnergyNeedsDirect => "a cost of energy is taken by method = \"direct\" only; choose it, or remove the cost".into(),
-            Self::RatesNeedDirect { .. } => "this is taken by method = \"direct\" only; choose it, or remove it".into(),
-            Self::NotAgain { .. } => "Resolve does not take this; solve the problem with Solver, or remove it".into(),
-            Self::UnboundedEffort { joint } => format!(
-                "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
-            Self::NothingToMinimise => {
-                "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
-                 the time"
-                    .into()
-            }
-            Self::BadOption { value, remedy, .. } => format!("{remedy}, but is {}", number(*value)),
-            Self::Continuation { parameter, value, cause } => {
-                format!("continuation to {parameter} = {}: {cause}", number(*value))
-            }
-        }
-    }
-}
-
-impl fmt::Display for ProblemError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(key) = self.key() {
-            match self {
-                // A task has lists: their entries are counted from 0, as in Rust.
-                Self::Task { .. } if key.table() != "via" => {
-                    write!(f, "task: {}[{}].{}: ", key.table(), key.number(), key.name())?;
-                }
-                _ if key.table() == "via" => write!(f, "vias[{}].{}: ", key.number(), key.name())?,
-                _ => write!(f, "{}: ", key.field())?,
-            }
-        }
-        f.write_str(&self.reason())
     }
 }
 
@@ -344,19 +254,6 @@ impl std::error::Error for ProblemError {
             _ => None,
         }
     }
-}
-
-/// The first names of joints, and how many more there are.
-pub(crate) fn listed(joints: &[String]) -> String {
-    const MOST: usize = 12;
-    let shown: Vec<_> = joints.iter().take(MOST).map(|joint| printable(joint).to_string()).collect();
-    let more = joints.len().saturating_sub(MOST);
-    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
-}
-
-/// "1 joint", "2 joints".
-fn count(amount: usize, one: &str, more: &str) -> String {
-    format!("{amount} {}", if amount == 1 { one } else { more })
 }
 
 /// Why the equations of a problem were not recorded, or not replaced by generated code.

@@ -4,6 +4,7 @@ pub(crate) mod check;
 mod check_vias;
 pub(crate) mod continuation_cause;
 pub(crate) mod error;
+mod error_text;
 #[cfg(feature = "toml")]
 pub(crate) mod file;
 mod given_ends;
@@ -15,6 +16,7 @@ pub(crate) mod obstacles;
 pub(crate) mod parts;
 mod phases;
 pub(crate) mod references;
+pub(crate) mod rounded;
 pub(crate) mod running_cost;
 pub(crate) mod task;
 pub(crate) mod task_error;

@@ -15,6 +15,7 @@ pub(crate) mod rows;
 pub(crate) mod samples;
 pub(crate) mod saved;
 pub(crate) mod solution;
+pub(crate) mod solved;
 pub(crate) mod trajectory;
 pub(crate) mod trajectory_error;
 pub(crate) mod verify;

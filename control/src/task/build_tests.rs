@@ -1,10 +1,12 @@
 use super::*;
 use crate::problem::obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
-use crate::problem::tools::{Keep, Kept, ToolCost};
+use crate::problem::tools::{Keep, Kept, Tool, ToolCost};
 use crate::problem::{BoundaryState, Task};
 use crate::task::functions::PathFunction;
+use crate::task::row::Row;
 use costate::kinematics::{Kinematics, ReferenceFrame};
-use nalgebra::{Matrix3, Rotation3};
+use costate::robot::Robot;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 const Q: [f64; 6] = [0.3, -1.2, 0.8, 0.1, 0.5, 0.2];
 const V: [f64; 6] = [0.1, -0.2, 0.3, 0.4, -0.5, 0.6];

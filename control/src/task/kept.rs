@@ -1,10 +1,10 @@
 //! The rows of what tools keep along a motion.
 
-use super::build::{KeptRows, Tools, zero};
 use super::given::{Given, direction, finite, length, positive_or_zero};
 use super::placed::Carried;
 use super::row::{Measure, Row};
 use super::tool::{Quantity, ToolFunction};
+use super::tool_rows::{KeptRows, Tools, zero};
 use crate::problem::error::ProblemError;
 use crate::problem::task_error::TaskError;
 use crate::problem::tools::{Keep, Kept};
@@ -132,7 +132,7 @@ fn box_rows(
         }
     }
     if rows.is_empty() {
-        return Err(TaskError::NothingAsked { frame: name.into() }.at(at.key("frame")));
+        return Err(TaskError::NothingAsked { frame: name.into(), remedy: "min or max" }.at(at.key("frame")));
     }
     Ok((ToolFunction { tool, quantity: Quantity::Position(directions) }, rows))
 }

@@ -22,6 +22,7 @@ pub(crate) mod reach;
 pub(crate) mod references;
 pub(crate) mod row;
 mod tool;
+mod tool_rows;
 mod turns;
 
 #[cfg(test)]

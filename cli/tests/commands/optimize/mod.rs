@@ -3,7 +3,10 @@
 mod bounds;
 mod feedback;
 mod input;
+mod keys;
+mod missing;
 mod outputs;
+mod pages;
 mod problems;
 mod solutions;
 mod stopping;

@@ -1,7 +1,7 @@
 //! The same problem solved again and again, as a controller needs it.
 //!
-//! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its ends.
-//! [`Resolve`](resolve::Resolve) is what users hold.
+//! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
+//! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
 pub(super) mod changes;
 pub(super) mod feedback;

@@ -197,7 +197,7 @@ impl Resolve {
         self.damping *= constants::DAMPING_DOWN;
         let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
         let mut last = Instant::now();
-        let watch = |iterate: &Interior<Dynamics>, _: f64| {
+        let watch = |iterate: &mut Interior<Dynamics>, _: f64| {
             shown.offer(iterate);
             *damping = iterate.damping;
             let now = Instant::now();

@@ -215,7 +215,7 @@ impl<D: PointDynamics> Interior<D> {
         &mut self,
         tolerance: f64,
         most: usize,
-        mut watch: impl FnMut(&Self, f64) -> Option<Interruption>,
+        mut watch: impl FnMut(&mut Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         self.filter.clear();
         let squares = self.has_squares_alone() && !self.relaxation.is_on();

@@ -1,8 +1,9 @@
-//! The interior-point iteration on one mesh: directions, how far to go, the barrier, and what is done about steps
-//! that fail.
+//! The interior-point iteration on one mesh: directions, how far to go, the barrier, and what is done about
+//! steps that fail.
 //!
-//! [`Interior`](iterate::Interior) owns the iterate and its workspaces. The other files are its steps: directions
-//! ([`step`], [`corrector`]), the search along them with its [`filter`], the elastic phase, warm starts.
+//! [`Interior`](iterate::Interior) owns the iterate and its workspaces. The other files are its steps:
+//! directions ([`step`], [`corrector`]), the search along them with its [`filter`], the elastic phase, warm
+//! starts.
 
 pub(super) mod corrector;
 pub(super) mod elastic;

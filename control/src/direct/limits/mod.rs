@@ -1,7 +1,8 @@
-//! What a motion has to keep: sides of limits, rows of tasks, powers, and what is given at the ends of phases.
+//! What a motion has to keep: sides of limits, rows of tasks, powers, and what is given at the ends of
+//! phases.
 //!
-//! [`Barrier`](barrier::Barrier) holds all entries with their slacks and multipliers, and measures how far each of
-//! them is from its bound; [`entries`] are the loops over them.
+//! [`Barrier`](barrier::Barrier) holds all entries with their slacks and multipliers, and measures how far
+//! each of them is from its bound; [`entries`] are the loops over them.
 
 pub(super) mod barrier;
 pub(super) mod ends;

@@ -1,5 +1,5 @@
-//! Motions as piecewise polynomials: the mesh, how smooth a motion is, positions and rates from the unknowns at
-//! nodes and in intervals, and the times of phases.
+//! Motions as piecewise polynomials: the mesh, how smooth a motion is, positions and rates from the unknowns
+//! at nodes and in intervals, and the times of phases.
 //!
 //! A [`guess`](guess::guess) gives the first motion. Nothing here knows of a robot's dynamics or of limits.
 

@@ -1,8 +1,8 @@
 //! Newton's equations of the barrier problem: from derivatives at points to a factorised system.
 //!
-//! [`point_terms`] collects the Lagrange function at one point, [`interval`] carries it to the unknowns of a spline,
-//! and [`System`](system::System) eliminates the bubbles and factorises what remains, block tridiagonal with a
-//! [`border`] of unknowns that many intervals share.
+//! [`point_terms`] collects the Lagrange function at one point, [`interval`] carries it to the unknowns of a
+//! spline, and [`System`](system::System) eliminates the bubbles and factorises what remains, block
+//! tridiagonal with a [`border`] of unknowns that many intervals share.
 
 pub(super) mod border;
 pub(super) mod by_times;

@@ -10,13 +10,14 @@ use crate::problem::Problem;
 use crate::problem::limits::JointLimits;
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
+use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LegendreTransform};
 use costate::robot::Robot;
 
 /// The trajectory at the nodes and at the points between them, with H*.
 ///
 /// Torques and accelerations may jump at a node. So it stands there twice, with those before it and
-/// after it.
+/// after it. Where M is singular, costates of (q, p) do not exist: they are NaN there.
 pub(crate) fn trajectory<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
@@ -92,6 +93,7 @@ struct Rows<'a> {
     limits: Vec<JointLimits>,
     inverse: Lagrangian<f64>,
     transform: LegendreTransform<f64>,
+    momentum: Hamiltonian<f64>,
     times: Vec<f64>,
     /// q, v, p, u, y_q, y_p.
     columns: [Vec<Vec<f64>>; 6],
@@ -109,6 +111,7 @@ impl<'a> Rows<'a> {
             limits: problem.joint_limits(),
             inverse: Lagrangian::new(&problem.robot),
             transform: LegendreTransform::new(&problem.robot),
+            momentum: Hamiltonian::new(&problem.robot),
             times: Vec::new(),
             columns: Default::default(),
             hamiltonian: Vec::new(),
@@ -126,6 +129,7 @@ impl<'a> Rows<'a> {
         if self.phase != phase {
             let robot = &self.robots[phase];
             (self.inverse, self.transform) = (Lagrangian::new(robot), LegendreTransform::new(robot));
+            self.momentum = Hamiltonian::new(robot);
             self.phase = phase;
         }
     }
@@ -144,9 +148,18 @@ impl<'a> Rows<'a> {
         let cut =
             tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
         let u: Vec<f64> = cut.zip(&self.problem.gain).map(|(tau, gain)| tau / gain).collect();
-        let mut map = self.transform.at(q, v, &u)?;
-        map.costate_to_hamiltonian(&mut costate)?;
-        let momentum = map.momentum().to_vec();
+        let momentum = match self.transform.at(q, v, &u) {
+            Ok(mut map) => {
+                map.costate_to_hamiltonian(&mut costate)?;
+                map.momentum().to_vec()
+            }
+            // M^-1 maps the costates.
+            Err(EvalError::SingularMassMatrix { .. }) => {
+                costate.fill(f64::NAN);
+                self.momentum.momentum(q, v)?.to_vec()
+            }
+            Err(error) => return Err(error),
+        };
         let (y_q, y_p) = costate.split_at(n);
         for (column, row) in self.columns.iter_mut().zip([q, v, &momentum, &u, y_q, y_p]) {
             column.push(row.to_vec());

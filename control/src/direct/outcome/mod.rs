@@ -1,5 +1,5 @@
-//! What was found, in the words of the user: costates from multipliers, the trajectory, how limits are used, the
-//! motion integrated again, or the limits that cannot be kept.
+//! What was found, in the words of the user: costates from multipliers, the trajectory, how limits are used,
+//! the motion integrated again, or the limits that cannot be kept.
 
 pub(super) mod clock;
 pub(super) mod costates;

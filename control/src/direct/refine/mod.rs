@@ -1,5 +1,5 @@
-//! Where a mesh is too coarse: errors estimated between the points, jumps inside of intervals, and limits that are
-//! exceeded there.
+//! Where a mesh is too coarse: errors estimated between the points, jumps inside of intervals, and limits
+//! that are exceeded there.
 //!
 //! [`Resolution`](resolution::Resolution) measures them and chooses the nodes of the next mesh.
 

@@ -84,6 +84,18 @@ impl Resolution {
         Ok(())
     }
 
+    /// Whether the cost between the points has little to do with that at the points: then what is gained on this mesh is
+    /// lost on the next one. No if the motion cannot be evaluated there.
+    pub fn is_far_off<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> bool {
+        self.errors.clear();
+        self.errors.resize(interior.spline.mesh.intervals(), 0.0);
+        if self.evaluate_between(interior).is_err() {
+            return false;
+        }
+        self.compare_costs(interior);
+        self.error() > constants::UNRESOLVED * interior.figures.size
+    }
+
     /// Where its control is smooth, the torque of an exact motion differs from this one by about a Legendre
     /// polynomial of degree three on each interval, which vanishes at the points. At a node the two that meet
     /// there make a jump J, so each is about J/2 there. The cost is off by half the square of that in the

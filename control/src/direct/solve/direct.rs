@@ -86,7 +86,7 @@ impl Direct<'_> {
         let goes_on = recorder.interruption().is_none();
         if goes_on && !too_short && interior.needs_smoothing() && self.saved.is_none() {
             let effort = interior.smooth_effort();
-            let mut watch = |iterate: &Interior<Dynamics>, step: f64| {
+            let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, 0, step));
                 recorder.interruption()
             };
@@ -112,17 +112,23 @@ impl Direct<'_> {
         let smooth = interior.spline.mesh.shape.is_smooth();
         while mesh < constants::MESHES {
             let first = interior.figures.iterations;
-            let (mut patience, mut stuck) = (Patience::default(), false);
-            let watch = |iterate: &Interior<Dynamics>, step: f64| {
+            let mut resolved = interior.spline.clone();
+            let (mut patience, mut stuck, mut unresolved) = (Patience::default(), false, false);
+            let watch = |iterate: &mut Interior<Dynamics>, step: f64| {
                 recorder.record(iteration(iterate, first, step));
                 stuck = patience.is_over(iterate.figures.violation);
-                if stuck { Some(Interruption::TimeLimit) } else { recorder.interruption() }
+                let looks = (iterate.figures.iterations - first).is_multiple_of(constants::LOOK);
+                unresolved = looks && resolution.is_far_off(iterate);
+                if looks && !unresolved {
+                    resolved.clone_from(&iterate.spline);
+                }
+                if stuck || unresolved { Some(Interruption::TimeLimit) } else { recorder.interruption() }
             };
             let mut end = interior.iterate(precision, self.options.max_iterations, watch)?;
             if end == End::Solved && precision <= least {
                 interior.take_last_step();
             }
-            if stuck {
+            if stuck || unresolved {
                 end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
             }
             let mut figures = interior.figures;
@@ -130,6 +136,7 @@ impl Direct<'_> {
             if is_over
                 && figures.violation > constants::VIOLATION_ACCEPTED
                 && restorations < constants::RESTORATIONS
+                && !unresolved
                 && !smooth
             {
                 restorations += 1;
@@ -154,6 +161,7 @@ impl Direct<'_> {
                 End::Interrupted(interruption) => {
                     return Ok(Refined { error, ..Refined::without(interruption.into()) });
                 }
+                _ if unresolved => Status::MeshLimit,
                 End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
                 End::NoProgress => Status::NewtonFailed,
                 End::IterationLimit => Status::IterationLimit,
@@ -169,7 +177,7 @@ impl Direct<'_> {
             let unverified = accurate && precision <= least && self.options.verify == Verify::None;
             if refined.status.is_converged()
                 || unverified
-                || (violated && mesh >= constants::MESHES_WITHOUT_MOTION)
+                || (violated && !unresolved && mesh >= constants::MESHES_WITHOUT_MOTION)
             {
                 break;
             }
@@ -192,16 +200,24 @@ impl Direct<'_> {
             let enough = tolerance * figures.size;
             let narrowest = resolution.narrowest;
             let nodes = match (violated, accurate) {
-                (true, _) => interior.spline.mesh.halved(narrowest),
+                (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
                 // What the estimate does not see, the integration may.
                 (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
-                (false, false) => resolution.nodes(&interior.spline, enough),
+                _ => resolution.nodes(&interior.spline, enough),
             };
             let mesh_nodes = &interior.spline.mesh.nodes;
             let nodes = if nodes == *mesh_nodes { interior.spline.mesh.halved(narrowest) } else { nodes };
             let stride = interior.spline.mesh.shape.stride();
             if stride * (nodes.len() - 1) + 1 > self.options.max_nodes || mesh + 1 == constants::MESHES {
+                if unresolved {
+                    interior.spline = resolved;
+                    interior.start(Some(interior.mu))?;
+                    resolution.measure(interior)?;
+                }
                 break;
+            }
+            if unresolved {
+                interior.spline = resolved;
             }
             interior.move_to(nodes)?;
             // What solves a mesh is near a solution on the next one.

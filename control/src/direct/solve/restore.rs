@@ -152,7 +152,7 @@ fn steps<D: PointDynamics>(
     enough: impl Fn(&Interior<D>) -> bool,
 ) -> Result<End, EvalError> {
     let first = interior.figures.iterations;
-    let watch = |iterate: &Interior<D>, step: f64| {
+    let watch = |iterate: &mut Interior<D>, step: f64| {
         let figures = &iterate.figures;
         recorder.record(Iteration {
             phase: Phase::Restoration,

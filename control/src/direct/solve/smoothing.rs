@@ -43,7 +43,7 @@ impl<D: PointDynamics> Interior<D> {
         &mut self,
         mut effort: Vec<f64>,
         most: usize,
-        watch: impl FnMut(&Self, f64) -> Option<Interruption>,
+        watch: impl FnMut(&mut Self, f64) -> Option<Interruption>,
     ) -> Result<End, EvalError> {
         std::mem::swap(&mut self.running.effort, &mut effort);
         let found = self.start(None).and_then(|()| self.iterate(constants::FIRST_PRECISION, most, watch));

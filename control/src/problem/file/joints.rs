@@ -2,7 +2,8 @@
 
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
-use crate::problem::file::document::{Fault, Table, string, whole};
+use crate::problem::file::fault::Fault;
+use crate::problem::file::table::{Table, string, whole};
 use crate::problem::key::Key;
 
 /// A joint by its name, or by its index from 0.

@@ -2,10 +2,13 @@
 
 pub(crate) mod document;
 pub(crate) mod error;
+mod fault;
 mod joints;
 mod nested;
 mod phases;
 mod robot;
+mod solver;
+mod table;
 mod tables;
 mod task;
 
@@ -13,7 +16,8 @@ pub use error::{ProblemFileCause, ProblemFileError};
 
 use crate::options::SolverOptions;
 use crate::problem::Problem;
-use crate::problem::file::document::{Document, Fault, MOST_BYTES};
+use crate::problem::file::document::{Document, MOST_BYTES};
+use crate::problem::file::fault::Fault;
 use crate::problem::key::Key;
 use costate::robot::LoadOptions;
 use std::error::Error;
@@ -64,7 +68,7 @@ impl ProblemFile {
         if bytes.len() > MOST_BYTES {
             return Err(at(ProblemFileCause::TooLong { most: MOST_BYTES }.into()));
         }
-        let text = String::from_utf8(bytes).map_err(|error| at(document::not_utf8(&error)))?;
+        let text = String::from_utf8(bytes).map_err(|error| at(fault::not_utf8(&error)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, folder, load, Some(path)).map_err(at)
     }

@@ -1,7 +1,8 @@
 //! Tables whose keys are names of joints, and lists of tables.
 
-use super::document::{Fault, Table, describe, number};
 use super::error::ProblemFileCause;
+use super::fault::Fault;
+use super::table::{Table, describe, number};
 use toml::de::DeValue;
 
 impl<'d> Table<'d> {
@@ -13,6 +14,19 @@ impl<'d> Table<'d> {
     /// Whether a key is there.
     pub fn has(&self, name: &str) -> bool {
         self.values.get(name).is_some()
+    }
+
+    /// Whether a key is there and holds a list.
+    pub fn has_list(&self, name: &str) -> bool {
+        matches!(self.values.get(name).map(|value| value.get_ref()), Some(DeValue::Array(_)))
+    }
+
+    /// Whether a key is there and is no empty list.
+    pub fn holds(&self, name: &str) -> bool {
+        match self.values.get(name).map(|value| value.get_ref()) {
+            Some(DeValue::Array(entries)) => !entries.is_empty(),
+            value => value.is_some(),
+        }
     }
 
     /// Whether a key is there and holds a string.
@@ -66,7 +80,8 @@ impl<'d> Table<'d> {
                 return Err(table.fault(key.get_ref(), cause));
             };
             let start = table.start_of(key.get_ref());
-            let inner = Table { text: self.text, path: table.path.clone(), start, values };
+            let path = Some(table.key(key.get_ref()));
+            let inner = Table { text: self.text, path, start, values };
             inner.only(known)?;
             found.push((key.get_ref().to_string(), inner));
         }

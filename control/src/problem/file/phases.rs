@@ -1,8 +1,9 @@
 //! The tables of vias and of periodic motions.
 
-use super::document::{Fault, Table};
+use super::fault::Fault;
 use super::joints::{JointName, indices, joints};
 use super::robot::{PAYLOAD, payload};
+use super::table::Table;
 use super::task::tools;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;

@@ -1,18 +1,17 @@
 //! The tables and keys of a problem file.
 
-use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Verify};
+use crate::options::SolverOptions;
 use crate::problem::error::ProblemError;
-use crate::problem::file::document::{Fault, Table, number};
 use crate::problem::file::error::ProblemFileCause;
+use crate::problem::file::fault::Fault;
 use crate::problem::file::joints::{JointName, indices, joints};
 use crate::problem::file::phases::{self, ViaTable};
 use crate::problem::file::robot::{self, RobotTable};
-use crate::problem::file::task;
+use crate::problem::file::table::{Table, number};
+use crate::problem::file::{solver, task};
 use crate::problem::key::Key;
 use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem, Task};
 use costate::robot::Robot;
-use std::time::Duration;
-use toml::de::DeValue;
 
 const ROOT: &[&str] = &[
     "robot",
@@ -54,35 +53,6 @@ const LIMITS: &[&str] = &[
 ];
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
-const SOLVER: &[&str] = &[
-    "starts",
-    "threads",
-    "seed",
-    "tolerance",
-    "nodes",
-    "jacobian",
-    "method",
-    "coordinates",
-    "verify",
-    "polish",
-    "machine_code",
-    "time_limit",
-];
-
-const JACOBIANS: [(&str, JacobianRoute); 3] = [
-    ("exact", JacobianRoute::Exact),
-    ("differences", JacobianRoute::Differences),
-    ("without_hessian", JacobianRoute::WithoutHessian),
-];
-const METHODS: [(&str, Method); 3] =
-    [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
-const MACHINE_CODE: [(&str, MachineCode); 3] =
-    [("later", MachineCode::Later), ("at_once", MachineCode::AtOnce), ("never", MachineCode::Never)];
-const COORDINATES: [(&str, Coordinates); 2] =
-    [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
-const VERIFICATIONS: [(&str, Verify); 3] =
-    [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)];
-
 /// The values of a problem file, before its robot is known.
 pub(super) struct Tables {
     pub robot: RobotTable,
@@ -192,7 +162,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         vias,
         periodic,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
-        options: options(optional("solver", SOLVER)?.as_ref())?,
+        options: solver::read(optional("solver", solver::KEYS)?.as_ref())?,
     })
 }
 
@@ -212,7 +182,7 @@ fn state_if_any(table: &Table<'_>) -> Result<StateTable, Fault> {
         a: table.numbers("a")?,
         q_free: joints(table, "q_free")?,
         v_free: joints(table, "v_free")?.unwrap_or_default(),
-        has_tools: table.has("tool"),
+        has_tools: table.holds("tool"),
     })
 }
 
@@ -267,58 +237,11 @@ fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
 
 /// One cost of energy for all joints, or one for each.
 fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
-    table.value("energy", "a number or a list of numbers", |value| match value {
-        DeValue::Array(entries) => {
-            let entries = entries.iter().map(|entry| number(entry.get_ref()));
-            Some(Energy::Of(entries.collect::<Option<_>>()?))
-        }
-        value => number(value).map(Energy::Each),
-    })
-}
-
-/// The options.
-fn options(table: Option<&Table<'_>>) -> Result<SolverOptions, Fault> {
-    let Some(table) = table else { return Ok(SolverOptions::default()) };
-    let method = table.choice("method", &METHODS)?.unwrap_or_default();
-    let defaults = SolverOptions::of(method);
-    let count = |name: &str, default: usize| -> Result<usize, Fault> {
-        let found = table.whole(name)?;
-        Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
-    };
-    Ok(SolverOptions {
-        starts: count("starts", defaults.starts)?,
-        threads: table.whole("threads")?.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
-        seed: table.whole("seed")?.unwrap_or(defaults.seed),
-        tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
-        nodes: count("nodes", defaults.nodes)?,
-        jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
-        coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
-        verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
-        polish: polish(table)?.unwrap_or(defaults.polish),
-        machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
-        time_limit: time_limit(table)?,
-        ..defaults
-    })
-}
-
-/// true, false or "auto".
-fn polish(table: &Table<'_>) -> Result<Option<Polish>, Fault> {
-    table.value("polish", "true, false or \"auto\"", |value| match value {
-        DeValue::Boolean(true) => Some(Polish::Always),
-        DeValue::Boolean(false) => Some(Polish::Never),
-        DeValue::String(text) if text == "auto" => Some(Polish::Auto),
-        _ => None,
-    })
-}
-
-/// A time limit, in seconds. [`SolverOptions::check`] refuses zero.
-fn time_limit(table: &Table<'_>) -> Result<Option<Duration>, Fault> {
-    let Some(value) = table.number("time_limit")? else { return Ok(None) };
-    Duration::try_from_secs_f64(value).map(Some).map_err(|_| {
-        let remedy = "must be a positive number of seconds";
-        let error = ProblemError::BadOption { key: "time_limit", value, remedy };
-        table.fault("time_limit", ProblemFileCause::Problem(error))
-    })
+    let expected = "a number or a list of numbers";
+    if table.has_list("energy") {
+        return Ok(table.list("energy", expected, number)?.map(Energy::Of));
+    }
+    Ok(table.value("energy", expected, number)?.map(Energy::Each))
 }
 
 impl Tables {

@@ -1,8 +1,9 @@
 //! The tables of tools and obstacles.
 
-use super::document::{Fault, Table, number, string};
 use super::error::ProblemFileCause;
+use super::fault::Fault;
 use super::robot::triple;
+use super::table::{Table, number, string};
 use crate::problem::obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 use crate::problem::references::{JointReference, Reference, ToolReference};
 use crate::problem::task::Task;

@@ -1,0 +1,256 @@
+//! The direct method ([`crate::direct`]).
+
+/// Products of slacks and multipliers are equal to this part before a motion is differentiated by its limits.
+pub const CENTRED: f64 = 1e-4;
+/// Newton steps that this may take.
+pub const CENTRING_STEPS: usize = 30;
+
+/// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
+/// rates are limited; without it rates could swing between the points.
+pub const NODE_WEIGHT: f64 = 0.1;
+/// Least number of intervals with which a phase of several begins.
+pub const INTERVALS_OF_PHASE: usize = 4;
+/// Slacks and multipliers keep at least this part of themselves in a step.
+pub const BOUNDARY: f64 = 0.005;
+/// Steps are cut short that are shorter than this..
+pub const SHORT: f64 = 0.05;
+/// .. and after so many of them slacks and multipliers move away from the limits..
+pub const SHORT_STEPS: usize = 2;
+/// .. to this many times the gap.
+pub const AWAY: f64 = 10.0;
+/// Most steps on a mesh without second derivatives of torques.
+pub const SQUARES: usize = 40;
+/// If less than this part of such a step was taken, the next one is damped, ..
+pub const POOR: f64 = 0.3;
+/// .. at first with this, ..
+pub const LEAST_OF_SQUARES: f64 = 1e-2;
+/// .. if more than this part was taken, ..
+pub const GOOD: f64 = 0.6;
+/// .. by this factor less, ..
+pub const DOWN_OF_SQUARES: f64 = 0.2;
+/// .. and below this not at all.
+pub const NONE_OF_SQUARES: f64 = 1e-3;
+/// Most corrections of a step..
+pub const CORRECTIONS: usize = 2;
+/// .. which aims at one that is longer by this, ..
+pub const LONGER: f64 = 0.3;
+/// .. if it is shorter than this, ..
+pub const LONG_ENOUGH: f64 = 0.95;
+/// .. at products of slacks and multipliers of at least this part of that on the central path ..
+pub const LEAST_PRODUCT: f64 = 0.1;
+/// .. and at most this many times as large. ..
+pub const MOST_PRODUCT: f64 = 10.0;
+/// .. Both steps together become longer by at least this.
+pub const LEAST_GAIN: f64 = 0.03;
+/// First damping where the matrix is not positive definite or no step is accepted.
+pub const DAMPING: f64 = 1e-6;
+/// With this damping, that of the effort itself, a step still tells whether there is anything to gain.
+pub const SOLVED_DAMPING: f64 = 1.0;
+/// Factor from one damping to the next larger one.
+pub const DAMPING_UP: f64 = 10.0;
+/// Factor from the damping of one step to the first one of the next.
+pub const DAMPING_DOWN: f64 = 0.1;
+/// With more damping than this there is no progress.
+pub const MOST_DAMPING: f64 = 1e10;
+/// Part of changes of rates, over T, and of positions, over T squared, beside those of accelerations in
+/// what is damped.
+pub const REST_OF_METRIC: f64 = 1e-2;
+/// Shortest part of a step that is tried before the damping rises.
+pub const SHORTEST: f64 = 0.05;
+/// Slacks start at this part of the range of their limit, if the motion is not farther inside.
+pub const FIRST_SLACK: f64 = 0.05;
+/// The same on a finer mesh.
+pub const LEAST_SLACK: f64 = 1e-5;
+/// Curvature in T that is less than this part of its terms is rounding.
+pub const LEAST_CURVATURE: f64 = 1e-14;
+/// Costs are not resolved below that of a motion by so much (rad, m).
+pub const SMALL_MOTION: f64 = 1e-3;
+/// What an equation of weight one that is off by its range costs in Newton's matrix, in parts of the cost
+/// of the guess. With more of it multipliers settle in fewer steps, and rounding of what it does not
+/// touch grows.
+pub const STIFFNESS: f64 = 1e8;
+/// It rises by this factor..
+pub const STIFFER: f64 = 10.0;
+/// .. to at most this..
+pub const MOST_STIFFNESS: f64 = 1e13;
+/// .. when a whole step leaves more than this part of the equations..
+pub const LEFT_OF_EQUATIONS: f64 = 0.1;
+/// .. that were violated by less than this before.
+pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
+/// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of
+/// time.
+pub const SMOOTHING: f64 = 1.0;
+/// How many final times are tried for a guess to each side of its own ..
+pub const TIMES: i32 = 8;
+/// .. so many powers of two apart.
+pub const OCTAVES: f64 = 0.5;
+/// Second derivatives of a guess are differences of its first ones at places that are this part of an
+/// interval away.
+pub const NEIGHBOUR: f64 = 0.25;
+/// Gap at the start, as a part of the cost of the guess.
+pub const FIRST_GAP: f64 = 1.0;
+/// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
+/// corner.
+pub const WARM: f64 = 1e-2;
+/// Multipliers on a finer mesh are within this factor of the central path.
+pub const OFF_CENTRE: f64 = 10.0;
+/// A warm start keeps at least this part of each multiplier..
+pub const KEPT: f64 = 0.1;
+/// .. and of the final time.
+pub const SHORTEST_TIME: f64 = 0.5;
+/// A motion with a free time begins later by at most this part of it.
+pub const LATEST: f64 = 0.5;
+/// Multipliers are always within this factor of it.
+pub const FAR: f64 = 1e10;
+/// Cost and barrier must decrease by a part of what a step promises where this power of the promise of
+/// the whole step, in parts of the cost, times the part that is taken..
+pub const OF_DESCENT: f64 = 2.3;
+/// .. is more than this power of the infeasibility.
+pub const OF_INFEASIBILITY: f64 = 1.1;
+/// Part of the predicted decrease of cost and barrier that a step must reach.
+pub const ARMIJO: f64 = 1e-4;
+/// Iterates that a trial is compared with.
+pub const FILTER: usize = 40;
+/// Times that they are forgotten because no step is better than all of them.
+pub const RESETS: usize = 5;
+/// Part of the infeasibility by which a step must reduce it, or cost and barrier.
+pub const DECREASE: f64 = 1e-5;
+/// Factor by which infeasibility may grow in a step.
+pub const MOST_INFEASIBLE: f64 = 10.0;
+/// Rounding of cost and barrier.
+pub const ROUNDING: f64 = 1e-12;
+/// Gap that is aimed at, as a part of the tolerance.
+pub const LEAST_GAP: f64 = 0.1;
+/// The gap is not made smaller than this part of the Newton decrement.
+pub const CENTRING: f64 = 0.01;
+/// Smallest factor from one barrier to the next.
+pub const MOST_DECREASE: f64 = 1e-3;
+/// Largest factor from one barrier to the next.
+pub const MOST_INCREASE: f64 = 10.0;
+/// Largest violation of a limit at a point, in parts of its range.
+pub const VIOLATION_AT_POINTS: f64 = 1e-9;
+/// Largest violation of a position or rate between points, in parts of its range.
+pub const VIOLATION_BETWEEN: f64 = 1e-4;
+/// Where nothing but limits between points is missing, and by less than this part of their ranges, limits
+/// move inside, ..
+pub const MOST_MOVED: f64 = 3e-3;
+/// .. this many times as far as they are exceeded, ..
+pub const MOVED: f64 = 1.5;
+/// .. where that is more than this part of what is allowed, ..
+pub const MOVED_FROM: f64 = 0.5;
+/// .. so many times on one mesh.
+pub const MOVES: usize = 3;
+/// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
+/// range are divided with those that have large errors.
+pub const VIOLATION_OF_RATES: f64 = 0.01;
+/// A motion that exceeds a limit by more than this part of its range does not keep it.
+pub const VIOLATION_ACCEPTED: f64 = 1e-7;
+/// A limit is active where the distance to it is within this part of its range.
+pub const ACTIVE: f64 = 1e-4;
+/// The problem on a mesh is solved to this part of the tolerance.
+pub const PART_OF_TOLERANCE: f64 = 0.1;
+/// A motion is verified if it ends within this factor of the root of the tolerance when its torques,
+/// cut to their limits, are integrated; relative to the largest values along it. The cost of an
+/// optimal motion is stationary, so its error is about the square of that of the states.
+pub const VERIFIED: f64 = 0.3;
+/// .. where values of a joint are at least this part of those of all joints..
+pub const LEAST_SCALE: f64 = 0.01;
+/// .. and this (rad, rad/s, m, m/s): what the integration resolves.
+pub const REST: f64 = 1e-6;
+/// Relative tolerance of a step of this integration.
+pub const INTEGRATION: f64 = 1e-10;
+/// The problem on the first mesh is solved to this part of the cost.
+pub const FIRST_PRECISION: f64 = 1e-3;
+/// Those on later meshes to this part of the estimated error before.
+pub const PRECISION: f64 = 1e-2;
+/// Intervals are divided until those that are not have this part of the estimated error..
+pub const LEFT: f64 = 0.002;
+/// .. or this part of the tolerance.
+pub const ENOUGH: f64 = 0.1;
+/// Most parts into which an interval is divided at once.
+pub const MOST_PARTS: f64 = 4.0;
+/// Intervals below this part of the whole are not divided: rounding of positions would be large in their
+/// accelerations..
+pub const NARROWEST: f64 = 1e-5;
+/// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
+pub const ROUNDING_OF_RATES: f64 = 3e-8;
+/// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
+/// whose place is known roughly..
+pub const CLOSEST: f64 = 0.1;
+/// .. but farther than this where accelerations are continuous, whose jerks rounding would spoil.
+pub const CLOSEST_SMOOTH: f64 = 0.7;
+/// Torques and accelerations that change by less than this part of their range over an interval do
+/// not jump in it.
+pub const LEAST_JUMP: f64 = 0.01;
+/// Polynomials that miss the value of the next interval by more than this part of a change contain a
+/// jump.
+pub const MISS: f64 = 0.01;
+/// A jump at a node is one of the exact motion if it is larger than this part of the range of the
+/// torque, and that at the other end of an interval smaller than this part of it.
+pub const EXACT_JUMP: f64 = 0.05;
+/// Steps of the fixed point of the place of a jump: its error falls with the width in each.
+pub const STEPS_OF_JUMP: usize = 6;
+/// A jump that is closer to a node than this part of the interval is one at the node.
+pub const NEAREST_JUMP: f64 = 0.01;
+/// Jumps at places of an interval that differ by less than this part of it are one.
+pub const SAME_JUMP: f64 = 0.1;
+/// A node at which a torque jumps by more than this part of its range stays.
+pub const NEEDED: f64 = 0.2;
+/// A node moves to a jump that is within this part of the interval beside it.
+pub const NEAR_NODE: f64 = 0.3;
+/// A node moves again if the way is shorter than this part of the last one.
+pub const APPROACH: f64 = 0.5;
+/// Steps in which the largest violation of a limit does not fall..
+pub const PATIENCE: usize = 40;
+/// .. below this part of what it was, before the elastic phase is entered.
+pub const PROGRESS: f64 = 0.9;
+/// Most elastic phases.
+pub const RESTORATIONS: usize = 3;
+/// It begins at the first guess if that violates limits less, and the iterate by more than this part of a
+/// range.
+pub const WILD: f64 = 0.5;
+/// Room of limits at the start of the elastic phase, in parts of ranges and of what they must give, and
+/// the gap there in parts of cost and price..
+pub const ELASTIC_COLD: (f64, f64) = (0.3, 0.1);
+/// .. and near a minimum of a coarser mesh.
+pub const ELASTIC_WARM: (f64, f64) = (0.02, 1e-3);
+/// Price of what limits give, of all of a range, in parts of the cost..
+pub const PRICE: f64 = 100.0;
+/// .. and the factor by which it rises..
+pub const DEARER: f64 = 100.0;
+/// .. so that at most so many prices are tried, ..
+pub const PRICES: usize = 3;
+/// .. until what limits give is more than this part of what it was.
+pub const SAME_PRICE: f64 = 0.95;
+/// Around zero the price is rounded by this, in parts of ranges.
+pub const ROUNDED_PRICE: f64 = 1e-3;
+/// Slacks after the elastic phase and in it are at least this part of a range.
+pub const LEAST_ROOM: f64 = 1e-3;
+/// The elastic problem is solved to this part of its cost..
+pub const ELASTIC_PRECISION: f64 = 1e-3;
+/// .. in at most so many steps.
+pub const ELASTIC_STEPS: usize = 200;
+/// Equations may be left off by this part of their range: Newton's method mends that.
+pub const OFF_EQUATIONS: f64 = 1e-3;
+/// Meshes of the elastic phase, ..
+pub const ELASTIC_MESHES: usize = 4;
+/// .. each with intervals of half the width, until what limits give is more than this part of what it
+/// was.
+pub const SAME_RELIEF: f64 = 0.8;
+/// Finer meshes than this are not divided in the elastic phase.
+pub const ELASTIC_INTERVALS: usize = 100;
+/// Limits that give are told if that is more than this part of what another one gives.
+pub const NOTICED_RELIEF: f64 = 1e-2;
+/// A motion that cannot keep its limits is tried in these multiples of its time..
+pub const SLOWER: [f64; 8] = [1.2, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0];
+/// .. before its time is minimised with this cost of it, in parts of the cost.
+pub const HURRY: f64 = 100.0;
+/// Iterations after which it is seen whether a mesh resolves its motion, ..
+pub const LOOK: usize = 8;
+/// .. and what the points miss of the cost, in parts of it, with which the mesh is given up: what is gained on it is
+/// lost between its points.
+pub const UNRESOLVED: f64 = 1.0;
+/// Most meshes.
+pub const MESHES: usize = 16;
+/// Meshes after which a motion that exceeds limits is given up.
+pub const MESHES_WITHOUT_MOTION: usize = 2;

@@ -1,0 +1,42 @@
+//! Functions of tools and clearances ([`crate::task`]).
+
+/// Least square of the sine between an axis and the direction that it shall have, beyond a right angle:
+/// at opposite the rotation between the two is not unique, and its derivatives are infinite.
+pub const OPPOSITE: f64 = 1e-24;
+/// What makes the closest places of parallel segments unique, in squares of the sum of radii: the
+/// clearance is lowered by at most a quarter of this, in radii. With less its second derivatives at
+/// parallel segments become large.
+pub const PARALLEL: f64 = 4e-3;
+/// Points of a segment whose depths inside of a box count, its ends among them.
+pub const DEPTHS: usize = 5;
+/// A search for bodies that meet ends where a clearance is violated by this part of its range: cores have
+/// met at 0.59.
+pub const MEETING: f64 = 0.5;
+/// Least part of a piece of a motion that the search goes on.
+pub const SHORTEST_STEP: f64 = 1e-4;
+/// Segments that are not longer than this are points (m).
+pub const SHORTEST_LINK: f64 = 1e-6;
+/// Most entries of each list of a task.
+pub const MOST_ENTRIES: usize = 1000;
+/// Most pairs of bodies and obstacles.
+pub const MOST_PAIRS: usize = 10_000;
+/// An end that is given may be off an equation that holds along the motion by so much (m, rad).
+pub const OFF: f64 = 1e-6;
+/// The same for an inequality, in parts of its range.
+pub const CLOSE: f64 = 1e-9;
+
+/// The search for positions of given poses ([`crate::task::reach`]).
+pub mod reach {
+    /// A pose is reached to this (m, rad).
+    pub const REACHED: f64 = 1e-9;
+    /// Positions that the search begins at.
+    pub const STARTS: usize = 60;
+    /// Most steps from each of them.
+    pub const STEPS: usize = 60;
+    /// First damping, in squares of m or rad per rad.
+    pub const DAMPING: f64 = 1e-3;
+    /// With more damping than this there is no progress.
+    pub const MOST_DAMPING: f64 = 1e6;
+    /// Derivatives that are not larger are rounding.
+    pub const STILL: f64 = 1e-13;
+}

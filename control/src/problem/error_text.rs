@@ -1,0 +1,131 @@
+//! Errors of a problem in words.
+
+use crate::problem::error::ProblemError;
+use crate::problem::key::Key;
+use crate::problem::rounded::rounded;
+use costate::robot::{printable, printable_number as number};
+use std::fmt;
+
+impl ProblemError {
+    /// The reason and the remedy, without the field.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::WrongLength { expected, found, .. } => {
+                let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
+                format!("has {found}, the robot has {joints}: give one entry for each joint")
+            }
+            Self::NotFinite { joint, .. } => {
+                format!("the entry of joint '{}' is not finite; give a finite number", printable(joint))
+            }
+            Self::NotANumber { joint, .. } => {
+                format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit", joint = printable(joint))
+            }
+            Self::UnknownJoint { joint, joints, dof, .. } => {
+                let (joint, last) = (printable(joint), dof.saturating_sub(1));
+                let offered = match joints.len() < *dof {
+                    true => format!("did you mean {}? Joints can also be given", joints.iter().map(|name| format!("'{}'", printable(name))).collect::<Vec<_>>().join(" or ")),
+                    false => format!("the joints are {}, or", listed(joints)),
+                };
+                format!("there is no joint {joint}; {offered} by index 0 to {last}")
+            }
+            Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
+            Self::Negative { joint, value, .. } => {
+                let entry =
+                    joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' ", joint = printable(joint)));
+                format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
+            }
+            Self::FreeTimeWithoutCost => {
+                "a free final time needs cost.time > 0 or [[cost.tool]] (in Rust also a term of the running cost): \
+                 otherwise the slowest motion is the cheapest"
+                    .into()
+            }
+            Self::NoWay => {
+                "the robot rests at its end from the start on, so the cheapest motion takes no time; move start.q or \
+                 end.q, give time.final, or add [[via]]"
+                    .into()
+            }
+            Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
+            Self::EmptyBounds { joint, u_min, u_max } => {
+                format!("the lower bound {} of joint '{joint}' must be less than bounds.u_max = {}", number(*u_min), number(*u_max), joint = printable(joint))
+            }
+            Self::EmptyRange { joint, q_min, q_max } => {
+                format!("the lower limit {} of joint '{joint}' must be less than penalty.q_max = {}", number(*q_min), number(*q_max), joint = printable(joint))
+            }
+            Self::NoRoom { key, joint, value } => {
+                let whose = joint.as_ref().map_or_else(String::new, |joint| format!(" of joint '{}'", printable(joint)));
+                let zero = if *key == Key::LIMIT_TORQUE_MAX { ", or 0 for a joint without a motor" } else { "" };
+                format!("the limit {}{whose} must be positive{zero}; inf is no limit", number(*value))
+            }
+            Self::EmptyLimits { key, joint, low, high } if *key == Key::LIMIT_TORQUE_MAX && *low == *high && *low == 0.0 => format!(
+                "the robot file limits the effort of joint '{joint}' to 0, so nothing drives it; give its effort in \
+                 robot.limits, or, if it has no motor, an entry 0 here",
+                joint = printable(joint)),
+            Self::EmptyLimits { joint, low, high, .. } => format!(
+                "joint '{joint}' has no room between {} and {}, the limits of the robot included", number(*low), number(*high),
+                joint = printable(joint)),
+            Self::OutsideLimits { joint, value, low, high, .. } => format!(
+                "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
+                 limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
+                joint = printable(joint)),
+            Self::BeyondLimit { joint, quantity, value, limit, .. } => format!(
+                "with the positions and rates that are given there {} need a {quantity} of {}, beyond the limit \
+                 {}; change the accelerations or leave some of them free, or widen the limit",
+                joint.as_ref().map_or_else(
+                    || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
+                rounded(*value), rounded(*limit)),
+            Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
+            Self::Task { cause, .. } => cause.to_string(),
+            Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
+            Self::Via { cause, .. } => cause.to_string(),
+            Self::PhasesNeedDirect { .. } => {
+                "vias and periodic motions are taken by method = \"direct\" only; choose it, or remove them".into()
+            }
+            Self::TorqueSpeed { cause, .. } => cause.to_string(),
+            Self::EnergyNeedsDirect => "a cost of energy is taken by method = \"direct\" only; choose it, or remove the cost".into(),
+            Self::RatesNeedDirect { .. } => "this is taken by method = \"direct\" only; choose it, or remove it".into(),
+            Self::NotAgain { .. } => "Resolve does not take this; solve the problem with Solver, or remove it".into(),
+            Self::UnboundedEffort { joint } => format!(
+                "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
+                 finite bounds.u_min and bounds.u_max, or, with method = \"direct\", an entry of limits.torque_max",
+                joint = printable(joint)),
+            Self::NothingToMinimise => {
+                "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
+                 the time"
+                    .into()
+            }
+            Self::BadOption { value, remedy, .. } => format!("{remedy}, but is {}", number(*value)),
+            Self::Continuation { parameter, value, cause } => {
+                format!("continuation to {parameter} = {}: {cause}", number(*value))
+            }
+        }
+    }
+}
+
+impl fmt::Display for ProblemError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(key) = self.key() {
+            match self {
+                // A task has lists: their entries are counted from 0, as in Rust.
+                Self::Task { .. } if key.table() != "via" => {
+                    write!(f, "task: {}[{}].{}: ", key.table(), key.number(), key.name())?;
+                }
+                _ if key.table() == "via" => write!(f, "vias[{}].{}: ", key.number(), key.name())?,
+                _ => write!(f, "{}: ", key.field())?,
+            }
+        }
+        f.write_str(&self.reason())
+    }
+}
+
+/// The first names of joints, and how many more there are.
+fn listed(joints: &[String]) -> String {
+    const MOST: usize = 12;
+    let shown: Vec<_> = joints.iter().take(MOST).map(|joint| printable(joint).to_string()).collect();
+    let more = joints.len().saturating_sub(MOST);
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+/// "1 joint", "2 joints".
+fn count(amount: usize, one: &str, more: &str) -> String {
+    format!("{amount} {}", if amount == 1 { one } else { more })
+}

@@ -1,0 +1,83 @@
+//! The table `[solver]` of a problem file.
+
+use crate::options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Verify};
+use crate::problem::error::ProblemError;
+use crate::problem::file::error::ProblemFileCause;
+use crate::problem::file::fault::Fault;
+use crate::problem::file::table::Table;
+use std::time::Duration;
+use toml::de::DeValue;
+
+pub(super) const KEYS: &[&str] = &[
+    "starts",
+    "threads",
+    "seed",
+    "tolerance",
+    "nodes",
+    "jacobian",
+    "method",
+    "coordinates",
+    "verify",
+    "polish",
+    "machine_code",
+    "time_limit",
+];
+
+const JACOBIANS: [(&str, JacobianRoute); 3] = [
+    ("exact", JacobianRoute::Exact),
+    ("differences", JacobianRoute::Differences),
+    ("without_hessian", JacobianRoute::WithoutHessian),
+];
+const METHODS: [(&str, Method); 3] =
+    [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
+const MACHINE_CODE: [(&str, MachineCode); 3] =
+    [("later", MachineCode::Later), ("at_once", MachineCode::AtOnce), ("never", MachineCode::Never)];
+const COORDINATES: [(&str, Coordinates); 2] =
+    [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
+const VERIFICATIONS: [(&str, Verify); 3] =
+    [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)];
+
+/// The options.
+pub(super) fn read(table: Option<&Table<'_>>) -> Result<SolverOptions, Fault> {
+    let Some(table) = table else { return Ok(SolverOptions::default()) };
+    let method = table.choice("method", &METHODS)?.unwrap_or_default();
+    let defaults = SolverOptions::of(method);
+    let count = |name: &str, default: usize| -> Result<usize, Fault> {
+        let found = table.whole(name)?;
+        Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
+    };
+    Ok(SolverOptions {
+        starts: count("starts", defaults.starts)?,
+        threads: table.whole("threads")?.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
+        seed: table.whole("seed")?.unwrap_or(defaults.seed),
+        tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
+        nodes: count("nodes", defaults.nodes)?,
+        jacobian: table.choice("jacobian", &JACOBIANS)?.unwrap_or(defaults.jacobian),
+        coordinates: table.choice("coordinates", &COORDINATES)?.unwrap_or(defaults.coordinates),
+        verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
+        polish: polish(table)?.unwrap_or(defaults.polish),
+        machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
+        time_limit: time_limit(table)?,
+        ..defaults
+    })
+}
+
+/// true, false or "auto".
+fn polish(table: &Table<'_>) -> Result<Option<Polish>, Fault> {
+    table.value("polish", "true, false or \"auto\"", |value| match value {
+        DeValue::Boolean(true) => Some(Polish::Always),
+        DeValue::Boolean(false) => Some(Polish::Never),
+        DeValue::String(text) if text == "auto" => Some(Polish::Auto),
+        _ => None,
+    })
+}
+
+/// A time limit, in seconds. [`SolverOptions::check`] refuses zero.
+fn time_limit(table: &Table<'_>) -> Result<Option<Duration>, Fault> {
+    let Some(value) = table.number("time_limit")? else { return Ok(None) };
+    Duration::try_from_secs_f64(value).map(Some).map_err(|_| {
+        let remedy = "must be a positive number of seconds";
+        let error = ProblemError::BadOption { key: "time_limit", value, remedy };
+        table.fault("time_limit", ProblemFileCause::Problem(error))
+    })
+}
