@@ -36,8 +36,8 @@ fn values(problem: &Problem, intervals: usize, tolerance: f64) -> [Vec<f64>; 4] 
     [vec![cost], vec![motion.final_time()], states, torques]
 }
 
-/// Largest differences of the derivatives from central differences of solving again on the same mesh, relative to
-/// the largest of each kind: cost, T, states, torques.
+/// Largest differences of the derivatives from central differences of solving again on the same mesh,
+/// relative to the largest of each kind: cost, T, states, torques.
 fn differences(
     problem: &Problem,
     parameter: &MotionParameter,

@@ -21,7 +21,8 @@ pub enum MotionParameter {
     VelocityMax(usize),
     /// The largest acceleration of a joint, in both directions (rad/s^2, m/s^2).
     AccelerationMax(usize),
-    /// The largest torque or force of a joint, in both directions (N m, N). Not where it falls with the speed.
+    /// The largest torque or force of a joint, in both directions (N m, N). Not where it falls with the
+    /// speed.
     TorqueMax(usize),
     /// The largest power of a joint, in both directions (W).
     PowerMax(usize),
@@ -34,8 +35,8 @@ pub enum MotionParameter {
 /// again.
 ///
 /// They are those of the barrier problem: the motion that is optimal with -mu times the logarithms of slacks
-/// added to its cost, on the same mesh, at the mu with which it was solved. So they belong to a solved motion,
-/// and say as much about another one as that has the same mu and mesh:
+/// added to its cost, on the same mesh, at the mu with which it was solved. So they belong to a solved
+/// motion, and say as much about another one as that has the same mu and mesh:
 ///
 /// - The iteration ends when the sum of all products of slacks and multipliers is small, not when they are
 ///   equal. The derivatives by limits of torques of a two-link arm are those of solving again to 1e-5 with a
@@ -44,8 +45,8 @@ pub enum MotionParameter {
 ///   becomes shorter passes points of the mesh, one after the other: states and torques change in steps that
 ///   derivatives do not see. With a tolerance of 1e-10 and a change of 1e-4 rad/s they agree to 2e-3, with a
 ///   tolerance of 1e-6 torques are off by up to 70 %.
-/// - The cost does not see either of the two: its derivative agrees to 1e-4 in all these cases with a tolerance
-///   of 1e-6. Those by masses agree to 1e-4 for torques, to 1e-6 for all else.
+/// - The cost does not see either of the two: its derivative agrees to 1e-4 in all these cases with a
+///   tolerance of 1e-6. Those by masses agree to 1e-4 for torques, to 1e-6 for all else.
 /// - On another mesh torques next to jumps are others: nodes lie where torques jump, and move with limits.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -66,9 +67,9 @@ impl Resolve {
     /// `None` where the matrix is not positive definite, as [`feedback`](Self::feedback).
     ///
     /// # Errors
-    /// [`ResolveError::NotSolved`]; [`ResolveError::NoLimit`]: a joint without this limit, or with a torque that
-    /// falls with its speed; [`ResolveError::Payload`]: a body that the robot does not take, or without mass;
-    /// [`ResolveError::Evaluation`].
+    /// [`ResolveError::NotSolved`]; [`ResolveError::NoLimit`]: a joint without this limit, or with a torque
+    /// that falls with its speed; [`ResolveError::Payload`]: a body that the robot does not take, or without
+    /// mass; [`ResolveError::Evaluation`].
     pub fn derivative_by(
         &mut self,
         parameter: &MotionParameter,
@@ -129,7 +130,8 @@ impl Resolve {
     }
 }
 
-/// What a parameter limits, the joint, the sign of its side (0 for both), and by what the distance to it changes.
+/// What a parameter limits, the joint, the sign of its side (0 for both), and by what the distance to it
+/// changes.
 fn of_limit(parameter: &MotionParameter) -> (Limited, usize, f64, f64) {
     match parameter {
         MotionParameter::PositionMin(joint) => (Limited::Position, *joint, 1.0, -1.0),
