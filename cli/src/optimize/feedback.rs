@@ -6,6 +6,9 @@ use costate_control::{
 use serde::Serialize;
 use std::error::Error;
 
+/// Equal intervals.
+const INTERVALS: usize = 60;
+
 /// Rows of a matrix.
 type Rows = Vec<Vec<f64>>;
 
@@ -61,12 +64,7 @@ pub fn feedback(problem: &Problem, solution: &Solution, rate: Option<f64>) -> Re
     if solution.trajectory.t.len() < 2 {
         return Err(fault(&"there is no motion to feed back to"));
     }
-    let mut motion = Resolve::near(problem, solution.options.clone(), &solution.trajectory)
-        .map_err(|error| fault(&error))?;
-    let found = motion.solve().map_err(|error| fault(&error))?;
-    if found.status != ResolveStatus::Solved {
-        return Err(fault(&"the motion is not solved on its mesh; use a smaller tolerance or more nodes"));
-    }
+    let mut motion = solved(problem, solution).map_err(|error| fault(&error))?;
     let Some(feedback) = motion.feedback().map_err(|error| fault(&error))?.cloned() else {
         return Err(fault(&"the motion is no strict minimum, so that there is no feedback"));
     };
@@ -113,6 +111,22 @@ pub fn feedback(problem: &Problem, solution: &Solution, rate: Option<f64>) -> Re
         written.gain_v.push(half(n));
     }
     Ok(serde_json::to_string(&written)?)
+}
+
+/// The motion solved again on its mesh; where that has no end on equal intervals.
+fn solved(problem: &Problem, solution: &Solution) -> Result<Resolve, Box<dyn Error>> {
+    let options = solution.options.clone();
+    let mut near = Resolve::near(problem, options.clone(), &solution.trajectory)?;
+    if near.solve()?.status == ResolveStatus::Solved {
+        return Ok(near);
+    }
+    let limits = problem.limits.clone().with_from_robot(problem.keeps_robot_limits());
+    let nodes = options.nodes.max(3 * INTERVALS + 1);
+    let mut even = Resolve::new(&problem.clone().with_limits(limits), options.with_nodes(nodes))?;
+    match even.solve()?.status {
+        ResolveStatus::Solved => Ok(even),
+        _ => Err("the motion is not solved on a mesh of its own; try another tolerance or more nodes".into()),
+    }
 }
 
 /// K(t); false where there is none.

@@ -1,10 +1,5 @@
 //! The direct method ([`crate::direct`]).
 
-/// Products of slacks and multipliers are equal to this part before a motion is differentiated by its limits.
-pub const CENTRED: f64 = 1e-4;
-/// Newton steps that this may take.
-pub const CENTRING_STEPS: usize = 30;
-
 /// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
 /// rates are limited; without it rates could swing between the points.
 pub const NODE_WEIGHT: f64 = 0.1;
@@ -247,8 +242,8 @@ pub const SLOWER: [f64; 8] = [1.2, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0];
 pub const HURRY: f64 = 100.0;
 /// Iterations after which it is seen whether a mesh resolves its motion, ..
 pub const LOOK: usize = 8;
-/// .. and what the points miss of the cost, in parts of it, with which the mesh is given up: what is gained on it is
-/// lost between its points.
+/// .. and what the points miss of the cost, in parts of it, with which the mesh is given up: what is gained
+/// on it is lost between its points.
 pub const UNRESOLVED: f64 = 1.0;
 /// Most meshes.
 pub const MESHES: usize = 16;

@@ -279,10 +279,12 @@ fn obstacles_move_between_solves() {
     for (out, found) in found {
         assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{out} {found:?}");
         let fresh = Resolve::new(&past_a_ball(beside(tip, out)), options(16, 1e-6)).unwrap().solve().unwrap();
-        assert!((found.cost / fresh.cost - 1.0).abs() < 1e-4, "{out}: {found:?} {fresh:?}");
+        // From scratch the arm may pass on the other side, which costs more.
+        assert!(found.cost < fresh.cost * (1.0 + 1e-4), "{out}: {found:?} {fresh:?}");
         costs.push(found.cost);
     }
     // Out of the way; closer than both radii; there and back.
+    assert!((0..2).all(|k| (costs[k] / costs[4 - k] - 1.0).abs() < 1e-4), "{costs:?}");
     assert!((costs[0] / free.cost - 1.0).abs() < 1e-4 && costs[2] > 1.001 * costs[0], "{costs:?}");
     assert!(costs[1] > costs[0] && costs[2] > costs[1], "{costs:?}");
     let other = Shape::Sphere { centre: [0.0; 3], radius: 0.2 };

@@ -95,9 +95,9 @@ impl Resolve {
         Ok(())
     }
 
-    /// The next solve has this shape in [`Task::obstacles`](crate::Task::obstacles)`[obstacle]`: the same one in
-    /// another place, a capsule of any length. It stands still during the motion; what moves is where it is
-    /// in the next solve. Whether the start keeps away from it is not checked: limits that cannot be kept
+    /// The next solve has this shape in [`Task::obstacles`](crate::Task::obstacles)`[obstacle]`: the same one
+    /// in another place, a capsule of any length. It stands still during the motion; what moves is where it
+    /// is in the next solve. Whether the start keeps away from it is not checked: limits that cannot be kept
     /// show in [`Resolved::violation`].
     ///
     /// # Errors
@@ -111,9 +111,9 @@ impl Resolve {
         moved.map_err(|cause| ResolveError::Task { table, entry, cause })
     }
 
-    /// The next solve has this reference in [`Task::references`](crate::Task::references)`[reference]`, of the
-    /// same joints, or of the same tool and coordinates; with its weights. Allocates only if it has more knots
-    /// than any before it.
+    /// The next solve has this reference in [`Task::references`](crate::Task::references)`[reference]`, of
+    /// the same joints, or of the same tool and coordinates; with its weights. Allocates only if it has more
+    /// knots than any before it.
     ///
     /// # Errors
     /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: a reference of something else, or one that
@@ -129,8 +129,8 @@ impl Resolve {
         references.set(reference, to).map_err(|_| task(TaskError::OtherReference))
     }
 
-    /// The next solve starts at this time (s) of all references: what they are at `time` they are at the start
-    /// of the motion. 0 at first.
+    /// The next solve starts at this time (s) of all references: what they are at `time` they are at the
+    /// start of the motion. 0 at first.
     ///
     /// # Errors
     /// [`ResolveError::NotFinite`].

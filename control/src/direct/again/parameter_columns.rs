@@ -1,10 +1,11 @@
 //! How the equations change with a number of the problem: a limit, a mass.
 //!
-//! At a solution the gradient F(x; theta) of the Lagrange function of the barrier problem vanishes in the free
-//! unknowns x. With slacks and multipliers eliminated, a distance that changes by d_theta changes its multiplier
-//! by $-\sigma d\_\theta$, $\sigma = \eta / s$, so that
+//! At a solution the gradient F(x; theta) of the Lagrange function of the barrier problem vanishes in the
+//! free unknowns x. With slacks and multipliers eliminated, a distance that changes by d_theta changes its
+//! multiplier by $-\sigma d\_\theta$, $\sigma = \eta / s$, so that
 //!
-//! $$ K x\_\theta = -F\_\theta, \qquad F\_\theta = \sum \textrm{sign} \\, \sigma d\_\theta \nabla g + F\_\theta|\_\eta $$
+//! $$ K x\_\theta = -F\_\theta, \qquad F\_\theta = \sum \textrm{sign} \\, \sigma d\_\theta \nabla g +
+//! F\_\theta|\_\eta $$
 //!
 //! The barrier stays where it is, mu, for which the products of slacks and multipliers must be equal: see
 //! [`MotionDerivative`](super::motion_derivative::MotionDerivative).

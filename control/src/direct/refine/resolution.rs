@@ -84,8 +84,8 @@ impl Resolution {
         Ok(())
     }
 
-    /// Whether the cost between the points has little to do with that at the points: then what is gained on this mesh is
-    /// lost on the next one. No if the motion cannot be evaluated there.
+    /// Whether the cost between the points has little to do with that at the points: then what is gained on
+    /// this mesh is lost on the next one. No if the motion cannot be evaluated there.
     pub fn is_far_off<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> bool {
         self.errors.clear();
         self.errors.resize(interior.spline.mesh.intervals(), 0.0);

@@ -102,8 +102,8 @@ impl Clearances {
         Some((rows, radius))
     }
 
-    /// Moves an obstacle. False, and nothing changes, if it is another shape or has another size: a capsule may
-    /// have another length.
+    /// Moves an obstacle. False, and nothing changes, if it is another shape or has another size: a capsule
+    /// may have another length.
     pub fn move_obstacle(&mut self, obstacle: usize, to: &Obstacle) -> bool {
         let Self { bodies, pairs, .. } = self;
         let mut own = pairs.iter_mut().filter(|pair| pair.obstacle == Some(obstacle)).peekable();
