@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use costate::Coordinates;
 use costate::robot::{LoadOptions, Robot, RobotError, RobotFormat};
 use std::io::{BufRead, Read};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// The robot and how to read it.
@@ -124,6 +125,14 @@ pub fn whole(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("must be a whole number from 0 to {}", usize::MAX))
 }
 
+/// Parser of arguments that are whole numbers, 1 or more.
+///
+/// # Errors
+/// A message that says what is expected.
+pub fn count(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "must be a whole number, 1 or more".to_owned())
+}
+
 /// Parser of coordinates; `help` says what Hamiltonian and Lagrangian coordinates mean to the command.
 pub fn coordinates(help: [&'static str; 2]) -> impl TypedValueParser<Value = Coordinates> {
     let named = |(coordinates, help): (Coordinates, _)| PossibleValue::new(coordinates.name()).help(help);
@@ -133,7 +142,7 @@ pub fn coordinates(help: [&'static str; 2]) -> impl TypedValueParser<Value = Coo
 
 #[cfg(test)]
 mod tests {
-    use super::{positive, whole};
+    use super::{count, positive, whole};
 
     #[test]
     fn only_finite_positive_numbers_are_taken() {
@@ -142,6 +151,10 @@ mod tests {
             assert!(positive(text).is_err(), "{text}");
         }
         assert_eq!((whole("3"), whole("0")), (Ok(3), Ok(0)));
+        assert_eq!(count("3").map(usize::from), Ok(3));
+        for text in ["0", "-1", "1.5", ""] {
+            assert!(count(text).is_err_and(|reason| reason.contains("1 or more")), "{text}");
+        }
         for text in ["-1", "1.5", "q", ""] {
             assert!(whole(text).is_err_and(|reason| reason.starts_with("must be a whole number")), "{text}");
         }

@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{AppliedWrench, Frame, FrameKind, Joint, Mimic, Robot, WrenchAxes, printable};
+use costate::robot::{AppliedWrench, Frame, FrameKind, Joint, Limits, Mimic, Robot, WrenchAxes, printable};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -198,11 +198,10 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         title(robot),
         fixed(mass(robot), 4)
     )?;
-    let header = ["index", "name", "type", "parent", "axis", "mass", "armature", "friction", "limits"];
+    let header = ["index", "name", "type", "parent", "axis", "mass (kg)", "armature", "friction"];
     let mut table = Table::new(&header, 5);
     for (i, joint) in robot.joints().iter().enumerate() {
         let [x, y, z]: [f64; 3] = joint.axis.into();
-        let limit = |x: f64| if x.is_finite() { fixed(x, 3) } else { "-".into() };
         table.row(vec![
             index(robot, i).map_or_else(|| "-".into(), |index| index.to_string()),
             joint.name.clone(),
@@ -212,10 +211,10 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
             fixed(joint.inertia.mass, 4),
             fixed(robot.armature_entry(i, i), 4),
             if joint.friction.is_none() { "-".into() } else { "yes".into() },
-            format!("{} .. {}", limit(joint.limits.lower), limit(joint.limits.upper)),
         ]);
     }
     writeln!(out, "{table}")?;
+    writeln!(out, "{}", limits(robot))?;
     for joint in robot.joints() {
         if let Some(mimic) = joint.mimic {
             let [of, independent] = [joint, &robot.joints()[mimic.joint]].map(|joint| printable(&joint.name));
@@ -225,8 +224,23 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
     }
     writeln!(
         out,
-        "  Mass in kg; revolute joints: limits in rad, armature in kg m^2; prismatic joints: in m and kg."
+        "  Revolute joints: armature in kg m^2, limits in rad, rad/s and N m; prismatic joints: in kg, m, m/s and N.\n  \
+         An effort is a torque or a force; - stands for no limit."
     )
+}
+
+/// The limits of all joints.
+fn limits(robot: &Robot) -> Table {
+    let header = ["index", "name", "lower limit", "upper limit", "rate limit", "effort limit"];
+    let mut table = Table::new(&header, 2);
+    let limit = |x: f64| if x.is_finite() { fixed(x, 3) } else { "-".into() };
+    for (i, joint) in robot.joints().iter().enumerate() {
+        let Limits { lower, upper, velocity, effort, .. } = joint.limits;
+        let index = index(robot, i).map_or_else(|| "-".into(), |index| index.to_string());
+        let numbers = [lower, upper, velocity, effort].map(limit);
+        table.row([index, joint.name.clone()].into_iter().chain(numbers).collect());
+    }
+    table
 }
 
 /// A component of an axis: whole numbers without decimals.

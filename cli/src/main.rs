@@ -30,6 +30,9 @@ use std::process::ExitCode;
 
 /// Exact first and second derivatives of robot dynamics, and optimal motions
 ///
+/// Begin with `costate info ROBOT` for the joints and limits of a robot, `costate eval ROBOT` for its
+/// dynamics at given states, `costate optimize PROBLEM.toml` for a motion.
+///
 /// Units are rad, m, kg, s, N and N m. Joints are numbered from 0, in the order of `costate info`.
 #[derive(Parser)]
 #[command(name = "costate", version, max_term_width = 100)]
@@ -51,9 +54,10 @@ Exit status:
 enum Command {
     /// List the joints of a robot: types, masses, limits, warnings
     ///
-    /// `--json` adds centres of mass, inertia matrices, springs, friction, velocity and force limits. `com`
-    /// and `inertia` (about the centre of mass) are given in the joint frame; `placement` is the joint frame
-    /// in the parent's joint frame at q = 0. A limit that does not exist is null.
+    /// The limits are those of positions, rates and efforts (torques or forces). `--json` adds centres of
+    /// mass, inertia matrices, springs and friction. `com` and `inertia` (about the centre of mass) are given
+    /// in the joint frame; `placement` is the joint frame in the parent's joint frame at q = 0. A limit that
+    /// does not exist is null.
     Info(info::Arguments),
     /// Evaluate the dynamics and their derivatives at states, from JSON lines to JSON lines
     ///
@@ -83,21 +87,44 @@ enum Command {
     Eval(eval::Arguments),
     /// Compare all derivative methods with each other at random states
     ///
-    /// For each quantity and method, prints the block whose difference is closest to its bound. The exit
-    /// status is 1 if a difference exceeds its bound times `--tolerance`.
+    /// The analytic derivatives of this robot are compared with those by dual and hyper-dual numbers and by
+    /// tensors; bounds are those of rounding errors. For each quantity and method, prints the block whose
+    /// difference is closest to its bound. The exit status is 1 if a difference exceeds its bound times
+    /// `--tolerance`. docs/check.md explains the columns.
     Check(check::Arguments),
     /// Count the arithmetic operations of each quantity by each method
+    ///
+    /// F is the time derivative of the state x = (q, p), F_x its Jacobian, y'F_xx its second derivative
+    /// contracted with a costate y.
     Count(count::Arguments),
     /// Measure the time of each quantity by each method on this machine
+    ///
+    /// F is the time derivative of the state x = (q, p), F_x its Jacobian, y'F_xx its second derivative
+    /// contracted with a costate y. One thread unless a row says otherwise.
     Bench(bench::Arguments),
     /// Generate straight-line source code of one quantity, in Rust or C
     ///
     /// The header of the generated text documents its arguments and results.
     Codegen(codegen::Arguments),
-    /// Find an optimal motion by the maximum principle
+    /// Find the cheapest motion from a start to an end that keeps all limits
     ///
-    /// The problem file names the robot, the start, the end, the duration and the cost; docs/optimize.md
-    /// describes it. If the problem cannot be solved, the best iterate is written and the exit status is 3.
+    /// The problem file is TOML: robot, start, end, duration, cost and what is limited. A small one, for a
+    /// robot with two joints:
+    ///
+    ///     robot = "two_link.toml"       # a robot file, relative to this file
+    ///     start.q = [0.0, 0.0]          # rad or m, one for each joint of `costate info`
+    ///     end.q = [1.0, 0.5]
+    ///     time.final = 1.0              # s
+    ///     cost.effort = [1.0, 1.0]      # weights of the squared torques
+    ///
+    /// docs/optimize.md describes all keys, also those of limits, tools, obstacles and vias. The folder
+    /// examples/problems has whole files. The direct method is the default: an interior-point method for
+    /// motions that are piecewise polynomials. Where nothing but torques is limited, its motion is then
+    /// polished by the maximum principle.
+    ///
+    /// The table has the cost, the checks and the limits. If the problem is not solved, the best motion so
+    /// far is printed and written all the same, with the reason, and the exit status is 3.
+    #[command(verbatim_doc_comment)]
     Optimize(optimize::Arguments),
     /// Print the completion script of a shell
     Completions(generate::CompletionArguments),

@@ -47,7 +47,9 @@ mod task;
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
 };
-pub use direct::{Budget, Feedback, Resolve, ResolveError, ResolveStatus, Resolved};
+pub use direct::{
+    Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
+};
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};
@@ -67,6 +69,7 @@ pub use problem::error::{ProblemError, SourceError};
 #[cfg(feature = "toml")]
 pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
+pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{

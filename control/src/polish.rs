@@ -8,6 +8,7 @@ use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SHARP_ENOUGH, SHARPER, SLACK, SLACK_UNSOLVED};
 use crate::direct::Powers;
 use crate::options::{Method, Polish, SolverOptions, Verify};
+use crate::problem::key::Key;
 use crate::problem::limits::JointLimits;
 use crate::problem::{Bounds, MotionLimits, Problem};
 use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse};
@@ -18,6 +19,7 @@ use crate::search::guess::SavedMotion;
 use crate::solve::Recorder;
 use crate::starts::{Starts, of_direct};
 use crate::status::Status;
+use costate::robot::printable;
 use std::time::Duration;
 
 /// Polishes what the direct method found in `taken`, as the options say.
@@ -32,15 +34,16 @@ pub(crate) fn polish(
         return found;
     }
     if problem.first_of_phases().is_some() {
-        return with_report(found, PolishOutcome::Phases, None);
+        return with_report(found, PolishOutcome::Phases, None, None);
     }
     let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
-    let begin =
-        if found.is_motion() { as_bounds(problem, &limits, &found) } else { Err(PolishOutcome::NoMotion) };
-    let problem = match begin {
-        Ok(problem) => problem,
-        Err(outcome) => return with_report(found, outcome, None),
-    };
+    if !found.is_motion() {
+        return with_report(found, PolishOutcome::NoMotion, None, None);
+    }
+    if let Some(cause) = active(&found.limits).or_else(|| no_extremal(problem)) {
+        return with_report(found, PolishOutcome::Limited, Some(cause), None);
+    }
+    let problem = with_bounds(problem, &limits);
     let options = indirect(options);
     let motion = &found.trajectory.with_each_time_once();
     let polished = match options.polish {
@@ -50,7 +53,7 @@ pub(crate) fn polish(
             recorder.within(most, |recorder| extremal_near(&problem, &options, of_direct(motion), recorder))
         }
     };
-    let Some(polished) = polished else { return with_report(found, PolishOutcome::Failed, None) };
+    let Some(polished) = polished else { return with_report(found, PolishOutcome::Failed, None, None) };
     let unverified = |status: &Status| *status == Status::NotVerified && options.verify == Verify::None;
     let solved = found.motion.status.is_solved() || unverified(&found.motion.status);
     let slack = if solved { SLACK * found.options.tolerance } else { SLACK_UNSOLVED };
@@ -67,7 +70,7 @@ pub(crate) fn polish(
         _ => PolishOutcome::Polished,
     };
     let usage = usage(&found.limits, &problem, &polished.trajectory);
-    with_report(found, outcome, Some((polished, usage)))
+    with_report(found, outcome, None, Some((polished, usage)))
 }
 
 /// The options of a polish: of a method of high order more digits cost little.
@@ -102,21 +105,33 @@ pub(crate) fn polish_saved(
 
 /// Whether a problem has nothing but controls to limit, unless an optimal motion does not reach the rest.
 pub(crate) fn may_polish(problem: &Problem) -> bool {
-    // Kinks of stiff penalties beside jumps of controls leave Newton's method no place to converge to.
-    let kinks = problem.penalty.is_some() && problem.cost.effort.contains(&0.0);
-    let costs = problem.cost.has_energy() || problem.first_of_rates().is_some() || kinks;
-    let accelerations = problem.joint_limits().iter().any(|limits| limits.a.is_finite());
-    !costs && !accelerations && problem.task.is_empty()
+    no_extremal(problem).is_none()
 }
 
-/// The problem with its limits on torques as bounds on u and without the others, if none of them matters.
-fn as_bounds(problem: &Problem, limits: &[JointLimits], found: &Solution) -> Result<Problem, PolishOutcome> {
-    let LimitReport { position, rate, power, torque_speed, .. } = &found.limits;
-    let uses = [position, rate, power, torque_speed].into_iter().flatten();
-    if uses.into_iter().any(|usage| !usage.active.is_empty()) || !may_polish(problem) {
-        return Err(PolishOutcome::Limited);
-    }
-    Ok(with_bounds(problem, limits))
+/// What keeps an optimal motion from being an extremal with bounds on controls, whatever the motion is.
+fn no_extremal(problem: &Problem) -> Option<String> {
+    // Kinks of stiff penalties beside jumps of controls leave Newton's method no place to converge to.
+    let kinks = problem.penalty.is_some() && problem.cost.effort.contains(&0.0);
+    let accelerations = problem.joint_limits().iter().any(|limits| limits.a.is_finite());
+    let causes = [
+        (problem.cost.has_energy(), "energy has a cost"),
+        (accelerations, "accelerations are limited"),
+        (!problem.task.is_empty(), "there are tools, obstacles or what a tool keeps"),
+        (kinks, "penalties, and a joint without effort"),
+    ];
+    let given = |key: Key| format!("{key} is given");
+    let cause = causes.into_iter().find(|(applies, _)| *applies).map(|(_, cause)| cause.into());
+    cause.or_else(|| problem.first_of_rates().map(given))
+}
+
+/// The first limit other than on controls that is active.
+fn active(limits: &LimitReport) -> Option<String> {
+    let LimitReport { position, rate, power, torque_speed, .. } = limits;
+    let kinds = [("position", position), ("rate", rate), ("power", power), ("torque-speed", torque_speed)];
+    kinds.into_iter().find_map(|(kind, usage)| {
+        let span = usage.as_ref()?.active.first()?;
+        Some(format!("a {kind} limit is active, that of {}", printable(&span.name)))
+    })
 }
 
 /// The problem with its limits on torques as bounds on u and without the others.
@@ -145,11 +160,13 @@ fn extremal_near(
 fn with_report(
     direct: Solution,
     outcome: PolishOutcome,
+    cause: Option<String>,
     polished: Option<(Solution, LimitReport)>,
 ) -> Solution {
     let finite = |total: f64| total.is_finite().then_some(total);
     let report = PolishReport {
         outcome,
+        cause,
         direct_total: finite(direct.total()),
         polished_total: polished.as_ref().and_then(|(polished, _)| finite(polished.total())),
         status: polished.as_ref().map(|(polished, _)| polished.motion.status.clone()),

@@ -17,7 +17,7 @@ pub enum EvaluationFailure {
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// The integration between two nodes took too many steps.
-    #[error("the motion between two nodes cannot be integrated: it grows without bound; use more nodes")]
+    #[error("the motion between two nodes cannot be integrated: it grows without bound; raise solver.nodes")]
     Integration,
     /// A failure that was read from a file.
     #[error("{0}")]
@@ -151,43 +151,47 @@ impl fmt::Display for Status {
             }
             Self::NotVerified => {
                 "the equations are solved, but integrating the motion again misses its end; \
-                 shorten the motion or tighten the tolerance"
+                 lower solver.tolerance, or shorten the motion"
             }
             Self::NewtonFailed => {
                 "Newton's method found no step that reduces the error; \
-                 try more guesses (starts), a longer time, or more nodes"
+                 raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
-            Self::IterationLimit => "Newton's method used up its iterations; allow more",
-            Self::MeshLimit => {
-                "the tolerance needs more nodes than allowed; loosen the tolerance or allow more nodes"
+            Self::IterationLimit => {
+                "Newton's method used up its iterations; raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
+            Self::MeshLimit => "the tolerance needs more nodes than a mesh may have; raise solver.tolerance",
             Self::Singular => {
-                "the linearised equations are singular: a conjugate point, or a motion that is not determined"
+                "the linearised equations are singular: a conjugate point, or a motion that is not determined; \
+                 raise solver.starts, or change time.final a little"
             }
             Self::EvaluationFailed(failure) => {
                 return write!(f, "the dynamics could not be evaluated: {failure}");
             }
             Self::ContinuationFailed => {
-                "the homotopy from an easier problem stopped; check that the bounds allow the motion in this time"
+                "the homotopy from an easier problem stopped; check that bounds.u_min and bounds.u_max allow the \
+                 motion in this time"
             }
             Self::SwitchesNotRefined => {
-                "solved for a smoothed control only; the switching times read off from it were not confirmed"
+                "solved for a smoothed control only; the switching times read off from it were not confirmed; \
+                 use solver.method = \"direct\""
             }
             Self::BoundsNotReached => {
-                "no motion within the bounds was found; widen the bounds or allow more time"
+                "no motion within the bounds was found; widen bounds.u_min and bounds.u_max, or allow more time (time.final, time.guess)"
             }
             Self::PathOnly => {
                 "no optimal motion was found; this one meets both ends and keeps the bounds, and its cost is \
-                 an upper limit; try more guesses (starts), a longer time, or more nodes"
+                 an upper limit; raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
             Self::LimitsNotKept => {
-                "no motion that keeps all limits was found; widen the limits or allow more time"
+                "no motion that keeps all limits was found; widen [limits], allow more time (time.final, time.guess), or raise \
+                 solver.starts"
             }
             Self::Infeasible => {
-                "no motion nearby keeps all limits; let those give that are named, or allow more time"
+                "no motion nearby keeps all limits; let those give that are named, or allow more time (time.final, time.guess)"
             }
             Self::Cancelled => "cancelled; this is the best iterate so far",
-            Self::TimeLimit => "the time limit was reached; allow more time",
+            Self::TimeLimit => "the time limit was reached; raise solver.time_limit or --time-limit",
         };
         f.write_str(text)
     }

@@ -2,8 +2,8 @@
 
 use crate::plant::Arm;
 use costate_control::{
-    Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Resolve, Resolved, SolverOptions, Task,
-    ToolCost, ToolPose,
+    Budget, FinalTime, MachineCode, MotionLimits, Objective, Problem, Reference, Resolve, Resolved,
+    SolverOptions, Task, ToolCost, ToolPose, ToolReference,
 };
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -18,8 +18,8 @@ const DISTANCE_WEIGHT: f64 = 300.0;
 /// Cost of the angle from the first orientation (1/s rad^2).
 const ANGLE_WEIGHT: f64 = 10.0;
 
-/// Where the goal will be after this time (s) is where the tool shall be all along the horizon.
-const AHEAD: f64 = 0.15;
+/// Knots of the goal's way over the horizon: the cubics between them leave it by less than 0.1 mm.
+const KNOTS: usize = 9;
 
 /// The part of the limits of rates that plans use: within a period a rate may exceed what holds at the points
 /// of a plan.
@@ -40,6 +40,8 @@ pub struct Controller {
     pub last: Resolved,
     limits: Vec<[f64; 3]>,
     start: [Vec<f64>; 2],
+    /// Where the goal will be.
+    reference: Reference,
 }
 
 impl Controller {
@@ -52,9 +54,11 @@ impl Controller {
         let mut problem = Problem::rest_to_rest(arm.robot.clone(), &arm.q, &arm.q, HORIZON);
         // At rest wherever the arm is then: it can always stop.
         problem.end.q_free = (0..n).collect();
-        let pose =
-            ToolPose::of(arm.tool).with_position(arm.goal(AHEAD)).with_rotation(arm.clone().orientation()?);
-        problem.task = Task::default().with_tool_cost(ToolCost::new(pose, DISTANCE_WEIGHT, ANGLE_WEIGHT));
+        let pose = ToolPose::of(arm.tool).with_rotation(arm.clone().orientation()?);
+        let reference = way(arm);
+        problem.task = Task::default()
+            .with_tool_cost(ToolCost::new(pose, 0.0, ANGLE_WEIGHT))
+            .with_reference(reference.clone());
         problem.limits =
             MotionLimits::default().with_v_max(limits().map(|limits| RATES * limits.velocity).collect());
         problem.time = FinalTime::Fixed(HORIZON);
@@ -67,7 +71,7 @@ impl Controller {
         let last = motion.solve()?;
         let limits = limits().map(|limits| [limits.lower, limits.upper, RATES * limits.velocity]).collect();
         let start = [arm.q.clone(), arm.v.clone()];
-        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, start })
+        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, start, reference })
     }
 
     /// Plans the motion of the next second from a measured state. How long it took.
@@ -82,7 +86,9 @@ impl Controller {
             self.motion.advance(self.period);
         }
         self.motion.set_start(start, speed)?;
-        self.motion.set_tool_cost(0, self.arm.goal(time + AHEAD))?;
+        // The goal's way from here on, by the clock of the plan.
+        place(&mut self.reference, &self.arm, time);
+        self.motion.set_reference(0, &self.reference)?;
         self.last = self.motion.solve_again(Budget::steps(self.steps))?;
         Ok(began.elapsed())
     }
@@ -90,5 +96,27 @@ impl Controller {
     /// The torques of the plan at a time since the begin of the period.
     pub fn torques(&mut self, t: f64, torques: &mut [f64]) -> Result<(), Box<dyn Error>> {
         Ok(self.motion.torques_at(t, torques)?)
+    }
+}
+
+/// The way of the goal over the first horizon.
+fn way(arm: &Arm) -> Reference {
+    let times = (0..KNOTS).map(|k| HORIZON * k as f64 / (KNOTS - 1) as f64).collect();
+    let reference = ToolReference::of(arm.tool, times)
+        .with_positions(vec![[0.0; 3]; KNOTS], DISTANCE_WEIGHT)
+        .with_velocities(vec![[0.0; 3]; KNOTS]);
+    let mut reference = reference.into();
+    place(&mut reference, arm, 0.0);
+    reference
+}
+
+/// The same over the horizon that begins at a time.
+fn place(reference: &mut Reference, arm: &Arm, time: f64) {
+    let Reference::Tool(tool) = reference else { return };
+    for (k, t) in tool.times.iter().enumerate() {
+        let (position, velocity) = arm.goal_with_rate(time + t);
+        if let (Some(positions), Some(velocities)) = (&mut tool.positions, &mut tool.velocities) {
+            (positions[k], velocities[k]) = (position, velocity);
+        }
     }
 }

@@ -1,9 +1,9 @@
 //! Receding horizon: the tool of an arm follows a moving goal, and the whole motion of the next second is
 //! optimised anew in each period of its controller, with all limits of its joints and a stop at the end.
 //!
-//! In each period the solver gets the measured state and the goal, takes a few Newton steps from its last
-//! motion, and gives the torques for the period. The arm is integrated with these, and its limits are checked
-//! along what it really does.
+//! In each period the solver gets the measured state and the way of the goal over the next second as a
+//! reference, takes a few Newton steps from its last motion, and gives the torques for the period. The arm is
+//! integrated with these, and its limits are checked along what it really does.
 //!
 //!     cargo run --release -p costate-examples --example horizon                  # UR5 and Panda at 1 kHz
 //! cargo run --release -p costate-examples --example horizon -- ur5 200 5 6   # 200 Hz, 5 s, 6 Newton steps

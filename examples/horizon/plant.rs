@@ -103,6 +103,12 @@ impl Arm {
         [x, y + RADIUS * cos, z + RADIUS * sin]
     }
 
+    /// The goal with its velocity (m/s).
+    pub fn goal_with_rate(&self, time: f64) -> ([f64; 3], [f64; 3]) {
+        let (sin, cos) = (RATE * time).sin_cos();
+        (self.goal(time), [0.0, -RADIUS * RATE * sin, RADIUS * RATE * cos])
+    }
+
     /// Moves for a period under torques that are a function of the time since its begin: steps of
     /// Runge and Kutta's method of order four.
     pub fn advance(

@@ -2,7 +2,7 @@
 
 use super::continuation::ParameterRange;
 use super::samples::rate;
-use crate::arguments::positive;
+use crate::arguments::{count, positive};
 use clap::{ValueEnum, ValueHint};
 use costate_control::{Polish, Verify};
 use std::num::NonZeroUsize;
@@ -33,8 +33,12 @@ pub struct Arguments {
     /// Write the samples as CSV: t, and q, v, a, tau and u of each joint
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "sample")]
     pub sample_to: Option<PathBuf>,
-    /// Follow the solution while a parameter changes: final_time, gravity, armature, bounds, penalty_weight
-    /// or smoothing
+    /// Write the gains of the optimal feedback, dtau/dq and dtau/dv, at the rate of --sample or at the points
+    /// of the motion, and its derivatives by the limits, as JSON
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "range")]
+    pub feedback: Option<PathBuf>,
+    /// Follow the solution while a parameter changes (indirect methods): final_time (s), or a factor of
+    /// gravity, armature, bounds, penalty_weight or smoothing; as gravity=0:1
     #[arg(long = "continue", value_name = "PARAMETER=FROM:TO")]
     pub range: Option<ParameterRange>,
     /// Stop after this time (s) and keep the best iterate; overrides solver.time_limit of the problem file
@@ -42,16 +46,18 @@ pub struct Arguments {
     pub time_limit: Option<Duration>,
     /// Solve so many times, each from the beginning, and tell the least time: later ones find the machine
     /// code that the first one compiled
-    #[arg(long, value_name = "COUNT", conflicts_with = "range")]
+    #[arg(long, value_name = "COUNT", value_parser = count, conflicts_with = "range")]
     pub repeat: Option<NonZeroUsize>,
-    /// Threads for several starts; by default as many as the processor runs at once
-    #[arg(long, value_name = "COUNT")]
+    /// Threads for several starts; by default as many as the processor runs at once; overrides solver.threads
+    /// of the problem file
+    #[arg(long, value_name = "COUNT", value_parser = count)]
     pub threads: Option<NonZeroUsize>,
     /// How the solution is verified; overrides solver.verify of the problem file
     #[arg(long, value_enum, value_name = "LEVEL")]
     pub verify: Option<Level>,
-    /// Make the motion of the direct method the first guess of an extremal: true, false, or auto, for at most
-    /// ten times as long; overrides solver.polish of the problem file
+    /// Solve the conditions of the maximum principle from the motion of the direct method, for more digits,
+    /// switching and conjugate times: true, false, or auto, for at most ten times as long; overrides
+    /// solver.polish of the problem file
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true,
         default_missing_value = "true")]
     pub polish: Option<When>,

@@ -82,10 +82,10 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     if let Some(report) = polished {
         let cost = match (report.outcome.is_polished(), report.direct_total, report.polished_total) {
             (true, Some(cost), _) => format!("; the direct method's cost {}", short(cost, 12)),
-            (false, _, Some(cost)) => format!(", {}", short(cost, 12)),
+            (false, _, Some(cost)) => format!("; its cost {}", short(cost, 12)),
             _ => String::new(),
         };
-        figures.push(("shown", format!("{}{cost}", report.outcome.reason())));
+        figures.push(("shown", format!("{}{cost}", report.reason())));
     }
     let extremal = polished.is_some_and(|report| report.outcome.is_polished());
     if solution.options.method == Method::Direct && !extremal {

@@ -3,6 +3,7 @@
 mod arguments;
 mod continuation;
 mod cpu_time;
+mod feedback;
 mod figures;
 mod kinematics;
 mod outputs;
@@ -75,6 +76,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     outputs.write(&motion, samples.as_ref())?;
     if let Some(error) = unsampled {
         return Err(error.into());
+    }
+    if arguments.feedback.is_some() {
+        outputs.write_feedback(&feedback::feedback(problem, &solution, arguments.sample)?)?;
     }
     let derivatives = match arguments.sensitivities {
         true => match sensitivities::sensitivities(problem, &solution) {

@@ -1,4 +1,4 @@
-//! The files that `costate optimize` writes: report, figures, saved solution, samples.
+//! The files that `costate optimize` writes: report, figures, saved solution, samples, feedback.
 
 use super::arguments::Arguments;
 use super::report;
@@ -14,6 +14,7 @@ pub struct Outputs {
     figures: Option<Figures>,
     saved: Option<Output>,
     samples: Option<Output>,
+    feedback: Option<Output>,
     /// Whether one of them goes to standard output.
     standard: bool,
 }
@@ -31,12 +32,19 @@ impl Outputs {
     /// # Errors
     /// A message that names the path.
     pub fn prepare(arguments: &Arguments, inputs: &[PathBuf]) -> Result<Self, String> {
-        let files =
-            [("-o", &arguments.output), ("--save", &arguments.save), ("--sample-to", &arguments.sample_to)];
+        let files = [
+            ("-o", &arguments.output),
+            ("--save", &arguments.save),
+            ("--sample-to", &arguments.sample_to),
+            ("--feedback", &arguments.feedback),
+        ];
         let named = files.iter().filter_map(|(name, path)| Some((*name, path.as_ref()?)));
         let standard = named.clone().filter(|(_, path)| is_standard(path)).count();
         if standard + usize::from(arguments.json) > 1 {
-            return Err("only one of --json, -o -, --save - and --sample-to - can use standard output".into());
+            return Err(
+                "only one of --json, -o -, --save -, --sample-to - and --feedback - can use standard output"
+                    .into(),
+            );
         }
         for (k, (name, path)) in named.clone().enumerate() {
             if let Some((other, _)) = named.clone().take(k).find(|(_, other)| *other == path) {
@@ -44,7 +52,8 @@ impl Outputs {
                 return Err(format!("{path}: is the file of both {other} and {name}; choose two files"));
             }
         }
-        if arguments.sample.is_some() && arguments.sample_to.is_none() && !arguments.json {
+        let shows_samples = arguments.sample_to.is_some() || arguments.feedback.is_some() || arguments.json;
+        if arguments.sample.is_some() && !shows_samples {
             return Err("--sample: nothing would show the samples; add --sample-to FILE or --json".into());
         }
         let all: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
@@ -57,12 +66,21 @@ impl Outputs {
             report: prepare(&arguments.output)?,
             saved: prepare(&arguments.save)?,
             samples: prepare(&arguments.sample_to)?,
+            feedback: prepare(&arguments.feedback)?,
             figures: arguments.svg.as_ref().map(folder).transpose()?,
             standard: standard > 0,
         })
     }
 
-    /// Whether the report, the saved solution or the samples go to standard output.
+    /// Writes the feedback.
+    ///
+    /// # Errors
+    /// A message that names the path.
+    pub fn write_feedback(&self, text: &str) -> Result<(), Box<dyn Error>> {
+        self.feedback.as_ref().map_or(Ok(()), |file| Ok(file.write(text)?))
+    }
+
+    /// Whether the report, the saved solution, the samples or the feedback go to standard output.
     pub fn use_standard_output(&self) -> bool {
         self.standard
     }

@@ -59,7 +59,8 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         Status::BoundsNotReached => match Needed::new(problem, solution) {
             Some(Needed { joint, factor, time, u, bound }) => format!(
                 "no motion within the bounds was found: the bounds of joint '{joint}' would have to be {factor} \
-                 times as wide, {u} instead of {bound} at t = {time}; widen the bounds or allow more time"
+                 times as wide, {u} instead of {bound} at t = {time}; widen bounds.u_min and bounds.u_max, or {}",
+                longer(problem)
             ),
             None => status.to_string(),
         },
@@ -68,8 +69,9 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
             match exceeded.is_empty() {
                 true => status.to_string(),
                 false => format!(
-                    "no motion that keeps all limits was found: {}; widen the limits or allow more time",
-                    exceeded.join("; ")
+                    "no motion that keeps all limits was found: {}; widen them, {}, or raise solver.starts",
+                    exceeded.join("; "),
+                    longer(problem)
                 ),
             }
         }
@@ -80,10 +82,20 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         Status::PathOnly => status.to_string(),
         status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
         Status::Cancelled => format!("interrupted: {best}"),
-        Status::TimeLimit => format!("the time limit was reached: {best}; allow more time"),
+        Status::TimeLimit => {
+            format!("the time limit was reached: {best}; raise solver.time_limit or --time-limit")
+        }
         status => format!("the motion is the best iterate, not a solution: {status}"),
     })
 }
+
+/// How the robot gets more time.
+fn longer(problem: &Problem) -> &'static str {
+    if time_is_free(problem) { "raise time.guess" } else { "raise time.final" }
+}
+
+/// Most limits that have to give in one sentence; the one that gives most comes first.
+const MOST_LIMITS: usize = 4;
 
 /// What would have to give so that a motion exists.
 fn infeasible(solution: &Solution) -> String {
@@ -103,7 +115,11 @@ fn infeasible(solution: &Solution) -> String {
         let from = limit.limit.map_or_else(String::new, |limit| format!("{} {unit} ", short(limit, 4)));
         format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when})")
     };
-    let limits: Vec<_> = found.limits.iter().map(gives).collect();
+    let mut limits: Vec<_> = found.limits.iter().take(MOST_LIMITS).map(gives).collect();
+    let more = found.limits.len().saturating_sub(MOST_LIMITS);
+    if more > 0 {
+        limits.push(format!("{more} more give too (limits.infeasible of --json has all)"));
+    }
     let later = found.final_time.map_or_else(String::new, |time| {
         format!("; with a final time of {} s a motion keeps all limits", short(time, 4))
     });
@@ -112,7 +128,7 @@ fn infeasible(solution: &Solution) -> String {
         .map_or_else(String::new, |time| format!("; none does in less than {} s", short(time, 4)));
     let certain = match found.is_global {
         true => "",
-        false => "; this holds for motions nearby only, another guess (starts) may find one",
+        false => "; this holds for motions nearby only, another guess (solver.starts) may find one",
     };
     format!("no motion keeps all limits unless {}{least}{later}{certain}", limits.join(" and "))
 }
@@ -183,7 +199,7 @@ pub fn print(
 ) -> std::io::Result<()> {
     let ended = &solution.motion.status;
     writeln!(out, "{}: {}\n", title(&problem.robot), criterion(problem, solution))?;
-    let mut table = Table::new(&["status", &status(ended)], 2);
+    let mut table = Table::new(&["status", &status(ended)], 2).wrapping();
     for (name, value) in figures(problem, solution) {
         table.row(vec![name.into(), value]);
     }

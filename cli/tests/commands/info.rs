@@ -35,7 +35,15 @@ fn joints_are_numbered_from_zero() {
     let table = stdout(&costate(&["info", "robots/ur5.urdf"], b""));
     let row = |word: &str| table.lines().find(|line| line.contains(word)).unwrap().trim_start().to_owned();
     assert!(row("shoulder_pan_joint").starts_with("0 ") && row("wrist_3_joint").starts_with("5 "), "{table}");
+    // Limits of positions, rates and efforts; a joint without any has dashes.
+    let limits = table.lines().skip_while(|line| !line.contains("rate limit")).nth(2).unwrap();
+    let cells: Vec<&str> = limits.split_whitespace().collect();
+    assert_eq!(cells, ["0", "shoulder_pan_joint", "-6.283", "6.283", "3.142", "150.000"], "{table}");
     let table = stdout(&costate(&["info", "-"], ROBOT.as_bytes()));
+    assert!(
+        table.lines().any(|line| line.split_whitespace().eq(["0", "slide", "-", "-", "-", "-"])),
+        "{table}"
+    );
     assert!(table.starts_with("arm, 1 joint, moving mass 2.0000 kg, gravity (0, 0, 0) m/s^2"), "{table}");
 }
 

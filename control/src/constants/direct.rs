@@ -1,5 +1,10 @@
 //! The direct method ([`crate::direct`]).
 
+/// Products of slacks and multipliers are equal to this part before a motion is differentiated by its limits.
+pub const CENTRED: f64 = 1e-4;
+/// Newton steps that this may take.
+pub const CENTRING_STEPS: usize = 30;
+
 /// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
 /// rates are limited; without it rates could swing between the points.
 pub const NODE_WEIGHT: f64 = 0.1;

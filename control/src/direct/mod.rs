@@ -37,6 +37,7 @@ mod refine;
 mod solve;
 
 pub use again::feedback::Feedback;
+pub use again::motion_derivative::{MotionDerivative, MotionParameter};
 pub use again::resolve::Resolve;
 pub use again::resolve_error::ResolveError;
 pub use again::resolved::{Budget, ResolveStatus, Resolved};

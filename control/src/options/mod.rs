@@ -228,7 +228,7 @@ impl SolverOptions {
             return bad(
                 "nodes",
                 self.nodes as f64,
-                "must not be more than max_nodes, 6001 unless set from Rust",
+                "must not exceed the most nodes of a mesh, 6001 by default",
             );
         }
         if self.max_iterations == 0 {

@@ -5,6 +5,7 @@ use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::{Bounds, FinalTime, Penalty, Problem, Reference, ToolCost};
 use crate::task::check::check_task;
+use costate::robot::RobotError;
 use std::ops::Deref;
 
 /// A problem whose fields fit together, from [`Problem::check`]. Dereferences to the problem.
@@ -123,6 +124,16 @@ impl Problem {
         !self.terms.is_empty() || tools.iter().any(costs) || references
     }
 
+    /// Whether the robot rests at its end from the start on. Terms of the user may reward to wait.
+    fn has_no_way(&self) -> bool {
+        let Self { start, end, .. } = self;
+        let given =
+            [&start.q_free, &start.v_free, &end.q_free, &end.v_free].iter().all(|free| free.is_empty());
+        let rests = start.v.iter().chain(&end.v).all(|&v| v == 0.0);
+        let is_simple = self.terms.is_empty() && self.vias.is_empty() && self.periodic.is_none();
+        is_simple && given && rests && start.q == end.q
+    }
+
     /// Final time and weights.
     fn check_costs(&self) -> Result<(), ProblemError> {
         let (key, time) = match self.time {
@@ -136,6 +147,9 @@ impl Problem {
         let is_free = matches!(self.time, FinalTime::Free { .. });
         if is_free && self.cost.time == 0.0 && !self.has_cost_of_states() {
             return Err(ProblemError::FreeTimeWithoutCost);
+        }
+        if is_free && self.has_no_way() {
+            return Err(ProblemError::NoWay);
         }
         self.weights(Key::EFFORT, &self.cost.effort)?;
         for (key, weights) in [(Key::TORQUE_RATE, &self.cost.torque_rate), (Key::JERK, &self.cost.jerk)] {
@@ -231,9 +245,19 @@ impl Problem {
         }
     }
 
+    /// Of an index, or of a name in quotes.
     pub(crate) fn unknown_joint(&self, key: Key, joint: String) -> ProblemError {
-        let joints = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
-        ProblemError::UnknownJoint { key, joint, joints }
+        let all: Vec<String> = self.robot.independent_joints().map(|joint| joint.name.clone()).collect();
+        let dof = all.len();
+        let mut joints = match self.robot.joint_index(joint.trim_matches('\'')) {
+            Err(RobotError::UnknownJoint { nearest, .. }) => nearest,
+            _ => Vec::new(),
+        };
+        joints.retain(|name| all.contains(name));
+        if joints.is_empty() {
+            joints = all;
+        }
+        ProblemError::UnknownJoint { key, joint, joints, dof }
     }
 
     pub(super) fn name(&self, joint: usize) -> String {

@@ -42,8 +42,10 @@ pub enum ProblemError {
         key: Key,
         /// Name or index that was given.
         joint: String,
-        /// Names of the joints.
+        /// Names of joints that resemble it, or of all joints if none does.
         joints: Vec<String>,
+        /// Number of joints.
+        dof: usize,
     },
     /// A number that must be positive.
     NotPositive {
@@ -63,6 +65,8 @@ pub enum ProblemError {
     },
     /// A free final time without a cost of time.
     FreeTimeWithoutCost,
+    /// A free final time, and the robot rests at its end from the start on: nothing is to be done.
+    NoWay,
     /// A control without effect.
     NoGain {
         /// The joint.
@@ -90,8 +94,8 @@ pub enum ProblemError {
     NoRoom {
         /// The field.
         key: Key,
-        /// The joint.
-        joint: String,
+        /// The joint, if the field is a list.
+        joint: Option<String>,
         /// The limit.
         value: f64,
     },
@@ -228,7 +232,7 @@ impl ProblemError {
             | Self::TaskNeedsDirect { key } => key,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
-            Self::FreeTimeWithoutCost => Key::FREE_TIME,
+            Self::FreeTimeWithoutCost | Self::NoWay => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
             Self::EmptyBounds { .. } => Key::U_MIN,
             Self::EmptyRange { .. } => Key::Q_MIN,

@@ -1,6 +1,8 @@
 //! Errors of a problem in words.
 
 use crate::problem::error::ProblemError;
+use crate::problem::key::Key;
+use crate::problem::rounded::rounded;
 use costate::robot::{printable, printable_number as number};
 use std::fmt;
 
@@ -12,14 +14,19 @@ impl ProblemError {
                 let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
                 format!("has {found}, the robot has {joints}: give one entry for each joint")
             }
-            Self::NotFinite { joint, .. } => format!("the entry of joint '{joint}' is not finite", joint = printable(joint)),
+            Self::NotFinite { joint, .. } => {
+                format!("the entry of joint '{}' is not finite; give a finite number", printable(joint))
+            }
             Self::NotANumber { joint, .. } => {
                 format!("the entry of joint '{joint}' is not a number; give one, or inf or -inf for no limit", joint = printable(joint))
             }
-            Self::UnknownJoint { joint, joints, .. } => {
-                let last = joints.len().saturating_sub(1);
-                let names = listed(joints);
-                format!("there is no joint {joint}; the joints are {names}, or by index 0 to {last}", joint = printable(joint))
+            Self::UnknownJoint { joint, joints, dof, .. } => {
+                let (joint, last) = (printable(joint), dof.saturating_sub(1));
+                let offered = match joints.len() < *dof {
+                    true => format!("did you mean {}? Joints can also be given", joints.iter().map(|name| format!("'{}'", printable(name))).collect::<Vec<_>>().join(" or ")),
+                    false => format!("the joints are {}, or", listed(joints)),
+                };
+                format!("there is no joint {joint}; {offered} by index 0 to {last}")
             }
             Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
             Self::Negative { joint, value, .. } => {
@@ -28,8 +35,13 @@ impl ProblemError {
                 format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
             }
             Self::FreeTimeWithoutCost => {
-                "a free final time needs cost.time > 0, a term of the running cost or a cost of tools: otherwise the slowest motion \
-                 is the cheapest"
+                "a free final time needs cost.time > 0 or [[cost.tool]] (in Rust also a term of the running cost): \
+                 otherwise the slowest motion is the cheapest"
+                    .into()
+            }
+            Self::NoWay => {
+                "the robot rests at its end from the start on, so the cheapest motion takes no time; move start.q or \
+                 end.q, give time.final, or add [[via]]"
                     .into()
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
@@ -39,9 +51,15 @@ impl ProblemError {
             Self::EmptyRange { joint, q_min, q_max } => {
                 format!("the lower limit {} of joint '{joint}' must be less than penalty.q_max = {}", number(*q_min), number(*q_max), joint = printable(joint))
             }
-            Self::NoRoom { joint, value, .. } => {
-                format!("the limit {} of joint '{joint}' must be positive", number(*value), joint = printable(joint))
+            Self::NoRoom { key, joint, value } => {
+                let whose = joint.as_ref().map_or_else(String::new, |joint| format!(" of joint '{}'", printable(joint)));
+                let zero = if *key == Key::LIMIT_TORQUE_MAX { ", or 0 for a joint without a motor" } else { "" };
+                format!("the limit {}{whose} must be positive{zero}; inf is no limit", number(*value))
             }
+            Self::EmptyLimits { key, joint, low, high } if *key == Key::LIMIT_TORQUE_MAX && *low == *high && *low == 0.0 => format!(
+                "the robot file limits the effort of joint '{joint}' to 0, so nothing drives it; give its effort in \
+                 robot.limits, or, if it has no motor, an entry 0 here",
+                joint = printable(joint)),
             Self::EmptyLimits { joint, low, high, .. } => format!(
                 "joint '{joint}' has no room between {} and {}, the limits of the robot included", number(*low), number(*high),
                 joint = printable(joint)),
@@ -54,7 +72,7 @@ impl ProblemError {
                  {}; change the accelerations or leave some of them free, or widen the limit",
                 joint.as_ref().map_or_else(
                     || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
-                number(*value), number(*limit)),
+                rounded(*value), rounded(*limit)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
@@ -68,7 +86,8 @@ impl ProblemError {
             Self::NotAgain { .. } => "Resolve does not take this; solve the problem with Solver, or remove it".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
-                 or finite bounds.u_min and bounds.u_max", joint = printable(joint)),
+                 finite bounds.u_min and bounds.u_max, or, with method = \"direct\", an entry of limits.torque_max",
+                joint = printable(joint)),
             Self::NothingToMinimise => {
                 "zero for all joints, and the final time is fixed: nothing is left to minimise; give weights, or free \
                  the time"

@@ -7,8 +7,9 @@ use super::limits::JointLimits;
 use super::torque_speed_error::TorqueSpeedError;
 
 impl Problem {
-    /// All limits of the joints, in their order.
-    pub(crate) fn joint_limits(&self) -> Vec<JointLimits> {
+    /// What the direct method keeps, for each joint in order: the tightest of [`limits`](Self::limits), of
+    /// those of the robot if they are [kept](Self::keeps_robot_limits), and of [`bounds`](Self::bounds).
+    pub fn joint_limits(&self) -> Vec<JointLimits> {
         let (own, from_robot) = (&self.limits, self.keeps_robot_limits());
         let entry = |list: &Option<Vec<f64>>, i: usize| list.as_ref().map_or(f64::INFINITY, |list| list[i]);
         let joints = self.robot.independent_joints().enumerate();
@@ -50,13 +51,13 @@ impl Problem {
                 _ => limit <= 0.0,
             };
             if let Some(j) = list.iter().position(is_empty) {
-                return Err(ProblemError::NoRoom { key, joint: self.name(j), value: list[j] });
+                return Err(ProblemError::NoRoom { key, joint: Some(self.name(j)), value: list[j] });
             }
         }
         if let Some(value) = self.limits.total_power_max
             && (value <= 0.0 || value.is_nan())
         {
-            return Err(ProblemError::NotPositive { key: Key::LIMIT_TOTAL_POWER_MAX, value });
+            return Err(ProblemError::NoRoom { key: Key::LIMIT_TOTAL_POWER_MAX, joint: None, value });
         }
         self.check_torque_speed()
     }

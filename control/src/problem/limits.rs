@@ -62,7 +62,8 @@ impl Default for MotionLimits {
 
 /// The limits of one joint, those of the robot included; infinite for none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct JointLimits {
+#[non_exhaustive]
+pub struct JointLimits {
     /// Least and largest q.
     pub q: [f64; 2],
     /// Largest |v|.

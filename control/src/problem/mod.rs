@@ -16,6 +16,7 @@ pub(crate) mod obstacles;
 pub(crate) mod parts;
 mod phases;
 pub(crate) mod references;
+pub(crate) mod rounded;
 pub(crate) mod running_cost;
 pub(crate) mod task;
 pub(crate) mod task_error;

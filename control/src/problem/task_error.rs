@@ -1,5 +1,6 @@
 //! What is wrong with a task.
 
+use super::rounded::rounded;
 use costate::robot::{printable, printable_number as number};
 use std::fmt;
 
@@ -32,10 +33,12 @@ pub enum TaskError {
         /// The range.
         remedy: &'static str,
     },
-    /// A pose without position and orientation.
+    /// A pose without position and orientation, or a box without sides.
     NothingAsked {
         /// The frame.
         frame: String,
+        /// What would ask for something.
+        remedy: &'static str,
     },
     /// Tools at an end that fix more than the joints which are free there.
     TooManyConditions {
@@ -114,8 +117,10 @@ pub enum TaskError {
     NotKept {
         /// What does not hold.
         what: String,
-        /// By how much (m, rad, m/s).
+        /// By how much.
         by: f64,
+        /// The unit of this: m, rad or m/s.
+        unit: &'static str,
     },
     /// A position that is farther away than links and sliding joints reach, whatever their positions are.
     BeyondReach {
@@ -132,8 +137,10 @@ pub enum TaskError {
     OutOfReach {
         /// What comes least close.
         what: String,
-        /// By how much at the nearest position that was found (m, rad).
+        /// By how much at the nearest position that was found.
         by: f64,
+        /// The unit of this: m or rad.
+        unit: &'static str,
     },
 }
 
@@ -154,8 +161,8 @@ impl fmt::Display for TaskError {
             Self::NoDirection => f.write_str("gives no direction: it must be finite and not zero"),
             Self::NotARotation => f.write_str("is no rotation: its rows must be orthonormal and right-handed to 1e-6"),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
-            Self::NothingAsked { frame } => {
-                write!(f, "nothing is asked of the tool '{}': give its position or orientation", printable(frame))
+            Self::NothingAsked { frame, remedy } => {
+                write!(f, "nothing is asked of the tool '{}': give {remedy}", printable(frame))
             }
             Self::TooManyConditions { asked, free, remedy } => write!(
                 f,
@@ -214,11 +221,11 @@ impl fmt::Display for TaskError {
             Self::DuplicateName { name } => {
                 write!(f, "two bodies or obstacles are called '{}'; rename one", printable(name))
             }
-            Self::NotKept { what, by } => write!(
+            Self::NotKept { what, by, unit } => write!(
                 f,
-                "the {} is off by {}; move it, or ask for less",
+                "the {} is off by {} {unit}; move it, or ask for less",
                 printable(what),
-                number(*by)
+                rounded(*by)
             ),
             Self::BeyondReach { frame, joint, distance, reach } => write!(
                 f,
@@ -228,12 +235,12 @@ impl fmt::Display for TaskError {
                 printable(frame),
                 distance - reach
             ),
-            Self::OutOfReach { what, by } => write!(
+            Self::OutOfReach { what, by, unit } => write!(
                 f,
-                "no position of the free joints within their limits was found: at best the {} is off by {}; move the \
-                 tool, free more joints, or give a better first guess of q",
+                "no position of the free joints within their limits was found: at best the {} is off by {} {unit}; move \
+                 the tool, free more joints, or give a better first guess of q",
                 printable(what),
-                number(*by)
+                rounded(*by)
             ),
         }
     }

@@ -162,8 +162,8 @@ pub enum Kept {
     },
     /// The acceleration of the tool is not larger than this.
     Acceleration {
-        /// Largest magnitude of the second derivative of the position of the point in the world (m/s^2), without
-        /// gravity.
+        /// Largest magnitude of the second derivative of the position of the point in the world (m/s^2),
+        /// without gravity.
         max: f64,
     },
 }

@@ -37,9 +37,8 @@ impl fmt::Display for ProblemWarning {
         match self {
             Self::LargeAngle { key, joint, value } => write!(
                 f,
-                "{}: the angle {} of joint '{}' is more than two turns; angles are in rad, and {} \
+                "{key}: the angle {} of joint '{}' is more than two turns; angles are in rad, and {} \
                  degrees are {} rad",
-                key.field(),
                 printable_number(*value),
                 printable(joint),
                 printable_number(*value),
@@ -58,7 +57,14 @@ impl Problem {
     /// Suspicious values of a valid problem.
     pub fn warnings(&self) -> Vec<ProblemWarning> {
         let mut warnings = Vec::new();
-        for (key, q) in [(Key::START_Q, &self.start.q), (Key::END_Q, &self.end.q)] {
+        let mut given = vec![(Key::START_Q, &self.start.q)];
+        // The end of a periodic motion follows its start.
+        if self.periodic.is_none() {
+            given.push((Key::END_Q, &self.end.q));
+        }
+        let vias = self.vias.iter().enumerate();
+        given.extend(vias.filter_map(|(number, via)| Some((Key::via("q", number), via.q.as_ref()?))));
+        for (key, q) in given {
             for (joint, &value) in self.robot.independent_joints().zip(q) {
                 if joint.kind == JointKind::Revolute && value.abs() > SUSPICIOUS_ANGLE {
                     warnings.push(ProblemWarning::LargeAngle { key, joint: joint.name.clone(), value });

@@ -1,14 +1,9 @@
 //! Limits of the robot's joints that a motion exceeds.
 
 use crate::problem::Problem;
+use crate::problem::rounded::rounded_range;
 use crate::result::trajectory::Trajectory;
 use costate::robot::{JointKind, printable};
-
-/// Four decimals; zero has no sign.
-fn fixed(x: f64) -> String {
-    let text = format!("{x:.4}");
-    if text == "-0.0000" { "0.0000".into() } else { text }
-}
 
 impl Problem {
     /// Where the motion exceeds the limits of the robot's joints; one sentence each. None if
@@ -36,7 +31,9 @@ impl Problem {
             for ((what, (low, high), (least, most)), unit) in ranges.into_iter().zip(units) {
                 let slack = 1e-9 * (high - low).abs().max(high.abs());
                 if low < least - slack || high > most + slack {
-                    let (name, low, high) = (printable(&joint.name), fixed(low), fixed(high));
+                    let ([low, high], [least, most]) =
+                        (rounded_range([low, high]), rounded_range([least, most]));
+                    let name = printable(&joint.name);
                     warnings.push(format!(
                         "{what} of joint '{name}' runs from {low} to {high} {unit}; its limits are {least} and {most}"
                     ));

@@ -15,9 +15,22 @@ pub struct PolishReport {
     /// Cost and penalties of the polished motion, if there is one.
     #[serde(default)]
     pub polished_total: Option<f64>,
+    /// What keeps the motion from being polished, with [`PolishOutcome::Limited`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<String>,
     /// How the polish ended, if it was tried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub status: Option<Status>,
+}
+
+impl PolishReport {
+    /// Which motion is shown, and why, in words.
+    pub fn reason(&self) -> String {
+        match &self.cause {
+            Some(cause) => format!("direct: {cause}"),
+            None => self.outcome.reason().into(),
+        }
+    }
 }
 
 /// What became of a polish.
@@ -28,8 +41,9 @@ pub enum PolishOutcome {
     /// The polished motion is shown: it is solved, or neither of the two is.
     Polished,
     /// Not tried: accelerations, jerks or rates of torques are limited, energy, jerks or rates of torques
-    /// cost something, accelerations are given at an end, or a limit on positions, rates or powers is active.
-    /// An extremal keeps the limits of controls only.
+    /// cost something, accelerations are given at an end, there are tools or obstacles, or a limit on
+    /// positions, rates or powers is active. An extremal keeps the limits of controls only.
+    /// [`PolishReport::cause`] says which.
     Limited,
     /// Not tried: the motion has vias or is periodic. An extremal has one phase between independent ends.
     Phases,
@@ -55,7 +69,7 @@ impl PolishOutcome {
     pub fn reason(self) -> &'static str {
         match self {
             Self::Polished => "polished",
-            Self::Limited => "direct: energy has a cost, or a limit other than on torques is active",
+            Self::Limited => "direct: the motion is not one that bounds on torques alone determine",
             Self::Phases => "direct: vias or a periodic motion",
             Self::NoMotion => "direct: no motion to begin with",
             Self::Failed => "direct: the polish found no extremal",

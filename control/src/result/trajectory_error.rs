@@ -34,7 +34,9 @@ pub enum TrajectoryError {
         found: u32,
     },
     /// The text is too long.
-    #[error("has more than {most} bytes, the most that a saved solution may have; save it with fewer nodes")]
+    #[error(
+        "has more than {most} bytes, the most that a saved solution may have; solve with a larger solver.tolerance, which needs fewer nodes"
+    )]
     TooLong {
         /// Most bytes.
         most: usize,

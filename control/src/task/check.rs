@@ -59,9 +59,12 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
         let found = reach(functions, &state.q, &state.q_free, &limits, 0);
         let immovable = immovable(functions, &found.q, &state.q_free);
         let name = |row: usize| functions.bounds()[row].name.clone();
+        let unit = functions.bounds()[found.worst].unit;
         let cause = match immovable {
             Some(row) => TaskError::Immovable { what: name(row) },
-            None if !found.is_there() => TaskError::OutOfReach { what: name(found.worst), by: found.miss },
+            None if !found.is_there() => {
+                TaskError::OutOfReach { what: name(found.worst), by: found.miss, unit }
+            }
             None => continue,
         };
         return Err(ProblemError::Task { key: Key::entry(table, "frame", number), cause });
@@ -124,7 +127,8 @@ fn kept_at(along: &mut TaskFunctions, state: &BoundaryState, key: Key) -> Result
     }
     match worst(along, &state.q, &state.v) {
         Some((row, by)) if by > if row.is_equation() { OFF } else { CLOSE * row.range } => {
-            Err(ProblemError::Task { key, cause: TaskError::NotKept { what: row.name.clone(), by } })
+            let cause = TaskError::NotKept { what: row.name.clone(), by, unit: row.unit };
+            Err(ProblemError::Task { key, cause })
         }
         _ => Ok(()),
     }

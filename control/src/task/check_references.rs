@@ -72,7 +72,10 @@ fn check_tool(reference: &ToolReference) -> Result<(), Fault> {
         }
     }
     if !asked.contains(&true) && orientations.is_none() {
-        return Err(("positions", TaskError::NothingAsked { frame: tool.frame.clone() }));
+        return Err((
+            "positions",
+            TaskError::NothingAsked { frame: tool.frame.clone(), remedy: "positions or orientations" },
+        ));
     }
     Ok(())
 }

@@ -132,7 +132,7 @@ fn box_rows(
         }
     }
     if rows.is_empty() {
-        return Err(TaskError::NothingAsked { frame: name.into() }.at(at.key("frame")));
+        return Err(TaskError::NothingAsked { frame: name.into(), remedy: "min or max" }.at(at.key("frame")));
     }
     Ok((ToolFunction { tool, quantity: Quantity::Position(directions) }, rows))
 }

@@ -9,8 +9,8 @@ use crate::problem::tools::Tool;
 use costate::EvalError;
 use nalgebra::Vector3;
 
-/// `l(t, q) = 1/2 sum_k w_k (g_k(q) - r_k(t))^2`, and the same of angles of orientations, with all derivatives
-/// up to the second ones; no call allocates.
+/// `l(t, q) = 1/2 sum_k w_k (g_k(q) - r_k(t))^2`, and the same of angles of orientations, with all
+/// derivatives up to the second ones; no call allocates.
 #[derive(Clone, Debug)]
 pub(crate) struct References {
     /// One for each reference.
@@ -25,8 +25,8 @@ pub(crate) struct References {
     slopes: Vec<f64>,
     /// w_k.
     weights: Vec<f64>,
-    /// c_k in `l_xt = sum_k w_k c_k g_k,x`: derivatives of `g_k - r_k` by the time, but of orientations angular
-    /// velocities.
+    /// c_k in `l_xt = sum_k w_k c_k g_k,x`: derivatives of `g_k - r_k` by the time, but of orientations
+    /// angular velocities.
     rates: Vec<f64>,
     /// rows x 2n.
     jacobian: Vec<f64>,

@@ -85,7 +85,8 @@ impl Tools {
             functions.push(zero(tool, quantity, format!("orientation of the tool '{name}'")));
         }
         if functions.is_empty() {
-            return Err(TaskError::NothingAsked { frame: name.clone() }.at(at.key("frame")));
+            let remedy = "xyz, rpy, rotation or along";
+            return Err(TaskError::NothingAsked { frame: name.clone(), remedy }.at(at.key("frame")));
         }
         Ok(functions)
     }

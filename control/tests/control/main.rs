@@ -8,6 +8,7 @@ use costate_control::SolverOptions;
 mod bounded;
 mod branch;
 mod direct;
+mod documents;
 mod dynamics;
 mod equations;
 mod extremals;

@@ -78,7 +78,7 @@ fn a_table_of_the_robot_changes_it() {
         (
             "viscous = 0.25",
             "viscos = 1",
-            "problem:5: robot.friction.viscos: unknown key; the keys here are `viscous`",
+            "problem:5: robot.friction.elbow.viscos: unknown key; the keys here are `viscous`",
         ),
         ("viscous = 0.25", "viscous = -1", "problem:5: robot.friction: "),
         ("{ upper = 2 }", "2", "problem:6: robot.limits.elbow: give a table, not 2"),

@@ -277,3 +277,30 @@ fn a_redundant_arm_chooses_both_ends() {
         assert!((hand.at(&point.q).0 - place).norm() < 1e-6);
     }
 }
+
+#[test]
+fn what_is_kept_holds_at_an_end_that_gives_something_else() {
+    // The tip of two unit links goes from y = -0.6 to 0.6 at x = 1.2: the height is given at the end, the
+    // plane is kept along the way. So the end is that of the inverse kinematics.
+    let elbow = |y: f64| {
+        let square = 1.2_f64 * 1.2 + y * y;
+        let bend = ((square - 2.0) / 2.0).acos();
+        [y.atan2(1.2) - bend.sin().atan2(1.0 + bend.cos()), bend]
+    };
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let tip = || Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
+    let plane = Kept::Plane { through: [1.2, 0.0, 0.0], normal: [1.0, 0.0, 0.0], distance: 0.0 };
+    let task = Task::default().with_keep(Keep::new(tip(), plane));
+    let given = Problem::rest_to_rest(robot, &elbow(-0.6), &elbow(0.6), 1.0)
+        .with_limits(MotionLimits::none())
+        .with_task(task.clone());
+    let mut reached = given.clone();
+    reached.end.q_free = vec![0, 1];
+    reached.end.q[0] += 0.1;
+    reached.task = task.with_end_tool(ToolPose::of(tip()).with_position([FREE, 0.6, FREE]));
+    let (given, reached) = (solve(&given), solve(&reached));
+    let end = reached.trajectory.q.last().unwrap();
+    let expected = elbow(0.6);
+    assert!((0..2).all(|i| (end[i] - expected[i]).abs() < 1e-6), "{end:?} {expected:?}");
+    assert!((reached.total() / given.total() - 1.0).abs() < 1e-6, "{} {}", reached.total(), given.total());
+}

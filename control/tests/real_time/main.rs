@@ -5,6 +5,7 @@
 use costate_test_support::allocations::Counting;
 
 mod feedback;
+mod motion_derivative;
 mod resolve;
 mod sensitivity;
 

@@ -249,38 +249,42 @@ fn past_a_ball(at: [f64; 3]) -> Problem {
     arm.with_task(task)
 }
 
-/// Where the tip passes at half the angle, so much farther out.
-fn beside(out: f64) -> [f64; 3] {
-    let (angle, length) = (0.75_f64, 1.9);
-    let turned = angle + 0.1;
-    [(length + out) * turned.cos(), (length + out) * turned.sin(), 0.0]
+/// So far outside of a place of the tip of the arm.
+fn beside(tip: [f64; 2], out: f64) -> [f64; 3] {
+    let part = 1.0 + out / tip[0].hypot(tip[1]);
+    [part * tip[0], part * tip[1], 0.0]
 }
 
 #[test]
 fn obstacles_move_between_solves() {
-    let mut motion = Resolve::new(&past_a_ball(beside(0.3)), options(16, 1e-6)).unwrap();
-    motion.solve().unwrap();
-    let ball = |out: f64| Shape::Sphere { centre: beside(out), radius: 0.1 };
+    let mut motion = Resolve::new(&past_a_ball([9.0, 0.0, 0.0]), options(16, 1e-6)).unwrap();
+    let free = motion.solve().unwrap();
+    let mut z = [0.0; 6];
+    motion.state_at(0.5, &mut z).unwrap();
+    let tip = [z[0].cos() + (z[0] + z[1]).cos(), z[0].sin() + (z[0] + z[1]).sin()];
+    let ball = |out: f64| Shape::Sphere { centre: beside(tip, out), radius: 0.1 };
     let mut costs = Vec::new();
     let mut again = |out: f64| {
         motion.set_obstacle(0, &ball(out)).unwrap();
         motion.solve_again(Budget::steps(80)).unwrap()
     };
-    again(0.28);
+    again(0.3);
     let mut found = Vec::with_capacity(8);
     let allocated = allocations(|| {
-        for out in [0.2, 0.15, 0.12, 0.15, 0.2] {
+        for out in [0.3, 0.14, 0.1, 0.14, 0.3] {
             found.push((out, again(out)));
         }
     });
     assert_eq!(allocated, 0);
     for (out, found) in found {
         assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{out} {found:?}");
-        let fresh = Resolve::new(&past_a_ball(beside(out)), options(16, 1e-6)).unwrap().solve().unwrap();
+        let fresh = Resolve::new(&past_a_ball(beside(tip, out)), options(16, 1e-6)).unwrap().solve().unwrap();
         assert!((found.cost / fresh.cost - 1.0).abs() < 1e-4, "{out}: {found:?} {fresh:?}");
         costs.push(found.cost);
     }
-    assert!(costs[2] > 1.01 * costs[0], "the ball is in the way: {costs:?}");
+    // Out of the way; closer than both radii; there and back.
+    assert!((costs[0] / free.cost - 1.0).abs() < 1e-4 && costs[2] > 1.001 * costs[0], "{costs:?}");
+    assert!(costs[1] > costs[0] && costs[2] > costs[1], "{costs:?}");
     let other = Shape::Sphere { centre: [0.0; 3], radius: 0.2 };
     match motion.set_obstacle(0, &other) {
         Err(ResolveError::Task { table: "obstacle", entry: 0, cause: TaskError::OtherShape }) => {}
@@ -289,7 +293,7 @@ fn obstacles_move_between_solves() {
     let nowhere = Shape::Sphere { centre: [f64::NAN; 3], radius: 0.1 };
     let error = motion.set_obstacle(0, &nowhere).unwrap_err().to_string();
     assert_eq!(error, "obstacle, entry 0: must be finite");
-    let error = motion.set_obstacle(1, &ball(0.2)).unwrap_err().to_string();
+    let error = motion.set_obstacle(1, &ball(0.3)).unwrap_err().to_string();
     assert!(error.starts_with("obstacle: there is no entry 1"), "{error}");
 }
 

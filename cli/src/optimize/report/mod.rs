@@ -1,5 +1,7 @@
 //! The report of a motion: one HTML file, and its figures as SVG files.
 
+mod limit_table;
+mod limits;
 mod motion;
 pub mod numbers;
 mod page;

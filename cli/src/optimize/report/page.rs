@@ -1,7 +1,9 @@
 //! The page: figures, the moving robot, plots, iterations, the problem.
 
+use super::limit_table;
 use super::motion::{FRAMES, Motion};
 use super::panels::{self, Panel};
+use super::plot::Look;
 use super::stage_data::{ROTATED, data};
 use super::strobe::Stage;
 use super::svg::{STYLE, escaped};
@@ -41,18 +43,19 @@ fn motion_sections(motion: &Motion<'_>) -> String {
     if motion.solution.trajectory.t.len() < 2 {
         return "<section><h2>Motion</h2><p>There is no motion to show.</p></section>\n".into();
     }
-    let along = plots(panels::along_the_motion(motion));
-    let controls = plots(panels::control_by_control(motion));
+    let (along, controls) = (panels::along_the_motion(motion), panels::control_by_control(motion));
+    let keys = keys(motion, &along);
+    let (along, controls) = (plots(along), plots(controls));
     let controls = if controls.is_empty() {
         controls
     } else {
         format!("<h3>Each control</h3><div class=\"grid-of-pictures\">{controls}</div>")
     };
     format!(
-        "{pictures}<section><h2>Along the motion</h2>{keys}\
+        "{pictures}{limits}<section><h2>Along the motion</h2>{keys}\
          <div class=\"grid-of-plots\">{along}</div>{controls}</section>\n<script>{SCRIPT}</script>\n",
         pictures = pictures(motion),
-        keys = keys(motion),
+        limits = limit_table::section(motion),
     )
 }
 
@@ -127,13 +130,14 @@ fn pictures(motion: &Motion<'_>) -> String {
 }
 
 /// The meaning of dashed, dotted and vertical lines, if there are any.
-fn keys(motion: &Motion<'_>) -> String {
+fn keys(motion: &Motion<'_>, panels: &[Panel]) -> String {
     let mut keys = Vec::new();
-    if motion.problem.bounds.is_some() {
-        keys.push("dashed: bounds");
+    let has = |look| panels.iter().flat_map(|(_, plot)| &plot.curves).any(|curve| curve.look == look);
+    if has(Look::Kept) {
+        keys.push("dashed: hard limits, which the motion must keep, where the curves come near");
     }
-    if panels::has_limits(motion) {
-        keys.push("dotted: limits of the robot, not enforced");
+    if has(Look::Compared) {
+        keys.push("dotted: limits of the robot that are only compared, with a warning");
     }
     if !motion.solution.motion.switches.is_empty() {
         keys.push("vertical lines: a control reaches or leaves a bound");

@@ -1,5 +1,6 @@
 //! The plots of a report.
 
+use super::limits::{self, Quantity};
 use super::motion::Motion;
 use super::numbers::short;
 use super::plot::{Curve, Look, Plot};
@@ -12,22 +13,37 @@ use costate_control::{Iteration, Trajectory};
 pub type Panel = (String, Plot);
 
 /// Names of the plots over time.
-pub const NAMES: [&str; 8] =
-    ["positions", "rates", "controls", "momenta", "costates_q", "costates_p", "hamiltonian", "mesh"];
+pub const NAMES: [&str; 9] = [
+    "positions",
+    "rates",
+    "accelerations",
+    "controls",
+    "momenta",
+    "costates_q",
+    "costates_p",
+    "hamiltonian",
+    "mesh",
+];
+
+/// Number of times at which accelerations are drawn, which may jump.
+const TIMES: f64 = 600.0;
 
 /// Start of the name of a plot of one control; the name of its joint follows.
 pub const CONTROL: &str = "control_";
 
-/// The quantities along the motion: q, v, p, u, y_q, y_p, H*.
+/// The quantities along the motion: q, v, a, u, p, y_q, y_p, H*.
 pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     let trajectory = &motion.solution.trajectory;
     let robot = &motion.problem.robot;
     let t = &trajectory.t;
-    let plot = |file: &str, title: &str, symbol: &str, unit: Units, rows: &[Vec<f64>]| {
+    let plot = |file: &str, title: &str, symbol: &str, unit: Units, curves: Vec<Curve>| {
         let mut plot = Plot::over_time(title, format!("{symbol} ({})", units::of_robot(robot, unit)));
-        plot.curves = curves(robot, t, rows);
+        plot.curves = curves;
         plot.marks.clone_from(&motion.solution.motion.switches);
         (file.to_owned(), plot)
+    };
+    let limited = |quantity, curves: Vec<Curve>| -> Vec<Curve> {
+        limits::levels(motion, quantity, &curves).into_iter().chain(curves).collect()
     };
     let angles = if robot.independent_joints().any(|joint| joint.kind == JointKind::Prismatic) {
         "positions"
@@ -35,12 +51,28 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
         "angles"
     };
     let mut panels = vec![
-        plot("positions", &format!("Joint {angles}"), "q", units::POSITION, &trajectory.q),
-        plot("rates", "Joint rates", "v", units::RATE, &trajectory.v),
+        plot(
+            "positions",
+            &format!("Joint {angles}"),
+            "q",
+            units::POSITION,
+            limited(Quantity::Position, curves(robot, t, &trajectory.q)),
+        ),
+        plot(
+            "rates",
+            "Joint rates",
+            "v",
+            units::RATE,
+            limited(Quantity::Rate, curves(robot, t, &trajectory.v)),
+        ),
     ];
+    if let Some(accelerations) = accelerations(motion) {
+        let curves = limited(Quantity::Acceleration, accelerations);
+        panels.push(plot("accelerations", "Joint accelerations", "a", units::ACCELERATION, curves));
+    }
     panels.push(controls(motion));
-    panels.push(plot("momenta", "Momenta p = M v", "p", units::MOMENTUM, &trajectory.p));
-    let (y_q, y_p) = (&trajectory.y_q, &trajectory.y_p);
+    panels.push(plot("momenta", "Momenta p = M v", "p", units::MOMENTUM, curves(robot, t, &trajectory.p)));
+    let [y_q, y_p] = [&trajectory.y_q, &trajectory.y_p].map(|rows| curves(robot, t, rows));
     panels.push(plot("costates_q", "Costates of the positions", "y_q", units::POSITION_COSTATE, y_q));
     panels.push(plot("costates_p", "Costates of the momenta", "y_p", units::MOMENTUM_COSTATE, y_p));
     panels.push(hamiltonian(motion));
@@ -74,49 +106,26 @@ fn names_of_controls(motion: &Motion<'_>, unit: &str) -> (&'static str, String) 
     (if slides { "Control" } else { "Torque" }, format!("u ({unit})"))
 }
 
-/// The bounds of a control; without bounds the limits of the joint, if the control comes near to them.
-fn levels(motion: &Motion<'_>, i: usize) -> Vec<Curve> {
-    let (t, u) = (&motion.solution.trajectory.t, &motion.solution.trajectory.u);
-    let ends = [t.first(), t.last()].map(|t| t.copied().unwrap_or(0.0));
-    let level = |value: f64, look| Curve {
-        name: format!("{} {}", if look == Look::Bound { "bound" } else { "limit" }, short(value, 6)),
-        color: i,
-        points: ends.map(|t| (t, value)).to_vec(),
-        look,
-    };
-    if let Some(bounds) = &motion.problem.bounds {
-        let both = [bounds.u_min[i], bounds.u_max[i]].into_iter().filter(|bound| bound.is_finite());
-        let levels: Vec<Curve> = both.map(|bound| level(bound, Look::Bound)).collect();
-        if !levels.is_empty() {
-            return levels;
-        }
-    }
-    let robot = &motion.problem.robot;
-    let limit = robot.joints()[robot.independent_indices()[i]].limits.effort / motion.problem.gain[i].abs();
-    let largest = column(t, u, i).iter().fold(0.0_f64, |largest, (_, u)| largest.max(u.abs()));
-    let near = (0.5..4.0).contains(&(largest / limit));
-    if near { [-limit, limit].map(|limit| level(limit, Look::Limit)).into() } else { Vec::new() }
+/// Accelerations, straight from time to time; none where the dynamics cannot be evaluated.
+fn accelerations(motion: &Motion<'_>) -> Option<Vec<Curve>> {
+    let samples = motion.solution.sample(motion.problem, TIMES / motion.solution.motion.final_time).ok()?;
+    let curves = curves(&motion.problem.robot, &samples.t, &samples.a);
+    Some(curves.into_iter().map(|curve| Curve { look: Look::Line, ..curve }).collect())
 }
 
-/// Whether limits of joints are drawn.
-pub fn has_limits(motion: &Motion<'_>) -> bool {
-    (0..motion.problem.robot.dof()).any(|i| levels(motion, i).iter().any(|level| level.look == Look::Limit))
-}
-
-/// All controls; with bounds if there are at most two.
+/// All controls with their limits.
 fn controls(motion: &Motion<'_>) -> Panel {
     let robot = &motion.problem.robot;
     let (title, label) = names_of_controls(motion, &units::of_robot(robot, units::EFFORT));
     let mut plot = Plot::over_time(format!("{title}s u"), label);
     let Trajectory { t, u, .. } = &motion.solution.trajectory;
-    let few = robot.dof() <= 2;
-    let levels = (0..robot.dof()).filter(|_| few).flat_map(|i| levels(motion, i));
-    plot.curves = levels.chain(curves(robot, t, u)).collect();
+    let curves = curves(robot, t, u);
+    plot.curves = limits::levels(motion, Quantity::Control, &curves).into_iter().chain(curves).collect();
     plot.marks.clone_from(&motion.solution.motion.switches);
     ("controls".into(), plot)
 }
 
-/// One plot for each control, with bounds or limits; none for at most two joints.
+/// One plot for each control with its limits; none for at most two joints.
 pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
     let robot = &motion.problem.robot;
     if robot.dof() <= 2 {
@@ -128,7 +137,8 @@ pub fn control_by_control(motion: &Motion<'_>) -> Vec<Panel> {
         let joint = &robot.joints()[robot.independent_indices()[i]];
         let (title, label) = names_of_controls(motion, units::of_joint(joint.kind, units::EFFORT));
         let mut plot = Plot::over_time(format!("{title} {}", cut(&joint.name, 30)), label).small();
-        plot.curves = levels(motion, i).into_iter().chain([curve]).collect();
+        let curve = [curve];
+        plot.curves = limits::levels(motion, Quantity::Control, &curve).into_iter().chain(curve).collect();
         plot.marks.clone_from(&motion.solution.motion.switches);
         (format!("{CONTROL}{}", names[i]), plot)
     };

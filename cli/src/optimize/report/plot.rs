@@ -17,6 +17,8 @@ const LETTER: f64 = 6.7;
 const LETTERS: usize = 18;
 /// Colours in `figure.css`.
 const COLORS: usize = 12;
+/// The colour of what belongs to several joints.
+pub const NEUTRAL: usize = usize::MAX;
 
 /// A curve; its colour is that of the joint.
 pub struct Curve {
@@ -34,18 +36,18 @@ pub enum Look {
     Smooth,
     /// A line with its points.
     Dotted,
-    /// A bound; not in the legend.
-    Bound,
-    /// A limit of the robot that is not enforced; not in the legend.
-    Limit,
+    /// A limit that the motion must keep; not in the legend.
+    Kept,
+    /// A limit of the robot that the motion is only compared with; not in the legend.
+    Compared,
 }
 
 impl Look {
     fn class(self) -> &'static str {
         match self {
             Self::Line | Self::Smooth | Self::Dotted => "curve",
-            Self::Bound => "curve bound",
-            Self::Limit => "curve limit",
+            Self::Kept => "curve kept",
+            Self::Compared => "curve compared",
         }
     }
 }
@@ -127,7 +129,7 @@ impl Plot {
     /// The plot as one `<svg>` element.
     pub fn svg(&self) -> String {
         let named: Vec<&Curve> =
-            self.curves.iter().filter(|c| !matches!(c.look, Look::Bound | Look::Limit)).collect();
+            self.curves.iter().filter(|c| !matches!(c.look, Look::Kept | Look::Compared)).collect();
         let legend = named.len() > 1;
         let letters = named.iter().map(|curve| cut(&curve.name, LETTERS).chars().count()).max().unwrap_or(0);
         let room = if legend { 40.0 + LETTER * letters as f64 } else { 0.0 };
@@ -186,23 +188,25 @@ impl Plot {
         };
         let name = escaped(&curve.name);
         let class = curve.look.class();
-        format!(
-            "<path class=\"{class} c{}\" d=\"{d}\"><title>{name}</title></path>{dots}",
-            curve.color % COLORS
-        )
+        format!("<path class=\"{class} {}\" d=\"{d}\"><title>{name}</title></path>{dots}", color(curve.color))
     }
 }
 
 /// A line of the legend.
 fn entry(curve: &Curve, x: f64, y: f64) -> String {
     let (full, name) = (escaped(&curve.name), escaped(&cut(&curve.name, LETTERS)));
-    let (color, line, text) = (curve.color % COLORS, y - 4.0, x + 24.0);
+    let (color, line, text) = (color(curve.color), y - 4.0, x + 24.0);
     format!(
-        "<path class=\"curve c{color}\" d=\"M{x:.1} {line:.1}h18\"/>\
+        "<path class=\"curve {color}\" d=\"M{x:.1} {line:.1}h18\"/>\
          <text x=\"{text:.1}\" y=\"{y:.1}\">{name}<title>{full}</title></text>"
     )
 }
 
-fn dot(color: usize, x: f64, y: f64) -> String {
-    format!("<circle class=\"dot c{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.4\"/>", color % COLORS)
+fn dot(number: usize, x: f64, y: f64) -> String {
+    format!("<circle class=\"dot {}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.4\"/>", color(number))
+}
+
+/// The class of a colour.
+fn color(number: usize) -> String {
+    if number == NEUTRAL { "neutral".into() } else { format!("c{}", number % COLORS) }
 }

@@ -1,8 +1,12 @@
 //! `costate optimize`.
 
 mod bounds;
+mod feedback;
 mod input;
+mod keys;
+mod missing;
 mod outputs;
+mod pages;
 mod problems;
 mod solutions;
 mod stopping;

@@ -3,9 +3,12 @@
 //! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
 //! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
+pub(super) mod changes;
 pub(super) mod feedback;
 pub(super) mod goals;
+pub(super) mod motion_derivative;
 pub(super) mod neighbours;
+pub(super) mod parameter_columns;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;

@@ -7,21 +7,22 @@ use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
 use super::start::Again;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::{End, Interior};
-use crate::direct::solve::direct::{Dynamics, interior};
+use crate::direct::solve::direct::{Dynamics, interior, interior_on};
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
-use crate::problem::{BoundaryState, Problem, Reference, Shape, TaskError};
+use crate::problem::{BoundaryState, Problem};
+use crate::result::trajectory::Trajectory;
 use crate::solve::recorder::Interruption;
 use crate::task::build::TaskRows;
-use crate::task::check_references::check_reference;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
+use costate::robot::Robot;
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and places
-/// of obstacles.
+/// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and
+/// places of obstacles.
 ///
 /// The mesh has `(nodes - 1) / 3` equal intervals of the [options](SolverOptions::nodes), whose tolerance is
 /// that of each solve. The first solve begins at the guess of [`Solver`](crate::Solver). Every later one
@@ -48,15 +49,17 @@ use std::time::{Duration, Instant};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Resolve {
-    interior: Interior<Dynamics>,
+    pub(super) interior: Interior<Dynamics>,
     options: SolverOptions,
-    limits: Vec<JointLimits>,
+    pub(super) limits: Vec<JointLimits>,
+    /// With what it carries.
+    pub(super) robot: Robot,
     model: Lagrangian<f64>,
     /// (q, v) at start and end.
-    states: [Vec<f64>; 2],
-    goals: Goals,
+    pub(super) states: [Vec<f64>; 2],
+    pub(super) goals: Goals,
     /// Number of obstacles.
-    obstacles: usize,
+    pub(super) obstacles: usize,
     again: Again,
     feedback: Feedback,
     shown: Shown,
@@ -65,9 +68,9 @@ pub struct Resolve {
     damping: f64,
     /// Longest time of a Newton step.
     longest: Duration,
-    started: bool,
+    pub(super) started: bool,
     /// Whether the equations are factorised near the iterate.
-    factorised: bool,
+    pub(super) factorised: bool,
 }
 
 impl Resolve {
@@ -78,7 +81,32 @@ impl Resolve {
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new), and [`ProblemError::NotAgain`] for limits or
     /// costs of jerks and rates of torques, given accelerations, vias and periodic motions.
     pub fn new(problem: &Problem, options: SolverOptions) -> Result<Self, ProblemError> {
-        let from_robot = problem.limits.from_robot.unwrap_or(true);
+        Self::begin(problem, options, problem.limits.from_robot.unwrap_or(true), None)
+    }
+
+    /// The same near a motion that was solved, on its mesh: at its nodes, whatever
+    /// [`nodes`](SolverOptions::nodes) the options say. The first solve begins at this motion, with the
+    /// limits that [`Solver`](crate::Solver) keeps.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); a motion that begins and ends at one time, or of another robot, counts as none.
+    pub fn near(
+        problem: &Problem,
+        options: SolverOptions,
+        motion: &Trajectory,
+    ) -> Result<Self, ProblemError> {
+        let n = problem.robot.dof();
+        let fits = motion.q.iter().all(|q| q.len() == n) && motion.q.len() > 2;
+        let near = motion.direct_nodes().filter(|_| fits).map(|nodes| (motion, nodes));
+        Self::begin(problem, options, problem.keeps_robot_limits(), near)
+    }
+
+    fn begin(
+        problem: &Problem,
+        options: SolverOptions,
+        from_robot: bool,
+        near: Option<(&Trajectory, Vec<f64>)>,
+    ) -> Result<Self, ProblemError> {
         let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
@@ -89,8 +117,12 @@ impl Resolve {
         let n = problem.robot.dof();
         let state = |state: &BoundaryState| [&state.q[..], &state.v].concat();
         Ok(Self {
-            interior: interior(problem, &rows, &options, 0, None),
+            interior: match near {
+                Some((motion, nodes)) => interior_on(problem, &rows, &options, 0, Some(motion), &nodes),
+                None => interior(problem, &rows, &options, 0, None),
+            },
             limits: problem.joint_limits(),
+            robot: problem.robot.clone(),
             model: Lagrangian::new(&problem.robot),
             states: [state(&problem.start), state(&problem.end)],
             goals: Goals::of(&problem.task),
@@ -110,142 +142,6 @@ impl Resolve {
     /// Number of joints, n.
     pub fn dof(&self) -> usize {
         self.limits.len()
-    }
-
-    /// The next solve starts at these positions (rad, m) and rates (rad/s, m/s), n entries each. Those that
-    /// the problem leaves free do not count.
-    ///
-    /// # Errors
-    /// [`ResolveError`]: another length, a number that is not finite, or one beyond its limits.
-    pub fn set_start(&mut self, q: &[f64], v: &[f64]) -> Result<(), ResolveError> {
-        self.set(0, ["q at the start", "v at the start"], q, v)
-    }
-
-    /// The next solve ends at these positions and rates, as [`set_start`](Self::set_start).
-    ///
-    /// # Errors
-    /// As [`set_start`](Self::set_start).
-    pub fn set_end(&mut self, q: &[f64], v: &[f64]) -> Result<(), ResolveError> {
-        self.set(1, ["q at the end", "v at the end"], q, v)
-    }
-
-    fn set(
-        &mut self,
-        end: usize,
-        names: [&'static str; 2],
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<(), ResolveError> {
-        let n = self.dof();
-        let given = &self.interior.ends.given[end];
-        for (group, (what, values)) in names.into_iter().zip([q, v]).enumerate() {
-            if values.len() != n {
-                return Err(ResolveError::WrongLength { what, expected: n, found: values.len() });
-            }
-            for (joint, (&value, limits)) in values.iter().zip(&self.limits).enumerate() {
-                if !given[n * group + joint] {
-                    continue;
-                }
-                if !value.is_finite() {
-                    return Err(ResolveError::NotFinite { what, entry: joint });
-                }
-                let [low, high] = if group == 0 { limits.q } else { [-limits.v, limits.v] };
-                if !(low..=high).contains(&value) {
-                    return Err(ResolveError::Outside { what, joint, value, low, high });
-                }
-            }
-        }
-        self.states[end][..n].copy_from_slice(q);
-        self.states[end][n..].copy_from_slice(v);
-        Ok(())
-    }
-
-    /// The next solve has this position (m) in [`Task::start_tools`](crate::Task::start_tools)`[tool]`.
-    /// Coordinates that the problem leaves free stay free.
-    ///
-    /// # Errors
-    /// [`ResolveError::NoTool`], [`ResolveError::NotFinite`].
-    pub fn set_start_tool(&mut self, tool: usize, position: [f64; 3]) -> Result<(), ResolveError> {
-        let rows = self.goals.rows("start.tool", 0, tool, &position)?;
-        self.set_end_rows(0, rows, position);
-        Ok(())
-    }
-
-    /// The same of [`Task::end_tools`](crate::Task::end_tools).
-    ///
-    /// # Errors
-    /// As [`set_start_tool`](Self::set_start_tool).
-    pub fn set_end_tool(&mut self, tool: usize, position: [f64; 3]) -> Result<(), ResolveError> {
-        let rows = self.goals.rows("end.tool", 1, tool, &position)?;
-        self.set_end_rows(1, rows, position);
-        Ok(())
-    }
-
-    fn set_end_rows(&mut self, end: usize, rows: [Option<usize>; 3], position: [f64; 3]) {
-        for (row, x) in rows.into_iter().zip(position).filter_map(|(row, x)| Some((row?, x))) {
-            self.interior.tasks.set_end_value(end, row, x);
-            self.interior.barrier.set_end_bound(end, row, x);
-        }
-    }
-
-    /// The next solve has this position (m) in [`Task::tool_costs`](crate::Task::tool_costs)`[cost]`, as
-    /// [`set_start_tool`](Self::set_start_tool).
-    ///
-    /// # Errors
-    /// As [`set_start_tool`](Self::set_start_tool).
-    pub fn set_tool_cost(&mut self, cost: usize, position: [f64; 3]) -> Result<(), ResolveError> {
-        let rows = self.goals.rows("cost.tool", 2, cost, &position)?;
-        for (row, x) in rows.into_iter().zip(position).filter_map(|(row, x)| Some((row?, x))) {
-            self.interior.running.set_tool_value(row, x);
-        }
-        Ok(())
-    }
-
-    /// The next solve has this shape in [`Task::obstacles`](crate::Task::obstacles)`[obstacle]`: the same one in
-    /// another place, a capsule of any length. It stands still during the motion; what moves is where it is
-    /// in the next solve. Whether the start keeps away from it is not checked: limits that cannot be kept
-    /// show in [`Resolved::violation`].
-    ///
-    /// # Errors
-    /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: another shape or size, numbers that are not finite.
-    pub fn set_obstacle(&mut self, obstacle: usize, shape: &Shape) -> Result<(), ResolveError> {
-        let (table, entry) = ("obstacle", obstacle);
-        if obstacle >= self.obstacles {
-            return Err(ResolveError::NoEntry { table, entry });
-        }
-        let moved = self.interior.tasks.move_obstacle(obstacle, shape);
-        moved.map_err(|cause| ResolveError::Task { table, entry, cause })
-    }
-
-    /// The next solve has this reference in [`Task::references`](crate::Task::references)`[reference]`, of the
-    /// same joints, or of the same tool and coordinates; with its weights. Allocates only if it has more knots
-    /// than any before it.
-    ///
-    /// # Errors
-    /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: a reference of something else, or one that
-    /// [`Problem::check`] would refuse.
-    pub fn set_reference(&mut self, reference: usize, to: &Reference) -> Result<(), ResolveError> {
-        let (table, entry, n) = ("cost.reference", reference, self.dof());
-        let references = &mut self.interior.running.references;
-        if reference >= references.count() {
-            return Err(ResolveError::NoEntry { table, entry });
-        }
-        let task = |cause| ResolveError::Task { table, entry, cause };
-        check_reference(to, n).map_err(|(_, cause)| task(cause))?;
-        references.set(reference, to).map_err(|_| task(TaskError::OtherReference))
-    }
-
-    /// The next solve starts at this time (s) of all references: what they are at `time` they are at the start
-    /// of the motion. 0 at first.
-    ///
-    /// # Errors
-    /// [`ResolveError::NotFinite`].
-    pub fn set_start_time(&mut self, time: f64) -> Result<(), ResolveError> {
-        if !time.is_finite() {
-            return Err(ResolveError::NotFinite { what: "the start time", entry: 0 });
-        }
-        self.interior.running.references.start = time;
-        Ok(())
     }
 
     /// Begins the warm start later by `dt` (s), the time since the last solve: the part of the motion that is

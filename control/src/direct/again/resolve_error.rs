@@ -63,6 +63,22 @@ pub enum ResolveError {
         /// What is wrong with it.
         cause: TaskError,
     },
+    /// A limit that a joint does not have, or a torque limit that falls with the speed.
+    #[error(
+        "{kind} of joint {joint}, counted from 0: there is no such limit, or it is a torque limit that falls with the speed"
+    )]
+    NoLimit {
+        /// What is limited.
+        kind: &'static str,
+        /// The joint, from 0.
+        joint: usize,
+    },
+    /// A payload that the robot does not take.
+    #[error("the payload: {0}")]
+    Payload(String),
+    /// A payload without mass, whose derivative by its mass is that of no body.
+    #[error("the payload has no mass; give one, whose centre and shape the derivative belongs to")]
+    NoMass,
     /// A tool that the problem does not have, or one without a position.
     #[error("{table}: there is no entry {entry} with a position, counted from 0; poses keep their kind")]
     NoTool {

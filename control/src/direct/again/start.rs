@@ -109,11 +109,14 @@ impl<D: PointDynamics> Interior<D> {
     /// Begins the motion later by `dt` (s). With a free time the rest remains; with a fixed one the motion
     /// goes on beyond its end at the rates there, and the mesh moves by whole intervals: between the nodes of
     /// a coarse mesh another spline has other accelerations, which cost more than what a part of an interval
-    /// gains. The intervals are equal.
+    /// gains. On a mesh whose intervals are not equal it moves by dt.
     pub fn shift(&mut self, dt: f64, again: &mut Again) {
         let (n, time) = (self.spline.dof, self.spline.duration());
         let intervals = self.spline.mesh.intervals() as f64;
-        let whole = (dt / time * intervals).round() / intervals;
+        let width = self.spline.mesh.width(0);
+        let equal =
+            (0..self.spline.mesh.intervals()).all(|k| (self.spline.mesh.width(k) / width - 1.0).abs() < 1e-6);
+        let whole = if equal { (dt / time * intervals).round() / intervals } else { dt / time };
         if whole == 0.0 {
             return;
         }

@@ -7,6 +7,7 @@ use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::guess::guess;
+use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::running::Running;
@@ -42,7 +43,7 @@ fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoint
     let pair = |kind| (0..2).flat_map(move |joint| Side::pair(kind, joint, -1.1, 1.1));
     let sides = kinds.into_iter().flat_map(pair).collect();
     problem.vias = vias.to_vec();
-    let spline = guess(&problem, None, &Disturbance::default(), 3);
+    let spline = guess(&problem, None, &Disturbance::default(), Mesh::even(problem.phases(), 3));
     let dynamics = PhaseDynamics::new(&problem.robots(), RobotPoints::new);
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
     let through = [0.1; 3];

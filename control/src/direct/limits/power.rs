@@ -190,6 +190,18 @@ impl Powers {
         }
     }
 
+    /// What a row changes by with the torques, at these rates.
+    pub fn change(&self, row: usize, v: &[f64], torques: &[f64]) -> f64 {
+        let function = &self.functions[row];
+        function.joints.clone().map(|i| function.by_torque(v[i]) * torques[i]).sum()
+    }
+
+    /// Adds a multiple of what the derivatives of a row by the rates change by with the torques.
+    pub fn add_products(&self, row: usize, factor: f64, torques: &[f64], gradient: &mut [f64]) {
+        let function = &self.functions[row];
+        function.joints.clone().for_each(|i| gradient[i] += factor * function.product * torques[i]);
+    }
+
     /// Adds a multiple of the derivatives of a row by the rates, at constant torques.
     pub fn add_by_rates(&self, row: usize, factor: f64, tau: &[f64], gradient: &mut [f64]) {
         let function = &self.functions[row];

@@ -12,13 +12,12 @@ use crate::task::build::TaskRows;
 use crate::task::reach::reach;
 use std::borrow::Cow;
 
-/// Cubics from end to end of the phases with a disturbance, or a saved motion, on so many equal intervals in
-/// each phase.
+/// Cubics from end to end of the phases with a disturbance, or a saved motion, on these nodes.
 pub(crate) fn guess(
     problem: &Problem,
     saved: Option<&Trajectory>,
     disturbance: &Disturbance,
-    intervals: usize,
+    nodes: Vec<f64>,
 ) -> Spline {
     let n = problem.robot.dof();
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
@@ -69,7 +68,8 @@ pub(crate) fn guess(
         }
     };
     // The second derivative is that of rates around the place: for a guess as good as the exact one.
-    let step = NEIGHBOUR / intervals as f64;
+    let narrowest = nodes.windows(2).map(|ends| ends[1] - ends[0]).fold(1.0, f64::min);
+    let step = NEIGHBOUR * narrowest;
     let (mut q, mut before, mut after) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let state = |phase: usize, s: f64, z: &mut [f64]| {
         let (left, right) = ((s - step).max(phase as f64), (s + step).min(phase as f64 + 1.0));
@@ -82,7 +82,7 @@ pub(crate) fn guess(
             *to = (after - before) / (right - left);
         }
     };
-    let mesh = Mesh::new(Mesh::even(times.len(), intervals), Shape::of(problem));
+    let mesh = Mesh::new(nodes, Shape::of(problem));
     let mut spline = Spline::through(n, mesh, times.clone(), state);
     meet_ends(problem, &mut spline);
     spline

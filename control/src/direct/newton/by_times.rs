@@ -1,7 +1,7 @@
 //! Derivatives by the times of phases.
 //!
-//! A point in phase p at the place s is passed at the time $t = \sum\_{i<p} T\_i + (s - p) T\_p$. So where the
-//! running cost depends on t it depends on the times of the phase and of all before it.
+//! A point in phase p at the place s is passed at the time $t = \sum\_{i<p} T\_i + (s - p) T\_p$. So where
+//! the running cost depends on t it depends on the times of the phase and of all before it.
 
 use super::interval::add_gradient;
 use super::point_terms::Work;
@@ -16,8 +16,8 @@ pub(in crate::direct) struct ByTimes {
     pub gradient: [Vec<f64>; 2],
     /// Of the gradient in x.
     pub columns: Vec<Vec<f64>>,
-    /// Second ones, K x K for K phases. Two phases have some together where the cost depends on the time since
-    /// the start of the motion.
+    /// Second ones, K x K for K phases. Two phases have some together where the cost depends on the time
+    /// since the start of the motion.
     pub second: Vec<f64>,
 }
 
@@ -47,8 +47,8 @@ impl ByTimes {
         }
     }
 
-    /// Adds what the clock makes of a point that was [collected](Work::collect), to the derivatives by the times
-    /// of its phase and of those before it.
+    /// Adds what the clock makes of a point that was [collected](Work::collect), to the derivatives by the
+    /// times of its phase and of those before it.
     #[inline(always)]
     pub fn add_clock(
         &mut self,

@@ -32,8 +32,9 @@ impl RunningCost for Coupled {
     }
 }
 
-/// Rows of all kinds: an equation and limits along the motion, one of them on the speed and one on the acceleration; equations at
-/// the end; costs of a tool, and of references of joints and of a tool, with knots between the points.
+/// Rows of all kinds: an equation and limits along the motion, one of them on the speed and one on the
+/// acceleration; equations at the end; costs of a tool, and of references of joints and of a tool, with knots
+/// between the points.
 fn task() -> Task {
     let tool = || Tool::new("joint:elbow").with_offset([0.3, 0.1, 0.0]);
     let keep = |kept| Keep::new(tool(), kept);

@@ -5,8 +5,8 @@ use crate::direct::motion::shape::{PLACES, WEIGHTS};
 use crate::direct::points::values::PointDynamics;
 
 impl<D: PointDynamics> Interior<D> {
-    /// The integral of l_t from each of these times, in their order, to the end of the motion. Along an optimal
-    /// motion dH*/dt = -l_t, so that H* less this is constant, and H* at the end.
+    /// The integral of l_t from each of these times, in their order, to the end of the motion. Along an
+    /// optimal motion dH*/dt = -l_t, so that H* less this is constant, and H* at the end.
     pub(in crate::direct) fn clock_ahead(&mut self, times: &[f64]) -> Vec<f64> {
         let mut ahead = vec![0.0; times.len()];
         if !self.running.references.any() {

@@ -29,7 +29,8 @@ pub(super) struct Costates {
 /// $$ \lambda_v = M y_p + l_a, \qquad \lambda_q = l_v + \tau_v^\top y_p - \frac{d}{dt} \lambda_v $$
 ///
 /// where l contains energy and the limits on v, powers and rows of tasks with their multipliers, l_v at
-/// constant torques; l_a is that of limits on accelerations of tools. The derivative is that of the polynomial through points and nodes of an interval.
+/// constant torques; l_a is that of limits on accelerations of tools. The derivative is that of the
+/// polynomial through points and nodes of an interval.
 pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates {
     let spline = &interior.spline.clone();
     let (n, mesh) = (spline.dof, &spline.mesh);

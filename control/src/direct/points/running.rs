@@ -11,8 +11,8 @@ use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use crate::task::references::References;
 
-/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools + references + jerks + rates of torques`, per
-/// second. References depend on the time since the start of the motion.
+/// `c_t + 1/2 sum r_i tau_i^2 + energy + penalties + terms + tools + references + jerks + rates of torques`,
+/// per second. References depend on the time since the start of the motion.
 #[derive(Debug)]
 pub(crate) struct Running {
     /// c_t.
@@ -66,7 +66,8 @@ impl Running {
         (0..points.count()).map(cost).sum::<f64>() + points.rates.cost(spline, &self.rates)
     }
 
-    /// l at a time without the costs of jerks and of rates of torques; infinite where tools cannot be evaluated.
+    /// l at a time without the costs of jerks and of rates of torques; infinite where tools cannot be
+    /// evaluated.
     pub fn rate(&mut self, time: f64, z: &[f64], tau: &[f64]) -> f64 {
         let n = tau.len();
         let (q, v) = (&z[..n], &z[n..2 * n]);

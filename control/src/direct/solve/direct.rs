@@ -9,6 +9,7 @@ use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::guess::{guess, with_tools_reached};
+use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::outcome::found::trajectory;
 use crate::direct::outcome::infeasible::with_proof;
@@ -329,9 +330,21 @@ pub(crate) fn interior(
 ) -> Interior<Dynamics> {
     let (all, phases) = ((options.nodes - 1) / Shape::of(problem).stride(), problem.phases());
     let intervals = (all / phases).max(if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 });
+    interior_on(problem, rows, options, number, saved, &Mesh::even(phases, intervals))
+}
+
+/// The same on these nodes.
+pub(crate) fn interior_on(
+    problem: &Problem,
+    rows: &TaskRows,
+    options: &SolverOptions,
+    number: usize,
+    saved: Option<&Trajectory>,
+    nodes: &[f64],
+) -> Interior<Dynamics> {
     let reached = with_tools_reached(problem, rows, number);
     let disturbance = Disturbance::draw(&reached, options.seed, number);
-    let spline = guess(&reached, saved, &disturbance, intervals);
+    let spline = guess(&reached, saved, &disturbance, nodes.to_vec());
     let model = |robot: &Robot| {
         #[cfg(feature = "jit")]
         let model = FastPoints::new(robot, options.machine_code);
@@ -349,7 +362,7 @@ pub(crate) fn interior(
     if saved.is_none() && can_choose {
         interior.choose_time(|time| {
             let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
-            guess(&problem, None, &disturbance, intervals)
+            guess(&problem, None, &disturbance, nodes.to_vec())
         });
     }
     interior

@@ -16,6 +16,19 @@ impl<'d> Table<'d> {
         self.values.get(name).is_some()
     }
 
+    /// Whether a key is there and holds a list.
+    pub fn has_list(&self, name: &str) -> bool {
+        matches!(self.values.get(name).map(|value| value.get_ref()), Some(DeValue::Array(_)))
+    }
+
+    /// Whether a key is there and is no empty list.
+    pub fn holds(&self, name: &str) -> bool {
+        match self.values.get(name).map(|value| value.get_ref()) {
+            Some(DeValue::Array(entries)) => !entries.is_empty(),
+            value => value.is_some(),
+        }
+    }
+
     /// Whether a key is there and holds a string.
     pub fn has_string(&self, name: &str) -> bool {
         matches!(self.values.get(name).map(|value| value.get_ref()), Some(DeValue::String(_)))
@@ -67,7 +80,8 @@ impl<'d> Table<'d> {
                 return Err(table.fault(key.get_ref(), cause));
             };
             let start = table.start_of(key.get_ref());
-            let inner = Table { text: self.text, path: table.path.clone(), start, values };
+            let path = Some(table.key(key.get_ref()));
+            let inner = Table { text: self.text, path, start, values };
             inner.only(known)?;
             found.push((key.get_ref().to_string(), inner));
         }

@@ -40,7 +40,42 @@ struct Change {
     key: &'static str,
     /// First byte of what asks for it.
     start: Option<usize>,
-    edit: RobotEdit,
+    asked: Asked,
+}
+
+/// What is asked for.
+enum Asked {
+    Edit(RobotEdit),
+    /// Lower, upper, velocity and effort of a joint; what is not given stays.
+    Limits(String, [Option<f64>; 4]),
+}
+
+impl From<RobotEdit> for Asked {
+    fn from(edit: RobotEdit) -> Self {
+        Self::Edit(edit)
+    }
+}
+
+impl Asked {
+    /// The change of this robot.
+    fn of(&self, robot: &Robot) -> RobotEdit {
+        match self {
+            Self::Edit(edit) => edit.clone(),
+            Self::Limits(name, given) => {
+                let joint = robot.joints().iter().find(|joint| joint.name == *name);
+                // A joint that is not there is refused by the edit.
+                let old = joint.map_or_else(Limits::default, |joint| joint.limits);
+                let [lower, upper, velocity, effort] = *given;
+                let limits = Limits {
+                    lower: lower.unwrap_or(old.lower),
+                    upper: upper.unwrap_or(old.upper),
+                    velocity: velocity.unwrap_or(old.velocity),
+                    effort: effort.unwrap_or(old.effort),
+                };
+                RobotEdit::Limits(name.clone(), limits)
+            }
+        }
+    }
 }
 
 /// Reads the key `robot` of the file.
@@ -52,39 +87,39 @@ pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
     let mut changes = Vec::new();
-    let mut add = |key, start: Option<usize>, edit| {
-        changes.push(Change { key, start: start.or_else(|| table.start_of(key)), edit });
+    let mut add = |key, start: Option<usize>, asked: Asked| {
+        changes.push(Change { key, start: start.or_else(|| table.start_of(key)), asked });
     };
     if let Some(gravity) = triple(&table, "gravity")? {
-        add("gravity", None, RobotEdit::Gravity(gravity));
+        add("gravity", None, RobotEdit::Gravity(gravity).into());
     }
     for (joint, armature) in table.numbers_by_name("armature")? {
-        add("armature", None, RobotEdit::Armature(joint, armature));
+        add("armature", None, RobotEdit::Armature(joint, armature).into());
     }
     for (joint, law) in table.tables_by_name("friction", FRICTION)? {
-        add("friction", None, RobotEdit::Friction(joint, friction(&law)?));
+        add("friction", None, RobotEdit::Friction(joint, friction(&law)?).into());
     }
     for (joint, range) in table.tables_by_name("limits", LIMITS)? {
-        add("limits", None, RobotEdit::Limits(joint, limits(&range)?));
+        add("limits", None, Asked::Limits(joint, limits(&range)?));
     }
     for row in table.tables("frame", FRAME)? {
-        add("frame", row.start, RobotEdit::Frame(frame(&row)?));
+        add("frame", row.start, RobotEdit::Frame(frame(&row)?).into());
     }
     for load in table.tables("payload", PAYLOAD)? {
         let frame = load.need("frame", load.string("frame")?)?;
-        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?));
+        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?).into());
     }
     for row in table.tables("wrench", WRENCH)? {
         let frame = row.need("frame", row.string("frame")?)?;
-        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?));
+        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?).into());
     }
     let locked = table.numbers_by_name("lock")?;
     if !locked.is_empty() {
-        add("lock", None, RobotEdit::Lock(locked));
+        add("lock", None, RobotEdit::Lock(locked).into());
     }
     let kept = table.list("reduced_to", "a list of names of joints", super::table::string)?;
     if let Some(kept) = kept {
-        add("reduced_to", None, RobotEdit::ReducedTo(kept));
+        add("reduced_to", None, RobotEdit::ReducedTo(kept).into());
     }
     Ok(RobotTable { file: table.need("file", table.string("file")?)?, changes })
 }
@@ -97,13 +132,9 @@ fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
     })
 }
 
-fn limits(table: &Table<'_>) -> Result<Limits, Fault> {
-    Ok(Limits {
-        lower: table.number("lower")?.unwrap_or(f64::NEG_INFINITY),
-        upper: table.number("upper")?.unwrap_or(f64::INFINITY),
-        velocity: table.number("velocity")?.unwrap_or(f64::INFINITY),
-        effort: table.number("effort")?.unwrap_or(f64::INFINITY),
-    })
+fn limits(table: &Table<'_>) -> Result<[Option<f64>; 4], Fault> {
+    let number = |name| table.number(name);
+    Ok([number("lower")?, number("upper")?, number("velocity")?, number("effort")?])
 }
 
 fn frame(table: &Table<'_>) -> Result<FrameSpec, Fault> {
@@ -160,7 +191,7 @@ impl RobotTable {
         // Changes may mend what strict loading would refuse.
         let lenient = options.strict(false);
         let robot = Robot::from_file_with(path, lenient).map_err(refused)?;
-        let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.edit.clone()).collect();
+        let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.asked.of(&robot)).collect();
         match robot.edited(&edits, lenient) {
             Ok(robot) => robot.edited(&[], options).map_err(refused),
             Err(error) => {

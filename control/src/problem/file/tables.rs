@@ -12,7 +12,6 @@ use crate::problem::file::{solver, task};
 use crate::problem::key::Key;
 use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem, Task};
 use costate::robot::Robot;
-use toml::de::DeValue;
 
 const ROOT: &[&str] = &[
     "robot",
@@ -183,7 +182,7 @@ fn state_if_any(table: &Table<'_>) -> Result<StateTable, Fault> {
         a: table.numbers("a")?,
         q_free: joints(table, "q_free")?,
         v_free: joints(table, "v_free")?.unwrap_or_default(),
-        has_tools: table.has("tool"),
+        has_tools: table.holds("tool"),
     })
 }
 
@@ -238,13 +237,11 @@ fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
 
 /// One cost of energy for all joints, or one for each.
 fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
-    table.value("energy", "a number or a list of numbers", |value| match value {
-        DeValue::Array(entries) => {
-            let entries = entries.iter().map(|entry| number(entry.get_ref()));
-            Some(Energy::Of(entries.collect::<Option<_>>()?))
-        }
-        value => number(value).map(Energy::Each),
-    })
+    let expected = "a number or a list of numbers";
+    if table.has_list("energy") {
+        return Ok(table.list("energy", expected, number)?.map(Energy::Of));
+    }
+    Ok(table.value("energy", expected, number)?.map(Energy::Each))
 }
 
 impl Tables {

@@ -1,0 +1,111 @@
+//! What the table, the report and the help of `costate optimize` say.
+
+use super::{folder, optimize, two_link};
+use crate::child::{costate, stderr, stdout};
+
+/// The report of a problem with this text.
+fn page(test: &str, text: &str) -> String {
+    let file = folder(test).join("report.html");
+    let output = optimize(test, text, &["-o", file.to_str().unwrap(), "--time-limit", "20"]);
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", stderr(&output));
+    std::fs::read_to_string(&file).unwrap()
+}
+
+/// The part of a page between two texts.
+fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+    page.split_once(from).and_then(|(_, rest)| rest.split_once(to)).map_or("", |(part, _)| part)
+}
+
+/// The plot with this title.
+fn plot<'a>(page: &'a str, title: &str) -> &'a str {
+    between(page, &format!("aria-label=\"{title}"), "</svg>")
+}
+
+#[test]
+fn limits_are_drawn_where_they_belong_and_listed() {
+    let limits = "[limits]\nfrom_robot = false\nq_max = [1.0, inf]\nv_max = [inf, 0.8]\na_max = [6.0, inf]\n\
+                  torque_max = [40.0, 40.0]\n";
+    let page = page("page_kept", &(two_link() + limits));
+    for (title, level) in [
+        ("Joint angles", "limit 1 of shoulder"),
+        ("Joint rates", "limit 0.8 of elbow"),
+        ("Joint accelerations", "limit 6 of shoulder"),
+    ] {
+        let plot = plot(&page, title);
+        assert!(plot.contains("class=\"curve kept") && plot.contains(level), "{title}: {plot}");
+        assert!(!plot.contains("compared"), "{title}");
+    }
+    assert!(page.contains("dashed: hard limits") && !page.contains("dotted: limits"));
+    let table = between(&page, "<h2>Limits</h2>", "</table>");
+    for row in ["position", "rate", "acceleration", "torque"] {
+        assert!(table.contains(&format!("<tr><td>{row}</td><td>hard</td>")), "{row}: {table}");
+    }
+    // The rate limit is active along a part of the motion; it takes more than half a radian in 0.8 rad/s.
+    let active = between(&page, "<th>active limit</th>", "</table>");
+    assert!(active.contains("<tr><td>rate</td><td>elbow</td><td>max</td><td>0."), "{active}");
+}
+
+/// Without `[limits]` those of the robot are compared, and the page says so.
+#[test]
+fn limits_that_are_not_kept_are_told_from_those_that_are() {
+    let page = page("page_compared", &two_link());
+    let torques = plot(&page, "Torques u");
+    assert!(torques.contains("class=\"curve compared") && !torques.contains("curve kept"), "{torques}");
+    assert!(page.contains("dotted: limits of the robot that are only compared"));
+    let table = between(&page, "<h2>Limits</h2>", "</table>");
+    assert!(table.contains("<td>control</td><td>only compared</td>"), "{table}");
+    assert!(page.contains("<tr><td>control, only compared</td><td>shoulder</td><td>max</td>"), "{page}");
+    // Those of the robot are 1 N m; the motion needs 28.1 N m at the elbow.
+    assert!(table.contains("27.1 N m") && table.contains("elbow, t = 0 s"), "{table}");
+    let none = two_link() + "[limits]\nfrom_robot = false\n";
+    assert!(!self::page("page_free", &none).contains("<h2>Limits</h2>"));
+}
+
+/// Bounds of an indirect method are what it keeps.
+#[test]
+fn bounds_of_an_indirect_method_are_limits_that_are_kept() {
+    let more = "[bounds]\nu_min = [-inf, -10.0]\nu_max = [inf, 10.0]\n[solver]\nmethod = \"collocation\"\n";
+    let page = page("page_bounds", &(two_link() + more));
+    let table = between(&page, "<h2>Limits</h2>", "</table>");
+    assert!(table.contains("<td>control</td><td>hard</td><td>0 N m</td>"), "{table}");
+    let active = between(&page, "<th>active limit</th>", "</table>");
+    for side in ["min", "max"] {
+        assert!(active.contains(&format!("<td>control</td><td>elbow</td><td>{side}</td>")), "{active}");
+    }
+    assert!(plot(&page, "Torques u").contains("limit 10 of elbow"));
+}
+
+/// Nothing of the table is cut, also not the reason why a motion is not polished.
+#[test]
+fn the_table_says_which_motion_is_shown_and_why() {
+    let table = stdout(&optimize("shown", &two_link(), &[]));
+    let row = table.lines().find(|line| line.contains("shown")).unwrap();
+    let cost = row.rsplit(' ').next().unwrap();
+    assert!(row.contains("polished; the direct method's cost ") && cost.parse::<f64>().is_ok(), "{row}");
+    for (more, reason) in [
+        (
+            "[limits]\nfrom_robot = false\nv_max = [inf, 0.8]\n",
+            "direct: a rate limit is active, that of elbow",
+        ),
+        ("[limits]\nfrom_robot = false\na_max = [99.0, 99.0]\n", "direct: accelerations are limited"),
+        ("[limits]\nfrom_robot = false\njerk_max = [9e9, 9e9]\n", "direct: limits.jerk_max is given"),
+        ("[[via]]\nq = [0.5, 0.2]\n[limits]\nfrom_robot = false\n", "direct: vias or a periodic motion"),
+    ] {
+        let table = stdout(&optimize("shown", &(two_link() + more), &[]));
+        assert!(table.contains(reason) && !table.contains('\u{2026}'), "{reason}: {table}");
+    }
+}
+
+/// The problem that the help shows is solved as it stands, beside its robot.
+#[test]
+fn the_problem_in_the_help_is_solved() {
+    let help = stdout(&costate(&["optimize", "--help"], b""));
+    let lines = help.lines().filter_map(|line| line.strip_prefix("    ")).filter(|line| line.contains(" = "));
+    let text: String =
+        lines.take_while(|line| !line.starts_with(' ')).map(|line| format!("{line}\n")).collect();
+    assert!(text.starts_with("robot = \"two_link.toml\"") && text.contains("cost.effort"), "{help}");
+    std::fs::copy(super::robot("two_link.toml"), folder("help").join("two_link.toml")).unwrap();
+    let output = optimize("help", &text, &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(help.contains("cheapest motion") && help.contains("The direct method is the default"), "{help}");
+}

@@ -1,0 +1,160 @@
+//! How an optimal motion and its cost change with limits and with what the robot carries.
+
+use super::parameter_columns::Column;
+use super::resolve::Resolve;
+use super::resolve_error::ResolveError;
+use crate::constants::direct::CENTRING_STEPS;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::points::values::{PointDynamics, RobotPoints};
+use crate::numerics::chain::dot;
+use crate::problem::Payload;
+use costate::robot::LinkInertia;
+
+/// A number that an optimal motion depends on. Joints are counted from 0.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum MotionParameter {
+    /// The least position of a joint (rad, m).
+    PositionMin(usize),
+    /// The largest position of a joint (rad, m).
+    PositionMax(usize),
+    /// The largest rate of a joint, in both directions (rad/s, m/s).
+    VelocityMax(usize),
+    /// The largest acceleration of a joint, in both directions (rad/s^2, m/s^2).
+    AccelerationMax(usize),
+    /// The largest torque or force of a joint, in both directions (N m, N). Not where it falls with the speed.
+    TorqueMax(usize),
+    /// The largest power of a joint, in both directions (W).
+    PowerMax(usize),
+    /// The mass of a body that the robot carries, with its centre and the shape of its inertia (kg).
+    PayloadMass(Payload),
+}
+
+/// Derivatives of an optimal motion by one of its [numbers](MotionParameter), at the points of
+/// [`Feedback`](super::feedback::Feedback); from the factorised equations of Newton's method, without solving
+/// again.
+///
+/// They are those of the barrier problem: the motion that is optimal with -mu times the logarithms of slacks
+/// added to its cost, on the same mesh, at the mu with which it was solved. So they belong to a solved motion,
+/// and say as much about another one as that has the same mu and mesh:
+///
+/// - Limits that are active or far away count as they are. Where slack and multiplier are both small, as at the
+///   end of an arc at a limit, the derivatives bend from one to the other over a range of mu.
+/// - The iteration ends when the sum of all products of slacks and multipliers is small, not when they are
+///   equal. The smaller the [tolerance](crate::SolverOptions::tolerance), the less that matters.
+/// - Nodes of a mesh lie where torques jump. A changed limit moves the jumps, and on the same mesh a motion can
+///   only turn its accelerations within an interval: torques next to a jump change otherwise than on a mesh
+///   that moves with it. Integrals, such as the cost, T and the states, hardly see that.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct MotionDerivative {
+    /// dJ/dtheta: minus the sum of multipliers times changes of distances; with a mass y_p . tau_m.
+    pub cost: f64,
+    /// dT/dtheta; zero where it is fixed.
+    pub final_time: f64,
+    /// Derivatives of (q, v) at each point at the same part of the time, 2n each.
+    pub states: Vec<f64>,
+    /// The same of the torques and forces, n each.
+    pub torques: Vec<f64>,
+}
+
+impl Resolve {
+    /// The derivatives of the motion by a number, at the mean mu of its last solve: first some Newton steps make
+    /// the products of slacks and multipliers equal, by which the motion changes within its tolerance.
+    ///
+    /// `None` where the matrix is not positive definite, as [`feedback`](Self::feedback).
+    ///
+    /// # Errors
+    /// [`ResolveError::NotSolved`]; [`ResolveError::NoLimit`]: a joint without this limit, or with a torque that
+    /// falls with its speed; [`ResolveError::Payload`]: a body that the robot does not take, or without mass;
+    /// [`ResolveError::Evaluation`].
+    pub fn derivative_by(
+        &mut self,
+        parameter: &MotionParameter,
+    ) -> Result<Option<MotionDerivative>, ResolveError> {
+        if !self.started {
+            return Err(ResolveError::NotSolved);
+        }
+        let total = self.interior.barrier.total_weight();
+        let mu = self.interior.figures.gap / total.max(f64::MIN_POSITIVE);
+        let centred = mu > 0.0 && self.interior.go_to_centre(mu, CENTRING_STEPS)?;
+        self.factorised = centred || self.interior.linearise()?;
+        if !self.factorised {
+            return Ok(None);
+        }
+        let mut column = Column::default();
+        let mut heavier = None;
+        match parameter {
+            MotionParameter::PayloadMass(payload) => {
+                let unit = one_kilogram(&payload.inertia).ok_or(ResolveError::NoMass)?;
+                let robot = self.robot.with_payload(&payload.frame, &unit);
+                let robot = robot.map_err(|error| ResolveError::Payload(error.to_string()))?;
+                let mut points = self.interior.points.clone();
+                RobotPoints::new(&robot).contract(&mut points)?;
+                self.interior.mass_column(&points, &mut column);
+                heavier = Some(points);
+            }
+            limit => {
+                let (limited, joint, sign, moves) = of_limit(limit);
+                let row = |side: &Side| side.limited == limited && side.joint == joint;
+                let sides = self.interior.barrier.sides();
+                let falls = limited == Limited::Torque
+                    && sides.iter().any(|side| {
+                        side.limited == Limited::TorqueSpeed
+                            && self.interior.powers.joint(side.joint) == Some(joint)
+                    });
+                let is_side =
+                    |side: &Side| row(side) && !side.is_equation && (sign == 0.0 || side.sign == sign);
+                if falls || !sides.iter().any(is_side) {
+                    return Err(ResolveError::NoLimit { kind: limited.name(), joint });
+                }
+                self.interior.limit_column(|side| if is_side(side) { moves } else { 0.0 }, &mut column);
+            }
+        }
+        self.interior.respond_to(&mut column);
+        let mut found = MotionDerivative {
+            cost: column.cost,
+            final_time: self.interior.time_steps[0].iter().sum(),
+            ..MotionDerivative::default()
+        };
+        let n = self.dof();
+        for p in 0..self.interior.points.count() {
+            self.interior.change_of_z(p, 0);
+            let (dz, points) = (&self.interior.trial.dz, &self.interior.points);
+            found.states.extend_from_slice(&dz[..2 * n]);
+            for (i, row) in points.tau_z(p).chunks_exact(3 * n).enumerate() {
+                let own = heavier.as_ref().map_or(0.0, |heavier| heavier.tau(p)[i] - points.tau(p)[i]);
+                found.torques.push(dot(row, dz) + own);
+            }
+        }
+        Ok(Some(found))
+    }
+}
+
+/// What a parameter limits, the joint, the sign of its side (0 for both), and by what the distance to it changes.
+fn of_limit(parameter: &MotionParameter) -> (Limited, usize, f64, f64) {
+    match parameter {
+        MotionParameter::PositionMin(joint) => (Limited::Position, *joint, 1.0, -1.0),
+        MotionParameter::PositionMax(joint) => (Limited::Position, *joint, -1.0, 1.0),
+        MotionParameter::VelocityMax(joint) => (Limited::Rate, *joint, 0.0, 1.0),
+        MotionParameter::AccelerationMax(joint) => (Limited::Acceleration, *joint, 0.0, 1.0),
+        MotionParameter::PowerMax(joint) => (Limited::Power, *joint, 0.0, 1.0),
+        MotionParameter::TorqueMax(joint) => (Limited::Torque, *joint, 0.0, 1.0),
+        // Has no side.
+        MotionParameter::PayloadMass(_) => (Limited::Torque, usize::MAX, 0.0, 0.0),
+    }
+}
+
+/// A body of the same shape with a mass of 1 kg.
+fn one_kilogram(body: &LinkInertia) -> Option<LinkInertia> {
+    let part = 1.0 / body.mass;
+    (part > 0.0 && part.is_finite()).then(|| LinkInertia {
+        mass: 1.0,
+        com: body.com,
+        inertia: body.inertia * part,
+    })
+}
+
+#[cfg(test)]
+#[path = "motion_derivative_tests.rs"]
+mod tests;

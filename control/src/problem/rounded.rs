@@ -1,0 +1,36 @@
+//! Numbers of messages.
+
+use costate::robot::printable_number;
+
+/// Four digits of a number that was computed; those that a user gave are shown as they are. Zero has no sign.
+pub(crate) fn rounded(number: f64) -> String {
+    shown(format!("{number:.3e}").parse().unwrap_or(number))
+}
+
+/// Six digits of the ends of a range that was computed, and none of what is small beside it.
+pub(crate) fn rounded_range(ends: [f64; 2]) -> [String; 2] {
+    let size = ends.iter().filter(|end| end.is_finite()).fold(0.0_f64, |size, end| size.max(end.abs()));
+    ends.map(|end| match end.abs() < 1e-9 * size {
+        true => shown(0.0),
+        false => shown(format!("{end:.5e}").parse().unwrap_or(end)),
+    })
+}
+
+/// Zero has no sign.
+fn shown(number: f64) -> String {
+    printable_number(if number == 0.0 { 0.0 } else { number })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{rounded, rounded_range};
+
+    #[test]
+    fn four_digits_are_left() {
+        let numbers = [0.346_548_589, -0.0, 12_345.678, 6.666_666_6e9, -1e-9, f64::INFINITY, f64::NAN];
+        assert_eq!(numbers.map(rounded), ["0.3465", "0", "12350", "6.667e9", "-1e-9", "inf", "NaN"]);
+        assert_eq!(rounded_range([-2.3e-32, 3.190_999_9]), ["0", "3.191"]);
+        assert_eq!(rounded_range([-0.0, 0.0]), ["0", "0"]);
+        assert_eq!(rounded_range([f64::NEG_INFINITY, 2.718_254_5]), ["-inf", "2.71825"]);
+    }
+}

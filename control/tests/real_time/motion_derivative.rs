@@ -1,0 +1,144 @@
+//! Derivatives of motions by limits and payloads, against solving again.
+
+use costate::robot::{LinkInertia, LoadOptions};
+use costate_control::{
+    FinalTime, MotionLimits, MotionParameter, Objective, Payload, Problem, ProblemFile, Resolve,
+    ResolveError, ResolveStatus, SolverOptions,
+};
+
+fn problem(name: &str) -> Problem {
+    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
+    file.unwrap().problem
+}
+
+/// Solves on so many equal intervals.
+fn solved(problem: &Problem, intervals: usize, tolerance: f64) -> (Resolve, f64) {
+    let options = SolverOptions::default().with_tolerance(tolerance).with_nodes(3 * intervals + 1);
+    let mut motion = Resolve::new(problem, options).unwrap();
+    let found = motion.solve().unwrap();
+    assert_eq!(found.status, ResolveStatus::Solved);
+    (motion, found.cost)
+}
+
+/// Cost; T; states and torques at all points, at the same parts of the time.
+fn values(problem: &Problem, intervals: usize, tolerance: f64) -> [Vec<f64>; 4] {
+    let (mut motion, cost) = solved(problem, intervals, tolerance);
+    let n = motion.dof();
+    let feedback = motion.feedback().unwrap().unwrap().clone();
+    let (mut z, mut tau) = (vec![0.0; 3 * n], vec![0.0; n]);
+    let (mut states, mut torques) = (Vec::new(), Vec::new());
+    for p in 0..feedback.points() {
+        motion.state_at(feedback.time(p), &mut z).unwrap();
+        motion.torques_at(feedback.time(p), &mut tau).unwrap();
+        states.extend_from_slice(&z[..2 * n]);
+        torques.extend_from_slice(&tau);
+    }
+    [vec![cost], vec![motion.final_time()], states, torques]
+}
+
+/// Largest differences of the derivatives from central differences of solving again on the same mesh, relative to
+/// the largest of each kind: cost, T, states, torques.
+fn differences(
+    problem: &Problem,
+    parameter: &MotionParameter,
+    change: impl Fn(&Problem, f64) -> Problem,
+    (intervals, tolerance, step): (usize, f64, f64),
+) -> [f64; 4] {
+    let (mut motion, _) = solved(problem, intervals, tolerance);
+    let found = motion.derivative_by(parameter).unwrap().unwrap();
+    let found = [vec![found.cost], vec![found.final_time], found.states, found.torques];
+    let moved = |step: f64| values(&change(problem, step), intervals, tolerance);
+    let (above, below) = (moved(step), moved(-step));
+    std::array::from_fn(|kind| {
+        let slope = above[kind].iter().zip(&below[kind]).map(|(above, below)| (above - below) / (2.0 * step));
+        let slopes: Vec<f64> = slope.collect();
+        let size = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let far = slopes.iter().zip(&found[kind]).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        if size > 0.0 { far / size } else { far }
+    })
+}
+
+/// The two-link arm in free time, with these limits of torques.
+fn arm(torques: [f64; 2]) -> Problem {
+    let mut arm = problem("two_link").with_limits(MotionLimits::none().with_torque_max(torques.to_vec()));
+    arm.time = FinalTime::Free { guess: 2.0 };
+    arm.cost = Objective::new(20.0, vec![1.0; 2]);
+    arm
+}
+
+#[test]
+fn measured() {
+    for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
+        for step in [1e-2, 1e-3] {
+            for joint in 1..2 {
+                let found = differences(
+                    &arm([12.0, 5.0]),
+                    &MotionParameter::TorqueMax(joint),
+                    |_, step| {
+                        let mut torques = [12.0, 5.0];
+                        torques[joint] += step;
+                        arm(torques)
+                    },
+                    (24, tolerance, step),
+                );
+                eprintln!("torque {joint}, tolerance {tolerance:.0e}, step {step:.0e}: {found:?}");
+            }
+            let fast = |v: f64| {
+                let limits = MotionLimits::none().with_v_max(vec![v, 10.0]).with_torque_max(vec![60.0, 30.0]);
+                problem("two_link").with_limits(limits)
+            };
+            let found = differences(
+                &fast(2.2),
+                &MotionParameter::VelocityMax(0),
+                |_, step| fast(2.2 + step),
+                (24, tolerance, 0.1 * step),
+            );
+            eprintln!("rate, tolerance {tolerance:.0e}, step {step:.0e}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn masses_change_motions_as_solving_again_says() {
+    let payload = |mass: f64| {
+        Payload::new(
+            "elbow",
+            LinkInertia::from_entries(
+                mass,
+                [0.9, 0.1, 0.0],
+                [0.1, 0.1, 0.2, 0.0, 0.0, 0.0].map(|i| i * mass),
+            ),
+        )
+    };
+    let loaded = |mut arm: Problem, mass: f64| {
+        let body = payload(mass);
+        arm.robot = arm.robot.with_payload(&body.frame, &body.inertia).unwrap();
+        arm
+    };
+    for energy in [0.0, 0.4] {
+        let mut base = arm([14.0, 6.0]);
+        base.cost = base.cost.with_energy(vec![energy; 2]);
+        let found = differences(
+            &loaded(base.clone(), 0.3),
+            &MotionParameter::PayloadMass(payload(2.0)),
+            |_, step| loaded(base.clone(), 0.3 + step),
+            (24, 1e-10, 1e-3),
+        );
+        eprintln!("mass, energy {energy}: {found:?}");
+    }
+}
+
+#[test]
+fn what_is_not_there_is_refused() {
+    let (mut motion, _) = solved(&arm([12.0, 5.0]), 12, 1e-6);
+    let error = motion.derivative_by(&MotionParameter::VelocityMax(0)).unwrap_err();
+    assert_eq!(error, ResolveError::NoLimit { kind: "rate", joint: 0 });
+    assert!(motion.derivative_by(&MotionParameter::TorqueMax(7)).is_err());
+    let massless = Payload::point("elbow", 0.0, [0.0; 3]);
+    assert_eq!(motion.derivative_by(&MotionParameter::PayloadMass(massless)), Err(ResolveError::NoMass));
+    let nowhere = Payload::point("hand", 1.0, [0.0; 3]);
+    let error = motion.derivative_by(&MotionParameter::PayloadMass(nowhere)).unwrap_err().to_string();
+    assert!(error.contains("hand"), "{error}");
+    let mut new = Resolve::new(&arm([12.0, 5.0]), SolverOptions::default()).unwrap();
+    assert_eq!(new.derivative_by(&MotionParameter::TorqueMax(0)), Err(ResolveError::NotSolved));
+}
