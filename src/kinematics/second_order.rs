@@ -109,7 +109,7 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
         let by_rates = self.kinematics.jacobian(frame, axes)?;
         for i in 0..6 {
             for j in 0..n {
-                self.jacobian[(i, n + j)] = self.jacobian[(i, n + j)] + by_rates[(i, j)].eps;
+                self.jacobian[(i, n + j)] += by_rates[(i, j)].eps;
                 self.jacobian[(i, 2 * n + j)] = by_rates[(i, j)].re;
             }
         }

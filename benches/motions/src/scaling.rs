@@ -23,7 +23,7 @@ const REPEATS: usize = 5;
 const COLORS: [&str; 3] = ["#005aa0", "#c85000", "#00825f"];
 
 fn options(machine_code: MachineCode) -> SolverOptions {
-    SolverOptions::direct()
+    SolverOptions::default()
         .with_tolerance(1e-4)
         .with_verify(Verify::Factors)
         .with_polish(Polish::Never)

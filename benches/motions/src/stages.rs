@@ -16,7 +16,7 @@ pub fn table(short: bool) -> Result<String, Failure> {
         ("Panda, all limits", panda()?),
         ("PUMA 560, least time", of_file("puma560_least_time.toml")?),
     ];
-    let options = SolverOptions::direct()
+    let options = SolverOptions::default()
         .with_machine_code(MachineCode::AtOnce)
         .with_polish(Polish::Never)
         .with_tolerance(1e-4);
