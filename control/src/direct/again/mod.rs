@@ -9,4 +9,5 @@ pub(super) mod neighbours;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;
+mod settings;
 pub(super) mod start;

@@ -5,6 +5,7 @@
 //! tridiagonal with a [`border`] of unknowns that many intervals share.
 
 pub(super) mod border;
+mod by_times;
 pub(super) mod end_columns;
 pub(super) mod interval;
 pub(super) mod metric;
