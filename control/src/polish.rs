@@ -234,31 +234,11 @@ fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitR
         let near = ACTIVE * if (high - low).is_finite() { high - low } else { low.abs().min(high.abs()) };
         // A negative gain exchanges the sides.
         let sides = [("min", "max"), ("max", "min")][usize::from(problem.gain[i] < 0.0)];
-        let at_low = |u: f64| u <= low + near;
-        let at_high = |u: f64| u >= high - near;
-        torque.active.extend(spans(motion, i, &joint.name, sides.0, at_low));
-        torque.active.extend(spans(motion, i, &joint.name, sides.1, at_high));
+        let times = || motion.t.iter().zip(&motion.u);
+        let low = times().map(|(&t, u)| (t, u[i] <= low + near));
+        torque.active.extend(ActiveLimit::spans(&joint.name, sides.0, low));
+        let high = times().map(|(&t, u)| (t, u[i] >= high - near));
+        torque.active.extend(ActiveLimit::spans(&joint.name, sides.1, high));
     }
     limits
-}
-
-/// The spans of time in which a control is at a bound.
-fn spans(
-    motion: &Trajectory,
-    control: usize,
-    joint: &str,
-    side: &str,
-    active: impl Fn(f64) -> bool,
-) -> Vec<ActiveLimit> {
-    let (mut spans, mut open): (Vec<ActiveLimit>, bool) = (Vec::new(), false);
-    for (&t, u) in motion.t.iter().zip(&motion.u) {
-        let at = active(u[control]);
-        match spans.last_mut().filter(|_| open && at) {
-            Some(span) => span.to = t,
-            None if at => spans.push(ActiveLimit { name: joint.into(), side: side.into(), from: t, to: t }),
-            None => {}
-        }
-        open = at;
-    }
-    spans
 }

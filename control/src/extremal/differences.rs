@@ -1,11 +1,37 @@
 //! Jacobians by central differences, for comparison with exact ones.
 
-use crate::extremal::{BoundaryValueProblem, ControlLaw};
+use crate::extremal::hamiltonian::equations::Outputs;
+use crate::extremal::{BoundaryValueProblem, ControlLaw, HamiltonianTerms};
+use crate::options::JacobianRoute;
 use costate::EvalError;
 
-/// An extremal that owns buffers for differences of its right-hand side.
+/// An extremal whose Jacobian has several routes; it owns buffers for differences of its right-hand side.
 pub(crate) trait Differenced: BoundaryValueProblem {
     fn differences(&mut self) -> &mut Differences;
+
+    /// g(z) and its Jacobian, with the blocks y'F_xx if `hessian` is true.
+    fn linearise_with(
+        &mut self,
+        hessian: bool,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        outputs: Outputs<'_, f64>,
+    ) -> Result<HamiltonianTerms, EvalError>;
+
+    /// g(z) and its Jacobian by this route.
+    fn linearise_by(
+        &mut self,
+        route: JacobianRoute,
+        z: &[f64],
+        law: ControlLaw<'_>,
+        Outputs { g, jacobian }: Outputs<'_, f64>,
+    ) -> Result<HamiltonianTerms, EvalError> {
+        if route == JacobianRoute::Differences {
+            self.by_differences(z, law, jacobian)?;
+            return self.evaluate(z, law, g);
+        }
+        self.linearise_with(route == JacobianRoute::Exact, z, law, Outputs { g, jacobian })
+    }
 
     /// The Jacobian by central differences of the right-hand side.
     fn by_differences(

@@ -96,7 +96,7 @@ where
             let mut l = [0.0; 2];
             (self.rate)(z, g, &mut l);
             if all_finite(g) && all_finite(&l) {
-                return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
+                return Ok(with_costs(z, g, l));
             }
         }
         library.evaluate(z, law, g)
@@ -114,7 +114,7 @@ where
             let mut l = [0.0; 2];
             (self.linear)(z, g, &mut l, jacobian);
             if all_finite(g) && all_finite(&l) && all_finite(jacobian) {
-                return Ok(with_hamiltonian(z, g, Running { cost: l[0], penalty: l[1], smoothing: 0.0 }));
+                return Ok(with_costs(z, g, l));
             }
         }
         library.linearise(z, law, g, jacobian)
@@ -130,6 +130,11 @@ where
     ) -> Result<HamiltonianTerms, EvalError> {
         self.linearise(library, z, law, g, jacobian)
     }
+}
+
+/// H* and l from what generated code writes: the cost, and the penalties.
+fn with_costs(z: &[f64], g: &[f64], [cost, penalty]: [f64; 2]) -> HamiltonianTerms {
+    with_hamiltonian(z, g, Running { cost, penalty, smoothing: 0.0 })
 }
 
 fn all_finite(values: &[f64]) -> bool {

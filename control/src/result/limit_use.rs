@@ -97,6 +97,22 @@ pub struct ActiveLimit {
     pub to: f64,
 }
 
+impl ActiveLimit {
+    /// The spans in which a limit is active, from times in their order and whether it is so then.
+    pub(crate) fn spans(name: &str, side: &str, times: impl Iterator<Item = (f64, bool)>) -> Vec<Self> {
+        let (mut spans, mut open): (Vec<Self>, bool) = (Vec::new(), false);
+        for (t, active) in times {
+            match spans.last_mut().filter(|_| open && active) {
+                Some(span) => span.to = t,
+                None if active => spans.push(Self { name: name.into(), side: side.into(), from: t, to: t }),
+                None => {}
+            }
+            open = active;
+        }
+        spans
+    }
+}
+
 impl LimitReport {
     /// The kinds with a limit that is exceeded, and where it is exceeded most.
     pub fn violations(&self) -> impl Iterator<Item = (&'static str, &LimitViolation)> {

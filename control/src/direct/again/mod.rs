@@ -3,7 +3,6 @@
 //! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
 //! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
-pub(super) mod changes;
 pub(super) mod feedback;
 pub(super) mod goals;
 pub(super) mod motion_derivative;
@@ -12,4 +11,5 @@ pub(super) mod parameter_columns;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;
+mod settings;
 pub(super) mod start;

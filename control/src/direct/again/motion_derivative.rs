@@ -100,7 +100,7 @@ impl Resolve {
                 let falls = limited == Limited::Torque
                     && sides.iter().any(|side| {
                         side.limited == Limited::TorqueSpeed
-                            && self.interior.powers.joint(side.joint) == Some(joint)
+                            && self.interior.model.powers.joint(side.joint) == Some(joint)
                     });
                 let is_side =
                     |side: &Side| row(side) && !side.is_equation && (sign == 0.0 || side.sign == sign);

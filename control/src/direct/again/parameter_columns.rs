@@ -42,7 +42,7 @@ impl<D: PointDynamics> Interior<D> {
         let (spline, points, barrier) = (&self.spline, &self.points, &self.barrier);
         let (n, node) = (spline.dof, spline.node());
         column.reset(spline.unknowns.len(), spline.times.len());
-        let mut work = Work::new(n, self.tasks.rows());
+        let mut work = Work::new(n, self.model.tasks.rows());
         // The price of a distance at constant multipliers, and what its change makes of the multiplier.
         let entry = |at: usize, side: &Side| {
             let by = change(side);
@@ -87,7 +87,7 @@ impl<D: PointDynamics> Interior<D> {
         let (spline, points, barrier) = (&self.spline, &self.points, &self.barrier);
         let (n, powers) = (spline.dof, points.powers);
         column.reset(spline.unknowns.len(), spline.times.len());
-        let mut work = Work::new(n, self.tasks.rows());
+        let mut work = Work::new(n, self.model.tasks.rows());
         let width = 3 * n;
         for p in 0..points.count() {
             let (k, j) = spline.mesh.interval_of(p);
@@ -113,8 +113,8 @@ impl<D: PointDynamics> Interior<D> {
                 let row = &points.tau_z(p)[width * i..][..width];
                 z.iter_mut().zip(row).for_each(|(z, row)| *z -= curvature * by_mass[i] * row);
             }
-            for row in 0..self.powers.rows() {
-                let change = self.powers.change(row, v, &by_mass);
+            for row in 0..self.model.powers.rows() {
+                let change = self.model.powers.change(row, v, &by_mass);
                 let energy = (row < self.running.energy.weights.len())
                     .then(|| self.running.energy.term(row, points.h(p)[row]));
                 cost += energy.as_ref().map_or(0.0, |term| term.first * change);
@@ -128,7 +128,7 @@ impl<D: PointDynamics> Interior<D> {
                 let slope = &points.h_z(p)[width * row..][..width];
                 z.iter_mut().zip(slope).for_each(|(z, slope)| *z -= curvature * change * slope);
                 let factor = -points.h_weights[powers * p + row];
-                self.powers.add_products(row, factor, &by_mass, &mut z[n..2 * n]);
+                self.model.powers.add_products(row, factor, &by_mass, &mut z[n..2 * n]);
             }
             let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
             work.differentiate_in_time(points.z(p), spline, k, &factors);

@@ -7,7 +7,7 @@ use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
 use super::start::Again;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::{End, Interior};
-use crate::direct::solve::direct::{Dynamics, interior, interior_on};
+use crate::direct::solve::prepare::{Dynamics, interior, interior_on};
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;

@@ -3,7 +3,7 @@
 use crate::constants::direct::VIOLATION_ACCEPTED;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::spline::Spline;
-use crate::direct::solve::direct::Dynamics;
+use crate::direct::solve::prepare::Dynamics;
 use std::time::Duration;
 
 /// Limits on solving again.

@@ -9,9 +9,9 @@
 
 use super::iterate::Interior;
 use crate::constants::direct as constants;
+use crate::direct::limits::at_node::{AtNode, NodeValue};
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
-use crate::direct::limits::side::Limited;
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::interval::add_gradient;
 use crate::direct::newton::point_terms::add_row;
@@ -91,7 +91,6 @@ impl System {
         ends: &Ends,
         corrections: &[f64],
     ) {
-        let n = spline.dof;
         self.correction.clear();
         self.correction.resize(spline.unknowns.len(), 0.0);
         self.time_correction.clear();
@@ -121,15 +120,13 @@ impl System {
             add_gradient(spline, k, &factors, &work.z[0], &mut self.correction);
         }
         for k in 0..spline.mesh.nodes.len() {
-            let inverse = 1.0 / spline.clock_at(k);
+            let node = AtNode::new(spline, k);
             for at in barrier.at_node(k) {
                 let side = barrier.side(at);
-                let (value, i) = (of(at, side.sign), spline.node() * k + side.index(n));
-                let is_rate = side.limited == Limited::Rate;
-                self.correction[i] += if is_rate { inverse * value } else { value };
-                if is_rate && !spline.mesh.is_end(k) {
-                    self.time_correction[spline.mesh.phase(k)] -=
-                        inverse * inverse * spline.unknowns[i] * value;
+                let (value, NodeValue { unknown, scale, by_time, .. }) = (of(at, side.sign), node.of(side));
+                self.correction[unknown] += scale * value;
+                if let Some(by_time) = by_time {
+                    self.time_correction[by_time.phase] += by_time.first * value;
                 }
             }
         }

@@ -46,8 +46,9 @@ impl<D: PointDynamics> Interior<D> {
         let (price, ranges) = coarser.cloned().unwrap_or_else(cold);
         self.barrier.set_ranges(&ranges);
         self.relaxation = Relaxation::of(&self.barrier, own, price, room);
-        self.barrier.relief = self.relaxation.relief().collect();
-        self.start(None)?;
+        self.prepare();
+        self.barrier.move_out(|side| self.relaxation.relief(side));
+        self.begin(None)?;
         self.centre(gap);
         Ok(kept)
     }
@@ -126,8 +127,7 @@ impl<D: PointDynamics> Interior<D> {
     /// Takes a part of the step of what limits give.
     pub(super) fn take_relief(&mut self, alpha: f64) {
         self.relaxation.take(alpha, self.mu);
-        self.barrier.relief.clear();
-        self.barrier.relief.extend(self.relaxation.relief());
+        self.barrier.move_out(|side| self.relaxation.relief(side));
     }
 
     /// The largest violation of a limit as it is, without what it gives, in parts of ranges; negative inside.
@@ -144,12 +144,7 @@ impl<D: PointDynamics> Interior<D> {
 
     /// The violation of an entry as it is, in parts of its range.
     fn part(&self, at: usize) -> f64 {
-        let barrier = &self.barrier;
-        let relief = match barrier.side_index(at) {
-            Some(side) if !barrier.relief.is_empty() => barrier.relief[side],
-            _ => 0.0,
-        };
-        barrier.side(at).violation(barrier.distance[at] - relief)
+        self.barrier.side(at).violation(self.barrier.true_distance(at))
     }
 
     /// All limits with what they have to give: the largest violation of each along the motion.

@@ -7,12 +7,10 @@ use super::squares::Squares;
 use crate::constants::direct as constants;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
+use crate::direct::limits::model::Model;
 use crate::direct::limits::multipliers::Multipliers;
-use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::spline::Spline;
-use crate::direct::newton::point_terms::weigh;
 use crate::direct::newton::system::System;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
@@ -37,9 +35,7 @@ pub(crate) struct Interior<D> {
     pub barrier: Barrier,
     pub running: Running,
     pub ends: Ends,
-    pub dynamics: D,
-    pub tasks: Tasks,
-    pub powers: Powers,
+    pub model: Model<D>,
     pub figures: Figures,
     /// Least size of the cost.
     pub(super) least_size: f64,
@@ -92,31 +88,21 @@ pub(crate) struct Trial {
 
 impl<D: PointDynamics> Interior<D> {
     /// `sides` are the limits of positions, rates, accelerations, torques, jerks and rates of torques.
-    pub fn new(
-        spline: Spline,
-        mut sides: Vec<Side>,
-        tasks: Tasks,
-        powers: Powers,
-        running: Running,
-        ends: Ends,
-        dynamics: D,
-    ) -> Self {
+    pub fn new(spline: Spline, mut sides: Vec<Side>, model: Model<D>, running: Running, ends: Ends) -> Self {
         let (n, shape) = (spline.dof, spline.mesh.shape);
-        sides.extend(powers.sides());
-        sides.extend(tasks.sides());
+        sides.extend(model.powers.sides());
+        sides.extend(model.tasks.sides());
         Self {
             spline,
             points: Points::default(),
-            barrier: Barrier::new(sides, &tasks.end_sides()),
+            barrier: Barrier::new(sides, &model.tasks.end_sides()),
             running,
             ends,
-            dynamics,
             figures: Figures::default(),
             least_size: 0.0,
             least_violation: constants::VIOLATION_AT_POINTS,
-            system: System::new(n, shape, tasks.rows()),
-            tasks,
-            powers,
+            system: System::new(n, shape, model.rows()),
+            model,
             relaxation: Relaxation::default(),
             filter: Filter::default(),
             damping: 0.0,
@@ -138,58 +124,7 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Numbers of rows g(q, v) and h(q, v, a) at a point.
     pub fn rows(&self) -> [usize; 2] {
-        self.tasks.rows()
-    }
-
-    /// Evaluates the spline, and makes slacks and multipliers for it with the barrier `mu`; `None` chooses
-    /// it.
-    pub fn start(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
-        self.prepare();
-        self.spline.evaluate(&mut self.points.z);
-        if self.least_size == 0.0 {
-            self.dynamics.contract(&mut self.points)?;
-            self.least_size = self.small_cost();
-        }
-        self.evaluate()?;
-        self.measure_cost();
-        self.barrier.stiffness = constants::STIFFNESS * self.figures.size;
-        let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        self.mu = mu.unwrap_or(constants::FIRST_GAP * self.figures.size / total);
-        for at in 0..self.barrier.count() {
-            let weight = self.barrier.weight[at];
-            let side = self.barrier.side(at);
-            let slack = match weight > 0.0 {
-                true if side.is_equation => 0.0,
-                true => self.barrier.distance[at].max(constants::FIRST_SLACK * side.range),
-                false => f64::INFINITY,
-            };
-            self.barrier.slack[at] = slack;
-            self.barrier.multiplier[at] = if slack > 0.0 { self.mu * weight / slack } else { 0.0 };
-        }
-        self.damping = 0.0;
-        self.least_violation = self.find_least_violation();
-        self.measure_figures();
-        Ok(())
-    }
-
-    /// Room for the points and entries of the mesh.
-    pub(crate) fn prepare(&mut self) {
-        let n = self.spline.dof;
-        self.points.resize(n, self.rows(), self.spline.mesh.ends_of_points());
-        self.points.ends.resize(n, self.tasks.end_rows(), self.spline.mesh.ends().len());
-        self.barrier.resize(&self.spline.mesh, &self.ends);
-    }
-
-    /// Values at the points of the motion, and distances to all limits.
-    pub(crate) fn evaluate(&mut self) -> Result<(), EvalError> {
-        self.spline.evaluate(&mut self.points.z);
-        self.dynamics.evaluate(&mut self.points)?;
-        self.tasks.evaluate(&mut self.points)?;
-        self.tasks.evaluate_ends(&self.spline, &mut self.points)?;
-        self.powers.evaluate(&mut self.points);
-        self.points.evaluate_rates(&self.spline);
-        self.measure_distances();
-        Ok(())
+        self.model.rows()
     }
 
     /// Weight of a squared change of a torque in the metric of damping: the effort; without it the cost of a
@@ -202,15 +137,6 @@ impl<D: PointDynamics> Interior<D> {
         let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
         let range = self.barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
         self.figures.size / self.spline.duration() / (range * range)
-    }
-
-    /// Weights and derivatives at the points of this iterate.
-    pub fn refresh(&mut self) -> Result<(), EvalError> {
-        weigh(&self.spline, &mut self.points, &self.barrier, &self.running);
-        self.powers.weigh_torques(&mut self.points);
-        self.dynamics.contract(&mut self.points)?;
-        self.powers.contract(&mut self.points);
-        self.tasks.contract(&self.spline, &mut self.points)
     }
 
     /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with

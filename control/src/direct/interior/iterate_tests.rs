@@ -3,6 +3,7 @@
 use super::Interior;
 use crate::cubics::Disturbance;
 use crate::direct::limits::ends::Ends;
+use crate::direct::limits::model::Model;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
@@ -57,7 +58,8 @@ fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoint
     let running = Running::new(&problem, &rows);
     let powers = Powers::new(&problem);
     let (tasks, ends) = (Tasks::new(&rows, 2, powers.rows()), Ends::new(&problem));
-    let mut interior = Interior::new(spline, sides, tasks, powers, running, ends, dynamics);
+    let model = Model { dynamics, tasks, powers };
+    let mut interior = Interior::new(spline, sides, model, running, ends);
     interior.start(None).unwrap();
     interior
 }

@@ -15,5 +15,6 @@ pub(super) mod relaxation;
 pub(super) mod rounding;
 pub(super) mod search;
 pub(super) mod squares;
+mod start;
 pub(super) mod step;
 pub(super) mod warm;

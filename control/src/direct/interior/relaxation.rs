@@ -1,6 +1,7 @@
 //! How far limits give in the elastic phase, and what that adds to Newton's equations.
 
-use crate::constants::direct as constants;
+use crate::constants::direct::{LEAST_CURVATURE, ROUNDED_PRICE};
+use crate::direct::limits::at_node::{AtNode, NodeValue};
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
 use crate::direct::limits::side::{Limited, Side};
@@ -9,8 +10,8 @@ use crate::direct::newton::interval::add_gradient;
 use crate::direct::newton::point_terms::{Work, add_row, side_terms};
 use crate::direct::newton::system::System;
 use crate::direct::points::values::Points;
+use crate::numerics::bordered::Bordered;
 use crate::numerics::chain::dot;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Each limit gives by a constant part e of its range, so that its distances are `d + range e`; at the price
 ///
@@ -42,18 +43,15 @@ pub(crate) struct Relaxation {
     give: Vec<f64>,
     /// P.
     price: f64,
-    /// B and K^-1 B, the entries of shared unknowns last.
-    columns: Vec<Vec<f64>>,
-    solved: Vec<Vec<f64>>,
-    /// Entries of the times of phases.
+    /// B, the entries of shared unknowns last, and C.
+    border: Bordered,
+    /// Entries of B for the times of phases.
     by_times: Vec<Vec<f64>>,
     /// Room for a point.
     work: Work,
-    corner: Vec<f64>,
     /// Gradients in e at mu = 0, and its factor of mu.
     gradient: [Vec<f64>; 2],
     steps: [Vec<f64>; 2],
-    factor: Option<Cholesky<f64, Dyn>>,
 }
 
 /// The limits that the sides belong to, counted from 0.
@@ -89,7 +87,6 @@ impl Relaxation {
         give.iter_mut().for_each(|give| *give += room * (1.0 + *give));
         Self {
             ranges: barrier.ranges(),
-            corner: vec![0.0; count],
             gradient: [vec![0.0; count], vec![0.0; count]],
             steps: [vec![0.0; count], vec![0.0; count]],
             limits,
@@ -100,9 +97,9 @@ impl Relaxation {
         }
     }
 
-    /// What it adds to the distances of each side.
-    pub fn relief(&self) -> impl Iterator<Item = f64> {
-        self.limits.iter().zip(&self.ranges).map(|(&limit, range)| range * self.give[limit])
+    /// What it adds to the distances of a side.
+    pub fn relief(&self, side: usize) -> f64 {
+        self.ranges[side] * self.give[self.limits[side]]
     }
 
     /// Whether limits may give.
@@ -191,15 +188,16 @@ impl Relaxation {
         }
         let size = spline.unknowns.len();
         self.work = Work::new(spline.dof, [0; 2]);
-        self.columns.resize_with(self.give.len(), Vec::new);
-        self.by_times.resize_with(self.give.len(), Vec::new);
-        for (i, (column, by_times)) in self.columns.iter_mut().zip(&mut self.by_times).enumerate() {
-            column.clear();
+        let count = self.give.len();
+        self.border.reset(count);
+        self.by_times.resize_with(count, Vec::new);
+        for (i, (column, by_times)) in self.border.columns.iter_mut().zip(&mut self.by_times).enumerate() {
             column.resize(size, 0.0);
             by_times.clear();
             by_times.resize(spline.mesh.phases(), 0.0);
             let [_, first, second] = price(self.give[i]).map(|value| self.price * value);
-            (self.gradient[0][i], self.gradient[1][i], self.corner[i]) = (first, 0.0, second);
+            (self.gradient[0][i], self.gradient[1][i]) = (first, 0.0);
+            self.border.corner[count * i + i] = second;
         }
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier);
@@ -207,7 +205,7 @@ impl Relaxation {
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
-        for (column, by_times) in self.columns.iter_mut().zip(&self.by_times) {
+        for (column, by_times) in self.border.columns.iter_mut().zip(&self.by_times) {
             column.resize(size + ends.shared(), 0.0);
             let (by_unknowns, shared) = column.split_at_mut(size);
             ends.reduce(&spline.mesh, by_unknowns, by_times, shared);
@@ -220,7 +218,7 @@ impl Relaxation {
         let ([_, at_zero, of_mu], sigma) = side_terms(barrier, at, 1.0);
         self.gradient[0][limit] += range * at_zero;
         self.gradient[1][limit] += range * of_mu;
-        self.corner[limit] += range * range * sigma;
+        self.border.corner[(self.give.len() + 1) * limit] += range * range * sigma;
         sigma * range * barrier.sides()[side].sign
     }
 
@@ -242,70 +240,40 @@ impl Relaxation {
                 add_row(points, p, side, factor, z);
                 i += 1;
             }
-            add_gradient(spline, k, &factors, z, &mut self.columns[limit]);
+            add_gradient(spline, k, &factors, z, &mut self.border.columns[limit]);
             self.by_times[limit][spline.mesh.phase(k)] += dot(z, &work.z_t);
         }
         self.work = work;
     }
 
     fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
-        let (n, inverse) = (spline.dof, 1.0 / spline.clock_at(k));
+        let node = AtNode::new(spline, k);
         for (i, at) in barrier.at_node(k).enumerate() {
             let factor = self.add_entry(i, at, barrier);
-            let side = &barrier.sides()[i];
-            let (column, place) = (&mut self.columns[self.limits[i]], 2 * n * k + side.index(n));
-            if side.limited == Limited::Rate {
-                column[place] += inverse * factor;
-                if !spline.mesh.is_end(k) {
-                    self.by_times[self.limits[i]][spline.mesh.phase(k)] -=
-                        inverse * inverse * spline.unknowns[place] * factor;
-                }
-            } else {
-                column[place] += factor;
+            let NodeValue { unknown, scale, by_time, .. } = node.of(&barrier.sides()[i]);
+            self.border.columns[self.limits[i]][unknown] += scale * factor;
+            if let Some(by_time) = by_time {
+                self.by_times[self.limits[i]][by_time.phase] += by_time.first * factor;
             }
         }
     }
 
     /// Factorises the border of a factorised system. Whether the whole is positive definite.
     pub fn factorise(&mut self, system: &mut System) -> bool {
-        let count = self.give.len();
-        if count == 0 {
-            return true;
-        }
-        self.solved.clone_from(&self.columns);
-        for column in &mut self.solved {
-            system.solve_column(column);
-        }
-        let mut schur = DMatrix::zeros(count, count);
-        for i in 0..count {
-            for j in 0..=i {
-                let product = dot(&self.columns[i], &self.solved[j]);
-                schur[(i, j)] = if i == j { self.corner[i] } else { 0.0 } - product;
-                schur[(j, i)] = schur[(i, j)];
-            }
-        }
-        self.factor = Cholesky::new(schur);
-        self.factor.is_some()
+        self.border.factorise(LEAST_CURVATURE, |column| system.solve_column(column))
     }
 
     /// Turns a part of the step with constant e into that of the whole.
     pub fn correct(&mut self, part: usize, dx: &mut [f64], shared: &mut [f64]) {
-        let Some(factor) = &self.factor else { return };
-        let size = dx.len();
-        let rest = self.columns.iter().zip(&self.gradient[part]);
-        let rest = rest
-            .map(|(column, gradient)| -gradient - dot(&column[..size], dx) - dot(&column[size..], shared));
-        let steps = factor.solve(&DVector::from_iterator(self.give.len(), rest));
-        for (step, column) in steps.iter().zip(&self.solved) {
-            dx.iter_mut().chain(&mut *shared).zip(column).for_each(|(dx, entry)| *dx -= step * entry);
-        }
-        self.steps[part].copy_from_slice(steps.as_slice());
+        let steps = self.steps[part].iter_mut().zip(&self.gradient[part]);
+        steps.for_each(|(step, gradient)| *step = -gradient);
+        self.border.finish([dx, shared], &mut self.steps[part]);
     }
 }
 
 /// The price of e for P = 1, with its first and second derivative.
 fn price(e: f64) -> [f64; 3] {
-    let delta = constants::ROUNDED_PRICE;
+    let delta = ROUNDED_PRICE;
     let root = e.hypot(delta);
     // e + root without cancellation.
     let sum = if e >= 0.0 { e + root } else { delta * delta / (root - e) };

@@ -7,7 +7,7 @@ use super::price;
 use crate::constants::direct as constants;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
-use crate::direct::points::values::{PointDynamics, RobotPoints};
+use crate::direct::points::values::RobotPoints;
 
 #[test]
 fn the_price_is_smooth() {
@@ -116,22 +116,18 @@ fn steps_solve_the_bordered_equations() {
     // Distances change with the motion and with what limits give.
     let (base, step) = (interior.spline.clone(), 1e-6);
     let size = interior.steps[0].iter().fold(1e-300, |most: f64, dx| most.max(dx.abs()));
-    let relief: Vec<f64> = interior.barrier.relief.clone();
     let mut along = |sign: f64| {
         let factor = sign * step / size;
         let mut spline = base.clone();
         let pairs = spline.unknowns.iter_mut().zip(&interior.steps[0]);
         pairs.for_each(|(unknown, dx)| *unknown += factor * dx);
         spline.times[0] += factor * interior.time_steps[0][0];
-        for (side, to) in interior.barrier.relief.iter_mut().enumerate() {
-            let give = interior.relaxation.steps[0][interior.relaxation.limits[side]];
-            *to = relief[side] + factor * interior.relaxation.ranges[side] * give;
-        }
-        spline.evaluate(&mut interior.points.z);
-        interior.dynamics.evaluate(&mut interior.points).unwrap();
-        interior.tasks.evaluate(&mut interior.points).unwrap();
-        interior.tasks.evaluate_ends(&spline, &mut interior.points).unwrap();
-        interior.powers.evaluate(&mut interior.points);
+        let relaxation = &interior.relaxation;
+        interior.barrier.move_out(|side| {
+            let give = relaxation.steps[0][relaxation.limits[side]];
+            relaxation.relief(side) + factor * relaxation.ranges[side] * give
+        });
+        interior.model.evaluate(&spline, &mut interior.points).unwrap();
         let mut distance = vec![0.0; interior.barrier.count()];
         interior.barrier.measure(&spline, &interior.points, &mut distance);
         distance

@@ -80,20 +80,10 @@ impl<D: PointDynamics> Interior<D> {
         if !forward {
             return false;
         }
-        let rows = self.tasks.rows();
-        trial.points.resize_values(self.spline.dof, rows, self.spline.mesh.ends_of_points());
-        trial.points.ends.resize(self.spline.dof, self.tasks.end_rows(), self.spline.mesh.ends().len());
-        trial.spline.evaluate(&mut trial.points.z);
-        let evaluated = self
-            .dynamics
-            .evaluate(&mut trial.points)
-            .and_then(|()| self.tasks.evaluate(&mut trial.points))
-            .and_then(|()| self.tasks.evaluate_ends(&trial.spline, &mut trial.points));
-        if evaluated.is_err() {
+        self.model.resize_values(&trial.spline, &mut trial.points);
+        if self.model.evaluate(&trial.spline, &mut trial.points).is_err() {
             return false;
         }
-        self.powers.evaluate(&mut trial.points);
-        trial.points.evaluate_rates(&trial.spline);
         trial.distance.resize(self.barrier.count(), 0.0);
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         self.relaxation.add_step(alpha, mu, &self.barrier, &mut trial.distance);
@@ -135,7 +125,7 @@ impl<D: PointDynamics> Interior<D> {
         std::mem::swap(&mut self.barrier.distance, &mut self.trial.distance);
         let step = &self.trial.multiplier_step;
         entries::take_multipliers(&mut self.barrier, [alpha, dual], self.mu, step);
-        if !self.barrier.relief.is_empty() {
+        if self.relaxation.is_on() {
             self.take_relief(alpha);
         }
         self.measure_figures_of(cost);

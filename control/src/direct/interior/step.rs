@@ -2,6 +2,7 @@
 
 use super::iterate::{Interior, Trial};
 use crate::constants::direct as constants;
+use crate::direct::limits::at_node::AtNode;
 use crate::direct::limits::entries::{complementarity, steps};
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::{MOST_POINTS, POINTS};
@@ -130,20 +131,13 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Change of the distances at the nodes by a part of the step.
     fn change_at_nodes(&mut self, part: usize) {
-        let n = self.spline.dof;
         for k in 0..self.spline.mesh.nodes.len() {
-            let (rate, is_end) = (1.0 / self.spline.clock_at(k), self.spline.mesh.is_end(k));
-            let dt = if is_end { 0.0 } else { self.time_steps[part][self.spline.mesh.phase(k)] };
+            let node = AtNode::new(&self.spline, k);
             for at in self.barrier.at_node(k) {
                 let side = self.barrier.side(at);
-                let i = self.spline.node() * k + side.index(n);
-                let step = self.steps[part][i];
-                let value = if side.limited == Limited::Rate {
-                    rate * (step - rate * self.spline.unknowns[i] * dt)
-                } else {
-                    step
-                };
-                self.changes[part][at] = side.sign * value;
+                let value = node.of(side);
+                let change = value.change(self.steps[part][value.unknown], &self.time_steps[part]);
+                self.changes[part][at] = side.sign * change;
             }
         }
     }

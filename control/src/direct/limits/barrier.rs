@@ -6,7 +6,6 @@ use crate::constants::direct::NODE_WEIGHT;
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
-use crate::direct::points::values::Points;
 use std::ops::Range;
 
 /// Slacks, multipliers and distances of all sides: first at the points, entry `sides p + i` for side i at
@@ -21,13 +20,13 @@ use std::ops::Range;
 /// stiffness leaves).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Barrier {
-    sides: Vec<Side>,
+    pub(super) sides: Vec<Side>,
     /// Sides of jerks and rates of torques.
-    rates: Vec<Side>,
+    pub(super) rates: Vec<Side>,
     /// Number of sides of positions and rates, which come first, at a node; none where nodes are points.
-    states: usize,
+    pub(super) states: usize,
     /// Rows of tasks at the ends of phases, one end after the other.
-    at_ends: Vec<Side>,
+    pub(super) at_ends: Vec<Side>,
     /// The first of them at each end, and their number.
     first_at: Vec<usize>,
     points: usize,
@@ -46,11 +45,9 @@ pub(crate) struct Barrier {
     pub slack: Vec<f64>,
     pub multiplier: Vec<f64>,
     pub distance: Vec<f64>,
-    /// How far a limit is moved inside at an entry, so that it is kept between points too; empty on most
-    /// meshes.
-    shift: Vec<f64>,
-    /// What is added to the distances of each side at points and nodes; empty for nothing.
-    pub relief: Vec<f64>,
+    /// How far the limit of an entry is moved out; inside where it is negative, so that it is kept between
+    /// points too. Empty on most meshes.
+    pub(super) moved: Vec<f64>,
 }
 
 impl Barrier {
@@ -131,7 +128,7 @@ impl Barrier {
         for at in 0..self.weight.len() {
             self.unit.push(1.0 / self.side(at).range);
         }
-        self.shift.clear();
+        self.moved.clear();
         for vector in [&mut self.slack, &mut self.multiplier, &mut self.distance] {
             vector.clear();
             vector.resize(self.weight.len(), 0.0);
@@ -186,11 +183,11 @@ impl Barrier {
         self.first_at.partition_point(|&first| first <= row) - 1
     }
 
-    fn first_of_rates(&self) -> usize {
+    pub(super) fn first_of_rates(&self) -> usize {
         self.sides.len() * self.points + self.states * self.nodes
     }
 
-    fn first_at_ends(&self) -> usize {
+    pub(super) fn first_at_ends(&self) -> usize {
         self.first_of_rates() + self.rates.len() * self.gauss_points
     }
 
@@ -269,92 +266,31 @@ impl Barrier {
 
     /// Moves the limit of a side inside by `amount` at the points and nodes of an interval.
     pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64) {
-        self.shift.resize(self.weight.len(), 0.0);
+        self.moved.resize(self.weight.len(), 0.0);
         let points = POINTS * interval..POINTS * (interval + 1);
         let nodes = if side < self.states { interval..interval + 2 } else { 0..0 };
         let entries = points.map(|p| self.at_point(p).start).chain(nodes.map(|k| self.at_node(k).start));
         for first in entries.collect::<Vec<_>>() {
-            self.shift[first + side] += amount;
+            self.moved[first + side] -= amount;
+        }
+    }
+
+    /// Moves the limits of each side out by so much, at all points and nodes.
+    pub fn move_out(&mut self, amount: impl Fn(usize) -> f64) {
+        self.moved.clear();
+        self.moved.resize(self.weight.len(), 0.0);
+        for at in 0..self.first_of_rates() {
+            self.moved[at] = self.side_index(at).map_or(0.0, &amount);
         }
     }
 
     /// How far an entry is inside of its own limit, not the one that was moved.
     pub fn true_distance(&self, at: usize) -> f64 {
-        self.distance[at] + self.shift.get(at).copied().unwrap_or(0.0)
-    }
-
-    /// d from the values at the points and nodes.
-    pub fn measure(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
-        self.measure_from_limits(spline, points, distance);
-        distance.iter_mut().zip(&self.shift).for_each(|(distance, shift)| *distance -= shift);
-    }
-
-    fn measure_from_limits(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
-        let (others, at_ends) = distance.split_at_mut(self.first_at_ends());
-        for ((distance, side), g) in at_ends.iter_mut().zip(&self.at_ends).zip(&points.ends.g) {
-            *distance = side.sign * (g - side.bound);
-        }
-        let (others, of_rates) = others.split_at_mut(self.first_of_rates());
-        let n = points.dof;
-        let values = points.rates.jerk.chunks_exact(n).zip(points.rates.torque.chunks_exact(n));
-        measure_rates(&self.rates, values, of_rates);
-        if self.sides.is_empty() {
-            return;
-        }
-        let (at_points, at_nodes) = others.split_at_mut(self.sides.len() * points.count());
-        measure(&self.sides, points, at_points);
-        let states = spline.unknowns.chunks(spline.node()).enumerate();
-        for (distance, (k, state)) in at_nodes.chunks_exact_mut(self.states.max(1)).zip(states) {
-            let rate = 1.0 / spline.clock_at(k);
-            for (distance, side) in distance.iter_mut().zip(&self.sides) {
-                let factor = if side.limited == Limited::Rate { rate } else { 1.0 };
-                *distance = side.sign * (factor * state[side.index(n)] - side.bound);
-            }
-        }
-        if self.relief.is_empty() {
-            return;
-        }
-        for (at, distance) in others.iter_mut().enumerate() {
-            *distance += self.side_index(at).map_or(0.0, |side| self.relief[side]);
-        }
+        self.distance[at] - self.moved.get(at).copied().unwrap_or(0.0)
     }
 
     /// Sum of the weights of all limits without the equations.
     pub fn total_weight(&self) -> f64 {
         self.total_weight
-    }
-}
-
-/// d from jerks and rates of torques.
-pub(crate) fn measure_rates<'a>(
-    sides: &[Side],
-    values: impl Iterator<Item = (&'a [f64], &'a [f64])>,
-    distance: &mut [f64],
-) {
-    if sides.is_empty() {
-        return;
-    }
-    for (distance, (jerk, torque)) in distance.chunks_exact_mut(sides.len()).zip(values) {
-        for (distance, side) in distance.iter_mut().zip(sides) {
-            let values = if side.limited == Limited::Jerk { jerk } else { torque };
-            *distance = side.sign * (values[side.joint] - side.bound);
-        }
-    }
-}
-
-/// d from the values at points.
-pub(crate) fn measure(sides: &[Side], points: &Points, distance: &mut [f64]) {
-    let n = points.dof;
-    for (p, distance) in distance.chunks_exact_mut(sides.len()).enumerate() {
-        let (z, tau, g, h) = (points.z(p), points.tau(p), points.g(p), points.h(p));
-        for (distance, side) in distance.iter_mut().zip(sides) {
-            let value = match side.limited {
-                Limited::Torque => tau[side.joint],
-                Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => h[side.joint],
-                Limited::Task => g[side.joint],
-                _ => z[side.index(n)],
-            };
-            *distance = side.sign * (value - side.bound);
-        }
     }
 }

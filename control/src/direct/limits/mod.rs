@@ -4,9 +4,12 @@
 //! [`Barrier`](barrier::Barrier) holds all entries with their slacks and multipliers, and measures how far
 //! each of them is from its bound; [`entries`] are the loops over them.
 
+pub(super) mod at_node;
 pub(super) mod barrier;
+pub(super) mod distances;
 pub(super) mod ends;
 pub(super) mod entries;
+pub(super) mod model;
 pub(super) mod multipliers;
 pub(super) mod power;
 pub(super) mod side;

@@ -17,6 +17,7 @@
 //! the same order has. The torques at the five points have the rates of the polynomial of degree four through
 //! them.
 
+use crate::numerics::lagrange::values;
 use crate::problem::Problem;
 
 /// Gauss's points of an interval.
@@ -109,7 +110,7 @@ impl Shape {
     pub fn parts(self, x: f64) -> [f64; MOST_POINTS] {
         let mut parts = [0.0; MOST_POINTS];
         match self {
-            Self::Quartic => parts[..POINTS].copy_from_slice(&quadratic(x)),
+            Self::Quartic => parts[..POINTS].copy_from_slice(&values(&PLACES, x)),
             Self::Quintic => {
                 let right = LOBATTO_PLACES.partition_point(|&place| place < x).clamp(1, MOST_POINTS - 1);
                 let [a, b] = [LOBATTO_PLACES[right - 1], LOBATTO_PLACES[right]];
@@ -118,14 +119,6 @@ impl Shape {
         }
         parts
     }
-}
-
-/// Parts at `x` of values at Gauss's points in the quadratic through them.
-pub(crate) fn quadratic(x: f64) -> [f64; POINTS] {
-    [0, 1, 2].map(|j| {
-        let others = (0..POINTS).filter(|&l| l != j);
-        others.map(|l| (x - PLACES[l]) / (PLACES[j] - PLACES[l])).product()
-    })
 }
 
 #[cfg(test)]

@@ -3,27 +3,21 @@
 use crate::constants::direct::LEAST_CURVATURE;
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::mesh::Mesh;
-use crate::numerics::chain::{ChainMatrix, dot};
+use crate::numerics::bordered::Bordered;
+use crate::numerics::chain::ChainMatrix;
 
-/// B, C and what they become in the factorisation of
-///
-/// $$ \begin{pmatrix} K & B \\\\ B^\top & C \end{pmatrix} $$
-///
-/// with few columns: the Cholesky factor of the dense $S = C - B^\top K^{-1} B$.
+/// B and C of the [bordered](Bordered) equations, and what damping adds to them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Border {
-    /// B, and B with damping.
+    /// B.
     columns: Vec<Vec<f64>>,
-    damped: Vec<Vec<f64>>,
-    /// K^-1 B.
-    solved: Vec<Vec<f64>>,
     /// C, row by row.
     corner: Vec<f64>,
     /// Columns of the metric of damping, and its corner.
     metric: Vec<Vec<f64>>,
     metric_corner: Vec<f64>,
-    /// The lower factor of S.
-    factor: Vec<f64>,
+    /// With damping.
+    bordered: Bordered,
     count: usize,
 }
 
@@ -109,62 +103,24 @@ impl Border {
 
     /// Factorises, with `damping` times the metric added. Whether S is positive definite.
     pub fn factorise(&mut self, damping: f64, matrix: &mut ChainMatrix) -> bool {
-        let count = self.count;
-        self.damped.resize_with(count, Vec::new);
-        self.solved.resize_with(count, Vec::new);
-        self.factor.clear();
-        self.factor.extend_from_slice(&self.corner);
-        for (j, damped) in self.damped.iter_mut().enumerate() {
-            damped.clone_from(&self.columns[j]);
-            if damping > 0.0 {
-                damped.iter_mut().zip(&self.metric[j]).for_each(|(to, from)| *to += damping * from);
-            }
-            self.solved[j].clone_from(damped);
-            matrix.solve(&mut self.solved[j]);
+        self.bordered.reset(self.count);
+        self.bordered.corner.copy_from_slice(&self.corner);
+        for (to, column) in self.bordered.columns.iter_mut().zip(&self.columns) {
+            to.extend_from_slice(column);
         }
-        for i in 0..count {
-            for j in 0..=i {
-                let at = count * i + j;
-                if damping > 0.0 {
-                    self.factor[at] += damping * self.metric_corner[at];
-                }
-                self.factor[at] -= dot(&self.damped[i], &self.solved[j]);
+        if damping > 0.0 {
+            let columns = self.bordered.columns.iter_mut().zip(&self.metric);
+            let corner = (&mut self.bordered.corner, &self.metric_corner);
+            for (to, from) in columns.chain([corner]) {
+                to.iter_mut().zip(from).for_each(|(to, from)| *to += damping * from);
             }
         }
-        // S = L L'; rows of L in the lower triangle.
-        for i in 0..count {
-            for j in 0..=i {
-                let known: f64 =
-                    (0..j).map(|l| self.factor[count * i + l] * self.factor[count * j + l]).sum();
-                let rest = self.factor[count * i + j] - known;
-                if j < i {
-                    self.factor[count * i + j] = rest / self.factor[count * j + j];
-                    continue;
-                }
-                let definite = rest > LEAST_CURVATURE * self.corner[count * i + i].abs();
-                if !definite {
-                    return false;
-                }
-                self.factor[count * i + i] = rest.sqrt();
-            }
-        }
-        true
+        self.bordered.factorise(LEAST_CURVATURE, |column| matrix.solve(column))
     }
 
     /// The steps of the shared unknowns for the right-hand side `shared`, and of the others for a solution
     /// `dx` with constant shared ones, which becomes that of the whole.
     pub fn finish(&self, dx: &mut [f64], shared: &mut [f64]) {
-        let count = self.count;
-        for i in 0..count {
-            let known: f64 = (0..i).map(|j| self.factor[count * i + j] * shared[j]).sum();
-            shared[i] = (shared[i] - dot(&self.damped[i], dx) - known) / self.factor[count * i + i];
-        }
-        for i in (0..count).rev() {
-            let known: f64 = (i + 1..count).map(|j| self.factor[count * j + i] * shared[j]).sum();
-            shared[i] = (shared[i] - known) / self.factor[count * i + i];
-        }
-        for (step, solved) in shared.iter().zip(&self.solved) {
-            dx.iter_mut().zip(solved).for_each(|(dx, entry)| *dx -= step * entry);
-        }
+        self.bordered.finish([dx, &mut []], shared);
     }
 }

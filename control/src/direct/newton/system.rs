@@ -7,9 +7,9 @@ use super::interval::{IntervalHessian, add_by_time, add_gradient, row_length};
 use super::metric::Metric;
 use super::point_terms::{Work, side_terms};
 use super::rate_rows::RateRows;
+use crate::direct::limits::at_node::{AtNode, ByTime, NodeValue};
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
-use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::running::Running;
@@ -177,26 +177,20 @@ impl System {
 
     /// Adds the limits of positions and rates at a node.
     fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
-        let (n, node) = (spline.dof, spline.node());
-        let (first, inverse) = (node * k, 1.0 / spline.clock_at(k));
+        let (node, at_node) = (spline.node(), AtNode::new(spline, k));
         for at in barrier.at_node(k) {
             let side = barrier.side(at);
             let ([gradient, at_zero, of_mu], sigma) = side_terms(barrier, at, side.sign);
-            let i = side.index(n);
-            let is_rate = side.limited == Limited::Rate;
-            let scale = if is_rate { inverse } else { 1.0 };
-            self.gradient[0][first + i] += scale * at_zero;
-            self.gradient[1][first + i] += scale * of_mu;
-            self.matrix.node_rows(k)[(2 * node + 1) * i] += scale * scale * sigma;
-            if is_rate && !spline.mesh.is_end(k) {
-                // v = q'/T.
-                let (v, phase) = (inverse * spline.unknowns[first + i], spline.mesh.phase(k));
-                let (slope, by_times) = (-inverse * v, &mut self.by_times);
-                by_times.gradient[0][phase] += slope * at_zero;
-                by_times.gradient[1][phase] += slope * of_mu;
-                let second = slope * slope * sigma + 2.0 * inverse * inverse * v * gradient;
-                by_times.add_second([phase; 2], second);
-                by_times.columns[phase][first + i] += scale * slope * sigma - inverse * inverse * gradient;
+            let NodeValue { unknown, scale, by_time, .. } = at_node.of(side);
+            self.gradient[0][unknown] += scale * at_zero;
+            self.gradient[1][unknown] += scale * of_mu;
+            self.matrix.node_rows(k)[(2 * node + 1) * (unknown - node * k)] += scale * scale * sigma;
+            if let Some(ByTime { phase, first, second, mixed }) = by_time {
+                let by_times = &mut self.by_times;
+                by_times.gradient[0][phase] += first * at_zero;
+                by_times.gradient[1][phase] += first * of_mu;
+                by_times.add_second([phase; 2], first * first * sigma + second * gradient);
+                by_times.columns[phase][unknown] += scale * first * sigma + mixed * gradient;
             }
         }
     }

@@ -3,9 +3,14 @@
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::{PLACES, POINTS};
+use crate::direct::motion::spline::Spline;
 use crate::direct::newton::interval::add_gradient;
 use crate::direct::newton::point_terms::Work;
 use crate::direct::points::values::PointDynamics;
+use crate::numerics::lagrange::slopes;
+
+/// The places of the points of an interval, and its ends.
+const PLACES_AND_ENDS: [f64; POINTS + 2] = [0.0, PLACES[0], PLACES[1], PLACES[2], 1.0];
 
 /// Costates of (q, v), 2n a row, and H*.
 #[derive(Clone, Debug)]
@@ -54,13 +59,8 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
                 &mut gradient,
             );
         }
-        let state = |k: usize, sign: f64| -> Vec<f64> {
-            let time = spline.clock_at(k);
-            let scale = |i: usize| if i < n { sign } else { sign * time };
-            gradient[2 * n * k..2 * n * (k + 1)].iter().enumerate().map(|(i, g)| scale(i) * g).collect()
-        };
-        let right = state(k + 1, 1.0);
-        found.at_nodes[k] = state(k, -1.0);
+        let right = by_state(spline, &gradient, k + 1, 1.0);
+        found.at_nodes[k] = by_state(spline, &gradient, k, -1.0);
         let mut impulses = vec![found.at_nodes[k][n..].to_vec()];
         impulses.extend((POINTS * k..POINTS * (k + 1)).map(|p| impulse(interior, p)));
         impulses.push(right[n..].to_vec());
@@ -79,6 +79,13 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
     found
 }
 
+/// Derivatives by q and v at a node, times `sign`, from those by the unknowns: v = x/T.
+pub(super) fn by_state(spline: &Spline, gradient: &[f64], k: usize, sign: f64) -> Vec<f64> {
+    let (n, time) = (spline.dof, spline.clock_at(k));
+    let scale = |i: usize| if i < n { sign } else { sign * time };
+    gradient[spline.node() * k..][..2 * n].iter().enumerate().map(|(i, g)| scale(i) * g).collect()
+}
+
 /// The costate at point `j` of interval `k`, from M y_p at its nodes and points.
 fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f64>]) -> Vec<f64> {
     let (spline, points, p) = (&interior.spline, &interior.points, POINTS * k + j);
@@ -92,7 +99,7 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
             Limited::Rate => costate[side.joint] -= side.sign * eta * scale,
             Limited::Power | Limited::TorqueSpeed => {
                 let factor = -side.sign * eta * scale;
-                interior.powers.add_by_rates(side.joint, factor, points.tau(p), &mut costate[..n]);
+                interior.model.powers.add_by_rates(side.joint, factor, points.tau(p), &mut costate[..n]);
             }
             Limited::ToolAcceleration => {
                 let slopes = &points.h_z(p)[3 * n * side.joint + n..][..n];
@@ -107,7 +114,7 @@ fn at_point<D>(interior: &mut Interior<D>, k: usize, j: usize, impulses: &[Vec<f
             _ => {}
         }
     }
-    let (y_p, factors) = (torque_costate(interior, p), slopes(j + 1));
+    let (y_p, factors) = (torque_costate(interior, p), slopes(&PLACES_AND_ENDS, PLACES[j]));
     let rate = 1.0 / spline.length(k);
     for i in 0..n {
         let slope: f64 = factors.iter().zip(impulses).map(|(factor, impulse)| factor * impulse[i]).sum();
@@ -148,33 +155,4 @@ fn mass_times(tau_z: &[f64], y: &[f64]) -> Vec<f64> {
     let n = y.len();
     let rows = tau_z.chunks_exact(3 * n);
     rows.map(|row| row[2 * n..].iter().zip(y).map(|(m, y)| m * y).sum()).collect()
-}
-
-/// Derivatives at place `j` of the Lagrange polynomials of the places 0, [`PLACES`], 1 of an interval.
-fn slopes(j: usize) -> [f64; POINTS + 2] {
-    let [a, b, c] = PLACES;
-    let places = [0.0, a, b, c, 1.0];
-    std::array::from_fn(|l| {
-        let others = |skip: usize| (0..places.len()).filter(move |&m| m != l && m != skip);
-        if l == j {
-            return others(l).map(|m| 1.0 / (places[l] - places[m])).sum();
-        }
-        let product: f64 = others(j).map(|m| (places[j] - places[m]) / (places[l] - places[m])).product();
-        product / (places[l] - places[j])
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{PLACES, slopes};
-
-    #[test]
-    fn slopes_of_a_quartic_are_exact() {
-        let [a, b, c] = PLACES;
-        let places = [0.0, a, b, c, 1.0];
-        for (j, x) in places.into_iter().enumerate() {
-            let slope: f64 = slopes(j).iter().zip(places).map(|(factor, x)| factor * (x.powi(4) - x)).sum();
-            assert!((slope - (4.0 * x.powi(3) - 1.0)).abs() < 1e-13);
-        }
-    }
 }

@@ -91,7 +91,7 @@ pub(super) fn name<'a, D>(
     names: &'a [String],
 ) -> &'a str {
     if side.limited.is_task() {
-        return &interior.tasks.row(end, side).name;
+        return &interior.model.tasks.row(end, side).name;
     }
     joint(interior, side).map_or(ALL_JOINTS, |joint| &names[joint])
 }
@@ -99,7 +99,7 @@ pub(super) fn name<'a, D>(
 /// The joint of a side that is not a row of a task; `None` for all.
 fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
     match side.limited {
-        Limited::Power | Limited::TorqueSpeed => interior.powers.joint(side.joint),
+        Limited::Power | Limited::TorqueSpeed => interior.model.powers.joint(side.joint),
         _ => Some(side.joint),
     }
 }
@@ -110,7 +110,7 @@ pub(super) fn of_rate<D>(interior: &Interior<D>, at: usize) -> f64 {
     let (side, n) = (interior.barrier.side(at), interior.points.dof);
     match interior.barrier.point_of(at) {
         Some(p) if side.limited == Limited::TorqueSpeed => {
-            interior.powers.line(side.joint, &interior.points.z(p)[n..2 * n])
+            interior.model.powers.line(side.joint, &interior.points.z(p)[n..2 * n])
         }
         _ => 0.0,
     }
@@ -135,14 +135,14 @@ pub(super) fn unit<D>(
         Limited::Jerk => of(["rad/s^3", "m/s^3"]),
         Limited::TorqueRate => of(["N m/s", "N/s"]),
         Limited::Power => "W",
-        Limited::Task | Limited::ToolAcceleration => interior.tasks.row(end, side).unit,
+        Limited::Task | Limited::ToolAcceleration => interior.model.tasks.row(end, side).unit,
     }
 }
 
 /// By how much a limit is exceeded at a distance, in its unit.
 pub(super) fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, distance: f64) -> f64 {
     if side.limited.is_task() {
-        interior.tasks.row(end, side).excess(side.bound + side.sign * distance)
+        interior.model.tasks.row(end, side).excess(side.bound + side.sign * distance)
     } else {
         (-distance).max(0.0)
     }
@@ -151,26 +151,14 @@ pub(super) fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>,
 /// The spans in which a side is active.
 fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, name: &str) -> Vec<ActiveLimit> {
     let (spline, barrier) = (&interior.spline, &interior.barrier);
-    let bound = if side.sign > 0.0 { "min" } else { "max" };
-    let mut spans: Vec<ActiveLimit> = Vec::new();
-    let mut open = false;
     let is_rate = side.limited >= Limited::Jerk;
     let places = if is_rate { spline.mesh.gauss_points() } else { spline.mesh.points() };
-    for p in 0..places {
+    let times = (0..places).map(|p| {
         let (entries, s) = match is_rate {
             true => (barrier.at_gauss_point(p), spline.mesh.gauss_point(p).0),
             false => (barrier.at_point(p), spline.mesh.point(p).0),
         };
-        let t = spline.time_at(s);
-        let active = barrier.distance[entries][i] <= ACTIVE * side.range;
-        match spans.last_mut().filter(|_| open && active) {
-            Some(span) => span.to = t,
-            None if active => {
-                spans.push(ActiveLimit { name: name.into(), side: bound.into(), from: t, to: t })
-            }
-            None => {}
-        }
-        open = active;
-    }
-    spans
+        (spline.time_at(s), barrier.distance[entries][i] <= ACTIVE * side.range)
+    });
+    ActiveLimit::spans(name, if side.sign > 0.0 { "min" } else { "max" }, times)
 }

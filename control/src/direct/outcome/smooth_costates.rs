@@ -1,6 +1,6 @@
 //! Costates of motions whose accelerations are continuous.
 
-use super::costates::Costates;
+use super::costates::{Costates, by_state};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::shape::POINTS;
 use crate::direct::newton::interval::{add_gradient, add_local};
@@ -63,14 +63,10 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
             by_time += [0.0, 1.0, 2.0][i % node / n] * g * x / time;
         }
         hamiltonian.push(-by_time / mesh.width(k));
-        let state = |k: usize, sign: f64| -> Vec<f64> {
-            let time = spline.clock_at(k);
-            let scale = |i: usize| if i < n { sign } else { sign * time };
-            gradient[node * k..][..2 * n].iter().enumerate().map(|(i, g)| scale(i) * g).collect()
-        };
-        at_nodes[k] = state(k, -1.0);
-        before.push(state(k + 1, 1.0));
-        at_nodes[k + 1] = state(k + 1, 1.0);
+        let right = by_state(spline, &gradient, k + 1, 1.0);
+        at_nodes[k] = by_state(spline, &gradient, k, -1.0);
+        before.push(right.clone());
+        at_nodes[k + 1] = right;
     }
     interior.points.rates.has_torques = has_torques;
     let times: Vec<f64> = (0..mesh.points()).map(|p| spline.time_of(p)).collect();

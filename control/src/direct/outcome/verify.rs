@@ -65,7 +65,7 @@ pub(crate) fn integrate_again<D>(
             defect = defect.max(defined((state[i] - last[i]).abs()));
         }
     }
-    defect = defect.max(interior.tasks.miss(spline.mesh.phases(), &state));
+    defect = defect.max(interior.model.tasks.miss(spline.mesh.phases(), &state));
     Again { state: Some(state), defect, relative }
 }
 

@@ -9,6 +9,7 @@
 
 use crate::direct::motion::shape::{LOBATTO_PLACES, MOST_POINTS, PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
+use crate::numerics::lagrange::slopes;
 use crate::problem::Objective;
 
 /// Weights of `1/2 w y^2` per second, for the jerk and for the rate of the torque of each joint.
@@ -108,35 +109,11 @@ pub(crate) fn combine(factors: &[f64; MOST_POINTS], values: &[f64], sum: &mut [f
 }
 
 /// D: derivatives at Gauss's points of the polynomial through values at Lobatto's points on [0, 1].
-pub(crate) const SLOPES: [[f64; MOST_POINTS]; POINTS] = {
-    let mut slopes = [[0.0; MOST_POINTS]; POINTS];
-    let mut j = 0;
-    while j < POINTS {
-        let mut m = 0;
-        while m < MOST_POINTS {
-            // The sum over l of 1/(x_m - x_l) times the product of (x - x_i)/(x_m - x_i) over the others.
-            let mut l = 0;
-            while l < MOST_POINTS {
-                if l != m {
-                    let mut product = 1.0 / (LOBATTO_PLACES[m] - LOBATTO_PLACES[l]);
-                    let mut i = 0;
-                    while i < MOST_POINTS {
-                        if i != m && i != l {
-                            product *=
-                                (PLACES[j] - LOBATTO_PLACES[i]) / (LOBATTO_PLACES[m] - LOBATTO_PLACES[i]);
-                        }
-                        i += 1;
-                    }
-                    slopes[j][m] += product;
-                }
-                l += 1;
-            }
-            m += 1;
-        }
-        j += 1;
-    }
-    slopes
-};
+pub(crate) const SLOPES: [[f64; MOST_POINTS]; POINTS] = [
+    slopes(&LOBATTO_PLACES, PLACES[0]),
+    slopes(&LOBATTO_PLACES, PLACES[1]),
+    slopes(&LOBATTO_PLACES, PLACES[2]),
+];
 
 #[cfg(test)]
 mod tests {

@@ -5,6 +5,7 @@ use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::{PLACES, POINTS, WEIGHTS};
 use crate::direct::points::values::Points;
+use crate::numerics::lagrange::{slopes, values};
 use std::ops::Range;
 
 /// A value on an interval: the quadratic through the points.
@@ -18,19 +19,12 @@ struct Piece {
 }
 
 impl Piece {
-    fn through(values: [f64; POINTS]) -> Self {
-        let end = |x: f64| {
-            let mut sums = [0.0; 2];
-            for (j, value) in values.iter().enumerate() {
-                let [a, b] = [PLACES[(j + 1) % POINTS], PLACES[(j + 2) % POINTS]];
-                let scale = value / ((PLACES[j] - a) * (PLACES[j] - b));
-                sums[0] += (x - a) * (x - b) * scale;
-                sums[1] += (2.0 * x - a - b) * scale;
-            }
-            sums
-        };
-        let mean = values.iter().zip(WEIGHTS).map(|(value, weight)| value * weight).sum();
-        Self { left: end(0.0), right: end(1.0), mean }
+    fn through(value: [f64; POINTS]) -> Self {
+        const ENDS: [[[f64; POINTS]; 2]; 2] =
+            [[values(&PLACES, 0.0), slopes(&PLACES, 0.0)], [values(&PLACES, 1.0), slopes(&PLACES, 1.0)]];
+        let sum = |factors: [f64; POINTS]| value.iter().zip(factors).map(|(value, f)| value * f).sum();
+        let [left, right] = ENDS.map(|end| end.map(sum));
+        Self { left, right, mean: sum(WEIGHTS) }
     }
 }
 

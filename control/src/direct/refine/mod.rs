@@ -4,6 +4,7 @@
 //! [`Resolution`](resolution::Resolution) measures them and chooses the nodes of the next mesh.
 
 pub(super) mod between;
+mod division;
 pub(super) mod jumps;
 pub(super) mod move_inside;
 pub(super) mod rates_between;

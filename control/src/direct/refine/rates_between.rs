@@ -2,7 +2,7 @@
 
 use super::between::{BETWEEN, weight};
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::barrier::measure_rates;
+use crate::direct::limits::distances::measure_rates;
 use crate::direct::motion::shape::{POINTS, WEIGHTS};
 use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
@@ -38,7 +38,7 @@ impl RatesBetween {
             let phases = interior.spline.mesh.ends().iter().skip(1).map(|node| BETWEEN.len() * node);
             points.resize(n, interior.rows(), phases);
             points.weights.fill(0.0);
-            interior.dynamics.contract(points)?;
+            interior.model.dynamics.contract(points)?;
         }
         self.z.resize(4 * n, 0.0);
         self.jerk.clear();

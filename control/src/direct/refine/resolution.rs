@@ -5,13 +5,13 @@ use super::jumps::Jumps;
 use super::rates_between::RatesBetween;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::barrier::measure;
+use crate::direct::limits::distances::measure;
 use crate::direct::limits::multipliers::Multipliers;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::motion::shape::{POINTS, quadratic};
-use crate::direct::motion::spline::Spline;
+use crate::direct::motion::shape::{PLACES, POINTS};
 use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::numerics::lagrange::values;
 use costate::EvalError;
 
 /// What a mesh does not resolve.
@@ -25,22 +25,22 @@ pub(crate) struct Resolution {
     pub cut: Vec<f64>,
     /// The cost of the motion, by a finer rule than that of its points.
     pub cost: f64,
-    jumps: Jumps,
+    pub(super) jumps: Jumps,
     /// Nodes of this mesh that were moved.
-    moves: Vec<Move>,
+    pub(super) moves: Vec<Move>,
     points: Points,
     pub(super) distance: Vec<f64>,
-    rates: RatesBetween,
+    pub(super) rates: RatesBetween,
     /// Intervals that are narrower are not divided.
     pub narrowest: f64,
 }
 
 /// A node that was moved.
 #[derive(Clone, Copy, Debug)]
-struct Move {
+pub(super) struct Move {
     /// Where it is now.
-    place: f64,
-    distance: f64,
+    pub place: f64,
+    pub distance: f64,
 }
 
 impl Resolution {
@@ -79,7 +79,7 @@ impl Resolution {
         self.compare_costs(interior);
         self.look_between(interior);
         for (k, most) in self.violations.iter_mut().enumerate() {
-            *most = most.max(interior.tasks.sweep(&interior.spline, k)?);
+            *most = most.max(interior.model.tasks.sweep(&interior.spline, k)?);
         }
         Ok(())
     }
@@ -137,9 +137,7 @@ impl Resolution {
         for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
             spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
         }
-        interior.dynamics.evaluate(&mut self.points)?;
-        interior.powers.evaluate(&mut self.points);
-        interior.tasks.evaluate(&mut self.points)?;
+        interior.model.evaluate_at(&mut self.points)?;
         self.rates.evaluate(interior, &mut self.points)
     }
 
@@ -218,121 +216,12 @@ impl Resolution {
             for i in 0..interior.barrier.rate_sides().len() {
                 let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
                 let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
-                    let density: f64 = quadratic(x).iter().zip(densities).map(|(part, d)| part * d).sum();
+                    let density: f64 =
+                        values(&PLACES, x).iter().zip(densities).map(|(part, d)| part * d).sum();
                     weight(at) * density.max(0.0) * self.rates.distance(BETWEEN.len() * k + at)[i]
                 });
                 *error += interior.spline.mesh.width(k) * signed.sum::<f64>().abs();
             }
         }
-    }
-
-    /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with
-    /// the largest errors, until what is left is a small part of the whole or of `tolerance`. Where a
-    /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
-    /// evenly.
-    pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
-        let beyond = |k: usize| {
-            self.violations[k] > constants::VIOLATION_BETWEEN
-                || self.rates.violations.get(k).is_some_and(|&most| most > constants::VIOLATION_OF_RATES)
-        };
-        let mut chosen: Vec<bool> = (0..self.errors.len()).map(beyond).collect();
-        choose(&mut chosen, &self.errors, tolerance);
-        self.divided(spline, &chosen, tolerance)
-    }
-
-    /// Nodes of a finer mesh on which limits cut off less of the torques.
-    pub fn nodes_for_torques(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
-        let mut chosen = vec![false; self.cut.len()];
-        choose(&mut chosen, &self.cut, 0.0);
-        self.divided(spline, &chosen, tolerance)
-    }
-
-    fn divided(&mut self, spline: &Spline, chosen: &[bool], tolerance: f64) -> Vec<f64> {
-        let (narrowest, smooth) = (self.narrowest, spline.mesh.shape.is_smooth());
-        let share = tolerance / self.errors.len() as f64;
-        let mut moves = Vec::new();
-        let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
-        for k in (0..chosen.len()).filter(|&k| chosen[k]) {
-            let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
-            let (cuts, is_narrow) = (self.jumps.cuts(k), width < narrowest);
-            for cut in cuts.iter().filter(|_| smooth || !is_narrow) {
-                let place = left + width * cut.place;
-                // Where accelerations are continuous, nodes move where there is no room for another one.
-                let (near, part) = if cut.place < 0.5 { (k, cut.place) } else { (k + 1, 1.0 - cut.place) };
-                let no_room = width * part < narrowest && !spline.mesh.is_end(near);
-                let replaces = if smooth { no_room.then_some(near) } else { cut.replaces };
-                if smooth && is_narrow && replaces.is_none() {
-                    continue;
-                }
-                added.push(place);
-                if let Some(node) = replaces {
-                    let from = spline.mesh.nodes[node];
-                    moved[node] = self.approaches(from, place);
-                    moves.push(Move { place, distance: (place - from).abs() });
-                }
-            }
-            if cuts.is_empty() && !is_narrow {
-                // The error of a motion that is smooth in an interval falls with the seventh power of
-                // its width.
-                let by_error = (self.errors[k] / share).powf(1.0 / 7.0);
-                // What exceeds a limit between points falls with its square where an arc at the limit begins.
-                let by_violation = (self.violations[k] / constants::VIOLATION_BETWEEN).max(0.0).sqrt();
-                let parts = by_error.max(by_violation).ceil().clamp(2.0, constants::MOST_PARTS);
-                added.extend((1..parts as usize).map(|part| left + width * part as f64 / parts));
-            }
-        }
-        let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
-        let closest = if smooth { constants::CLOSEST_SMOOTH } else { constants::CLOSEST };
-        self.moves = moves;
-        with_added(kept.collect(), added, closest * narrowest)
-    }
-
-    /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not
-    /// at a jump, and stays.
-    fn approaches(&self, from: f64, to: f64) -> bool {
-        let before = self.moves.iter().find(|before| before.place == from);
-        before.is_none_or(|before| (to - from).abs() < constants::APPROACH * before.distance)
-    }
-}
-
-/// Nodes in their order with those that are added, one after the other, unless they are closer than this to
-/// another one.
-fn with_added(mut nodes: Vec<f64>, mut added: Vec<f64>, closest: f64) -> Vec<f64> {
-    added.sort_by(f64::total_cmp);
-    for place in added {
-        let right = nodes.partition_point(|&node| node < place);
-        let beside = nodes[right.saturating_sub(1)..].iter().take(2);
-        if beside.into_iter().all(|node| (node - place).abs() >= closest) {
-            nodes.insert(right, place);
-        }
-    }
-    nodes
-}
-
-/// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.
-fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
-    let mut order: Vec<usize> = (0..errors.len()).collect();
-    order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
-    let mut rest: f64 = errors.iter().sum();
-    let enough = (constants::LEFT * rest).max(constants::ENOUGH * tolerance);
-    for k in order {
-        if rest <= enough {
-            break;
-        }
-        chosen[k] = true;
-        rest -= errors[k];
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::with_added;
-
-    #[test]
-    fn nodes_that_are_kept_stay() {
-        // Two that are close to each other; an added one close to each of them, to the ends, to another one.
-        let nodes = vec![0.0, 0.4, 0.405, 1.0];
-        let added = vec![0.996, 0.7, 0.395, 0.41, 0.004, 0.2, 0.705];
-        assert_eq!(with_added(nodes, added, 0.01), [0.0, 0.2, 0.4, 0.405, 0.7, 1.0]);
     }
 }

@@ -5,5 +5,7 @@
 
 pub(super) mod direct;
 pub(super) mod first_time;
+mod meshes;
+pub(super) mod prepare;
 pub(super) mod restore;
 pub(super) mod smoothing;

@@ -74,8 +74,11 @@ impl RobotExtremal {
     }
 }
 
-impl RobotExtremal {
-    /// g(z) and its Jacobian, with the blocks y'F_xx if `hessian` is true.
+impl Differenced for RobotExtremal {
+    fn differences(&mut self) -> &mut Differences {
+        &mut self.differences
+    }
+
     fn linearise_with(
         &mut self,
         hessian: bool,
@@ -87,12 +90,6 @@ impl RobotExtremal {
         let control = |i, y_p| actuation.control(i, y_p, law);
         let l = self.equations.linearise(z, control, hessian, Outputs { g: &mut *g, jacobian })?;
         Ok(with_hamiltonian(z, g, l))
-    }
-}
-
-impl Differenced for RobotExtremal {
-    fn differences(&mut self) -> &mut Differences {
-        &mut self.differences
     }
 }
 
@@ -119,12 +116,7 @@ impl BoundaryValueProblem for RobotExtremal {
         g: &mut [f64],
         jacobian: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
-        if self.jacobian == JacobianRoute::Differences {
-            self.by_differences(z, law, jacobian)?;
-            return self.evaluate(z, law, g);
-        }
-        let hessian = self.jacobian == JacobianRoute::Exact;
-        self.linearise_with(hessian, z, law, Outputs { g, jacobian })
+        self.linearise_by(self.jacobian, z, law, Outputs { g, jacobian })
     }
 
     fn linearise_exactly(

@@ -1,5 +1,6 @@
 //! The Jacobian of the extremals of a robot in Lagrangian coordinates.
 
+use crate::extremal::differences::{Differenced, Differences};
 use crate::extremal::hamiltonian::equations::Outputs;
 use crate::extremal::hamiltonian::with_hamiltonian;
 use crate::extremal::lagrangian::LagrangianExtremal;
@@ -7,9 +8,13 @@ use crate::extremal::{ControlLaw, HamiltonianTerms};
 use costate::EvalError;
 use costate::matrix::Block;
 
-impl LagrangianExtremal {
-    /// g and its Jacobian from f_x, and from the second derivatives if `hessian` is true.
-    pub(crate) fn linearise_with(
+impl Differenced for LagrangianExtremal {
+    fn differences(&mut self) -> &mut Differences {
+        &mut self.differences
+    }
+
+    /// From f_x, and from the second derivatives if `hessian` is true.
+    fn linearise_with(
         &mut self,
         hessian: bool,
         z: &[f64],

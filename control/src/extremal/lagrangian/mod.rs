@@ -142,12 +142,6 @@ impl LagrangianExtremal {
     }
 }
 
-impl Differenced for LagrangianExtremal {
-    fn differences(&mut self) -> &mut Differences {
-        &mut self.differences
-    }
-}
-
 impl BoundaryValueProblem for LagrangianExtremal {
     fn states(&self) -> usize {
         2 * self.force.len()
@@ -176,12 +170,7 @@ impl BoundaryValueProblem for LagrangianExtremal {
         g: &mut [f64],
         jacobian: &mut [f64],
     ) -> Result<HamiltonianTerms, EvalError> {
-        if self.jacobian == JacobianRoute::Differences {
-            self.by_differences(z, law, jacobian)?;
-            return self.evaluate(z, law, g);
-        }
-        let hessian = self.jacobian == JacobianRoute::Exact;
-        self.linearise_with(hessian, z, law, Outputs { g, jacobian })
+        self.linearise_by(self.jacobian, z, law, Outputs { g, jacobian })
     }
 
     fn linearise_exactly(

@@ -3,6 +3,7 @@
 pub(crate) mod document;
 pub(crate) mod error;
 mod fault;
+mod given;
 mod joints;
 mod nested;
 mod phases;

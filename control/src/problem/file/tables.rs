@@ -1,17 +1,14 @@
 //! The tables and keys of a problem file.
 
 use crate::options::SolverOptions;
-use crate::problem::error::ProblemError;
 use crate::problem::file::error::ProblemFileCause;
 use crate::problem::file::fault::Fault;
-use crate::problem::file::joints::{JointName, indices, joints};
+use crate::problem::file::joints::{JointName, joints};
 use crate::problem::file::phases::{self, ViaTable};
 use crate::problem::file::robot::{self, RobotTable};
 use crate::problem::file::table::{Table, number};
 use crate::problem::file::{solver, task};
-use crate::problem::key::Key;
-use crate::problem::{BoundaryState, Bounds, FinalTime, MotionLimits, Objective, Penalty, Problem, Task};
-use costate::robot::Robot;
+use crate::problem::{Bounds, FinalTime, MotionLimits, Penalty, Task};
 
 const ROOT: &[&str] = &[
     "robot",
@@ -56,53 +53,43 @@ const START_FROM: &[&str] = &["file"];
 /// The values of a problem file, before its robot is known.
 pub(super) struct Tables {
     pub robot: RobotTable,
-    start: StateTable,
-    end: StateTable,
-    time: FinalTime,
-    cost_time: f64,
-    effort: Option<Vec<f64>>,
-    energy: Option<Energy>,
-    energy_smoothing: Option<f64>,
-    torque_rate: Option<Vec<f64>>,
-    jerk: Option<Vec<f64>>,
-    gain: Option<Vec<f64>>,
-    bounds: Option<Bounds>,
-    penalty: Option<Penalty>,
-    limits: Option<MotionLimits>,
-    task: Task,
-    vias: Vec<ViaTable>,
-    periodic: Option<Vec<f64>>,
+    pub start: StateTable,
+    pub end: StateTable,
+    pub time: FinalTime,
+    pub cost_time: f64,
+    pub effort: Option<Vec<f64>>,
+    pub energy: Option<Energy>,
+    pub energy_smoothing: Option<f64>,
+    pub torque_rate: Option<Vec<f64>>,
+    pub jerk: Option<Vec<f64>>,
+    pub gain: Option<Vec<f64>>,
+    pub bounds: Option<Bounds>,
+    pub penalty: Option<Penalty>,
+    pub limits: Option<MotionLimits>,
+    pub task: Task,
+    pub vias: Vec<ViaTable>,
+    pub periodic: Option<Vec<f64>>,
     pub start_from: Option<String>,
     pub options: SolverOptions,
 }
 
 /// The cost of a joule.
-enum Energy {
+pub(super) enum Energy {
     /// The same for all joints.
     Each(f64),
     Of(Vec<f64>),
 }
 
-impl Energy {
-    /// Those of n joints.
-    fn of_joints(&self, n: usize) -> Vec<f64> {
-        match self {
-            Self::Each(weight) => vec![*weight; n],
-            Self::Of(weights) => weights.clone(),
-        }
-    }
-}
-
 #[derive(Default)]
-struct StateTable {
+pub(super) struct StateTable {
     /// `None`: those of the start, as a first guess; of a periodic motion all are free.
-    q: Option<Vec<f64>>,
-    v: Option<Vec<f64>>,
-    a: Option<Vec<f64>>,
+    pub q: Option<Vec<f64>>,
+    pub v: Option<Vec<f64>>,
+    pub a: Option<Vec<f64>>,
     /// `None`: no joint, or all of them where tools are given.
-    q_free: Option<Vec<JointName>>,
-    v_free: Vec<JointName>,
-    has_tools: bool,
+    pub q_free: Option<Vec<JointName>>,
+    pub v_free: Vec<JointName>,
+    pub has_tools: bool,
 }
 
 /// Reads all tables.
@@ -242,69 +229,4 @@ fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
         return Ok(table.list("energy", expected, number)?.map(Energy::Of));
     }
     Ok(table.value("energy", expected, number)?.map(Energy::Each))
-}
-
-impl Tables {
-    /// The problem of this robot.
-    pub fn problem(&self, robot: Robot) -> Result<Problem, ProblemError> {
-        let n = robot.dof();
-        let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
-        let zeros = vec![0.0; n];
-        let from = self.start.q.as_deref().unwrap_or(&zeros);
-        let fixed = |table: &StateTable| BoundaryState {
-            a: table.a.clone(),
-            ..BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
-        };
-        let (start, end) = (fixed(&self.start), fixed(&self.end));
-        let mut cost = Objective::new(self.cost_time, fill(&self.effort, 0.0));
-        (cost.torque_rate, cost.jerk) = (self.torque_rate.clone(), self.jerk.clone());
-        cost.energy = self.energy.as_ref().map(|energy| energy.of_joints(n));
-        if let Some(smoothing) = self.energy_smoothing {
-            cost = cost.with_energy_smoothing(smoothing);
-        }
-        let mut problem = Problem {
-            start,
-            end,
-            time: self.time,
-            cost,
-            terms: Vec::new(),
-            gain: fill(&self.gain, 1.0),
-            bounds: self.bounds.clone(),
-            penalty: self.penalty.clone(),
-            limits: self.limits.clone().unwrap_or_else(MotionLimits::unsaid),
-            task: self.task.clone(),
-            vias: Vec::new(),
-            periodic: self.periodic.as_ref().map(|shift| match shift.is_empty() {
-                true => vec![0.0; n],
-                false => shift.clone(),
-            }),
-            robot,
-        };
-        problem.start.q_free = self.start.free(&problem, Key::START_Q_FREE)?;
-        problem.start.v_free = indices(&problem, Key::START_V_FREE, &self.start.v_free)?;
-        problem.end.q_free = self.end.free(&problem, Key::END_Q_FREE)?;
-        problem.end.v_free = indices(&problem, Key::END_V_FREE, &self.end.v_free)?;
-        if self.periodic.is_some() {
-            let all = || (0..n).collect();
-            problem.start.q_free = if self.start.q.is_some() { problem.start.q_free } else { all() };
-            problem.start.v_free = if self.start.v.is_some() { problem.start.v_free } else { all() };
-            problem.end = problem.start.clone();
-        }
-        for (number, via) in self.vias.iter().enumerate() {
-            let via = via.of(&problem, number)?;
-            problem.vias.push(via);
-        }
-        Ok(problem)
-    }
-}
-
-impl StateTable {
-    /// The joints whose positions are free.
-    fn free(&self, problem: &Problem, key: Key) -> Result<Vec<usize>, ProblemError> {
-        match &self.q_free {
-            Some(joints) => indices(problem, key, joints),
-            None if self.has_tools => Ok((0..problem.robot.dof()).collect()),
-            None => Ok(Vec::new()),
-        }
-    }
 }

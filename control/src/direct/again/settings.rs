@@ -77,7 +77,7 @@ impl Resolve {
 
     fn set_end_rows(&mut self, end: usize, rows: [Option<usize>; 3], position: [f64; 3]) {
         for (row, x) in rows.into_iter().zip(position).filter_map(|(row, x)| Some((row?, x))) {
-            self.interior.tasks.set_end_value(end, row, x);
+            self.interior.model.tasks.set_end_value(end, row, x);
             self.interior.barrier.set_end_bound(end, row, x);
         }
     }
@@ -107,7 +107,7 @@ impl Resolve {
         if obstacle >= self.obstacles {
             return Err(ResolveError::NoEntry { table, entry });
         }
-        let moved = self.interior.tasks.move_obstacle(obstacle, shape);
+        let moved = self.interior.model.tasks.move_obstacle(obstacle, shape);
         moved.map_err(|cause| ResolveError::Task { table, entry, cause })
     }
 

@@ -1,0 +1,237 @@
+//! One mesh after the other, until the motion is accurate.
+
+use super::prepare::Dynamics;
+use super::restore::{Patience, Restored, restore};
+use crate::constants::direct as constants;
+use crate::direct::interior::iterate::{End, Interior};
+use crate::direct::outcome::infeasible::with_proof;
+use crate::direct::outcome::verify::{Again, integrate_again};
+use crate::direct::refine::resolution::Resolution;
+use crate::options::{SolverOptions, Verify};
+use crate::problem::Problem;
+use crate::progress::{Iteration, Phase};
+use crate::result::infeasibility::Infeasibility;
+use crate::result::stage_times::Stage;
+use crate::solve::Recorder;
+use crate::solve::recorder::Interruption;
+use crate::status::Status;
+use costate::EvalError;
+
+/// How the refinement ended.
+pub(super) struct Refined {
+    pub status: Status,
+    /// Estimated error of the cost, relative to it.
+    pub error: f64,
+    /// The motion integrated again, if that was done on its last mesh.
+    pub again: Option<Again>,
+    /// Why there is no motion that keeps all limits.
+    pub infeasible: Option<Infeasibility>,
+}
+
+impl Refined {
+    /// Without a motion that was solved.
+    fn without(status: Status) -> Self {
+        Self { status, error: f64::INFINITY, again: None, infeasible: None }
+    }
+}
+
+/// Solves on finer and finer meshes; `is_given` says that the first start begins at a saved motion.
+///
+/// # Errors
+/// A motion that cannot be evaluated.
+pub(super) fn refine(
+    problem: &Problem,
+    options: &SolverOptions,
+    is_given: bool,
+    interior: &mut Interior<Dynamics>,
+    resolution: &mut Resolution,
+    recorder: &mut Recorder<'_>,
+) -> Result<Refined, EvalError> {
+    let tolerance = options.tolerance;
+    let too_short = problem.too_short().is_some();
+    let goes_on = recorder.interruption().is_none();
+    interior.clock.lap(Stage::Preparation);
+    if goes_on && !too_short && interior.needs_smoothing() && !is_given {
+        let effort = interior.smooth_effort();
+        let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
+            recorder.record(iteration(iterate, 0, step));
+            recorder.interruption()
+        };
+        interior.begin_smoothed(effort, options.max_iterations, &mut watch)?;
+    } else {
+        interior.start(None)?;
+    }
+    if goes_on && too_short {
+        return explain(problem, options, interior, resolution, recorder);
+    }
+    if let Some(interruption) = recorder.interruption() {
+        interior.refresh()?;
+        resolution.measure(interior)?;
+        return Ok(Refined::without(interruption.into()));
+    }
+    let mut refined = Refined::without(Status::MeshLimit);
+    let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
+    // A coarse mesh is not solved much better than it resolves the motion.
+    let least = constants::PART_OF_TOLERANCE * tolerance;
+    let mut precision = least.max(constants::FIRST_PRECISION);
+    let (mut mesh, mut moved) = (0, 0);
+    // Limits neither give nor move where accelerations are continuous.
+    let smooth = interior.spline.mesh.shape.is_smooth();
+    interior.clock.lap(Stage::Preparation);
+    while mesh < constants::MESHES {
+        let first = interior.figures.iterations;
+        let mut resolved = interior.spline.clone();
+        let (mut patience, mut stuck, mut unresolved) = (Patience::default(), false, false);
+        let watch = |iterate: &mut Interior<Dynamics>, step: f64| {
+            recorder.record(iteration(iterate, first, step));
+            stuck = patience.is_over(iterate.figures.violation);
+            let looks = (iterate.figures.iterations - first).is_multiple_of(constants::LOOK);
+            unresolved = looks && resolution.is_far_off(iterate);
+            if looks && !unresolved {
+                resolved.clone_from(&iterate.spline);
+            }
+            if stuck || unresolved { Some(Interruption::TimeLimit) } else { recorder.interruption() }
+        };
+        let mut end = interior.iterate(precision, options.max_iterations, watch)?;
+        if end == End::Solved && precision <= least {
+            interior.take_last_step();
+        }
+        if stuck || unresolved {
+            end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
+        }
+        let mut figures = interior.figures;
+        let is_over = matches!(end, End::NoProgress | End::IterationLimit);
+        if is_over
+            && figures.violation > constants::VIOLATION_ACCEPTED
+            && restorations < constants::RESTORATIONS
+            && !unresolved
+            && !smooth
+        {
+            restorations += 1;
+            match restore(problem, interior, &guess, gap, options, recorder)? {
+                Restored::Kept => continue,
+                Restored::Infeasible(infeasible) => {
+                    resolution.measure(interior)?;
+                    let infeasible = Some(infeasible);
+                    return Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) });
+                }
+                Restored::Interrupted(interruption) => end = End::Interrupted(interruption),
+                Restored::Unknown => {}
+            }
+            figures = interior.figures;
+        }
+        resolution.measure(interior)?;
+        interior.clock.lap(Stage::Meshes);
+        let error = (resolution.error() + figures.gap) / figures.size;
+        let violated = figures.violation > constants::VIOLATION_ACCEPTED;
+        let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
+        let mut again = None;
+        let status = match end {
+            End::Interrupted(interruption) => {
+                return Ok(Refined { error, ..Refined::without(interruption.into()) });
+            }
+            _ if unresolved => Status::MeshLimit,
+            End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
+            End::NoProgress => Status::NewtonFailed,
+            End::IterationLimit => Status::IterationLimit,
+            End::Solved if accurate && precision <= least => {
+                let found = again.insert(integrate_again(problem, options.verify, interior, resolution));
+                interior.clock.lap(Stage::Verification);
+                let bound = constants::VERIFIED * tolerance.sqrt();
+                if found.relative <= bound { Status::Converged } else { Status::NotVerified }
+            }
+            End::Solved => Status::MeshLimit,
+        };
+        refined = Refined { status, error, again, infeasible: None };
+        let unverified = accurate && precision <= least && options.verify == Verify::None;
+        if refined.status.is_converged()
+            || unverified
+            || (violated && !unresolved && mesh >= constants::MESHES_WITHOUT_MOTION)
+        {
+            break;
+        }
+        if accurate && precision > least {
+            precision = least;
+            continue;
+        }
+        let between = constants::VIOLATION_BETWEEN..constants::MOST_MOVED;
+        let only_between = error <= tolerance && between.contains(&resolution.violation()) && !smooth;
+        if only_between && end == End::Solved && moved < constants::MOVES {
+            moved += 1;
+            precision = least;
+            if resolution.move_limits_inside(interior) {
+                interior.begin_again();
+                continue;
+            }
+        }
+        moved = 0;
+        precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
+        let enough = tolerance * figures.size;
+        let narrowest = resolution.narrowest;
+        let nodes = match (violated, accurate) {
+            (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
+            // What the estimate does not see, the integration may.
+            (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
+            _ => resolution.nodes(&interior.spline, enough),
+        };
+        let mesh_nodes = &interior.spline.mesh.nodes;
+        let nodes = if nodes == *mesh_nodes { interior.spline.mesh.halved(narrowest) } else { nodes };
+        let stride = interior.spline.mesh.shape.stride();
+        if stride * (nodes.len() - 1) + 1 > options.max_nodes || mesh + 1 == constants::MESHES {
+            if unresolved {
+                interior.spline = resolved;
+                interior.start(Some(interior.mu))?;
+                resolution.measure(interior)?;
+            }
+            break;
+        }
+        if unresolved {
+            interior.spline = resolved;
+        }
+        interior.move_to(nodes)?;
+        interior.clock.lap(Stage::Meshes);
+        // What solves a mesh is near a solution on the next one.
+        if end == End::Solved {
+            (guess, gap) = (interior.spline.clone(), constants::WARM);
+        }
+        mesh += 1;
+    }
+    Ok(refined)
+}
+
+/// What limits would have to give where it is proven that no motion keeps them.
+fn explain(
+    problem: &Problem,
+    options: &SolverOptions,
+    interior: &mut Interior<Dynamics>,
+    resolution: &mut Resolution,
+    recorder: &mut Recorder<'_>,
+) -> Result<Refined, EvalError> {
+    let guess = interior.spline.clone();
+    let gap = constants::FIRST_GAP;
+    let restored = restore(problem, interior, &guess, gap, options, recorder)?;
+    interior.refresh()?;
+    resolution.measure(interior)?;
+    let found = match restored {
+        Restored::Interrupted(interruption) => return Ok(Refined::without(interruption.into())),
+        Restored::Infeasible(infeasible) => Some(infeasible),
+        // Between its points the motion that keeps its limits there does not.
+        Restored::Kept | Restored::Unknown => None,
+    };
+    let infeasible = with_proof(problem, found);
+    Ok(Refined { infeasible, ..Refined::without(Status::Infeasible) })
+}
+
+/// A step for the log; `first` steps were made on other meshes.
+fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
+    let figures = &iterate.figures;
+    Iteration {
+        phase: Phase::Direct,
+        nodes: iterate.spline.mesh.points(),
+        number: figures.iterations - first,
+        residual: (figures.gap.max(figures.decrement.abs()) / figures.size).max(figures.violation),
+        step,
+        final_time: iterate.spline.duration(),
+        cost: figures.cost,
+    }
+}

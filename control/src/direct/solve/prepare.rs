@@ -1,0 +1,104 @@
+//! A problem with a guess, ready to iterate.
+
+use crate::constants::direct as constants;
+use crate::cubics::Disturbance;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::ends::Ends;
+use crate::direct::limits::model::Model;
+use crate::direct::limits::power::Powers;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::limits::tasks::Tasks;
+use crate::direct::motion::guess::{guess, with_tools_reached};
+use crate::direct::motion::mesh::Mesh;
+use crate::direct::motion::shape::Shape;
+use crate::direct::points::phases::PhaseDynamics;
+#[cfg(feature = "jit")]
+use crate::direct::points::program_points::ProgramPoints as FastPoints;
+use crate::direct::points::running::Running;
+#[cfg(not(feature = "jit"))]
+use crate::direct::points::values::RobotPoints as FastPoints;
+use crate::options::SolverOptions;
+use crate::problem::limits::JointLimits;
+use crate::problem::{FinalTime, Problem};
+use crate::result::trajectory::Trajectory;
+use crate::task::build::TaskRows;
+use costate::robot::Robot;
+
+/// Inverse dynamics of the robots of all phases.
+pub(crate) type Dynamics = PhaseDynamics<FastPoints>;
+
+/// A problem with the guess of a start.
+pub(crate) fn interior(
+    problem: &Problem,
+    rows: &TaskRows,
+    options: &SolverOptions,
+    number: usize,
+    saved: Option<&Trajectory>,
+) -> Interior<Dynamics> {
+    let (all, phases) = ((options.nodes - 1) / Shape::of(problem).stride(), problem.phases());
+    let intervals = (all / phases).max(if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 });
+    interior_on(problem, rows, options, number, saved, &Mesh::even(phases, intervals))
+}
+
+/// The same on these nodes.
+pub(crate) fn interior_on(
+    problem: &Problem,
+    rows: &TaskRows,
+    options: &SolverOptions,
+    number: usize,
+    saved: Option<&Trajectory>,
+    nodes: &[f64],
+) -> Interior<Dynamics> {
+    let reached = with_tools_reached(problem, rows, number);
+    let disturbance = Disturbance::draw(&reached, options.seed, number);
+    let spline = guess(&reached, saved, &disturbance, nodes.to_vec());
+    let points = |robot: &Robot| {
+        #[cfg(feature = "jit")]
+        let points = FastPoints::new(robot, options.machine_code);
+        #[cfg(not(feature = "jit"))]
+        let points = FastPoints::new(robot);
+        points
+    };
+    let dynamics = PhaseDynamics::new(&problem.robots(), points);
+    let powers = Powers::new(problem);
+    let tasks = Tasks::new(rows, problem.robot.dof(), powers.rows());
+    let model = Model { dynamics, tasks, powers };
+    let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
+    let mut interior = Interior::new(spline, sides(problem), model, running, ends);
+    let can_choose =
+        matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
+    if saved.is_none() && can_choose {
+        interior.choose_time(|time| {
+            let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
+            guess(&problem, None, &disturbance, nodes.to_vec())
+        });
+    }
+    interior
+}
+
+/// All limits of the joints of a problem.
+fn sides(problem: &Problem) -> Vec<Side> {
+    let limits = problem.joint_limits();
+    let of = |limited: Limited, range: fn(&JointLimits) -> [f64; 2]| {
+        let each = limits.iter().enumerate();
+        each.flat_map(move |(i, limits)| {
+            let [lower, upper] = range(limits);
+            Side::pair(limited, i, lower, upper)
+        })
+    };
+    let torques = limits.iter().map(|limits| limits.torque[1] - limits.torque[0]);
+    let largest = torques.filter(|range| range.is_finite()).fold(0.0, f64::max);
+    // What the other motors give; without limits of them, 1 N m.
+    let unit = if largest > 0.0 { largest } else { 1.0 };
+    let has_motor = |limits: &JointLimits| limits.torque[0] < limits.torque[1];
+    let torque = of(Limited::Torque, |limits| limits.torque).filter(|side| has_motor(&limits[side.joint]));
+    let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
+    of(Limited::Position, |limits| limits.q)
+        .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
+        .chain(of(Limited::Acceleration, |limits| [-limits.a, limits.a]))
+        .chain(of(Limited::Jerk, |limits| [-limits.jerk, limits.jerk]))
+        .chain(of(Limited::TorqueRate, |limits| [-limits.torque_rate, limits.torque_rate]))
+        .chain(torque)
+        .chain(without)
+        .collect()
+}
