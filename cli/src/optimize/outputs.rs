@@ -77,7 +77,7 @@ impl Outputs {
     /// # Errors
     /// A message that names the path.
     pub fn write_feedback(&self, text: &str) -> Result<(), Box<dyn Error>> {
-        self.feedback.as_ref().map_or(Ok(()), |file| Ok(file.write(text)?))
+        self.feedback.as_ref().map_or(Ok(()), |file| file.write(text))
     }
 
     /// Whether the report, the saved solution, the samples or the feedback go to standard output.

@@ -59,7 +59,9 @@ pub fn section(motion: &Motion<'_>) -> String {
         .flat_map(|row| {
             let [name, kept, ..] = &row.cells;
             let name = if kept == HARD { name.clone() } else { format!("{name}, {kept}") };
-            together(&row.active).into_iter().map(move |cells| [&[name.clone()], &cells[..]].concat())
+            together(&row.active)
+                .into_iter()
+                .map(move |cells| [std::slice::from_ref(&name), &cells[..]].concat())
         })
         .collect();
     let active = if active.is_empty() { String::new() } else { table(&ACTIVE_HEADER, active.into_iter()) };

@@ -98,20 +98,20 @@ impl<D: PointDynamics> Interior<D> {
             z.fill(0.0);
             // l_theta without multipliers.
             let mut cost = 0.0;
-            for i in 0..n {
+            for (i, &change) in by_mass.iter().enumerate() {
                 let factor = points.weights[n * p + i];
-                column.cost += factor * by_mass[i];
+                column.cost += factor * change;
                 let rows = heavier.tau_z(p)[width * i..].iter().zip(&points.tau_z(p)[width * i..]);
                 z.iter_mut().zip(rows).for_each(|(z, (with, without))| *z -= factor * (with - without));
                 let effort = self.running.effort[i];
-                cost += effort * points.tau(p)[i] * by_mass[i];
+                cost += effort * points.tau(p)[i] * change;
                 let sides = barrier.at_point(p).zip(barrier.sides());
                 let own = sides.filter(|(at, side)| {
                     side.limited == Limited::Torque && side.joint == i && barrier.is_on(*at)
                 });
                 let curvature = weight * effort + own.map(|(at, _)| barrier.curvature(at)).sum::<f64>();
                 let row = &points.tau_z(p)[width * i..][..width];
-                z.iter_mut().zip(row).for_each(|(z, row)| *z -= curvature * by_mass[i] * row);
+                z.iter_mut().zip(row).for_each(|(z, row)| *z -= curvature * change * row);
             }
             for row in 0..self.model.powers.rows() {
                 let change = self.model.powers.change(row, v, &by_mass);
