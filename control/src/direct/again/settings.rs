@@ -98,7 +98,7 @@ impl Resolve {
     /// The next solve has this shape in [`Task::obstacles`](crate::Task::obstacles)`[obstacle]`: the same one
     /// in another place, a capsule of any length. It stands still during the motion; what moves is where it
     /// is in the next solve. Whether the start keeps away from it is not checked: limits that cannot be kept
-    /// show in [`Resolved::violation`].
+    /// show in [`Resolved::violation`](crate::Resolved::violation).
     ///
     /// # Errors
     /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: another shape or size, numbers that are not finite.
@@ -117,7 +117,7 @@ impl Resolve {
     ///
     /// # Errors
     /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: a reference of something else, or one that
-    /// [`Problem::check`] would refuse.
+    /// [`Problem::check`](crate::Problem::check) would refuse.
     pub fn set_reference(&mut self, reference: usize, to: &Reference) -> Result<(), ResolveError> {
         let (table, entry, n) = ("cost.reference", reference, self.dof());
         let references = &mut self.interior.running.references;
