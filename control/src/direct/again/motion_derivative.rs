@@ -45,8 +45,8 @@ pub enum MotionParameter {
 ///   becomes shorter passes points of the mesh, one after the other: states and torques change in steps that
 ///   derivatives do not see. With a tolerance of 1e-10 and a change of 1e-4 rad/s they agree to 2e-3, with a
 ///   tolerance of 1e-6 torques are off by up to 70 %.
-/// - The cost does not see either of the two: its derivative agrees to 1e-4 in all these cases with a
-///   tolerance of 1e-6. Those by masses agree to 1e-4 for torques, to 1e-6 for all else.
+/// - The cost hardly sees either of the two: of the same arm its derivative agrees to 1e-4 with a tolerance
+///   of 1e-6. Those by masses agree to 1e-4 for torques and to 1e-6 for all else with one of 1e-10.
 /// - On another mesh torques next to jumps are others: nodes lie where torques jump, and move with limits.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
