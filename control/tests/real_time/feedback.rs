@@ -1,26 +1,10 @@
 //! Neighbouring optimal feedback, against solving again.
 
-use costate::robot::LoadOptions;
+use crate::solved::{problem, solved};
 use costate_control::{
-    Budget, Feedback, FinalTime, MotionLimits, Objective, Problem, ProblemFile, Resolve, ResolveStatus,
-    SolverOptions,
+    Budget, Feedback, FinalTime, MotionLimits, Objective, Problem, Resolve, ResolveStatus,
 };
 use nalgebra::{Matrix2, Vector2};
-
-fn problem(name: &str) -> Problem {
-    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
-    file.unwrap().problem
-}
-
-/// Solves on so many intervals.
-fn solved(problem: &Problem, intervals: usize, tolerance: f64) -> (Resolve, f64) {
-    let options = SolverOptions::default().with_tolerance(tolerance).with_nodes(3 * intervals + 1);
-    let mut motion = Resolve::new(problem, options).unwrap();
-    let found = motion.solve().unwrap();
-    assert_eq!(found.status, ResolveStatus::Solved);
-    assert!(found.keeps_limits());
-    (motion, found.cost)
-}
 
 /// The motion at a few times in parts of the whole: q, v, torques; then T.
 fn values(motion: &mut Resolve) -> Vec<f64> {

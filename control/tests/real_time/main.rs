@@ -8,6 +8,7 @@ mod feedback;
 mod motion_derivative;
 mod resolve;
 mod sensitivity;
+mod solved;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

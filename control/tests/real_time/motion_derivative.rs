@@ -1,24 +1,11 @@
 //! Derivatives of motions by limits and payloads, against solving again.
 
-use costate::robot::{LinkInertia, LoadOptions};
+use crate::solved::{problem, solved};
+use costate::robot::LinkInertia;
 use costate_control::{
-    FinalTime, MotionLimits, MotionParameter, Objective, Payload, Problem, ProblemFile, Resolve,
-    ResolveError, ResolveStatus, SolverOptions,
+    FinalTime, MotionLimits, MotionParameter, Objective, Payload, Problem, Resolve, ResolveError,
+    SolverOptions,
 };
-
-fn problem(name: &str) -> Problem {
-    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
-    file.unwrap().problem
-}
-
-/// Solves on so many equal intervals.
-fn solved(problem: &Problem, intervals: usize, tolerance: f64) -> (Resolve, f64) {
-    let options = SolverOptions::default().with_tolerance(tolerance).with_nodes(3 * intervals + 1);
-    let mut motion = Resolve::new(problem, options).unwrap();
-    let found = motion.solve().unwrap();
-    assert_eq!(found.status, ResolveStatus::Solved);
-    (motion, found.cost)
-}
 
 /// Cost; T; states and torques at all points, at the same parts of the time.
 fn values(problem: &Problem, intervals: usize, tolerance: f64) -> [Vec<f64>; 4] {

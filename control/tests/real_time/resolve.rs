@@ -1,20 +1,16 @@
 //! Problems that are solved again and again.
 
+use crate::solved::problem;
 use costate::kinematics::Kinematics;
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::Robot;
 use costate_control::{
     Budget, Collision, FinalTime, JointReference, LinkCapsule, MachineCode, MotionLimits, Objective,
-    Obstacle, Polish, Problem, ProblemFile, Reference, Resolve, ResolveError, ResolveStatus, Shape, Solver,
-    SolverOptions, Task, TaskError, ToolCost, ToolPose, ToolReference,
+    Obstacle, Polish, Problem, Reference, Resolve, ResolveError, ResolveStatus, Shape, Solver, SolverOptions,
+    Task, TaskError, ToolCost, ToolPose, ToolReference,
 };
 use costate_test_support::allocations::allocations;
 use std::f64::consts::PI;
 use std::time::Duration;
-
-fn problem(name: &str) -> Problem {
-    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
-    file.unwrap().problem
-}
 
 fn options(intervals: usize, tolerance: f64) -> SolverOptions {
     let options = SolverOptions::default().with_machine_code(MachineCode::AtOnce);

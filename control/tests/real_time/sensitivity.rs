@@ -1,16 +1,12 @@
 //! Derivatives of the cost by parameters of the robot, against solving again.
 
+use crate::solved::problem;
 use costate::parameters::ParameterSet;
-use costate::robot::{FrameSpec, LoadOptions, Placement};
+use costate::robot::{FrameSpec, Placement};
 use costate_control::{
-    CostDerivative, FinalTime, MotionLimits, Objective, Polish, Problem, ProblemFile, SensitivityError,
-    Solution, Solver, SolverOptions, Status, Task, ToolPose, cost_by_parameters,
+    CostDerivative, FinalTime, MotionLimits, Objective, Polish, Problem, SensitivityError, Solution, Solver,
+    SolverOptions, Status, Task, ToolPose, cost_by_parameters,
 };
-
-fn problem(name: &str) -> Problem {
-    let file = ProblemFile::read(format!("../examples/problems/{name}.toml"), LoadOptions::default());
-    file.unwrap().problem
-}
 
 /// Of the direct method, close to the least cost.
 fn direct(tolerance: f64) -> SolverOptions {
