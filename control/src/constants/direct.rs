@@ -240,7 +240,7 @@ pub const NOTICED_RELIEF: f64 = 1e-2;
 pub const SLOWER: [f64; 8] = [1.2, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0];
 /// .. before its time is minimised with this cost of it, in parts of the cost.
 pub const HURRY: f64 = 100.0;
-/// Iterations after which it is seen whether a mesh resolves its motion, ..
+/// Iterations after which it is seen whether a mesh resolves a motion whose torques cost something, ..
 pub const LOOK: usize = 8;
 /// .. and what the points miss of the cost, in parts of it, with which the mesh is given up: what is gained
 /// on it is lost between its points.

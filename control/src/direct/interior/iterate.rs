@@ -221,7 +221,7 @@ impl<D: PointDynamics> Interior<D> {
         let barrier = &self.barrier;
         let equations = barrier.sides().iter().any(|side| side.is_equation) || !barrier.at_ends().is_empty();
         let smooth = self.spline.mesh.shape.is_smooth();
-        self.running.effort.iter().any(|weight| *weight > 0.0) && !equations && !smooth
+        self.running.costs_torques() && !equations && !smooth
     }
 
     pub(crate) fn assemble(&mut self) {

@@ -41,6 +41,11 @@ pub(crate) struct ByClock {
 }
 
 impl Running {
+    /// Whether torques cost anything.
+    pub fn costs_torques(&self) -> bool {
+        self.effort.iter().any(|weight| *weight > 0.0)
+    }
+
     /// That of a problem with the functions of its task.
     pub fn new(problem: &Problem, rows: &TaskRows) -> Self {
         let n = problem.robot.dof();

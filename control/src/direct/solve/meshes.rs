@@ -85,7 +85,8 @@ pub(super) fn refine(
         let watch = |iterate: &mut Interior<Dynamics>, step: f64| {
             recorder.record(iteration(iterate, first, step));
             stuck = patience.is_over(iterate.figures.violation);
-            let looks = (iterate.figures.iterations - first).is_multiple_of(constants::LOOK);
+            let looks = iterate.running.costs_torques()
+                && (iterate.figures.iterations - first).is_multiple_of(constants::LOOK);
             unresolved = looks && resolution.is_far_off(iterate);
             if looks && !unresolved {
                 resolved.clone_from(&iterate.spline);
