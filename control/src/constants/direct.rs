@@ -3,6 +3,8 @@
 /// Weight of a node among the limits, as a part of the intervals beside it. At a node only positions and
 /// rates are limited; without it rates could swing between the points.
 pub const NODE_WEIGHT: f64 = 0.1;
+/// A gradient of which less than this part is no combination of others counts as one.
+pub const IMPLIED: f64 = 1e-4;
 /// Least number of intervals with which a phase of several begins.
 pub const INTERVALS_OF_PHASE: usize = 4;
 /// Slacks and multipliers keep at least this part of themselves in a step.

@@ -9,6 +9,7 @@ use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
 use crate::direct::limits::model::Model;
 use crate::direct::limits::multipliers::Multipliers;
+use crate::direct::limits::settled::settled;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::system::System;
@@ -88,8 +89,16 @@ pub(crate) struct Trial {
 
 impl<D: PointDynamics> Interior<D> {
     /// `sides` are the limits of positions, rates, accelerations, torques, jerks and rates of torques.
-    pub fn new(spline: Spline, mut sides: Vec<Side>, model: Model<D>, running: Running, ends: Ends) -> Self {
+    pub fn new(
+        spline: Spline,
+        mut sides: Vec<Side>,
+        mut model: Model<D>,
+        running: Running,
+        mut ends: Ends,
+    ) -> Self {
         let (n, shape) = (spline.dof, spline.mesh.shape);
+        // States that cannot be evaluated are told when the iteration begins.
+        ends.settled = settled(&mut model, &spline, &ends).unwrap_or(ends.settled);
         sides.extend(model.powers.sides());
         sides.extend(model.tasks.sides());
         Self {

@@ -1,10 +1,11 @@
 //! The ends of the phases of a motion among the unknowns: its start, its vias, its end.
 
+use super::settled::Settled;
 use super::side::{Limited, Side};
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::times::FreeTimes;
-use crate::problem::{BoundaryState, Problem, ToolPose};
+use crate::problem::{BoundaryState, Problem};
 
 /// What is given at the ends of the phases, K + 1 of them: 0 is the start of the motion, K its end.
 #[derive(Clone, Debug)]
@@ -17,14 +18,8 @@ pub(crate) struct Ends {
     pub times: FreeTimes,
     /// Unknowns of the start that those of the end follow, at a constant distance.
     pub tied: Vec<usize>,
-    /// Whether an end has a given place, all positions or those of tools; and given rates.
-    has_place: Vec<bool>,
-    has_rates: Vec<bool>,
-}
-
-/// Whether a place is given, by joints or by tools.
-fn has_place(state: &BoundaryState, tools: &[ToolPose]) -> bool {
-    state.q_free.is_empty() || !tools.is_empty()
+    /// The rows along the motion that hold at each end; empty where there are none.
+    pub settled: Vec<Settled>,
 }
 
 impl Ends {
@@ -37,7 +32,7 @@ impl Ends {
             let a = (0..if smooth { n } else { 0 }).map(|_| state.a.is_some());
             q.chain(v).chain(a).collect()
         };
-        let (states, tools) = (problem.ends(), problem.tools_at_ends());
+        let states = problem.ends();
         let given: Vec<Vec<bool>> = states.iter().map(given).collect();
         let is_tied = |i: &usize| problem.periodic.is_some() && !given[0][*i];
         let tied = (0..given[0].len()).filter(is_tied).collect();
@@ -46,14 +41,21 @@ impl Ends {
             times: FreeTimes::of(problem),
             tied,
             given,
-            has_place: states.iter().zip(tools).map(|(state, tools)| has_place(state, tools)).collect(),
-            has_rates: states.iter().map(|state| state.v_free.is_empty()).collect(),
+            settled: vec![Settled::default(); states.len()],
         }
     }
 
-    /// Whether what holds along the motion holds at an end with its rate, whatever the motion is.
-    pub fn keeps(&self, end: usize) -> bool {
-        self.has_place[end] && self.has_rates[end]
+    /// Whether a row along the motion holds at an end with its rate, whatever the motion is.
+    fn keeps(&self, end: usize, row: usize) -> bool {
+        self.has_place(end, row) && self.has_rate(end, row)
+    }
+
+    fn has_place(&self, end: usize, row: usize) -> bool {
+        self.settled[end].place.get(row).is_some_and(|settled| *settled)
+    }
+
+    fn has_rate(&self, end: usize, row: usize) -> bool {
+        self.settled[end].rate.get(row).is_some_and(|settled| *settled)
     }
 
     /// Whether the position, rate or acceleration of a side is given at an end.
@@ -92,12 +94,12 @@ impl Ends {
             // Given positions or rates of a via take one of the two points beside it each.
             true => {
                 if end > phase {
-                    self.has_place[end]
+                    self.has_place(end, side.joint)
                 } else {
-                    self.has_rates[end]
+                    self.has_rate(end, side.joint)
                 }
             }
-            false => self.keeps(end),
+            false => self.keeps(end, side.joint),
         };
         if is_row && near(0).any(holds) {
             return true;
@@ -109,7 +111,7 @@ impl Ends {
         let middle = side.is_equation && j == mesh.shape.stride() / 2;
         // So do two phases, whose points at a via are two.
         let twice = side.is_equation && p == points.start && phase > 0;
-        let beside = |end: usize| self.keeps(end) && self.is_all_given(end);
+        let beside = |end: usize| self.keeps(end, side.joint) && self.is_all_given(end);
         let is_beside = is_row && near(1).any(beside);
         let settled = near(0).any(|end| match side.limited {
             Limited::Position | Limited::Rate | Limited::Acceleration => self.is_given(end, side),

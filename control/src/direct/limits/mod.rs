@@ -12,5 +12,6 @@ pub(super) mod entries;
 pub(super) mod model;
 pub(super) mod multipliers;
 pub(super) mod power;
+pub(super) mod settled;
 pub(super) mod side;
 pub(super) mod tasks;

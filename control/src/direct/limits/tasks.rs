@@ -203,6 +203,25 @@ impl Tasks {
         Ok(())
     }
 
+    /// The gradients by (q, v) of the rows along the motion and of those at an end, in a state; one after the
+    /// other.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn gradients(&mut self, end: usize, state: &[f64]) -> Result<[Vec<f64>; 2], EvalError> {
+        let (q, v) = state.split_at(state.len() / 2);
+        let hessian = &mut self.hessian;
+        let mut of = |functions: &mut TaskFunctions| -> Result<Vec<f64>, EvalError> {
+            let rows = functions.rows();
+            let (mut g, mut g_x) = (vec![0.0; rows], vec![0.0; state.len() * rows]);
+            if rows > 0 {
+                functions.contract(q, v, &vec![0.0; rows], &mut g, &mut g_x, hessian)?;
+            }
+            Ok(g_x)
+        };
+        Ok([of(&mut self.along)?, of(&mut self.ends[end])?])
+    }
+
     /// The largest violation of a clearance on interval `k`, in parts of its range; no two bodies pass
     /// through each other unseen.
     ///
