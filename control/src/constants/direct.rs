@@ -120,6 +120,10 @@ pub const ROUNDING: f64 = 1e-12;
 pub const LEAST_GAP: f64 = 0.1;
 /// The gap is not made smaller than this part of the Newton decrement.
 pub const CENTRING: f64 = 0.01;
+/// After a damped step the gap falls where the Newton decrement is less than this part of it, ..
+pub const CENTRED: f64 = 1e-3;
+/// .. to the cube of this.
+pub const CENTRED_PART: f64 = 0.5;
 /// Smallest factor from one barrier to the next.
 pub const MOST_DECREASE: f64 = 1e-3;
 /// Largest factor from one barrier to the next.
@@ -171,6 +175,8 @@ pub const MOST_PARTS: f64 = 4.0;
 pub const NARROWEST: f64 = 1e-5;
 /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
 pub const ROUNDING_OF_RATES: f64 = 3e-8;
+/// The same of accelerations and torques.
+pub const ROUNDING_OF_TORQUES: f64 = 1e-8;
 /// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
 /// whose place is known roughly..
 pub const CLOSEST: f64 = 0.1;

@@ -224,9 +224,16 @@ impl<D: PointDynamics> Interior<D> {
         let Trial { slack_step, multiplier_step, .. } = &self.trial;
         let after = [(primal, &slack_step[..]), (dual, &multiplier_step[..])];
         let left = complementarity(&self.barrier, Some(after));
-        // A damped step is short, so what it would leave says nothing about the distance to a solution.
-        let part = if self.damping > 0.0 { 1.0 } else { (left / gap).clamp(0.0, 1.0) };
         self.mu = now;
+        // A damped step is short, so what it would leave says nothing about the distance to a solution. But
+        // where the motion is optimal for this barrier already, only a smaller one leads on.
+        let part = if self.damping == 0.0 {
+            (left / gap).clamp(0.0, 1.0)
+        } else if self.decrement_without_equations().abs() < constants::CENTRED * gap {
+            constants::CENTRED_PART
+        } else {
+            1.0
+        };
         // No smaller than the tolerance needs, nor than the distance from stationary points allows.
         let floor = constants::LEAST_GAP * tolerance * self.figures.size / active;
         let centre = constants::CENTRING * self.decrement_without_equations().abs() / active;

@@ -61,9 +61,8 @@ impl Resolution {
             }
         }
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
-        let closest = if smooth { constants::CLOSEST_SMOOTH } else { constants::CLOSEST };
         self.moves = moves;
-        with_added(kept.collect(), added, closest * narrowest)
+        with_added(kept.collect(), added, self.closest)
     }
 
     /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not

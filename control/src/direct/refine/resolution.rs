@@ -33,6 +33,8 @@ pub(crate) struct Resolution {
     pub(super) rates: RatesBetween,
     /// Intervals that are narrower are not divided.
     pub narrowest: f64,
+    /// New nodes are farther from others.
+    pub(super) closest: f64,
 }
 
 /// A node that was moved.
@@ -67,7 +69,7 @@ impl Resolution {
     /// Measures a solved motion.
     pub fn measure<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         let intervals = interior.spline.mesh.intervals();
-        self.narrowest = interior.narrowest();
+        [self.narrowest, self.closest] = interior.narrowest();
         self.errors.clear();
         self.errors.resize(intervals, 0.0);
         self.cut.clear();
