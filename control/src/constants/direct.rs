@@ -132,15 +132,20 @@ pub const MOST_INCREASE: f64 = 10.0;
 pub const VIOLATION_AT_POINTS: f64 = 1e-9;
 /// Largest violation of a position or rate between points, in parts of its range.
 pub const VIOLATION_BETWEEN: f64 = 1e-4;
-/// Where nothing but limits between points is missing, and by less than this part of their ranges, limits
-/// move inside, ..
+/// Where nothing but limits between points is missing, limits move inside; positions, rates and distances
+/// only by less than this part of their ranges, ..
 pub const MOST_MOVED: f64 = 3e-3;
 /// .. this many times as far as they are exceeded, ..
 pub const MOVED: f64 = 1.5;
 /// .. where that is more than this part of what is allowed, ..
 pub const MOVED_FROM: f64 = 0.5;
-/// .. so many times on one mesh.
+/// .. so many times on one mesh, ..
 pub const MOVES: usize = 3;
+/// .. as long as less than this part of what was exceeded before is left.
+pub const LESS_EXCEEDED: f64 = 0.5;
+/// Most meshes on which nodes move to jumps for nothing but limits between points, if each one leaves less than
+/// this part of what it costs to keep these.
+pub const MESHES_FOR_JUMPS: usize = 2;
 /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
 /// range are divided with those that have large errors.
 pub const VIOLATION_OF_RATES: f64 = 0.01;
@@ -253,6 +258,8 @@ pub const LOOK: usize = 8;
 /// .. and what the points miss of the cost, in parts of it, with which the mesh is given up: what is gained
 /// on it is lost between its points.
 pub const UNRESOLVED: f64 = 1.0;
+/// .. After so many of these meshes, one after the other, the motion that the last one began with is given.
+pub const UNRESOLVED_MESHES: usize = 6;
 /// Most meshes.
 pub const MESHES: usize = 16;
 /// Meshes after which a motion that exceeds limits is given up.

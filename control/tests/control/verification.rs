@@ -71,3 +71,42 @@ fn a_saved_motion_keeps_its_mesh() {
         assert!(!same_mesh || again.nodes() == first.nodes(), "{} {}", again.nodes(), first.nodes());
     }
 }
+
+/// Where a torque comes to its limit or jumps inside of an interval the limit is kept there too.
+#[test]
+fn torques_keep_their_limits_between_the_points() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let limits = [51.5, 23.5];
+    let effort = Problem::rest_to_rest(robot.clone(), &[-1.37, -1.02], &[-0.308, -1.4], 0.79)
+        .with_limits(MotionLimits::none().with_torque_max(limits.to_vec()));
+    let time = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, 0.6], 1.0)
+        .with_time(FinalTime::Free { guess: 1.0 })
+        .with_cost(Objective::new(1.0, vec![0.0; 2]))
+        .with_limits(MotionLimits::none().with_torque_max(limits.to_vec()));
+    for problem in [effort, time] {
+        let of = |tolerance| solve(&problem, direct(Verify::Full).with_tolerance(tolerance));
+        let (rough, sharp) = (of(1e-4), of(1e-7));
+        assert_eq!([&rough.motion.status, &sharp.motion.status], [&Status::Converged; 2]);
+        // What the limits lose inside costs no more than the tolerance.
+        assert!((rough.motion.cost / sharp.motion.cost - 1.0).abs() < 1e-4);
+        for solution in [rough, sharp] {
+            let torque = solution.limits.torque.unwrap();
+            // In parts of the smaller range.
+            assert!(torque.between < 1e-4 * 2.0 * limits[1], "{}", torque.between);
+            assert!(!torque.active.is_empty());
+        }
+    }
+}
+
+/// Jumps that are close to each other: intervals are not so narrow that rounding hides what is left to do.
+#[test]
+fn least_time_is_found_to_many_digits() {
+    let robot = Robot::from_file("../robots/manutec_r3.toml").unwrap();
+    let problem = Problem::rest_to_rest(robot, &[0.299, 0.689, -0.398], &[-1.02, -0.495, 0.78], 1.47)
+        .with_time(FinalTime::Free { guess: 1.47 })
+        .with_cost(Objective::new(1.0, vec![0.0; 3]))
+        .with_limits(MotionLimits::none().with_torque_max(vec![945.0, 1890.0, 540.0]));
+    let found = solve(&problem, direct(Verify::Factors).with_tolerance(1e-7));
+    assert_eq!(found.motion.status, Status::Converged);
+    assert!((found.motion.final_time / 0.46776061 - 1.0).abs() < 1e-7, "{}", found.motion.final_time);
+}

@@ -15,7 +15,7 @@ impl<D: PointDynamics> Interior<D> {
         let gap = self.figures.gap.max(constants::WARM * self.figures.size);
         self.spline = self.spline.on_nodes(nodes);
         self.start(Some(0.0))?;
-        self.warm_start(&old, gap);
+        self.warm_start(&old, gap, self.figures.violation);
         self.multipliers = old;
         for (at, multiplier) in self.barrier.at_ends().zip(at_ends) {
             self.barrier.multiplier[at] = multiplier;
@@ -24,11 +24,18 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
-    /// Begins again on the same nodes, after limits were moved.
+    /// Begins again on the same nodes with another cost.
     pub fn begin_again(&mut self) {
         self.measure_distances();
         self.measure_figures();
-        self.recentre(self.figures.gap);
+        self.recentre(self.figures.gap, self.figures.violation);
+    }
+
+    /// Goes on after limits were moved inside: a step brings the motion back to them, all else stays.
+    pub fn begin_inside(&mut self) {
+        self.measure_distances();
+        self.measure_figures();
+        self.recentre(self.figures.gap, 0.0);
     }
 
     /// Moves slacks and multipliers to the central path after two steps that were cut short.
@@ -38,25 +45,25 @@ impl<D: PointDynamics> Interior<D> {
         self.short_steps = if short { self.short_steps + 1 } else { 0 };
         if self.short_steps == constants::SHORT_STEPS {
             self.short_steps = 0;
-            self.recentre(constants::AWAY * self.figures.gap);
+            self.recentre(constants::AWAY * self.figures.gap, self.figures.violation);
             self.filter.clear();
         }
     }
 
     /// Begins again from the same motion and its multipliers.
-    fn recentre(&mut self, gap: f64) {
+    fn recentre(&mut self, gap: f64, rough: f64) {
         let mut old = std::mem::take(&mut self.multipliers);
         old.fill(&self.spline, &self.barrier);
-        self.warm_start(&old, gap);
+        self.warm_start(&old, gap, rough);
         self.multipliers = old;
         self.measure_figures();
     }
 
-    /// Slacks and multipliers near the central path, for a gap of at least what the violations cost.
-    fn warm_start(&mut self, old: &Multipliers, gap: f64) {
+    /// Slacks and multipliers near the central path, for a gap of at least what it costs to move all limits by
+    /// the part `rough` of their ranges.
+    fn warm_start(&mut self, old: &Multipliers, gap: f64, rough: f64) {
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        let rough = self.figures.violation.min(1.0);
-        let least = constants::LEAST_SLACK.max(rough);
+        let least = constants::LEAST_SLACK.max(rough.min(1.0));
         let mu = gap.max(least * self.cost_of_ranges(old)) / total;
         self.mu = mu;
         for at in 0..self.barrier.count() {

@@ -56,6 +56,9 @@ fn usage<D>(
         let usage = found.get_or_insert_default();
         let between = distances.iter().skip(i).step_by(sides.len());
         usage.between = between.fold(usage.between, |most, &d| most.max(excess(interior, side, None, d)));
+        if matches!(limited, Limited::Position | Limited::Rate) {
+            usage.between = usage.between.max(resolution.exceeded_by(i) * side.range);
+        }
         if !side.is_equation {
             usage.active.extend(spans(interior, i, side, name(interior, side, None, names)));
         }

@@ -5,6 +5,7 @@
 
 pub(super) mod between;
 mod division;
+mod excess;
 pub(super) mod jumps;
 pub(super) mod move_inside;
 pub(super) mod rates_between;

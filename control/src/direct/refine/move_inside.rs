@@ -1,6 +1,5 @@
 //! Limits that are exceeded between points by little.
 
-use super::between::BETWEEN;
 use super::resolution::Resolution;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
@@ -13,20 +12,19 @@ impl Resolution {
     pub fn move_limits_inside<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
         let sides = interior.barrier.sides();
         let (count, shape) = (sides.len(), interior.spline.mesh.shape);
-        let moves = |i: &usize| !sides[*i].limited.jumps(shape) && !sides[*i].is_equation;
-        let over = |k: usize, i: usize| {
-            let distances = &self.distance[count * BETWEEN.len() * k..];
-            let places = distances.chunks_exact(count).take(BETWEEN.len());
-            places.map(|distances| sides[i].violation(distances[i])).fold(0.0, f64::max)
-        };
-        let most = |k: usize| (0..count).filter(moves).map(|i| over(k, i)).fold(0.0, f64::max);
+        let moves = |i: &usize| !sides[*i].is_equation;
+        let most = |k: usize| (0..count).filter(moves).map(|i| self.excess.of(k, i)).fold(0.0, f64::max);
         let enough = |(k, all): (usize, &f64)| *all <= most(k).max(constants::VIOLATION_BETWEEN);
         if !self.violations.iter().enumerate().all(enough) {
             return false;
         }
         let least = constants::MOVED_FROM * constants::VIOLATION_BETWEEN;
         let all = (0..self.violations.len()).flat_map(|k| (0..count).map(move |i| (k, i)));
-        let all = all.filter(|(_, i)| moves(i)).map(|(k, i)| (k, i, over(k, i), sides[i].range));
+        // Jumps that are not resolved stay.
+        let is_seen = |k: usize, i: usize| !sides[i].limited.jumps(shape) || self.overshoots[k] > 0.0;
+        let all = all
+            .filter(|&(k, i)| moves(&i) && is_seen(k, i))
+            .map(|(k, i)| (k, i, self.excess.of(k, i), sides[i].range));
         let far: Vec<_> = all.filter(|&(_, _, over, _)| over > least).collect();
         for (k, i, over, range) in far {
             interior.barrier.move_inside(k, i, constants::MOVED * over * range);
@@ -53,29 +51,28 @@ mod tests {
         assert!(sides[row].is_equation);
         let part = 5.0 * constants::VIOLATION_BETWEEN;
         let mut resolution = Resolution::default();
-        resolution.violations = vec![0.0; 3];
-        resolution.distance = vec![1e3; 3 * BETWEEN.len() * count];
+        (resolution.violations, resolution.overshoots) = (vec![0.0; 3], vec![0.0; 3]);
+        let mut distance = vec![1e3; 3 * BETWEEN.len() * count];
         let at = |k: usize, i: usize| count * (BETWEEN.len() * k + 4) + i;
-        for i in 0..count {
-            let is_equation = interior.barrier.sides()[i].is_equation;
-            (0..3 * BETWEEN.len()).for_each(|p| {
-                if is_equation {
-                    resolution.distance[count * p + i] = 0.0;
-                }
-            });
+        for i in (0..count).filter(|&i| sides[i].is_equation) {
+            (0..3 * BETWEEN.len()).for_each(|p| distance[count * p + i] = 0.0);
         }
-        resolution.distance[at(1, side)] = -part * range;
+        distance[at(1, side)] = -part * range;
+        // Peaks of the motion between the places are far below.
+        interior.spline.unknowns.fill(0.0);
         resolution.violations[1] = part;
         let shifts = |interior: &super::Interior<_>| -> Vec<f64> {
             let barrier: &crate::direct::limits::barrier::Barrier = &interior.barrier;
             (0..barrier.count()).map(|at| barrier.true_distance(at) - barrier.distance[at]).collect()
         };
         // An equation in the next interval is off as well.
-        resolution.distance[at(2, row)] = 2.0 * part * of_row;
+        distance[at(2, row)] = 2.0 * part * of_row;
         resolution.violations[2] = 2.0 * part;
+        resolution.excess.measure(&interior.spline, interior.barrier.sides(), &distance);
         assert!(!resolution.move_limits_inside(&mut interior));
         assert!(shifts(&interior).iter().all(|shift| *shift == 0.0));
-        (resolution.distance[at(2, row)], resolution.violations[2]) = (0.0, 0.0);
+        (distance[at(2, row)], resolution.violations[2]) = (0.0, 0.0);
+        resolution.excess.measure(&interior.spline, interior.barrier.sides(), &distance);
         assert!(resolution.move_limits_inside(&mut interior));
         let moved: Vec<f64> = shifts(&interior).into_iter().filter(|shift| *shift != 0.0).collect();
         assert_eq!(moved.len(), 3 + 2);

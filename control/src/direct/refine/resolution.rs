@@ -1,6 +1,7 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
 use super::between::{BETWEEN, weight};
+use super::excess::Excess;
 use super::jumps::Jumps;
 use super::rates_between::RatesBetween;
 use crate::constants::direct as constants;
@@ -19,8 +20,14 @@ use costate::EvalError;
 pub(crate) struct Resolution {
     /// Estimated error of the cost by each interval.
     pub errors: Vec<f64>,
-    /// Largest violation of a limit inside of each interval, in parts of its range.
+    /// Largest violation of a limit inside of each interval, in parts of its range; of those whose values do
+    /// not jump at nodes.
     pub violations: Vec<f64>,
+    /// The same of those whose values may jump there. Where jumps are as close to each other as nodes may be,
+    /// these are not resolved: 0 there.
+    pub overshoots: Vec<f64>,
+    /// What it costs in each interval to move these inside as far as they are exceeded.
+    pub losses: Vec<f64>,
     /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
     pub cut: Vec<f64>,
     /// The cost of the motion, by a finer rule than that of its points.
@@ -29,7 +36,8 @@ pub(crate) struct Resolution {
     /// Nodes of this mesh that were moved.
     pub(super) moves: Vec<Move>,
     points: Points,
-    pub(super) distance: Vec<f64>,
+    distance: Vec<f64>,
+    pub(super) excess: Excess,
     pub(super) rates: RatesBetween,
     /// Intervals that are narrower are not divided.
     pub narrowest: f64,
@@ -51,14 +59,29 @@ impl Resolution {
         self.errors.iter().sum()
     }
 
-    /// Largest violation between points.
+    /// Largest violation between points of limits whose values do not jump at nodes.
     pub fn violation(&self) -> f64 {
         self.violations.iter().fold(0.0, |most, &violation| most.max(violation))
+    }
+
+    /// What it costs to keep limits between points whose values may jump at nodes.
+    pub fn loss(&self) -> f64 {
+        self.losses.iter().sum()
+    }
+
+    /// Largest violation between points of these.
+    pub fn overshoot(&self) -> f64 {
+        self.overshoots.iter().fold(0.0, |most, &violation| most.max(violation))
     }
 
     /// Distances to all limits between the points, all sides of one place after the other.
     pub fn distances(&self) -> &[f64] {
         &self.distance
+    }
+
+    /// How far the motion goes beyond a side between the points, in parts of its range.
+    pub fn exceeded_by(&self, side: usize) -> f64 {
+        (0..self.violations.len()).map(|k| self.excess.of(k, side)).fold(0.0, f64::max)
     }
 
     /// The same of jerks and rates of torques.
@@ -74,8 +97,10 @@ impl Resolution {
         self.errors.resize(intervals, 0.0);
         self.cut.clear();
         self.cut.resize(intervals, 0.0);
-        self.violations.clear();
-        self.violations.resize(intervals, 0.0);
+        for violations in [&mut self.violations, &mut self.overshoots, &mut self.losses] {
+            violations.clear();
+            violations.resize(intervals, 0.0);
+        }
         self.evaluate_between(interior)?;
         self.estimate(interior);
         self.compare_costs(interior);
@@ -180,29 +205,39 @@ impl Resolution {
         self.distance.resize(sides.len() * self.points.count(), 0.0);
         measure(sides, &self.points, &mut self.distance);
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
-            let most = &mut self.violations[at / BETWEEN.len()];
-            // Torques and accelerations jump: around a jump the polynomial overshoots on any mesh.
-            let kept = distance.iter().zip(sides).filter(|(_, side)| !side.limited.jumps(shape));
-            *most = kept.fold(*most, |most, (d, side)| most.max(side.violation(*d)));
             let (k, part) =
                 (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.clock(at / BETWEEN.len()));
             let torques = distance.iter().zip(sides).filter(|(_, side)| side.limited == Limited::Torque);
             let over = torques.map(|(d, side)| side.violation(*d).max(0.0)).sum::<f64>();
             self.cut[k] += part * interior.spline.mesh.width(k) * over;
         }
+        self.excess.measure(&interior.spline, sides, &self.distance);
+        for k in 0..interior.spline.mesh.intervals() {
+            for (i, side) in sides.iter().enumerate() {
+                let over = self.excess.of(k, i);
+                // Equations that jump cannot be kept around a jump on any mesh.
+                match (side.limited.jumps(shape), side.is_equation) {
+                    (false, _) => self.violations[k] = self.violations[k].max(over),
+                    (true, false) if interior.spline.mesh.width(k) < 2.0 * self.narrowest => {}
+                    (true, false) => self.overshoots[k] = self.overshoots[k].max(over),
+                    (true, true) => {}
+                }
+            }
+        }
         self.add_errors_of_limits(interior);
     }
 
     /// Adds to the error of each interval what multiplier times distance make in the mean between
     /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
-    /// each point, and next to nothing is left.
+    /// each point, and next to nothing is left. What it would cost to move these limits inside, so that
+    /// they are kept between points too, is told apart from that.
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
         let multipliers = Multipliers::at_points(&interior.spline, &interior.barrier);
         let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
             for (i, side) in sides.iter().enumerate() {
-                let (mut signed, mut unsigned) = (0.0, 0.0);
+                let (mut signed, mut unsigned, mut densities) = (0.0, 0.0, 0.0);
                 for (at, &x) in BETWEEN.iter().enumerate() {
                     let parts = shape.parts(x).into_iter().take(shape.places().len()).enumerate();
                     let density = |j: usize| multipliers.at_point(interior.spline.mesh.first_point(k) + j, i);
@@ -211,9 +246,14 @@ impl Resolution {
                     let product = weight(at) * density * distances[sides.len() * at + i];
                     signed += product;
                     unsigned += product.abs();
+                    densities += weight(at) * density;
                 }
                 let smooth = side.limited.jumps(shape) || side.is_equation;
                 *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
+                if side.limited.jumps(shape) && !side.is_equation && self.overshoots[k] > 0.0 {
+                    let over = constants::MOVED * self.excess.of(k, i) * side.range;
+                    self.losses[k] += interior.spline.mesh.width(k) * densities * over;
+                }
             }
             for i in 0..interior.barrier.rate_sides().len() {
                 let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));

@@ -1,9 +1,11 @@
 //! One mesh after the other, until the motion is accurate.
 
+use super::mending::{Mended, Mending};
 use super::prepare::Dynamics;
 use super::restore::{Patience, Restored, restore};
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::{End, Interior};
+use crate::direct::motion::spline::Spline;
 use crate::direct::outcome::infeasible::with_proof;
 use crate::direct::outcome::verify::{Again, integrate_again};
 use crate::direct::refine::resolution::Resolution;
@@ -74,7 +76,7 @@ pub(super) fn refine(
     // A coarse mesh is not solved much better than it resolves the motion.
     let least = constants::PART_OF_TOLERANCE * tolerance;
     let mut precision = least.max(constants::FIRST_PRECISION);
-    let (mut mesh, mut moved) = (0, 0);
+    let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
     // Limits neither give nor move where accelerations are continuous.
     let smooth = interior.spline.mesh.shape.is_smooth();
     interior.clock.lap(Stage::Preparation);
@@ -126,63 +128,83 @@ pub(super) fn refine(
         let error = (resolution.error() + figures.gap) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
+        let mending = match end {
+            // Limits do not move where accelerations are continuous.
+            End::Solved if !unresolved && !smooth => {
+                let loss = resolution.loss() / figures.size;
+                mended.next(resolution, [error, loss], tolerance, precision <= least)
+            }
+            _ => Mending::Done,
+        };
         let mut again = None;
         let status = match end {
             End::Interrupted(interruption) => {
+                let far_off = resolution.error() > constants::UNRESOLVED * figures.size;
+                let error = match far_off && interior.running.costs_torques() {
+                    true => come_back(interior, resolved, resolution)?,
+                    false => error,
+                };
                 return Ok(Refined { error, ..Refined::without(interruption.into()) });
             }
             _ if unresolved => Status::MeshLimit,
             End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
             End::NoProgress => Status::NewtonFailed,
             End::IterationLimit => Status::IterationLimit,
-            End::Solved if accurate && precision <= least => {
-                let found = again.insert(integrate_again(problem, options.verify, interior, resolution));
-                interior.clock.lap(Stage::Verification);
-                let bound = constants::VERIFIED * tolerance.sqrt();
-                if found.relative <= bound { Status::Converged } else { Status::NotVerified }
+            End::Solved if accurate && precision <= least && mending == Mending::Done => {
+                verified(problem, options, interior, resolution, &mut again)
             }
             End::Solved => Status::MeshLimit,
         };
         refined = Refined { status, error, again, infeasible: None };
-        let unverified = accurate && precision <= least && options.verify == Verify::None;
+        let kept = accurate && precision <= least && mending == Mending::Done;
+        let unverified = kept && options.verify == Verify::None;
         if refined.status.is_converged()
             || unverified
             || (violated && !unresolved && mesh >= constants::MESHES_WITHOUT_MOTION)
         {
             break;
         }
+        if mending == Mending::Move && resolution.move_limits_inside(interior) {
+            precision = least;
+            interior.begin_inside();
+            continue;
+        }
         if accurate && precision > least {
             precision = least;
             continue;
         }
-        let between = constants::VIOLATION_BETWEEN..constants::MOST_MOVED;
-        let only_between = error <= tolerance && between.contains(&resolution.violation()) && !smooth;
-        if only_between && end == End::Solved && moved < constants::MOVES {
-            moved += 1;
-            precision = least;
-            if resolution.move_limits_inside(interior) {
-                interior.begin_again();
-                continue;
-            }
-        }
-        moved = 0;
+        mended.begin_mesh();
         precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
         let enough = tolerance * figures.size;
         let narrowest = resolution.narrowest;
-        let nodes = match (violated, accurate) {
+        let mut nodes = match (violated, accurate) {
             (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
             // What the estimate does not see, the integration may.
-            (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
+            (false, true) if mending == Mending::Done => {
+                resolution.nodes_for_torques(&interior.spline, enough)
+            }
+            (false, true) => resolution.nodes_for_jumps(&interior.spline, enough),
             _ => resolution.nodes(&interior.spline, enough),
         };
-        let mesh_nodes = &interior.spline.mesh.nodes;
-        let nodes = if nodes == *mesh_nodes { interior.spline.mesh.halved(narrowest) } else { nodes };
+        let jumps = mending == Mending::Divide;
+        if jumps && nodes == interior.spline.mesh.nodes {
+            // There is no room for another node at a jump, and the motion stays as it is if that is enough.
+            refined.status = verified(problem, options, interior, resolution, &mut refined.again);
+            if refined.status.is_converged() || options.verify == Verify::None {
+                break;
+            }
+            nodes = resolution.nodes_for_torques(&interior.spline, enough);
+        }
+        let same = nodes == interior.spline.mesh.nodes;
+        let nodes = if same { interior.spline.mesh.halved(narrowest) } else { nodes };
         let stride = interior.spline.mesh.shape.stride();
-        if stride * (nodes.len() - 1) + 1 > options.max_nodes || mesh + 1 == constants::MESHES {
+        left = if unresolved { left + 1 } else { 0 };
+        let is_last = mesh + 1 == constants::MESHES || left == constants::UNRESOLVED_MESHES;
+        if stride * (nodes.len() - 1) + 1 > options.max_nodes || is_last {
             if unresolved {
-                interior.spline = resolved;
-                interior.start(Some(interior.mu))?;
-                resolution.measure(interior)?;
+                refined.error = come_back(interior, resolved, resolution)?;
+            } else if jumps {
+                refined.status = verified(problem, options, interior, resolution, &mut refined.again);
             }
             break;
         }
@@ -198,6 +220,32 @@ pub(super) fn refine(
         mesh += 1;
     }
     Ok(refined)
+}
+
+/// Comes back to a motion that its mesh resolved. The estimated error of its cost, relative to it.
+fn come_back(
+    interior: &mut Interior<Dynamics>,
+    resolved: Spline,
+    resolution: &mut Resolution,
+) -> Result<f64, EvalError> {
+    interior.spline = resolved;
+    interior.start(Some(interior.mu))?;
+    resolution.measure(interior)?;
+    Ok(resolution.error() / interior.figures.size)
+}
+
+/// Whether the motion that is integrated again ends where it should; for the tolerance of the options.
+fn verified(
+    problem: &Problem,
+    options: &SolverOptions,
+    interior: &mut Interior<Dynamics>,
+    resolution: &Resolution,
+    again: &mut Option<Again>,
+) -> Status {
+    let found = again.insert(integrate_again(problem, options.verify, interior, resolution));
+    interior.clock.lap(Stage::Verification);
+    let bound = constants::VERIFIED * options.tolerance.sqrt();
+    if found.relative <= bound { Status::Converged } else { Status::NotVerified }
 }
 
 /// What limits would have to give where it is proven that no motion keeps them.

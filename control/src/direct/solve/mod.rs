@@ -5,6 +5,7 @@
 
 pub(super) mod direct;
 pub(super) mod first_time;
+mod mending;
 mod meshes;
 pub(super) mod prepare;
 pub(super) mod restore;

@@ -1,0 +1,148 @@
+//! By how much each limit is exceeded inside of each interval.
+
+use super::between::BETWEEN;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::motion::spline::Spline;
+
+/// Largest violations between points.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Excess {
+    sides: usize,
+    /// For each interval those of all sides, in parts of their ranges; 0 for none.
+    over: Vec<f64>,
+    /// q, v, a at the ends of an interval, and at the places between.
+    states: Vec<f64>,
+}
+
+impl Excess {
+    /// Takes the distances at all places between the points. Of positions and rates the peaks between these
+    /// places count: a rate is a polynomial of degree three in an interval, so the cubic through values and
+    /// slopes at two neighbouring places is exact.
+    pub fn measure(&mut self, spline: &Spline, sides: &[Side], distance: &[f64]) {
+        self.sides = sides.len();
+        self.over.clear();
+        self.over.resize(sides.len() * spline.mesh.intervals(), 0.0);
+        let states = sides.iter().take_while(|side| side.limited < Limited::Acceleration).count();
+        for k in 0..spline.mesh.intervals() {
+            let over = &mut self.over[sides.len() * k..][..sides.len()];
+            let places = distance.chunks_exact(sides.len()).skip(BETWEEN.len() * k).take(BETWEEN.len());
+            for distances in places {
+                for ((over, side), &distance) in over.iter_mut().zip(sides).zip(distances) {
+                    *over = over.max(side.violation(distance));
+                }
+            }
+            if states > 0 {
+                self.add_peaks(k, spline, &sides[..states]);
+            }
+        }
+    }
+
+    /// Looks for peaks of positions and rates in interval `k`.
+    fn add_peaks(&mut self, k: usize, spline: &Spline, sides: &[Side]) {
+        let (n, length) = (spline.dof, spline.length(k));
+        self.states.resize(6 * n, 0.0);
+        let (mut before, mut after) = self.states.split_at_mut(3 * n);
+        let over = &mut self.over[self.sides * k..];
+        spline.in_interval(k, 0.0, before);
+        let mut from = 0.0;
+        for to in BETWEEN.into_iter().chain([1.0]) {
+            spline.in_interval(k, to, after);
+            for (over, side) in over.iter_mut().zip(sides) {
+                let at = side.index(n);
+                let of = |z: &[f64]| {
+                    [side.sign * (z[at] - side.bound), side.sign * length * (to - from) * z[at + n]]
+                };
+                if let Some(least) = least_of_cubic(of(before), of(after)) {
+                    *over = over.max(side.violation(least));
+                }
+            }
+            std::mem::swap(&mut before, &mut after);
+            from = to;
+        }
+    }
+
+    /// That of a side in an interval.
+    pub fn of(&self, interval: usize, side: usize) -> f64 {
+        self.over[self.sides * interval + side]
+    }
+}
+
+/// The least value inside of [0, 1] of the cubic with these values and slopes at both ends, if it falls at
+/// the first one and rises at the second.
+fn least_of_cubic([left, falls]: [f64; 2], [right, rises]: [f64; 2]) -> Option<f64> {
+    if falls >= 0.0 || rises <= 0.0 {
+        return None;
+    }
+    let second = 3.0 * (right - left) - 2.0 * falls - rises;
+    let third = 2.0 * (left - right) + falls + rises;
+    // falls + 2 second x + 3 third x^2 = 0, where this derivative rises.
+    let x = -falls / (second + (second * second - 3.0 * third * falls).max(0.0).sqrt());
+    Some(left + x * (falls + x * (second + x * third)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Excess, least_of_cubic};
+    use crate::direct::limits::side::{Limited, Side};
+    use crate::direct::motion::mesh::Mesh;
+    use crate::direct::motion::shape::Shape;
+    use crate::direct::motion::spline::Spline;
+
+    #[test]
+    fn the_least_value_of_a_cubic() {
+        // (x - 0.3)^2 (x + 2) has its minimum 0 at 0.3.
+        let value = |x: f64| (x - 0.3).powi(2) * (x + 2.0);
+        let slope = |x: f64| 2.0 * (x - 0.3) * (x + 2.0) + (x - 0.3).powi(2);
+        let found = least_of_cubic([value(0.0), slope(0.0)], [value(1.0), slope(1.0)]);
+        assert!(found.unwrap().abs() < 1e-15, "{found:?}");
+        let parabola = least_of_cubic([0.16, -0.8], [0.36, 1.2]);
+        assert!(parabola.unwrap().abs() < 1e-15, "{parabola:?}");
+        assert_eq!(least_of_cubic([0.0, 1.0], [1.0, 1.0]), None);
+        assert_eq!(least_of_cubic([1.0, -1.0], [0.0, -1.0]), None);
+    }
+
+    /// The largest violations of a fine sampling are found from eight places.
+    #[test]
+    fn peaks_between_the_places_are_found() {
+        let mut random = fastrand::Rng::with_seed(7);
+        for shape in [Shape::Quartic, Shape::Quintic] {
+            let mesh = Mesh::new(vec![0.0, 0.3, 0.7, 1.0], shape);
+            let unknowns = (0..Spline::size(2, 3, shape)).map(|_| random.f64() - 0.5).collect();
+            let spline = Spline { dof: 2, mesh, unknowns, times: vec![1.3] };
+            let sides: Vec<Side> = [Limited::Position, Limited::Rate]
+                .into_iter()
+                .flat_map(|limited| (0..2).flat_map(move |joint| Side::pair(limited, joint, -1e-3, 1e-3)))
+                .collect();
+            let mut z = [0.0; 6];
+            let mut sample = |k: usize, x: f64| -> Vec<f64> {
+                spline.in_interval(k, x, &mut z);
+                sides.iter().map(|side| side.sign * (z[side.index(2)] - side.bound)).collect()
+            };
+            let places = (0..3).flat_map(|k| super::BETWEEN.map(|x| (k, x)));
+            let distance: Vec<f64> = places.flat_map(|(k, x)| sample(k, x)).collect();
+            let mut excess = Excess::default();
+            excess.measure(&spline, &sides, &distance);
+            for k in 0..3 {
+                let mut most = vec![0.0_f64; sides.len()];
+                for i in 1..2000 {
+                    let distances = sample(k, f64::from(i) / 2000.0);
+                    for ((most, side), distance) in most.iter_mut().zip(&sides).zip(distances) {
+                        *most = most.max(side.violation(distance));
+                    }
+                }
+                for (i, most) in most.into_iter().enumerate() {
+                    let found = excess.of(k, i);
+                    // Where the largest value is at a node, which is looked at itself, the sampling comes
+                    // closer to it than the places.
+                    let is_peak = found >= most;
+                    let at_end =
+                        [1.0 / 2000.0, 1.0 - 1.0 / 2000.0].map(|x| sides[i].violation(sample(k, x)[i]));
+                    assert!(
+                        is_peak || most - found < 1e-4 * most || at_end.contains(&most),
+                        "{shape:?} {k} {i}"
+                    );
+                }
+            }
+        }
+    }
+}
