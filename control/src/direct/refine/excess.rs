@@ -16,8 +16,8 @@ pub(super) struct Excess {
 
 impl Excess {
     /// Takes the distances at all places between the points. Of positions and rates the peaks between these
-    /// places count: a rate is a polynomial of degree three in an interval, so the cubic through values and
-    /// slopes at two neighbouring places is exact.
+    /// places count, by the cubic through values and slopes at two neighbouring places: exact for rates, which are
+    /// polynomials of degree three where accelerations jump, and close for all else.
     pub fn measure(&mut self, spline: &Spline, sides: &[Side], distance: &[f64]) {
         self.sides = sides.len();
         self.over.clear();
@@ -130,7 +130,7 @@ mod tests {
                 // The largest value may be at a node, which is looked at itself.
                 if x > super::BETWEEN[0] && x < super::BETWEEN[7] {
                     let found = excess.of(k, i);
-                    assert!((found / most - 1.0).abs() < 1e-4, "{shape:?} {k} {i}: {found} {most}");
+                    assert!((found / most - 1.0).abs() < 2e-3, "{shape:?} {k} {i}: {found} {most}");
                     inside += 1;
                 }
             }
