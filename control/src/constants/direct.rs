@@ -143,8 +143,8 @@ pub const MOVED_FROM: f64 = 0.5;
 pub const MOVES: usize = 3;
 /// .. as long as less than this part of what was exceeded before is left.
 pub const LESS_EXCEEDED: f64 = 0.5;
-/// Most meshes on which nodes move to jumps for nothing but limits between points, if each one leaves less than
-/// this part of what it costs to keep these.
+/// Most meshes on which nodes move to jumps for nothing but limits between points, if each one leaves less
+/// than this part of what it costs to keep these.
 pub const MESHES_FOR_JUMPS: usize = 2;
 /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
 /// range are divided with those that have large errors.

@@ -11,8 +11,8 @@ const IN_JERKS: f64 = 60.0;
 const IN_ACCELERATIONS: f64 = 5.0;
 
 impl<D> Interior<D> {
-    /// Rounding of a value on an interval of width 1, in its unit: of the order in time of its derivative of the
-    /// positions, with this factor of theirs. The points have been contracted before.
+    /// Rounding of a value on an interval of width 1, in its unit: of a derivative of the positions of
+    /// this order in time, with this factor of theirs. The points have been contracted before.
     fn rounding(&self, is_torque: bool, joint: usize, factor: f64, order: i32) -> f64 {
         let (spline, n) = (&self.spline, self.spline.dof);
         let fastest = spline.times.iter().copied().fold(f64::INFINITY, f64::min);

@@ -59,8 +59,8 @@ impl<D: PointDynamics> Interior<D> {
         self.measure_figures();
     }
 
-    /// Slacks and multipliers near the central path, for a gap of at least what it costs to move all limits by
-    /// the part `rough` of their ranges.
+    /// Slacks and multipliers near the central path, for a gap of at least what it costs to move all limits
+    /// by the part `rough` of their ranges.
     fn warm_start(&mut self, old: &Multipliers, gap: f64, rough: f64) {
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
         let least = constants::LEAST_SLACK.max(rough.min(1.0));

@@ -1,11 +1,19 @@
 //! The ends of the phases of a motion among the unknowns: its start, its vias, its end.
 
-use super::settled::Settled;
 use super::side::{Limited, Side};
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::times::FreeTimes;
 use crate::problem::{BoundaryState, Problem};
+
+/// The rows along a motion, in their order, that are implied at an end.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Settled {
+    /// By the place that is given.
+    pub place: Vec<bool>,
+    /// The rates of the rows, by the rates that are given.
+    pub rate: Vec<bool>,
+}
 
 /// What is given at the ends of the phases, K + 1 of them: 0 is the start of the motion, K its end.
 #[derive(Clone, Debug)]

@@ -4,22 +4,13 @@
 //! where its gradient is a combination of those of what is given. The point beside the end then has one
 //! equation too many; a row that is independent of what is given needs it.
 
-use super::ends::Ends;
+use super::ends::{Ends, Settled};
 use super::model::Model;
 use crate::constants::direct::IMPLIED;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
 use costate::EvalError;
-
-/// The rows along a motion, in their order, that are implied at an end.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Settled {
-    /// By the place that is given.
-    pub place: Vec<bool>,
-    /// The rates of the rows, by the rates that are given.
-    pub rate: Vec<bool>,
-}
 
 /// Those at all ends, from the gradients of all rows in the states of a guess.
 ///
