@@ -12,7 +12,7 @@ impl<D: PointDynamics> Interior<D> {
         let mut old = std::mem::take(&mut self.multipliers);
         old.fill(&self.spline, &self.barrier);
         let at_ends: Vec<f64> = self.barrier.at_ends().map(|at| self.barrier.multiplier[at]).collect();
-        let gap = self.figures.gap.max(constants::WARM * self.figures.size);
+        let gap = self.figures.gap.max(self.warm * self.figures.size);
         self.spline = self.spline.on_nodes(nodes);
         self.start(Some(0.0))?;
         self.warm_start(&old, gap);
@@ -55,7 +55,7 @@ impl<D: PointDynamics> Interior<D> {
     /// Slacks and multipliers near the central path, for a gap of at least what the violations cost.
     fn warm_start(&mut self, old: &Multipliers, gap: f64) {
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        let rough = self.figures.violation.min(1.0);
+        let rough = self.figures.violation.min(crate::numerics::widest::env("ROUGH", 1.0));
         let least = constants::LEAST_SLACK.max(rough);
         let mu = gap.max(least * self.cost_of_ranges(old)) / total;
         self.mu = mu;
