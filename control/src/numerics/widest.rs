@@ -8,7 +8,3 @@ pub(crate) use costate_jit::{widest, widest_fused};
 pub(crate) fn widest_fused<R>(work: impl FnOnce(bool) -> R) -> R {
     work(cfg!(target_feature = "fma"))
 }
-
-pub(crate) fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(default)
-}

@@ -52,7 +52,6 @@ pub(crate) struct Interior<D> {
     /// The part of the longest possible step that was taken last.
     pub(super) taken: f64,
     pub(crate) mu: f64,
-    pub(crate) warm: f64,
     pub(crate) trial: Trial,
     /// The step at mu = 0, its factor of mu, what corrections add, and another one of these.
     pub(crate) steps: [Vec<f64>; 4],
@@ -112,7 +111,6 @@ impl<D: PointDynamics> Interior<D> {
             multipliers: Multipliers::default(),
             taken: 1.0,
             mu: 0.0,
-            warm: constants::WARM,
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
             weights: vec![0.0; n],
             clock: Clock::default(),

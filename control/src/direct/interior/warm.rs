@@ -12,7 +12,7 @@ impl<D: PointDynamics> Interior<D> {
         let mut old = std::mem::take(&mut self.multipliers);
         old.fill(&self.spline, &self.barrier);
         let at_ends: Vec<f64> = self.barrier.at_ends().map(|at| self.barrier.multiplier[at]).collect();
-        let gap = self.figures.gap.max(self.warm * self.figures.size);
+        let gap = self.figures.gap.max(constants::WARM * self.figures.size);
         self.spline = self.spline.on_nodes(nodes);
         self.start(Some(0.0))?;
         self.warm_start(&old, gap);
@@ -55,15 +55,16 @@ impl<D: PointDynamics> Interior<D> {
     /// Slacks and multipliers near the central path, for a gap of at least what the violations cost.
     fn warm_start(&mut self, old: &Multipliers, gap: f64) {
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
-        let rough = self.figures.violation.min(crate::numerics::widest::env("ROUGH", 1.0));
+        let rough = self.figures.violation.min(1.0);
         let least = constants::LEAST_SLACK.max(rough);
         let mu = gap.max(least * self.cost_of_ranges(old)) / total;
         self.mu = mu;
+        let mut lookup = old.lookup();
         for at in 0..self.barrier.count() {
             let weight = self.barrier.weight[at];
             let Some(index) = self.barrier.side_index(at).filter(|_| weight > 0.0) else { continue };
             let side = self.barrier.side(at);
-            let density = old.density(self.barrier.place(at, &self.spline), index);
+            let density = lookup.density(self.barrier.place(at, &self.spline), index);
             if side.is_equation {
                 self.barrier.multiplier[at] = weight * density;
                 continue;
@@ -80,9 +81,9 @@ impl<D: PointDynamics> Interior<D> {
 
     /// What it would cost by these multipliers to move all limits by their ranges.
     fn cost_of_ranges(&self, multipliers: &Multipliers) -> f64 {
-        let barrier = &self.barrier;
+        let (barrier, mut lookup) = (&self.barrier, multipliers.lookup());
         let costs = (0..barrier.count()).filter(|&at| barrier.is_limit(at)).filter_map(|at| {
-            let density = multipliers.density(barrier.place(at, &self.spline), barrier.side_index(at)?);
+            let density = lookup.density(barrier.place(at, &self.spline), barrier.side_index(at)?);
             Some(barrier.weight[at] * density.max(0.0) / barrier.unit[at])
         });
         costs.sum()

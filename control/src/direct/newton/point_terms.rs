@@ -208,7 +208,13 @@ impl Work {
 
     /// The cost of energy at a point, a function of the first rows h. Its value.
     #[inline(always)]
-    fn add_energy<const FUSED: bool>(&mut self, p: usize, [weight, time]: [f64; 2], points: &Points, running: &Running) -> f64 {
+    fn add_energy<const FUSED: bool>(
+        &mut self,
+        p: usize,
+        [weight, time]: [f64; 2],
+        points: &Points,
+        running: &Running,
+    ) -> f64 {
         let (width, first, mut cost) = (row_length(points.dof), points.dof + self.counts[0], 0.0);
         for i in 0..running.energy.weights.len() {
             let term = running.energy.term(i, points.h(p)[i]);

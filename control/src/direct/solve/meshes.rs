@@ -15,7 +15,6 @@ use crate::result::stage_times::Stage;
 use crate::solve::Recorder;
 use crate::solve::recorder::Interruption;
 use crate::status::Status;
-use crate::numerics::widest::env;
 use costate::EvalError;
 
 /// How the refinement ended.
@@ -167,7 +166,7 @@ pub(super) fn refine(
             }
         }
         moved = 0;
-        precision = (env("PREC", constants::PRECISION) * error).clamp(least, constants::FIRST_PRECISION.max(least));
+        precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
         let enough = tolerance * figures.size;
         let narrowest = resolution.narrowest;
         let nodes = match (violated, accurate) {
@@ -190,8 +189,6 @@ pub(super) fn refine(
         if unresolved {
             interior.spline = resolved;
         }
-        interior.warm = (env("WF", 1e9) * error).clamp(env("WLO", 1e-6), env("WHI", constants::WARM));
-        if env("DBG", 0.0) > 0.0 { eprintln!("error {error:.2e} between {:.2e} precision {precision:.1e} intervals {} gap {:.1e}", resolution.violation(), nodes.len()-1, figures.gap / figures.size); }
         interior.move_to(nodes)?;
         interior.clock.lap(Stage::Meshes);
         // What solves a mesh is near a solution on the next one.
