@@ -95,8 +95,7 @@ impl RobotBuilder {
     /// [`RobotError::BadValue`],
     /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
     /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
-    /// [`RobotError::KinematicsOnly`] where no joint moves any mass, [`RobotError::Strict`] where the options
-    /// refuse warnings.
+    /// [`RobotError::Strict`] where the options refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
@@ -138,7 +137,8 @@ impl RobotBuilder {
             }
         }
         mimic::narrow_limits(&mut joints, &mut warnings);
-        checks::robot(&joints, &armature, &mut warnings)?;
+        checks::robot(&joints, &armature, &mut warnings);
+        checks::try_mass_matrix(&joints, &armature, &mut warnings);
         self.options.refuse(&warnings)?;
         let frames = frames(&joints, self.frames)?;
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();

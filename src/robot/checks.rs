@@ -4,8 +4,8 @@ use super::armature::Armature;
 use super::error::RobotError;
 use super::joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 use super::link::LinkInertia;
-use super::positive::mass_matrix_is_positive;
-use super::warning::Warning;
+use super::positive::positivity;
+use super::warning::{Positivity, Warning};
 
 /// Relative rounding that published figures are allowed.
 const ROUNDING: f64 = 1e-9;
@@ -71,12 +71,13 @@ fn negative_moment(inertia: &LinkInertia) -> f64 {
     if smallest < -rounding { smallest } else { 0.0 }
 }
 
-/// Whether the principal moments could be those of a rigid body; the warning if not.
+/// Whether the principal moments could be those of a rigid body; the warning if not, before M is tried.
 pub(super) fn principal_moments(link: &str, inertia: &LinkInertia) -> Option<Warning> {
     let moments @ [a, b, c] = inertia.principal_moments();
     let moment = negative_moment(inertia);
     if moment < 0.0 {
-        return Some(Warning::NegativeMoment { link: link.into(), moment });
+        let positive = Positivity::Untried;
+        return Some(Warning::NegativeMoment { link: link.into(), moment, positive });
     }
     let rounding = (ROUNDING * c).max(TINY_RADIUS_SQUARED * inertia.mass);
     (a + b < c - rounding).then(|| Warning::TriangleInequality { link: link.into(), moments })
@@ -147,12 +148,9 @@ fn large_limits(joints: &[Joint]) -> Option<Warning> {
     limits.first().map(|&limit| Warning::LargeLimits { joints, limit })
 }
 
-/// What needs the whole tree: joints that move nothing, impossible inertias.
-pub(super) fn robot(
-    joints: &[Joint],
-    armature: &Armature,
-    warnings: &mut Vec<Warning>,
-) -> Result<(), RobotError> {
+/// What needs the whole tree: joints that move nothing, impossible inertias. Kinematics and inverse dynamics
+/// are not concerned, and edits may mend it: these are warnings, and what inverts M fails.
+pub(super) fn robot(joints: &[Joint], armature: &Armature, warnings: &mut Vec<Warning>) {
     let n = joints.len();
     let mut moves_mass: Vec<bool> = joints.iter().map(|j| !j.inertia.is_massless()).collect();
     let mut is_last = vec![true; n];
@@ -172,7 +170,8 @@ pub(super) fn robot(
         (is_mimicked[mimic.joint], is_mimicked[i]) = (true, true);
     }
     if let Some(first) = joints.first().filter(|_| !has_inertia.contains(&true)) {
-        return Err(RobotError::KinematicsOnly { joint: first.name.clone() });
+        warnings.push(Warning::KinematicsOnly { joint: first.name.clone() });
+        return;
     }
     for (i, joint) in joints.iter().enumerate() {
         let link = &joint.inertia;
@@ -186,17 +185,18 @@ pub(super) fn robot(
             && !is_mimicked[i]
             && joint.kind == JointKind::Revolute
             && armature.entry(i, i) == 0.0
-            && about_axis <= 1e-14 * link.inertia_about_origin().amax()
+            && about_axis.abs() <= 1e-14 * link.inertia_about_origin().amax()
         {
             warnings.push(Warning::OnAxis { joint: joint.name.clone() });
         }
     }
-    let negative = |joint: &&Joint| negative_moment(&joint.inertia) < 0.0;
-    match joints.iter().find(negative) {
-        Some(joint) if !mass_matrix_is_positive(joints, armature) => {
-            let moment = negative_moment(&joint.inertia);
-            Err(RobotError::IndefiniteInertia { link: joint.link.clone(), moment })
-        }
-        _ => Ok(()),
+}
+
+/// Says of M in all warnings about negative moments whether it is positive.
+pub(super) fn try_mass_matrix(joints: &[Joint], armature: &Armature, warnings: &mut [Warning]) {
+    let mut negative = warnings.iter_mut().filter_map(Warning::positivity_mut).peekable();
+    if negative.peek().is_some() {
+        let found = positivity(joints, armature);
+        negative.for_each(|positive| *positive = found);
     }
 }

@@ -62,5 +62,5 @@ pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub(crate) use still_joints::{Site, StillJoint, WithStillJoints};
 pub use tree::Tree;
 pub use tree_frame::TreeFrame;
-pub use warning::Warning;
+pub use warning::{Positivity, Warning};
 pub use wrench::{AppliedWrench, Wrench, WrenchAxes};

@@ -189,8 +189,7 @@ impl Robot {
     /// The same robot with another armature matrix: one row for each of the [`joints`](Self::joints).
     ///
     /// # Errors
-    /// [`RobotError::BadArmature`]; [`RobotError::KinematicsOnly`] if no joint has inertia any more,
-    /// [`RobotError::IndefiniteInertia`] if M is no longer positive.
+    /// [`RobotError::BadArmature`].
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
         let n = self.joints.len();
         if armature.shape() != (n, n) {
@@ -198,6 +197,6 @@ impl Robot {
             return Err(RobotError::BadArmature { problem, n });
         }
         let armature = Armature::from_matrix(&armature)?;
-        Self { armature, ..self.clone() }.checked(self, Vec::new())
+        Ok(Self { armature, ..self.clone() }.checked(self, Vec::new()))
     }
 }

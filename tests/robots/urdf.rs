@@ -1,6 +1,9 @@
 //! URDF files: what is loaded.
 
 use crate::texts::*;
+use costate::EvalError;
+use costate::kinematics::Kinematics;
+use costate::lagrangian::Lagrangian;
 use costate::robot::RobotError as E;
 use costate::robot::urdf::parse;
 use costate::robot::{
@@ -91,16 +94,57 @@ fn moments_that_are_slightly_negative_are_a_warning_while_m_is_positive() {
         let error = parse(&text, strict).unwrap_err();
         assert!(matches!(error, E::Strict { .. }), "{error}");
     }
-    // The inertia about the joint axis is negative; or no figures of a body look like this.
-    for (com, moments) in [("0.1 0 0", [-0.01, 0.3, 0.3]), ("0.1 0 0.2", [-0.2, 0.3, 0.3])] {
-        let E::InFile { error, line, .. } =
-            parse(&with_moments(com, moments), LoadOptions::default()).unwrap_err()
-        else {
-            panic!()
-        };
-        assert!(matches!(*error, E::IndefiniteInertia { .. }), "{error}");
-        assert_eq!(line, Some(3));
-    }
+    // No figures of a body look like this.
+    let text = with_moments("0.1 0 0.2", [-0.2, 0.3, 0.3]);
+    let E::InFile { error, line, .. } = parse(&text, LoadOptions::default()).unwrap_err() else { panic!() };
+    assert!(matches!(*error, E::IndefiniteInertia { .. }), "{error}");
+    assert_eq!(line, Some(3));
+}
+
+/// What dynamics lacks is a warning, mended by edits; kinematics and inverse dynamics work.
+#[test]
+fn a_robot_whose_mass_matrix_is_not_positive_is_loaded() {
+    use costate::robot::Positivity;
+    // The inertia about the joint axis is negative.
+    let robot = load(&with_moments("0.1 0 0", [-0.03, 0.3, 0.3]));
+    let [warning] = robot.warnings() else { panic!("{:?}", robot.warnings()) };
+    assert!(matches!(warning, Warning::NegativeMoment { positive: Positivity::Violated, .. }), "{warning:?}");
+    assert!(warning.to_string().contains("M is not positive everywhere"), "{warning}");
+    let mut lagrangian = Lagrangian::<f64>::new(&robot);
+    let tau = lagrangian.inverse_dynamics(&[0.4], &[0.0], &[1.0]).unwrap()[0];
+    let gravity = lagrangian.gravity(&[0.4]).unwrap()[0];
+    assert!((tau - gravity + 0.03).abs() < 1e-12, "M = I_xx, not {}", tau - gravity);
+    let error = lagrangian.forward_dynamics(&[0.4], &[0.0], &[0.0]).unwrap_err().to_string();
+    assert!(error.contains("'elbow'") && error.contains("negative moment"), "{error}");
+    let mended = robot.with_joint_armature("elbow", 0.1).unwrap();
+    let [warning] = mended.warnings() else { panic!("{:?}", mended.warnings()) };
+    assert!(matches!(warning, Warning::NegativeMoment { positive: Positivity::WhereTried, .. }));
+    assert!(Lagrangian::<f64>::new(&mended).forward_dynamics(&[0.4], &[0.0], &[0.0]).is_ok());
+}
+
+/// A URDF for pictures only, without `<inertial>`.
+#[test]
+fn a_robot_without_mass_has_kinematics() {
+    let robot = load(&arm(""));
+    let about_all =
+        |warning: &Warning| matches!(warning, Warning::KinematicsOnly { joint } if joint == "elbow");
+    assert!(robot.warnings().iter().any(about_all), "{:?}", robot.warnings());
+    let message = robot.warnings().iter().find(|warning| about_all(warning)).unwrap().to_string();
+    assert!(message.contains("kinematics only") && message.contains("<inertial>"), "{message}");
+    let mut kinematics = Kinematics::<f64>::new(&robot);
+    kinematics.set_position(&[0.4]).unwrap();
+    assert!(kinematics.pose(robot.frame_index("arm").unwrap()).is_ok());
+    assert!(matches!(
+        Lagrangian::<f64>::new(&robot).forward_dynamics(&[0.4], &[0.0], &[0.0]),
+        Err(EvalError::SingularMassMatrix { joint }) if joint == "elbow"
+    ));
+    let loaded = robot.with_payload("arm", &LinkInertia::point(1.0, [0.1, 0.2, 0.3])).unwrap();
+    assert_eq!(loaded.warnings(), []);
+    assert!(Lagrangian::<f64>::new(&loaded).forward_dynamics(&[0.4], &[0.0], &[0.0]).is_ok());
+    let floating = load(&one_joint("floating", "", "", ""));
+    assert!(floating.warnings().iter().any(|warning| matches!(warning, Warning::KinematicsOnly { .. })));
+    let strict = parse(&arm(""), LoadOptions::default().strict(true)).unwrap_err();
+    assert!(strict.to_string().contains("kinematics only"), "{strict}");
 }
 
 #[test]

@@ -39,7 +39,7 @@ impl Robot {
     /// # Errors
     /// [`RobotError::UnknownJoint`]; [`RobotError::DependentJoint`] for a joint that mimics another one;
     /// [`RobotError::BadValue`] for a position that is not finite or given twice; [`RobotError::AllLocked`]
-    /// if nothing can move any more, [`RobotError::KinematicsOnly`] if what can move has no mass.
+    /// if nothing can move any more.
     pub fn lock(&self, joints: &[(&str, f64)]) -> Result<Self, RobotError> {
         let mut held: Vec<Option<f64>> = vec![None; self.joints.len()];
         let mut warnings = Vec::new();
@@ -64,7 +64,7 @@ impl Robot {
                 held[i] = held[joint].map(|value| ratio.mul_add(value, offset));
             }
         }
-        self.holding(&held)?.checked(self, warnings)
+        Ok(self.holding(&held)?.checked(self, warnings))
     }
 
     /// The robot of these independent joints, and of those that mimic them; all others are held at the

@@ -15,7 +15,7 @@ use super::link::LinkInertia;
 use super::model::Robot;
 use super::nearest::resembling;
 use super::options::LoadOptions;
-use super::warning::Warning;
+use super::warning::{Positivity, Warning};
 use super::wrench::Wrench;
 
 /// A change of a robot, as problem files and the command line describe it.
@@ -121,11 +121,10 @@ impl Robot {
 
     /// Checks what depends on the whole tree; adds the warnings that are new, and omits those of the robot
     /// before that no longer apply.
-    pub(super) fn checked(mut self, before: &Self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
-        checks::robot(&self.joints, &self.armature, &mut caused)?;
+    pub(super) fn checked(mut self, before: &Self, mut caused: Vec<Warning>) -> Self {
+        checks::robot(&self.joints, &self.armature, &mut caused);
         let mut past = Vec::new();
-        // What is wrong with the robot before is not of interest here.
-        let _ = checks::robot(&before.joints, &before.armature, &mut past);
+        checks::robot(&before.joints, &before.armature, &mut past);
         let joints = &self.joints;
         let is_joint = |name: &str| joints.iter().any(|joint| joint.name == name);
         let is_massless =
@@ -134,6 +133,7 @@ impl Robot {
             Warning::MasslessLink { link } => is_massless(link),
             warning => caused.contains(warning) || !past.contains(warning),
         };
+        self.warnings.iter_mut().filter_map(Warning::positivity_mut).for_each(|p| *p = Positivity::Untried);
         let left = std::mem::take(&mut self.warnings).into_iter().filter(applies);
         self.warnings = left.filter_map(|warning| warning.about(is_joint)).collect();
         for warning in caused {
@@ -141,6 +141,7 @@ impl Robot {
                 self.warnings.push(warning);
             }
         }
-        Ok(self)
+        checks::try_mass_matrix(&self.joints, &self.armature, &mut self.warnings);
+        self
     }
 }

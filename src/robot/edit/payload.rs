@@ -38,6 +38,6 @@ impl Robot {
         let body = payload.placed(&frame.placement);
         carrier.inertia = if carrier.inertia.is_massless() { body } else { carrier.inertia.merged(&body) };
         checks::inertia(&carrier.link, &carrier.inertia)?;
-        robot.checked(self, checks::principal_moments(&name, payload).into_iter().collect())
+        Ok(robot.checked(self, checks::principal_moments(&name, payload).into_iter().collect()))
     }
 }

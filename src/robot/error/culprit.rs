@@ -16,8 +16,7 @@ impl RobotError {
             | Self::UnsupportedJoint { joint, .. }
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
-            | Self::BadValue { joint, .. }
-            | Self::KinematicsOnly { joint } => Some(joint),
+            | Self::BadValue { joint, .. } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
             Self::Cycle { joints } | Self::MimicCycle { joints } | Self::AllLocked { joints } => {
                 joints.first().map(String::as_str)

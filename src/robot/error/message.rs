@@ -180,12 +180,6 @@ impl fmt::Display for RobotError {
                 printable(link),
                 printable_number(*moment)
             ),
-            Self::KinematicsOnly { joint } => write!(
-                f,
-                "joint '{}' moves no mass, nor does any other joint: this is a robot of kinematics only; give its \
-                 links mass and inertia (<inertial> in a URDF)",
-                printable(joint)
-            ),
             Self::BadGravity => f.write_str("gravity is not finite; correct it"),
             Self::BadArmature { problem, n } => write!(
                 f,

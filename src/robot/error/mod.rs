@@ -225,18 +225,13 @@ pub enum RobotError {
         /// Its value (kg, kg m^2).
         value: f64,
     },
-    /// An inertia matrix that is not positive semidefinite, by so much that M is not positive or cannot be
-    /// trusted.
+    /// An inertia matrix that is not positive semidefinite, by more than a mistake in the figures of a real
+    /// link explains.
     IndefiniteInertia {
         /// The link.
         link: String,
         /// Smallest principal moment (kg m^2).
         moment: f64,
-    },
-    /// A robot without any mass that moves.
-    KinematicsOnly {
-        /// First joint.
-        joint: String,
     },
     /// Gravity is infinite or undefined.
     BadGravity,

@@ -1,6 +1,6 @@
 //! What warnings say.
 
-use super::Warning;
+use super::{Positivity, Warning};
 use crate::robot::printable::{joints, printable, printable_number, sentence};
 use std::fmt;
 
@@ -10,12 +10,25 @@ impl fmt::Display for Warning {
             Self::MasslessLink { link } => {
                 write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
             }
-            Self::NegativeMoment { link, moment } => write!(
+            Self::NegativeMoment { link, moment, positive } => write!(
                 f,
-                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
-                 M is positive where it was tried, and may be singular elsewhere: check the matrix",
+                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; {}",
                 printable(link),
-                printable_number(*moment)
+                printable_number(*moment),
+                match positive {
+                    Positivity::WhereTried =>
+                        "M is positive where it was tried, and may be singular elsewhere: check the matrix",
+                    Positivity::Violated =>
+                        "M is not positive everywhere, and forward dynamics fails there: check signs and \
+                         reference point of the matrix, give the joint armature or lock it",
+                    Positivity::Untried => "M may not be positive: check the matrix",
+                }
+            ),
+            Self::KinematicsOnly { joint } => write!(
+                f,
+                "joint '{}' moves no mass, nor does any other joint: there is kinematics only; for dynamics, give \
+                 the links mass and inertia (<inertial> in a URDF)",
+                printable(joint)
             ),
             Self::TriangleInequality { link, moments: [a, b, c] } => write!(
                 f,

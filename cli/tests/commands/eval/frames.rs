@@ -31,6 +31,26 @@ fn frames_are_answered_by_every_route() {
     assert_eq!(json_lines(&again)[0]["frames"], answers[0]["frames"]);
 }
 
+/// A URDF without `<inertial>` has kinematics; edits of the command line give it dynamics.
+#[test]
+fn a_robot_without_mass_has_frames() {
+    let urdf = "<robot name='r'><link name='base'/><link name='l'/><joint name='a' type='continuous'>\
+                <parent link='base'/><child link='l'/><axis xyz='0 0 1'/></joint></robot>";
+    let path = empty_folder("massless").join("massless.urdf");
+    std::fs::write(&path, urdf).unwrap();
+    let path = path.to_str().unwrap();
+    let output = costate(&["eval", path], b"{\"q\":[0.3],\"frames\":[\"l\"]}\n{\"q\":[0.3],\"v\":[0]}\n");
+    assert!(stderr(&output).contains("kinematics only"), "{}", stderr(&output));
+    let answers = json_lines(&output);
+    assert_eq!(answers[0]["frames"][0]["jacobian"][2], json!([1.0]));
+    assert!(answers[1]["error"].as_str().unwrap().contains("'a'"), "{}", answers[1]);
+    let flags = ["--armature", "a=0.1", "--strict"];
+    let refused = costate(&[&["eval", path][..], &flags].concat(), b"");
+    assert!(stderr(&refused).contains("'l' moves but has neither mass"), "{}", stderr(&refused));
+    let mended = costate(&["eval", path, "--payload", "l=1,0.1,0,0", "--strict"], b"{\"q\":[0.3],\"v\":[0]}");
+    assert!(mended.status.success(), "{}", stderr(&mended));
+}
+
 /// Where M is singular, too.
 #[test]
 fn frames_alone_need_no_motion() {
