@@ -46,7 +46,7 @@ mod wrench;
 
 pub(crate) use branches::Branches;
 pub use builder::RobotBuilder;
-pub use edit::RobotEdit;
+pub use edit::{LimitChange, RobotEdit};
 pub use error::RobotError;
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};

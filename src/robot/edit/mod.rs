@@ -4,13 +4,16 @@
 
 mod constants;
 mod joints;
+mod limit_change;
 mod lock;
 mod payload;
+
+pub use limit_change::LimitChange;
 
 use super::checks;
 use super::error::RobotError;
 use super::frame::FrameSpec;
-use super::joint::{Friction, Limits};
+use super::joint::Friction;
 use super::link::LinkInertia;
 use super::model::Robot;
 use super::nearest::resembling;
@@ -28,8 +31,8 @@ pub enum RobotEdit {
     Armature(String, f64),
     /// [`Robot::with_friction`].
     Friction(String, Friction),
-    /// [`Robot::with_limits`].
-    Limits(String, Limits),
+    /// [`Robot::with_limits`], some of them.
+    Limits(String, LimitChange),
     /// [`Robot::with_frame`].
     Frame(FrameSpec),
     /// [`Robot::with_payload`].
@@ -81,7 +84,10 @@ impl Robot {
             RobotEdit::Gravity(gravity) => self.with_gravity(*gravity),
             RobotEdit::Armature(joint, armature) => self.with_joint_armature(joint, *armature),
             RobotEdit::Friction(joint, friction) => self.with_friction(joint, *friction),
-            RobotEdit::Limits(joint, limits) => self.with_limits(joint, *limits),
+            RobotEdit::Limits(joint, change) => {
+                let index = self.joint_index(joint)?;
+                self.with_limits(joint, change.of(self.joints[index].limits))
+            }
             RobotEdit::Frame(frame) => self.with_frame(frame.clone()),
             RobotEdit::Payload(frame, payload) => self.with_payload(frame, payload),
             RobotEdit::Wrench(frame, wrench) => self.with_wrench(frame, *wrench),
