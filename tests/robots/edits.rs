@@ -48,6 +48,15 @@ fn what_cannot_be_locked_is_named() {
     says(arm.reduced_to(&["thumb"], &q).unwrap_err(), &["'finger'"]);
     says(arm.reduced_to(&["elbow"], &q[1..]).unwrap_err(), &["2 positions for 3"]);
     assert!(matches!(arm.reduced_to(&[], &q), Err(E::AllLocked { .. })));
+    let locked = arm.lock(&[("elbow", -1.0)]).unwrap();
+    for error in [
+        locked.reduced_to(&["shoulder", "elbow"], &q[1..]).unwrap_err(),
+        locked.lock(&[("elbow", -1.0)]).unwrap_err(),
+        locked.with_joint_armature("elbow", 0.1).unwrap_err(),
+    ] {
+        assert!(matches!(error, E::StillJoint { .. }), "{error}");
+        says(error, &["'elbow'", "locked, or fixed in the file"]);
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub use limit_change::LimitChange;
 
 use super::checks;
 use super::error::RobotError;
-use super::frame::FrameSpec;
+use super::frame::{FrameKind, FrameSpec};
 use super::joint::Friction;
 use super::link::LinkInertia;
 use super::model::Robot;
@@ -105,12 +105,21 @@ impl Robot {
     /// Index of the joint of this name in [`joints`](Self::joints).
     ///
     /// # Errors
+    /// [`RobotError::StillJoint`] for a joint that is locked, or fixed in the file;
     /// [`RobotError::UnknownJoint`], with the names that resemble it.
     pub fn joint_index(&self, name: &str) -> Result<usize, RobotError> {
-        self.joints.iter().position(|joint| joint.name == name).ok_or_else(|| RobotError::UnknownJoint {
-            joint: name.to_owned(),
-            nearest: resembling(name, self.joints.iter().map(|joint| joint.name.as_str())),
-        })
+        let found = self.joints.iter().position(|joint| joint.name == name);
+        found.ok_or_else(|| self.not_a_joint(name))
+    }
+
+    /// Why no joint has this name: those that do not move have left their frames.
+    fn not_a_joint(&self, name: &str) -> RobotError {
+        let joint = name.to_owned();
+        if self.frames.iter().any(|frame| frame.kind == FrameKind::Joint && frame.name == name) {
+            return RobotError::StillJoint { joint };
+        }
+        let nearest = resembling(name, self.joints.iter().map(|joint| joint.name.as_str()));
+        RobotError::UnknownJoint { joint, nearest }
     }
 
     /// The same, of an independent joint.

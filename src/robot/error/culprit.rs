@@ -11,6 +11,7 @@ impl RobotError {
             | Self::UnknownChild { joint, .. }
             | Self::UnknownMimic { joint, .. }
             | Self::UnknownJoint { joint, .. }
+            | Self::StillJoint { joint }
             | Self::DependentJoint { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }

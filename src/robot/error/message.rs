@@ -122,7 +122,12 @@ impl fmt::Display for RobotError {
                 f,
                 "there is no joint '{}'{}",
                 printable(joint),
-                offer(nearest, "; `costate info` lists the names, without joints that are fixed or locked")
+                offer(nearest, "; `costate info` lists the names")
+            ),
+            Self::StillJoint { joint } => write!(
+                f,
+                "joint '{}' does not move: it is locked, or fixed in the file; leave it out, or do not lock it",
+                printable(joint)
             ),
             Self::DependentJoint { joint, master } => write!(
                 f,

@@ -149,6 +149,11 @@ pub enum RobotError {
         /// Names that resemble it, the most similar first.
         nearest: Vec<String>,
     },
+    /// A joint that does not move: it is locked, or fixed in the file.
+    StillJoint {
+        /// The joint.
+        joint: String,
+    },
     /// A joint that mimics another one, where an independent one is needed.
     DependentJoint {
         /// The joint.
