@@ -89,7 +89,7 @@ impl RobotBuilder {
     ///
     /// # Errors
     /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`],
-    /// [`RobotError::DuplicateName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
+    /// [`RobotError::DuplicateName`], [`RobotError::BadName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
     /// joints form no tree, [`RobotError::UnknownMimic`] and [`RobotError::MimicCycle`] where mimicry leads
     /// to no independent joint, [`RobotError::BadAxis`], [`RobotError::BadPlacement`],
     /// [`RobotError::BadValue`],
@@ -162,6 +162,7 @@ impl RobotBuilder {
         }
         let mut index_of: HashMap<&str, usize> = HashMap::with_capacity(n);
         for (index, spec) in self.joints.iter().enumerate() {
+            checks::name("joint", &spec.name)?;
             if index_of.insert(&spec.name, index).is_some() {
                 return Err(RobotError::DuplicateName { kind: "joint", name: spec.name.clone() });
             }

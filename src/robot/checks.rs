@@ -27,6 +27,14 @@ const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
 /// Larger limits (rad) mean that there is none.
 const UNLIMITED: f64 = 3600.0;
 
+/// A name that can be written in a file or a flag: not blank.
+pub(super) fn name(kind: &'static str, name: &str) -> Result<(), RobotError> {
+    match name.trim() {
+        "" => Err(RobotError::BadName { kind, name: name.into(), rule: "give it a name that is not blank" }),
+        _ => Ok(()),
+    }
+}
+
 /// Mass, centre of mass and inertia of one link; `link` names it in the error.
 pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
     let not_finite = |what| RobotError::NonFiniteInertia { link: link.into(), what };

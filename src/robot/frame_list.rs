@@ -1,5 +1,6 @@
 //! Frames by their names.
 
+use super::checks;
 use super::error::RobotError;
 use super::frame::{Base, Frame, FrameKind, FrameSpec};
 use super::link::Placement;
@@ -29,6 +30,7 @@ impl FrameList {
     /// Adds a frame, whose base must be there already.
     pub(super) fn add(&mut self, spec: FrameSpec) -> Result<(), RobotError> {
         let FrameSpec { name, kind, base, placement } = spec;
+        checks::name(if kind == FrameKind::Link { "link" } else { "frame" }, &name)?;
         if !placement.is_rigid() {
             return Err(RobotError::BadFramePlacement { frame: name });
         }
@@ -157,6 +159,18 @@ mod tests {
         let tip = robot.with_frame(FrameSpec::new("tip").on("joint:b").placed(place)).unwrap();
         let tip = tip.frame("tip").unwrap();
         assert_eq!((tip.joint, tip.placement.translation), (Some(1), Vector3::new(0.0, 0.5, 0.0)));
+    }
+
+    #[test]
+    fn blank_names_are_refused() {
+        for blank in ["", " ", "\t\n"] {
+            let refused = |error| matches!(error, RobotError::BadName { ref name, .. } if name == blank);
+            assert!(refused(robot().with_frame(FrameSpec::new(blank)).unwrap_err()), "{blank:?}");
+            let body = LinkInertia::point(1.0, [0.1, 0.0, 0.0]);
+            let joint = |name: &str| JointSpec::revolute(name).carrying(body);
+            let build = |joint| Robot::builder("arm").joint(joint).build().unwrap_err();
+            assert!(refused(build(joint(blank))) && refused(build(joint("a").link(blank))), "{blank:?}");
+        }
     }
 
     #[test]

@@ -143,7 +143,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`] for the frame that it is placed in, [`RobotError::DuplicateName`],
-    /// [`RobotError::BadFramePlacement`].
+    /// [`RobotError::BadName`], [`RobotError::BadFramePlacement`].
     pub fn with_frame(&self, frame: FrameSpec) -> Result<Self, RobotError> {
         self.clone().with_frames(std::iter::once(frame)).map_err(|(_, error)| error)
     }

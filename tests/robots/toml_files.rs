@@ -54,6 +54,8 @@ refuses! {
     empty_robot: "name = 'nothing'", None, E::NoJoints { .. }, ["nothing", "revolute"];
     unknown_parent: two("", "parent = 'c'"), Some(9), E::UnknownParent { .. }, ["'b'", "'c'", "joint"];
     duplicate: two("", "").replace("'b'", "'a'"), Some(9), E::DuplicateName { kind: "joint", .. }, ["'a'"];
+    blank_joint: two("", "").replace("'b'", "' '"), Some(9), E::BadName { kind: "joint", .. }, ["not blank"];
+    blank_frame: two("", "\n[[frame]]\nname = ''"), Some(15), E::BadName { kind: "frame", .. }, ["not blank"];
     cycle: two("parent = 'b'", "parent = 'a'"), Some(3), E::Cycle { .. }, ["a -> b", "world"];
     its_own_parent: two("parent = 'a'", ""), Some(3), E::Cycle { .. }, ["a"];
     called_world: two("", "").replace("'a'", "'world'"), Some(3), E::Malformed { .. }, ["'world'", "another name"];

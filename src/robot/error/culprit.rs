@@ -27,7 +27,7 @@ impl RobotError {
             | Self::NegativeMass { link, .. }
             | Self::OutOfRange { link, .. }
             | Self::IndefiniteInertia { link, .. } => Some(link),
-            Self::DuplicateName { name, .. } => Some(name),
+            Self::DuplicateName { name, .. } | Self::BadName { name, .. } => Some(name),
             Self::UnknownFrame { frame, .. }
             | Self::FixedFrame { frame }
             | Self::BadFramePlacement { frame }

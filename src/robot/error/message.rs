@@ -51,6 +51,9 @@ impl fmt::Display for RobotError {
             Self::DuplicateName { kind, name } => {
                 write!(f, "two {kind}s are called '{}'; give each its own name", printable(name))
             }
+            Self::BadName { kind, name, rule } => {
+                write!(f, "a {kind} is called '{}'; {rule}", printable(name))
+            }
             Self::UnknownParent { joint, parent, kind } => write!(
                 f,
                 "joint '{}' is attached to '{}', which does not exist; correct the name or add the missing {kind}",

@@ -63,6 +63,15 @@ pub enum RobotError {
         /// The name.
         name: String,
     },
+    /// A name that cannot be used.
+    BadName {
+        /// `"joint"`, `"link"` or `"frame"`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// What is wrong, and what to do.
+        rule: &'static str,
+    },
     /// The parent does not exist.
     UnknownParent {
         /// The joint.

@@ -40,6 +40,7 @@ fn changes_of_the_robot_are_checked() {
         ("reduced_to = []", &["robot.reduced_to: ", "leave at least one"]),
         ("frame = { name = \"a\", parent = \"elbo\" }", &["robot.frame: ", "'elbo'", near]),
         ("frame = { parent = \"elbow\" }", &["robot.frame.name: missing"]),
+        ("frame = { name = \" \" }", &["robot.frame: ", "a frame is called ' '", "not blank"]),
         ("frame = { name = \"elbow\" }", &["robot.frame: two frames are called 'elbow'"]),
         (
             "frame = { name = \"a\", placement = { xyz = [0] } }",
