@@ -34,6 +34,11 @@ impl FrameList {
         if !placement.is_rigid() {
             return Err(RobotError::BadFramePlacement { frame: name });
         }
+        if kind == FrameKind::Added && PREFIXES.iter().any(|(prefix, _)| name.starts_with(prefix)) {
+            let rule = "what begins with 'joint:' or 'link:' means the frame of a joint or a link: give it \
+                        another name";
+            return Err(RobotError::BadName { kind: "frame", name, rule });
+        }
         // One name of a description may be that of a link and of a joint; added frames have names of their
         // own.
         let is_taken = |other: &Frame| other.kind == kind || kind == FrameKind::Added;
@@ -175,8 +180,20 @@ mod tests {
 
     #[test]
     fn a_whole_name_comes_before_a_prefix() {
-        let robot = robot().with_frame(FrameSpec::new("joint:b").on("a")).unwrap();
-        assert_eq!(robot.frame("joint:b").unwrap().kind, FrameKind::Added);
+        let body = LinkInertia::point(1.0, [0.1, 0.0, 0.0]);
+        let odd = JointSpec::revolute("b").on("a").link("joint:a").carrying(body);
+        let first = JointSpec::revolute("a").carrying(body);
+        let robot = Robot::builder("arm").joint(first).joint(odd).build().unwrap();
+        assert_eq!(robot.frame("joint:a").unwrap().kind, FrameKind::Link);
+    }
+
+    #[test]
+    fn an_added_frame_does_not_take_the_name_of_another_one() {
+        for name in ["joint:b", "link:b", "joint:"] {
+            let error = robot().with_frame(FrameSpec::new(name).on("a")).unwrap_err();
+            assert!(matches!(error, RobotError::BadName { kind: "frame", .. }), "{error}");
+        }
+        assert!(robot().with_frame(FrameSpec::new("jointed:b").on("a")).is_ok());
     }
 
     #[test]
