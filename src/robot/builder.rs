@@ -120,9 +120,7 @@ impl RobotBuilder {
             });
             index_of.insert(&spec.name, index);
         }
-        if self.gravity.iter().any(|g| !g.is_finite()) {
-            return Err(RobotError::BadGravity);
-        }
+        checks::gravity(&self.gravity.into())?;
         let of_joints = order.iter().map(|&source| self.joints[source].armature);
         let armature = match given {
             Some(matrix) => Armature::from_matrix(

@@ -5,6 +5,7 @@ use super::error::RobotError;
 use super::joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 use super::link::LinkInertia;
 use super::positive::positivity;
+use super::range::{RANGE, is_moderate};
 use super::warning::{Positivity, Warning};
 
 /// Relative rounding that published figures are allowed.
@@ -16,10 +17,6 @@ const TINY_RADIUS_SQUARED: f64 = 1e-12;
 /// The size of a negative principal moment, relative to the largest one, up to which it may be a mistake in
 /// the figures of a real link; M shows whether it matters.
 const SLIGHTLY: f64 = 0.5;
-
-/// Least and largest size of a mass or inertia (kg, kg m^2) that is not zero: products of two of them with
-/// velocities and lengths neither vanish nor overflow.
-pub(super) const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
 
 /// Largest position limit of a revolute joint that passes without a warning (rad): two turns.
 const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
@@ -91,6 +88,11 @@ pub(super) fn principal_moments(link: &str, inertia: &LinkInertia) -> Option<War
     (a + b < c - rounding).then(|| Warning::TriangleInequality { link: link.into(), moments })
 }
 
+/// Gravity (m/s^2).
+pub(super) fn gravity(gravity: &[f64; 3]) -> Result<(), RobotError> {
+    if gravity.iter().all(|&g| is_moderate(g)) { Ok(()) } else { Err(RobotError::BadGravity) }
+}
+
 /// What one joint shows by itself.
 pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
     let name = || spec.name.clone();
@@ -113,21 +115,29 @@ pub(super) fn figures(
     friction: &Friction,
     limits: &Limits,
 ) -> Result<(), RobotError> {
-    let rule = "it must be finite and not negative";
-    let not_negative = |what, value: f64| (what, value, value >= 0.0 && value.is_finite(), rule);
+    let in_range = |value: f64| value == 0.0 || RANGE.contains(&value);
+    let not_negative = |what, value: f64| {
+        (what, value, (0.0..=*RANGE.end()).contains(&value), "it must lie between 0 and 1e75")
+    };
+    let moderate = |what, value: f64| (what, value, is_moderate(value), "its size must be 1e75 at most");
+    let number = |what, value: f64| (what, value, !value.is_nan(), "give a number");
     let transition = friction.coulomb_velocity;
     let checks = [
-        not_negative("the armature", armature),
+        ("the armature", armature, in_range(armature), "it must be 0, or lie between 1e-75 and 1e75"),
         not_negative("the viscous friction", friction.viscous),
         not_negative("the Coulomb friction", friction.coulomb),
         (
             "the Coulomb transition velocity",
             transition,
-            transition > 0.0 && transition.is_finite(),
-            "it must be finite and positive",
+            RANGE.contains(&transition),
+            "it must lie between 1e-75 and 1e75",
         ),
-        ("the spring stiffness", spring.stiffness, spring.stiffness.is_finite(), "it must be finite"),
-        ("the rest position of the spring", spring.rest, spring.rest.is_finite(), "it must be finite"),
+        moderate("the spring stiffness", spring.stiffness),
+        moderate("the rest position of the spring", spring.rest),
+        number("the lower limit", limits.lower),
+        number("the upper limit", limits.upper),
+        number("the velocity limit", limits.velocity),
+        number("the effort limit", limits.effort),
         ("the lower limit", limits.lower, limits.lower <= limits.upper, "it must not exceed the upper limit"),
         ("the lower limit", limits.lower, limits.lower < f64::INFINITY, "it must be below infinity"),
         (

@@ -31,6 +31,7 @@ mod pattern;
 mod poses;
 mod positive;
 mod printable;
+mod range;
 mod read;
 mod regroup;
 mod still_joints;

@@ -1,6 +1,7 @@
 //! The robot itself.
 
 use super::armature::Armature;
+use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
@@ -178,11 +179,9 @@ impl Robot {
     /// The same robot under another gravity (m/s^2).
     ///
     /// # Errors
-    /// [`RobotError::BadGravity`] if it is not finite.
+    /// [`RobotError::BadGravity`] if it is not finite, or larger than 1e75.
     pub fn with_gravity(&self, gravity: [f64; 3]) -> Result<Self, RobotError> {
-        if gravity.iter().any(|g| !g.is_finite()) {
-            return Err(RobotError::BadGravity);
-        }
+        checks::gravity(&gravity)?;
         Ok(Self { gravity: Vector3::from(gravity), ..self.clone() })
     }
 

@@ -3,6 +3,7 @@
 use super::error::RobotError;
 use super::frame_list::FrameList;
 use super::model::Robot;
+use super::range::is_moderate;
 use super::wrench::{AppliedWrench, Wrench};
 
 impl Robot {
@@ -40,7 +41,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`], with the names that resemble it; [`RobotError::BadWrench`] for numbers
-    /// that are not finite.
+    /// that are not finite, or larger than 1e75.
     pub fn with_wrench(&self, frame: &str, wrench: Wrench) -> Result<Self, RobotError> {
         self.clone().with_wrenches(std::iter::once((frame, wrench))).map_err(|(_, error)| error)
     }
@@ -56,7 +57,7 @@ impl Robot {
         let frames = FrameList::from(self.frames);
         for (k, (name, wrench)) in wrenches.enumerate() {
             let frame = frames.position(name).map_err(|error| (k, error))?;
-            if wrench.moment.iter().chain(&wrench.force).any(|entry| !entry.is_finite()) {
+            if wrench.moment.iter().chain(&wrench.force).any(|&entry| !is_moderate(entry)) {
                 return Err((k, RobotError::BadWrench { frame: name.to_owned() }));
             }
             self.wrenches.push(AppliedWrench { frame, wrench });

@@ -70,6 +70,18 @@ refuses! {
     negative_friction: two("friction = { viscous = -1.0 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "-1"];
     zero_transition: two("friction = { coulomb = 1.0, coulomb_velocity = 0.0 }", ""), Some(3), E::BadValue { .. }, ["'a'"];
     negative_armature: two("armature = -0.1", ""), Some(3), E::BadValue { .. }, ["armature", "'a'"];
+    huge_armature: two("armature = 1e200", ""), Some(3), E::BadValue { .. }, ["armature", "'a'", "1e200", "1e75"];
+    tiny_armature: two("armature = 1e-200", ""), Some(3), E::BadValue { .. }, ["armature", "'a'", "1e-75"];
+    huge_friction: two("friction = { viscous = 1e200 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "1e75"];
+    huge_spring: two("spring = { stiffness = -1e200 }", ""), Some(3), E::BadValue { .. }, ["stiffness", "'a'", "1e75"];
+    limit_nan: two("limits = { lower = nan }", ""), Some(3), E::BadValue { .. }, ["lower limit", "'a'", "NaN", "give a number"];
+    huge_placement: two("placement = { xyz = [1e200, 0.0, 0.0] }", ""), Some(3), E::BadPlacement { .. }, ["'a'", "1e75"];
+    huge_gravity: two("", "").replacen("[[", "gravity = [0.0, 0.0, -1e80]\n[[", 1), Some(2), E::BadGravity, ["gravity", "1e75"];
+    huge_coupling: two("", "").replacen("[[", "armature = [[1.0, 1e80], [1e80, 1.0]]\n[[", 1), Some(2), E::BadArmature { .. }, ["1e80"];
+    huge_frame: two("", "\n[[frame]]\nname = 'f'\nplacement = { xyz = [0, -1e80, 0] }"), Some(15), E::BadFramePlacement { .. }, ["'f'", "1e75"];
+    huge_wrench: two("", "\n[[wrench]]\nframe = 'b'\nforce = [0, 1e80, 0]"), Some(15), E::BadWrench { .. }, ["'b'", "1e75"];
+    huge_mimic_offset: two("", "mimic = { joint = 'a', offset = -1e80 }"), Some(9), E::BadValue { .. }, ["'b'", "offset", "1e75"];
+    huge_mimic_ratio: two("", "mimic = { joint = 'a', ratio = 1e80 }"), Some(9), E::BadValue { .. }, ["'b'", "ratio", "1e75"];
     mimic_of_nothing: two("", "mimic = { joint = 'c' }"), Some(9), E::UnknownMimic { .. }, ["'b'", "'c'"];
     mimics_in_a_circle: two("mimic = { joint = 'b' }", "mimic = { joint = 'a' }"), Some(3), E::MimicCycle { .. }, ["a -> b -> a"];
     mimic_by_nothing: two("", "mimic = { joint = 'a', ratio = 0.0 }"), Some(9), E::BadValue { .. }, ["'b'", "ratio", "0"];

@@ -65,12 +65,12 @@ impl fmt::Display for RobotError {
             }
             Self::BadFramePlacement { frame } => write!(
                 f,
-                "the placement of frame '{}' is not a finite right-handed rotation and translation; correct it",
+                "the placement of frame '{}' is not a right-handed rotation and a translation of 1e75 m at most; correct it",
                 printable(frame)
             ),
             Self::BadWrench { frame } => write!(
                 f,
-                "the wrench at frame '{}' has a number that is not finite; give finite moments and forces",
+                "the wrench at frame '{}' has a number that is not finite, or larger than 1e75; give finite moments and forces",
                 printable(frame)
             ),
             Self::UnknownChild { joint, child } => write!(
@@ -161,7 +161,7 @@ impl fmt::Display for RobotError {
             ),
             Self::BadPlacement { joint } => write!(
                 f,
-                "the placement of joint '{}' is not a finite right-handed rotation and translation; correct it",
+                "the placement of joint '{}' is not a right-handed rotation and a translation of 1e75 m at most; correct it",
                 printable(joint)
             ),
             Self::BadValue { joint, what, value, rule } => {
@@ -188,7 +188,7 @@ impl fmt::Display for RobotError {
                 printable(link),
                 printable_number(*moment)
             ),
-            Self::BadGravity => f.write_str("gravity is not finite; correct it"),
+            Self::BadGravity => f.write_str("gravity is not finite, or larger than 1e75; correct it (m/s^2)"),
             Self::BadArmature { problem, n } => write!(
                 f,
                 "the armature matrix {problem}; it must be {n} x {n}, symmetric and positive semidefinite, \

@@ -93,7 +93,7 @@ pub enum RobotError {
         /// The frame.
         frame: String,
     },
-    /// A wrench has a number that is not finite.
+    /// A wrench has a number that is not finite, or larger than 1e75.
     BadWrench {
         /// The frame that it acts on.
         frame: String,
@@ -247,7 +247,7 @@ pub enum RobotError {
         /// Smallest principal moment (kg m^2).
         moment: f64,
     },
-    /// Gravity is infinite or undefined.
+    /// Gravity is infinite, undefined or larger than 1e75.
     BadGravity,
     /// An armature matrix that does not fit.
     BadArmature {

@@ -18,6 +18,9 @@ fn changes_of_the_robot_are_checked() {
     for (line, parts) in [
         ("gravity = [0, 0]", &["robot.gravity: give a list of 3 numbers"][..]),
         ("gravity = [0, 0, nan]", &["robot.gravity: ", "not finite"]),
+        ("gravity = [0, 0, 1e80]", &["robot.gravity: ", "1e75"]),
+        ("armature = { elbow = 1e200 }", &["robot.armature: ", "'elbow' is 1e200", "1e75"]),
+        ("limits = { elbow = { lower = nan } }", &["robot.limits: ", "'elbow' is NaN", "give a number"]),
         ("armature = 3", &["robot.armature: give a table, not 3"]),
         ("armature = { elbo = 1 }", &["robot.armature: ", "'elbo'", near]),
         ("armature = { elbow = \"a\" }", &["robot.armature.elbow: give a number"]),
