@@ -169,6 +169,13 @@ impl Robot {
         &self.warnings
     }
 
+    /// Adds a warning, once.
+    pub(super) fn add_warning(&mut self, warning: Warning) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
     /// The same robot with D = 0.
     pub fn without_friction(&self) -> Self {
         let mut robot = self.clone();

@@ -2,7 +2,7 @@
 
 use costate::robot::{
     Friction, JointSpec, Limits, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, RobotError as E,
-    Warning,
+    Warning, Wrench,
 };
 use nalgebra::Matrix3;
 
@@ -104,6 +104,31 @@ fn payloads_that_cannot_be_are_named() {
     let flat = LinkInertia::about_com(1.0, [0.0; 3], Matrix3::from_diagonal(&[0.1, 0.1, 0.5].into()));
     let warnings = arm.with_payload("finger", &flat).unwrap().warnings().to_vec();
     assert!(warnings.iter().any(|warning| warning.to_string().contains("payload of finger")), "{warnings:?}");
+}
+
+/// What has no effect is not silent.
+#[test]
+fn idle_wrenches_and_empty_payloads_are_warnings() {
+    let strict = LoadOptions::default().strict(true);
+    let pull = Wrench { force: [1.0, 0.0, 0.0], ..Wrench::default() };
+    let idle = |frame: &str| Warning::IdleWrench { frame: frame.into() };
+    let pulled = arm().with_wrench("world", pull).unwrap();
+    assert_eq!(pulled.warnings(), [idle("world")]);
+    assert_eq!(pulled.with_wrench("world", pull).unwrap().warnings(), [idle("world")]);
+    assert_eq!(pulled.without_wrenches(), arm());
+    assert!(arm().with_wrench("elbow", pull).unwrap().warnings().is_empty());
+    let edit = [RobotEdit::Wrench("world".into(), pull)];
+    says(arm().edited(&edit, strict).unwrap_err(), &["'world'", "no effect"]);
+    // A joint that is locked no longer moves the frame.
+    let held = arm().with_wrench("shoulder", pull).unwrap().lock(&[("shoulder", -1.0)]).unwrap();
+    assert_eq!(held.warnings(), [idle("shoulder")]);
+    let nothing = LinkInertia::massless();
+    let carrying = arm().with_payload("elbow", &nothing).unwrap();
+    assert_eq!(carrying.warnings(), [Warning::EmptyPayload { frame: "elbow".into() }]);
+    let edit = [RobotEdit::Payload("elbow".into(), nothing)];
+    says(arm().edited(&edit, strict).unwrap_err(), &["'elbow'", "neither mass nor inertia"]);
+    let rod = LinkInertia::about_com(0.0, [0.0; 3], Matrix3::identity());
+    assert!(arm().with_payload("elbow", &rod).unwrap().warnings().is_empty());
 }
 
 #[test]

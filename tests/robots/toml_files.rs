@@ -219,6 +219,12 @@ fn a_violated_triangle_inequality_is_a_warning_and_strict_makes_it_an_error() {
     let error = parse(&odd, strict).unwrap_err();
     assert!(error.to_string().contains("'a'"), "{error}");
     assert!(parse(&two("", ""), strict).is_ok());
+    let pulled = two("", "\n[[wrench]]\nframe = 'world'\nforce = [0, 1, 0]");
+    assert!(matches!(
+        parse(&pulled, LoadOptions::default()).unwrap().warnings(),
+        [Warning::IdleWrench { frame }] if frame == "world"
+    ));
+    assert!(matches!(parse(&pulled, strict), Err(E::Strict { .. })));
 }
 
 #[test]

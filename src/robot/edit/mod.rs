@@ -151,11 +151,8 @@ impl Robot {
         self.warnings.iter_mut().filter_map(Warning::positivity_mut).for_each(|p| *p = Positivity::Untried);
         let left = std::mem::take(&mut self.warnings).into_iter().filter(applies);
         self.warnings = left.filter_map(|warning| warning.about(is_joint)).collect();
-        for warning in caused {
-            if !self.warnings.contains(&warning) {
-                self.warnings.push(warning);
-            }
-        }
+        caused.extend(self.idle_wrenches());
+        caused.into_iter().for_each(|warning| self.add_warning(warning));
         checks::try_mass_matrix(&self.joints, &self.armature, &mut self.warnings);
         self
     }

@@ -96,6 +96,16 @@ impl fmt::Display for Warning {
                 printable(master),
                 printable(joint)
             ),
+            Self::IdleWrench { frame } => write!(
+                f,
+                "no joint moves frame '{}', and a wrench there has no effect: name a frame beyond a joint",
+                printable(frame)
+            ),
+            Self::EmptyPayload { frame } => write!(
+                f,
+                "the payload of frame '{}' has neither mass nor inertia, and no effect: give it a mass",
+                printable(frame)
+            ),
             Self::LockedOutside { joint, value, limits: [lower, upper] } => write!(
                 f,
                 "joint '{}' is locked at {}, outside its limits {} and {}",

@@ -103,6 +103,16 @@ pub enum Warning {
         /// The independent joint.
         master: String,
     },
+    /// A wrench acts on a frame that no joint moves, and has no effect.
+    IdleWrench {
+        /// The frame.
+        frame: String,
+    },
+    /// A payload has neither mass nor inertia.
+    EmptyPayload {
+        /// The frame that carries it.
+        frame: String,
+    },
     /// A joint is locked outside its limits.
     LockedOutside {
         /// The joint.
